@@ -1,0 +1,3 @@
+//! The command line: it translates what was typed and prints what the library answers.
+
+fn main() {}

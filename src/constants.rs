@@ -1,0 +1,16 @@
+//! Physical constants, each with its source.
+
+/// Astronomical unit, km (IAU 2012 Resolution B2).
+pub const AU_KM: f64 = 149_597_870.7;
+/// Speed of light, km/s (SI).
+pub const SPEED_OF_LIGHT_KM_S: f64 = 299_792.458;
+/// Earth's equatorial radius, km (WGS84).
+pub const EARTH_EQUATORIAL_RADIUS_KM: f64 = 6378.137;
+/// Earth's flattening (WGS84).
+pub const EARTH_FLATTENING: f64 = 1.0 / 298.257_223_563;
+/// Sun's nominal radius, km (IAU 2015 Resolution B3).
+pub const SUN_RADIUS_KM: f64 = 695_700.0;
+/// Earth's rate of rotation with respect to the stars, rad/s (IERS Conventions 2010, eq. 5.15: 1.00273781191135448 turns a UT1 day).
+pub const EARTH_ROTATION_RAD_S: f64 = 1.002_737_811_911_354_48 * std::f64::consts::TAU / 86_400.0;
+/// Seconds in a day.
+pub const DAY_S: f64 = 86_400.0;

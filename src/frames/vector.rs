@@ -1,0 +1,210 @@
+//! Positions, velocities and directions that know their frame, and the rotations between frames.
+
+use std::f64::consts::TAU;
+use std::marker::PhantomData;
+use std::ops::{Add, Mul, Neg, Sub};
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::frame::Frame;
+
+macro_rules! framed_vector {
+    ($(#[$doc:meta])* $name:ident) => {
+        $(#[$doc])*
+        #[derive(Copy, Clone, Debug, PartialEq)]
+        pub struct $name<F: Frame> {
+            vector: Vector3<f64>,
+            frame: PhantomData<F>,
+        }
+
+        impl<F: Frame> $name<F> {
+            /// From a plain vector that is already in this frame and unit.
+            pub fn from_vector(vector: Vector3<f64>) -> Self {
+                Self { vector, frame: PhantomData }
+            }
+
+            /// The plain vector, in the axes of the frame.
+            pub fn vector(&self) -> &Vector3<f64> {
+                &self.vector
+            }
+        }
+    };
+}
+
+framed_vector!(
+    /// A place, km from the centre of the Earth (or, for `Horizontal` and differences, from where it is said).
+    Position
+);
+framed_vector!(
+    /// A velocity, km/s.
+    Velocity
+);
+framed_vector!(
+    /// A unit vector.
+    Direction
+);
+
+impl<F: Frame> Position<F> {
+    /// From components in km.
+    pub fn new(x_km: f64, y_km: f64, z_km: f64) -> Self {
+        Self::from_vector(Vector3::new(x_km, y_km, z_km))
+    }
+
+    /// Distance from the origin, km.
+    pub fn norm_km(&self) -> f64 {
+        self.vector.norm()
+    }
+
+    /// The direction from the origin; `None` at the origin itself or where a component is not finite.
+    pub fn direction(&self) -> Option<Direction<F>> {
+        let norm = self.vector.norm();
+        (norm > 0.0 && norm.is_finite()).then(|| Direction::from_vector(self.vector / norm))
+    }
+}
+
+impl<F: Frame> Velocity<F> {
+    /// From components in km/s.
+    pub fn new(x_km_s: f64, y_km_s: f64, z_km_s: f64) -> Self {
+        Self::from_vector(Vector3::new(x_km_s, y_km_s, z_km_s))
+    }
+
+    /// Speed, km/s.
+    pub fn norm_km_s(&self) -> f64 {
+        self.vector.norm()
+    }
+
+    /// The way made in `seconds`.
+    pub fn displacement(&self, seconds: f64) -> Position<F> {
+        Position::from_vector(self.vector * seconds)
+    }
+}
+
+impl<F: Frame> Direction<F> {
+    /// From longitude (right ascension, azimuth) and latitude (declination, altitude), radians.
+    pub fn from_lon_lat_rad(longitude_rad: f64, latitude_rad: f64) -> Self {
+        let (sin_lon, cos_lon) = longitude_rad.sin_cos();
+        let (sin_lat, cos_lat) = latitude_rad.sin_cos();
+        Self::from_vector(Vector3::new(cos_lat * cos_lon, cos_lat * sin_lon, sin_lat))
+    }
+
+    /// Longitude (right ascension, azimuth) in [0, 2π), radians.
+    pub fn longitude_rad(&self) -> f64 {
+        let longitude = self.vector.y.atan2(self.vector.x).rem_euclid(TAU);
+        // rem_euclid of a tiny negative number rounds to 2π itself.
+        if longitude >= TAU { 0.0 } else { longitude }
+    }
+
+    /// Latitude (declination, altitude) in [-π/2, π/2], radians; exact near the poles too.
+    pub fn latitude_rad(&self) -> f64 {
+        self.vector.z.atan2(self.vector.x.hypot(self.vector.y))
+    }
+
+    /// Angle to another direction in [0, π], radians; exact for tiny and for nearly opposite angles.
+    pub fn separation_rad(&self, other: &Self) -> f64 {
+        self.vector.cross(&other.vector).norm().atan2(self.vector.dot(&other.vector))
+    }
+
+    /// Cosine of the angle to another direction.
+    pub fn cosine(&self, other: &Self) -> f64 {
+        self.vector.dot(&other.vector)
+    }
+
+    /// Position angle of `other` seen from here: from the frame's north through increasing longitude (east), in [0, 2π), radians.
+    pub fn position_angle_rad(&self, other: &Self) -> f64 {
+        let (east, north) = self.east_north();
+        let angle = other.vector.dot(&east).atan2(other.vector.dot(&north)).rem_euclid(TAU);
+        if angle >= TAU { 0.0 } else { angle }
+    }
+
+    /// Unit vectors towards increasing longitude and latitude at this direction. At a pole, those of longitude 0.
+    pub fn east_north(&self) -> (Vector3<f64>, Vector3<f64>) {
+        let (sin_lon, cos_lon) = self.longitude_rad().sin_cos();
+        let east = Vector3::new(-sin_lon, cos_lon, 0.0);
+        (east, self.vector.cross(&east))
+    }
+
+    /// The place at `range_km` in this direction.
+    pub fn at_range(&self, range_km: f64) -> Position<F> {
+        Position::from_vector(self.vector * range_km)
+    }
+}
+
+impl<F: Frame> Add for Position<F> {
+    type Output = Position<F>;
+    fn add(self, other: Self) -> Self {
+        Self::from_vector(self.vector + other.vector)
+    }
+}
+
+impl<F: Frame> Sub for Position<F> {
+    type Output = Position<F>;
+    fn sub(self, other: Self) -> Self {
+        Self::from_vector(self.vector - other.vector)
+    }
+}
+
+impl<F: Frame> Add for Velocity<F> {
+    type Output = Velocity<F>;
+    fn add(self, other: Self) -> Self {
+        Self::from_vector(self.vector + other.vector)
+    }
+}
+
+impl<F: Frame> Sub for Velocity<F> {
+    type Output = Velocity<F>;
+    fn sub(self, other: Self) -> Self {
+        Self::from_vector(self.vector - other.vector)
+    }
+}
+
+impl<F: Frame> Neg for Direction<F> {
+    type Output = Direction<F>;
+    fn neg(self) -> Self {
+        Self::from_vector(-self.vector)
+    }
+}
+
+/// An orthogonal map that turns components in frame `A` into components in frame `B`.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Rotation<A: Frame, B: Frame> {
+    matrix: Matrix3<f64>,
+    frames: PhantomData<(A, B)>,
+}
+
+impl<A: Frame, B: Frame> Rotation<A, B> {
+    /// From a matrix that is already orthogonal; rows are the axes of `B` in `A`.
+    pub fn from_matrix(matrix: Matrix3<f64>) -> Self {
+        Self { matrix, frames: PhantomData }
+    }
+
+    /// The matrix; rows are the axes of `B` in `A`.
+    pub fn matrix(&self) -> &Matrix3<f64> {
+        &self.matrix
+    }
+
+    /// The way back.
+    pub fn inverse(&self) -> Rotation<B, A> {
+        Rotation::from_matrix(self.matrix.transpose())
+    }
+}
+
+impl<A: Frame, B: Frame, C: Frame> Mul<Rotation<A, B>> for Rotation<B, C> {
+    type Output = Rotation<A, C>;
+    fn mul(self, first: Rotation<A, B>) -> Rotation<A, C> {
+        Rotation::from_matrix(self.matrix * first.matrix)
+    }
+}
+
+macro_rules! rotates {
+    ($name:ident) => {
+        impl<A: Frame, B: Frame> Mul<$name<A>> for Rotation<A, B> {
+            type Output = $name<B>;
+            fn mul(self, vector: $name<A>) -> $name<B> {
+                $name::from_vector(self.matrix * vector.vector)
+            }
+        }
+    };
+}
+rotates!(Position);
+rotates!(Velocity);
+rotates!(Direction);
