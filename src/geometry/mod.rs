@@ -1,1 +1,5 @@
-//! (being built)
+//! How Sun, satellite and observer stand to one another.
+
+mod viewing;
+
+pub use viewing::ViewingGeometry;
