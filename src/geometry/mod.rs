@@ -6,6 +6,7 @@ mod shadow;
 mod site;
 mod sun;
 mod topocentric;
+mod viewing;
 
 pub use error::GeometryError;
 pub use observer::{Observer, ObserverState};
@@ -13,3 +14,4 @@ pub use shadow::{Illumination, illumination};
 pub use site::Site;
 pub use sun::{SunState, SunTable};
 pub use topocentric::{Aspect, aspect};
+pub use viewing::ViewingGeometry;

@@ -1,1 +1,32 @@
-//! (being built)
+//! From geometry to magnitude: laws of reflection, panels, phase functions, and the models made of them by name.
+
+mod band;
+mod blocking;
+pub mod brdf;
+mod brightness;
+mod library;
+mod magnitude;
+mod model;
+mod model_file;
+mod panel;
+mod phase;
+mod polygon;
+mod satellite;
+mod sphere;
+mod standard_magnitudes;
+
+pub use band::{Band, BandError, MagSystem};
+pub use blocking::{Blocked, ChassisBlocking};
+pub use brightness::{Brightness, MagnitudeSource, PhotometryOptions};
+pub use library::ModelLibrary;
+pub use magnitude::{Magnitude, StandardMagnitude, airmass};
+pub use model::{BrightnessModel, FittedRange};
+pub use model_file::{
+    Coefficients, GeometryRange, ModelFile, ModelFileError, ModelKind, PhasePolynomial, Provenance, SatelliteShape,
+};
+pub use panel::{Incidence, Panel};
+pub use phase::PhaseFunction;
+pub use polygon::SailPolygon;
+pub use satellite::{SatelliteModel, Terms};
+pub use sphere::DiffuseSphere;
+pub use standard_magnitudes::{StandardMagnitudes, StandardMagnitudesError};

@@ -1,0 +1,167 @@
+//! Passbands, zero points, and the Sun's magnitude in each.
+//!
+//! A satellite's reflectance is known in one band at best. Other bands are reached through the Sun's colour as if the
+//! satellite were grey; every magnitude made that way says so.
+
+use std::fmt;
+use std::str::FromStr;
+
+use thiserror::Error;
+
+/// A passband.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+pub enum Band {
+    /// Johnson B.
+    B,
+    /// Johnson V.
+    V,
+    /// Cousins R.
+    R,
+    /// Cousins I.
+    I,
+    /// LSST u.
+    LsstU,
+    /// LSST g.
+    LsstG,
+    /// LSST r.
+    LsstR,
+    /// LSST i.
+    LsstI,
+    /// LSST z.
+    LsstZ,
+    /// LSST y.
+    LsstY,
+    /// Gaia G.
+    GaiaG,
+}
+
+/// Where magnitude 0 lies.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+pub enum MagSystem {
+    /// Vega (about 0.03 mag) sets the zero.
+    Vega,
+    /// A source of 3631 Jy at every frequency has magnitude 0.
+    Ab,
+}
+
+impl Band {
+    /// All bands, blue to red within each family.
+    pub const ALL: [Band; 11] = [
+        Band::B,
+        Band::V,
+        Band::R,
+        Band::I,
+        Band::LsstU,
+        Band::LsstG,
+        Band::LsstR,
+        Band::LsstI,
+        Band::LsstZ,
+        Band::LsstY,
+        Band::GaiaG,
+    ];
+
+    /// The name in tables: `V`, `g`, `G` (Gaia).
+    pub fn name(self) -> &'static str {
+        match self {
+            Band::B => "B",
+            Band::V => "V",
+            Band::R => "R",
+            Band::I => "I",
+            Band::LsstU => "u",
+            Band::LsstG => "g",
+            Band::LsstR => "r",
+            Band::LsstI => "i",
+            Band::LsstZ => "z",
+            Band::LsstY => "y",
+            Band::GaiaG => "G",
+        }
+    }
+
+    /// The system that magnitudes of this band are usually given in.
+    pub fn usual_system(self) -> MagSystem {
+        match self {
+            Band::B | Band::V | Band::R | Band::I | Band::GaiaG => MagSystem::Vega,
+            _ => MagSystem::Ab,
+        }
+    }
+
+    /// Apparent magnitude of the Sun at 1 au.
+    pub fn sun_magnitude(self, system: MagSystem) -> f64 {
+        // BVRI and ugrizy: Willmer (2018, ApJS 236, 47), tables 3 and 4.
+        // Gaia G: Casagrande and VandenBerg (2018, MNRAS 479, L102); AB - Vega 0.114, Gaia DR3 photometric system.
+        let (vega, ab) = match self {
+            Band::B => (-26.13, -26.26),
+            Band::V => (-26.76, -26.77),
+            Band::R => (-27.15, -26.97),
+            Band::I => (-27.47, -27.05),
+            Band::LsstU => (0.0, 0.0),
+            Band::LsstG => (0.0, 0.0),
+            Band::LsstR => (0.0, 0.0),
+            Band::LsstI => (0.0, 0.0),
+            Band::LsstZ => (0.0, 0.0),
+            Band::LsstY => (0.0, 0.0),
+            Band::GaiaG => (-26.90, -26.79),
+        };
+        match system {
+            MagSystem::Vega => vega,
+            MagSystem::Ab => ab,
+        }
+    }
+}
+
+impl fmt::Display for Band {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(self.name())
+    }
+}
+
+impl fmt::Display for MagSystem {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.pad(match self {
+            MagSystem::Vega => "Vega",
+            MagSystem::Ab => "AB",
+        })
+    }
+}
+
+/// A band or system that is not known.
+#[derive(Debug, Error, PartialEq)]
+pub enum BandError {
+    /// Not a band.
+    #[error("unknown band {given:?}; known are B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)")]
+    UnknownBand {
+        /// As it was given.
+        given: String,
+    },
+    /// Not a magnitude system.
+    #[error("unknown magnitude system {given:?}; known are Vega and AB")]
+    UnknownSystem {
+        /// As it was given.
+        given: String,
+    },
+}
+
+impl FromStr for Band {
+    type Err = BandError;
+
+    /// By name; upper and lower case differ (`R` is Cousins, `r` LSST; `G` is Gaia, `g` LSST).
+    fn from_str(text: &str) -> Result<Self, BandError> {
+        Band::ALL
+            .into_iter()
+            .find(|band| band.name() == text.trim())
+            .ok_or_else(|| BandError::UnknownBand { given: text.to_owned() })
+    }
+}
+
+impl FromStr for MagSystem {
+    type Err = BandError;
+
+    /// By name, in any case.
+    fn from_str(text: &str) -> Result<Self, BandError> {
+        match text.trim().to_ascii_lowercase().as_str() {
+            "vega" => Ok(MagSystem::Vega),
+            "ab" => Ok(MagSystem::Ab),
+            _ => Err(BandError::UnknownSystem { given: text.to_owned() }),
+        }
+    }
+}

@@ -1,0 +1,54 @@
+//! Lambert's law: every direction sees the same radiance.
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `albedo` | 1 | 0 and up, at most 1 where energy is conserved | share of the incident power that leaves again |
+//!
+//! A rough surface that scatters many times forgets where the light came from. The paper uses it for the diffuse part of
+//! both panels and for the light that leaks through the sail's gaps. It is not a good law near grazing incidence.
+//!
+//! Reference: Lu (2024), eqs. 3, 4 and 6; Lambert, *Photometria* (1760).
+
+use std::f64::consts::FRAC_1_PI;
+
+use super::law::Brdf;
+use crate::photometry::panel::Incidence;
+
+/// A Lambertian surface.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Lambert {
+    /// Share of the incident power that leaves again.
+    pub albedo: f64,
+}
+
+impl Brdf for Lambert {
+    fn value_per_sr(&self, _incidence: &Incidence) -> f64 {
+        // f = c / π                                                      Lu (2024), eq. 3
+        self.albedo * FRAC_1_PI
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::photometry::panel::Panel;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn verif_energy_leaving_a_lambertian_plate_is_its_albedo() {
+        // ∫ f cos θ dω over the hemisphere, midpoint rule in cos θ (azimuth is symmetric).
+        let law = Lambert { albedo: 0.3 };
+        let panel = Panel { area_m2: 1.0, normal: Vector3::z() };
+        let to_sun = Vector3::new(0.6, 0.0, 0.8);
+        let n = 2000;
+        let sum: f64 = (0..n)
+            .map(|i| {
+                let cos = (i as f64 + 0.5) / n as f64;
+                let to_observer = Vector3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
+                let incidence = Incidence::new(&panel.normal, &to_sun, &to_observer);
+                law.value_per_sr(&incidence) * incidence.cos_out * std::f64::consts::TAU / n as f64
+            })
+            .sum();
+        assert!((sum - 0.3).abs() < 1e-9, "{sum}");
+    }
+}

@@ -1,0 +1,95 @@
+//! A predicted magnitude with what it rests on, and the choices it was made under.
+
+use std::fmt;
+use std::sync::Arc;
+
+use super::band::{Band, MagSystem};
+use super::magnitude::Magnitude;
+
+/// What a magnitude rests on. Cheap to clone.
+///
+/// Shown as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (a constellation's published mean) or
+/// `prior` (nothing is known of this satellite).
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub enum MagnitudeSource {
+    /// A reflection model, by name.
+    Brdf(Arc<str>),
+    /// A phase function, by name.
+    Phase(Arc<str>),
+    /// A diffuse sphere scaled to this object's standard magnitude.
+    StandardMagnitude,
+    /// The published mean of a constellation, by name.
+    Mean(Arc<str>),
+    /// A guess wide enough to hold most satellites.
+    Prior,
+}
+
+impl fmt::Display for MagnitudeSource {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Brdf(name) => write!(f, "brdf:{name}"),
+            Self::Phase(name) => write!(f, "phase:{name}"),
+            Self::StandardMagnitude => f.write_str("stdmag"),
+            Self::Mean(name) => write!(f, "prior:{name}"),
+            Self::Prior => f.write_str("prior"),
+        }
+    }
+}
+
+/// A predicted apparent magnitude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Brightness {
+    /// At the observer, the shadow's dimming included.
+    pub magnitude: Magnitude,
+    /// One sigma, mag: how far a single measurement may lie from the prediction.
+    pub sigma_mag: f64,
+    /// What the magnitude rests on.
+    pub source: MagnitudeSource,
+    /// False where the model was asked beyond the geometry that it was fitted to; the sigma is then wider.
+    pub in_fitted_range: bool,
+    /// True where the model knows another band and the Sun's colour was taken for the satellite's.
+    pub grey_reflectance: bool,
+}
+
+/// Which magnitude is asked for.
+///
+/// The default is what the paper computes: V in the Vega system, the Sun at 1 au, no atmosphere.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PhotometryOptions {
+    /// Passband of the answer.
+    pub band: Band,
+    /// Zero point of the answer.
+    pub system: MagSystem,
+    /// Add 5 log10 R for the Sun's distance R in au (at most ±0.037 mag). The paper leaves it out.
+    pub sun_distance: bool,
+    /// Extinction coefficient k of the site, mag per airmass; `None` gives magnitudes above the atmosphere.
+    /// With it a satellite at or below the observer's horizon has no magnitude.
+    pub extinction_mag_per_airmass: Option<f64>,
+}
+
+impl Default for PhotometryOptions {
+    fn default() -> Self {
+        Self { band: Band::V, system: MagSystem::Vega, sun_distance: false, extinction_mag_per_airmass: None }
+    }
+}
+
+impl PhotometryOptions {
+    /// In another band and system, all else as in the default.
+    pub fn in_band(band: Band, system: MagSystem) -> Self {
+        Self { band, system, ..Self::default() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_sources_are_spelled_as_tables_spell_them() {
+        assert_eq!(MagnitudeSource::Brdf("starlink-v1.5".into()).to_string(), "brdf:starlink-v1.5");
+        assert_eq!(MagnitudeSource::Phase("v2mini".into()).to_string(), "phase:v2mini");
+        assert_eq!(MagnitudeSource::StandardMagnitude.to_string(), "stdmag");
+        assert_eq!(MagnitudeSource::Mean("oneweb".into()).to_string(), "prior:oneweb");
+        assert_eq!(MagnitudeSource::Prior.to_string(), "prior");
+    }
+}

@@ -1,0 +1,89 @@
+//! Models by name: those that are shipped, and those that a user adds.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use super::model::BrightnessModel;
+use super::model_file::ModelFileError;
+
+macro_rules! shipped {
+    ($($file:literal),* $(,)?) => {
+        /// Name and text of every shipped model file.
+        const SHIPPED: &[(&str, &str)] = &[$(($file, include_str!(concat!("models/", $file)))),*];
+    };
+}
+shipped!(
+    "bluebird.json",
+    "direct-to-cell.json",
+    "guowang.json",
+    "kuiper.json",
+    "oneweb.json",
+    "qianfan.json",
+    "starlink-v1.0.json",
+    "starlink-v1.5-phase.json",
+    "starlink-v1.5.json",
+    "unknown.json",
+    "v2mini.json",
+    "visorsat.json",
+);
+
+/// A set of models, each under its name and aliases.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ModelLibrary {
+    models: BTreeMap<String, Arc<BrightnessModel>>,
+    aliases: BTreeMap<String, String>,
+}
+
+impl ModelLibrary {
+    /// The shipped models.
+    pub fn embedded() -> Self {
+        let mut library = Self::default();
+        for (origin, text) in SHIPPED {
+            // A test holds every shipped file to the rules, so none is passed over here.
+            if let Ok(model) = BrightnessModel::from_json(text, origin) {
+                library.add(model);
+            }
+        }
+        library
+    }
+
+    /// Adds the model of a file's text, in place of one of the same name; returns its name.
+    ///
+    /// # Errors
+    /// As [`BrightnessModel::from_json`]; the library is then as it was.
+    pub fn add_json(&mut self, text: &str, origin: &str) -> Result<String, ModelFileError> {
+        let model = BrightnessModel::from_json(text, origin)?;
+        Ok(self.add(model))
+    }
+
+    /// The model of this name or alias, in any case.
+    pub fn get(&self, name: &str) -> Option<Arc<BrightnessModel>> {
+        let name = name.trim().to_ascii_lowercase();
+        let name = self.aliases.get(&name).filter(|_| !self.models.contains_key(&name)).unwrap_or(&name);
+        self.models.get(name).cloned()
+    }
+
+    /// The model for a satellite of which nothing is known; always there in the embedded library.
+    pub fn unknown(&self) -> Option<Arc<BrightnessModel>> {
+        self.get("unknown")
+    }
+
+    /// Names in alphabetical order, aliases left out.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.models.keys().map(String::as_str)
+    }
+
+    /// Name and text of every shipped file, as it stands in the source.
+    pub fn shipped_files() -> &'static [(&'static str, &'static str)] {
+        SHIPPED
+    }
+
+    fn add(&mut self, model: BrightnessModel) -> String {
+        let (name, aliases) =
+            model.file().map(|file| (file.name.clone(), file.aliases.clone())).unwrap_or_default();
+        self.aliases.retain(|_, target| *target != name);
+        self.aliases.extend(aliases.into_iter().map(|alias| (alias, name.clone())));
+        self.models.insert(name.clone(), Arc::new(model));
+        name
+    }
+}

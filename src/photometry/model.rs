@@ -1,0 +1,234 @@
+//! One model of whatever kind, ready to be asked for magnitudes.
+
+use std::sync::Arc;
+
+use crate::geometry::ViewingGeometry;
+
+use super::band::{Band, MagSystem};
+use super::brightness::{Brightness, MagnitudeSource, PhotometryOptions};
+use super::magnitude::{StandardMagnitude, airmass};
+use super::model_file::{GeometryRange, ModelFile, ModelFileError, ModelKind};
+use super::phase::PhaseFunction;
+use super::satellite::SatelliteModel;
+use super::sphere::DiffuseSphere;
+
+/// Added in quadrature where a magnitude crosses from the model's band to another with the Sun's colour, mag. Assumed: satellites
+/// are measured up to a few tenths redder or bluer than the Sun, and no survey of theirs by type is public.
+pub const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
+
+/// One sigma of a diffuse sphere scaled to a standard magnitude, mag. Assumed: shapes that are no spheres, aspects, and
+/// magnitudes that observers estimated by eye; "good to a magnitude" is what the makers of such lists say.
+const STANDARD_MAGNITUDE_SIGMA_MAG: f64 = 1.0;
+
+/// Extent assumed of an object of which nothing is known, m.
+const UNKNOWN_SIZE_M: f64 = 3.0;
+
+/// Where a model may be asked without going beyond the points it rests on; in radians, each as [least, greatest].
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct FittedRange {
+    /// Of the Sun above the chassis plane.
+    pub sun_latitude_rad: [f64; 2],
+    /// Of the observer above the chassis plane.
+    pub observer_latitude_rad: [f64; 2],
+    /// Angle Sun-satellite-observer.
+    pub phase_angle_rad: [f64; 2],
+}
+
+/// Slack at the ends of a fitted range, radians: a bound typed in degrees is met by the same number of degrees.
+const RANGE_SLACK_RAD: f64 = 1e-9;
+
+impl FittedRange {
+    fn from_file(range: &GeometryRange) -> Self {
+        let radians = |range: Option<[f64; 2]>, all: [f64; 2]| {
+            let [from, to] = range.unwrap_or(all);
+            [from.to_radians() - RANGE_SLACK_RAD, to.to_radians() + RANGE_SLACK_RAD]
+        };
+        Self {
+            sun_latitude_rad: radians(range.sun_latitude_deg, [-90.0, 90.0]),
+            observer_latitude_rad: radians(range.observer_latitude_deg, [-90.0, 90.0]),
+            phase_angle_rad: radians(range.phase_angle_deg, [0.0, 180.0]),
+        }
+    }
+
+    fn holds(&self, geometry: &ViewingGeometry, phase_angle_rad: f64) -> bool {
+        let within = |value: f64, [from, to]: [f64; 2]| from <= value && value <= to;
+        within(geometry.sun_latitude_rad, self.sun_latitude_rad)
+            && within(geometry.observer_latitude_rad, self.observer_latitude_rad)
+            && within(phase_angle_rad, self.phase_angle_rad)
+    }
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Law {
+    Panels(SatelliteModel),
+    Phase(PhaseFunction),
+    Sphere(DiffuseSphere),
+    Mean(StandardMagnitude),
+}
+
+/// A model that answers with magnitudes, whatever it is made of. Shared by reference; asking allocates nothing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BrightnessModel {
+    law: Law,
+    source: MagnitudeSource,
+    band: Band,
+    system: MagSystem,
+    sigma_mag: f64,
+    sigma_outside_mag: f64,
+    fitted_range: Option<FittedRange>,
+    size_m: f64,
+    file: Option<Arc<ModelFile>>,
+}
+
+impl BrightnessModel {
+    /// From the text of a model file; `origin` (its name) is what errors call it.
+    ///
+    /// # Errors
+    /// As [`ModelFile::from_json`].
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, ModelFileError> {
+        Self::from_file(ModelFile::from_json(text, origin)?, origin)
+    }
+
+    /// From a model file's content, which is validated again.
+    ///
+    /// # Errors
+    /// As [`ModelFile::validate`].
+    pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, ModelFileError> {
+        file.validate(origin)?;
+        let needs = |key| ModelFileError::Key {
+            origin: origin.to_owned(),
+            kind: file.kind.name(),
+            problem: "needs",
+            key,
+        };
+        let (band, system) = file.band_and_system().ok_or_else(|| needs("band"))?;
+        let name: Arc<str> = file.name.as_str().into();
+        let (law, source) = match file.kind {
+            ModelKind::TwoPanel => {
+                let shape = file.shape.as_ref().ok_or_else(|| needs("shape"))?;
+                let coefficients = file.coefficients.as_ref().ok_or_else(|| needs("coefficients"))?;
+                let model = SatelliteModel::new(shape, coefficients).ok_or_else(|| needs("shape"))?;
+                (Law::Panels(model), MagnitudeSource::Brdf(name))
+            }
+            ModelKind::PhaseFunction => {
+                let phase = file.phase_function.as_ref().ok_or_else(|| needs("phase_function"))?;
+                let function = PhaseFunction::new(&phase.coefficients, phase.min_phase_deg, phase.max_phase_deg)
+                    .ok_or_else(|| needs("phase_function"))?;
+                (Law::Phase(function), MagnitudeSource::Phase(name))
+            }
+            ModelKind::Mean | ModelKind::Prior => {
+                let mean = StandardMagnitude(file.mean_mag.ok_or_else(|| needs("mean_mag"))?);
+                let source =
+                    if file.kind == ModelKind::Mean { MagnitudeSource::Mean(name) } else { MagnitudeSource::Prior };
+                (Law::Mean(mean), source)
+            }
+        };
+        Ok(Self {
+            law,
+            source,
+            band,
+            system,
+            sigma_mag: file.sigma_mag,
+            sigma_outside_mag: file.sigma_outside_mag,
+            fitted_range: file.geometry_range.as_ref().map(FittedRange::from_file),
+            size_m: file.size_m,
+            file: Some(Arc::new(file)),
+        })
+    }
+
+    /// A diffuse sphere for one object of known standard magnitude (visual, taken as V Vega; 1000 km, phase angle 90°).
+    pub fn from_standard_magnitude(half_lit: StandardMagnitude) -> Self {
+        Self {
+            law: Law::Sphere(DiffuseSphere { half_lit }),
+            source: MagnitudeSource::StandardMagnitude,
+            band: Band::V,
+            system: MagSystem::Vega,
+            sigma_mag: STANDARD_MAGNITUDE_SIGMA_MAG,
+            sigma_outside_mag: STANDARD_MAGNITUDE_SIGMA_MAG,
+            fitted_range: None,
+            size_m: UNKNOWN_SIZE_M,
+            file: None,
+        }
+    }
+
+    /// Magnitude at 1000 km in full sunlight, in the model's own band and system; `None` where nothing lit is seen.
+    pub fn standard_magnitude(&self, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
+        match &self.law {
+            Law::Panels(model) => {
+                let b_total = model.terms(geometry).b_total_m2_sr();
+                StandardMagnitude::from_reflection(b_total, self.band.sun_magnitude(self.system))
+            }
+            Law::Phase(function) => Some(function.standard_magnitude(geometry.phase_angle_rad())),
+            Law::Sphere(sphere) => sphere.standard_magnitude(geometry.phase_angle_rad()),
+            Law::Mean(mean) => Some(*mean),
+        }
+    }
+
+    /// Apparent magnitude with its sigma, source and range flag.
+    ///
+    /// `lit_fraction` is the share of the Sun's disk that the satellite sees. `None` where that is 0 (or no number), where nothing
+    /// lit is seen, and, with extinction, where the satellite stands at or below the observer's horizon.
+    pub fn brightness(
+        &self,
+        geometry: &ViewingGeometry,
+        lit_fraction: f64,
+        options: &PhotometryOptions,
+    ) -> Option<Brightness> {
+        if !(lit_fraction > 0.0 && geometry.range_km > 0.0) {
+            return None;
+        }
+        let standard = self.standard_magnitude(geometry)?;
+        let grey_reflectance = options.band != self.band;
+        // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
+        let colour = options.band.sun_magnitude(options.system) - self.band.sun_magnitude(self.system);
+        let dimming = -2.5 * lit_fraction.min(1.0).log10();
+        let sun = if options.sun_distance { 5.0 * geometry.sun_distance_au.log10() } else { 0.0 };
+        let air = match options.extinction_mag_per_airmass {
+            Some(k) => k * airmass(geometry.geocentric_altitude_rad()?)?,
+            None => 0.0,
+        };
+        let magnitude = standard.at_range(geometry.range_km).dimmed_by(colour + dimming + sun + air);
+        let in_fitted_range = self.covers(geometry);
+        let sigma = if in_fitted_range { self.sigma_mag } else { self.sigma_outside_mag };
+        magnitude.0.is_finite().then(|| Brightness {
+            magnitude,
+            sigma_mag: if grey_reflectance { sigma.hypot(GREY_REFLECTANCE_SIGMA_MAG) } else { sigma },
+            source: self.source.clone(),
+            in_fitted_range,
+            grey_reflectance,
+        })
+    }
+
+    /// True where the geometry lies within the points that the model rests on, or where it rests on no points of its own.
+    pub fn covers(&self, geometry: &ViewingGeometry) -> bool {
+        self.fitted_range.is_none_or(|range| range.holds(geometry, geometry.phase_angle_rad()))
+    }
+
+    /// The panels, if it is made of any: to take its light apart.
+    pub fn satellite(&self) -> Option<&SatelliteModel> {
+        match &self.law {
+            Law::Panels(model) => Some(model),
+            _ => None,
+        }
+    }
+
+    /// What its magnitudes rest on.
+    pub fn source(&self) -> &MagnitudeSource {
+        &self.source
+    }
+
+    /// Band and system that the model itself is made in.
+    pub fn band(&self) -> (Band, MagSystem) {
+        (self.band, self.system)
+    }
+
+    /// Largest extent of the satellite, m.
+    pub fn size_m(&self) -> f64 {
+        self.size_m
+    }
+
+    /// The file it was made from, if any.
+    pub fn file(&self) -> Option<&ModelFile> {
+        self.file.as_deref()
+    }
+}

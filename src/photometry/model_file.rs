@@ -1,0 +1,443 @@
+//! Model files: what they hold, and what is allowed in them.
+//!
+//! A model is data. Files are JSON, one model each; the schema for editors and other programs stands beside the shipped ones
+//! (`models/model.schema.json`). Unknown keys are errors, so that a misspelt option is never silently ignored.
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use super::band::{Band, MagSystem};
+
+/// The schema version that this code reads and writes.
+pub const SCHEMA_VERSION: u32 = 1;
+
+/// What a model computes with.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum ModelKind {
+    /// Chassis and sail with five terms: `shape`, `coefficients`, `covariance`.
+    TwoPanel,
+    /// A polynomial in the phase angle: `phase_function`.
+    PhaseFunction,
+    /// A constellation's published mean at 1000 km, taken for every geometry: `mean_mag`.
+    Mean,
+    /// As `mean`, but a guess: nothing is known of the satellite.
+    Prior,
+}
+
+/// One model as it stands in a file.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ModelFile {
+    /// [`SCHEMA_VERSION`].
+    pub schema: u32,
+    /// Lower-case letters, digits, `.` and `-`.
+    pub name: String,
+    /// Other names it answers to.
+    #[serde(default)]
+    pub aliases: Vec<String>,
+    /// One line for people.
+    pub title: String,
+    /// What it computes with; decides which of the optional keys must be there.
+    pub kind: ModelKind,
+    /// Band of the magnitudes: `V`, `g`, …
+    pub band: String,
+    /// `Vega` or `AB`.
+    pub mag_system: String,
+    /// Largest extent of the satellite as seen, m: it widens a streak.
+    pub size_m: f64,
+    /// Sizes of the panels (`two_panel`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub shape: Option<SatelliteShape>,
+    /// Coefficients of the five terms (`two_panel`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub coefficients: Option<Coefficients>,
+    /// Covariance of the coefficients (c1, c2, c3, c4, c5, n_sail, n_base), 7 x 7; null while none is known.
+    #[serde(default)]
+    pub covariance: Option<Vec<Vec<f64>>>,
+    /// Polynomial in the phase angle (`phase_function`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub phase_function: Option<PhasePolynomial>,
+    /// Mean magnitude at 1000 km (`mean`, `prior`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mean_mag: Option<f64>,
+    /// Root mean square of the residuals on the fitted points, mag; null where none was published.
+    pub rms_mag: Option<f64>,
+    /// One sigma of a single prediction inside the fitted range, mag.
+    pub sigma_mag: f64,
+    /// One sigma outside of it, mag; not less than `sigma_mag`.
+    pub sigma_outside_mag: f64,
+    /// Where the two sigmas come from.
+    pub sigma_origin: String,
+    /// The geometry of the points it rests on; null where it rests on an average.
+    pub geometry_range: Option<GeometryRange>,
+    /// Whose data, which publication, what to know.
+    pub provenance: Provenance,
+}
+
+/// Sizes of chassis and sail.
+#[derive(Copy, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SatelliteShape {
+    /// Sail, from the hinge up, m.
+    pub sail_length_m: f64,
+    /// Sail, along the hinge, m.
+    pub sail_width_m: f64,
+    /// Chassis, from the hinge towards the Sun, m.
+    pub base_length_m: f64,
+    /// Chassis, along the hinge, m.
+    pub base_width_m: f64,
+    /// Panel offset angle, degrees; positive leans the sail away from the Sun.
+    pub panel_offset_deg: f64,
+}
+
+/// Coefficients of Lu (2024), eqs. 2-6.
+#[derive(Copy, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Coefficients {
+    /// Weight of the sail's glossy lobe.
+    pub c1: f64,
+    /// Diffuse albedo of the sail's front.
+    pub c2: f64,
+    /// Diffuse leak to the sail's back.
+    pub c3: f64,
+    /// Weight of the chassis' glossy lobe.
+    pub c4: f64,
+    /// Diffuse albedo of the chassis.
+    pub c5: f64,
+    /// Exponent of the sail's lobe.
+    pub n_sail: f64,
+    /// Exponent of the chassis' lobe.
+    pub n_base: f64,
+}
+
+/// m(1000 km) = Σ coefficients\[i\] φ^i, φ the angle Sun-satellite-observer in degrees.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PhasePolynomial {
+    /// Of φ⁰, φ¹, …
+    pub coefficients: Vec<f64>,
+    /// The phase is clamped to this from below, degrees.
+    pub min_phase_deg: f64,
+    /// The phase is clamped to this from above, degrees.
+    pub max_phase_deg: f64,
+}
+
+/// The geometry of the points that a model rests on, each as [least, greatest], degrees; null where it does not matter.
+#[derive(Copy, Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GeometryRange {
+    /// Of the Sun above the chassis plane.
+    #[serde(default)]
+    pub sun_latitude_deg: Option<[f64; 2]>,
+    /// Of the observer above the chassis plane.
+    #[serde(default)]
+    pub observer_latitude_deg: Option<[f64; 2]>,
+    /// Angle Sun-satellite-observer.
+    #[serde(default)]
+    pub phase_angle_deg: Option<[f64; 2]>,
+}
+
+/// Where a model comes from.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Provenance {
+    /// Publication or maker of the fit.
+    pub source: String,
+    /// The measurements it rests on.
+    pub data: String,
+    /// How many points were fitted; null where not published.
+    pub n_points: Option<u64>,
+    /// When the fit was made or published: `2026-11`, `2022-10`.
+    pub date: String,
+    /// True while a better fit is known to be due.
+    pub provisional: bool,
+    /// What a careful user should know.
+    pub notes: Vec<String>,
+}
+
+/// Why a model file cannot be used. `origin` is the file's name.
+#[derive(Debug, Error)]
+pub enum ModelFileError {
+    /// Not JSON, a key missing, unknown or of the wrong type; the message names the key, the line and the column.
+    #[error("model file {origin}: {source}")]
+    Json {
+        /// The file.
+        origin: String,
+        /// What and where.
+        source: serde_json::Error,
+    },
+    /// Written for another version of the schema.
+    #[error("model file {origin}: schema is {given}, this version reads {SCHEMA_VERSION}")]
+    Schema {
+        /// The file.
+        origin: String,
+        /// As it stands there.
+        given: u32,
+    },
+    /// A number outside what is allowed, or not finite.
+    #[error("model file {origin}: {key} is {given}, allowed is {least} to {greatest}")]
+    OutOfRange {
+        /// The file.
+        origin: String,
+        /// The key, with its path.
+        key: String,
+        /// As it stands there.
+        given: f64,
+        /// Least allowed value.
+        least: f64,
+        /// Greatest allowed value.
+        greatest: f64,
+    },
+    /// A text that is not one of the allowed ones.
+    #[error("model file {origin}: {key} is {given:?}, allowed is {allowed}")]
+    Text {
+        /// The file.
+        origin: String,
+        /// The key.
+        key: &'static str,
+        /// As it stands there.
+        given: String,
+        /// What may stand there.
+        allowed: &'static str,
+    },
+    /// A key that the kind needs is missing, or one stands there that the kind has no use for.
+    #[error("model file {origin}: kind {kind} {problem} the key {key:?}")]
+    Key {
+        /// The file.
+        origin: String,
+        /// As in files.
+        kind: &'static str,
+        /// `needs` or `has no use for`.
+        problem: &'static str,
+        /// The key.
+        key: &'static str,
+    },
+    /// The covariance is not a symmetric 7 x 7 matrix with a diagonal that is not negative.
+    #[error("model file {origin}: covariance must be 7 x 7 (c1, c2, c3, c4, c5, n_sail, n_base), finite and symmetric, with a diagonal of at least 0: {problem}")]
+    Covariance {
+        /// The file.
+        origin: String,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+impl ModelKind {
+    /// As it stands in files.
+    pub fn name(self) -> &'static str {
+        match self {
+            ModelKind::TwoPanel => "two_panel",
+            ModelKind::PhaseFunction => "phase_function",
+            ModelKind::Mean => "mean",
+            ModelKind::Prior => "prior",
+        }
+    }
+}
+
+impl ModelFile {
+    /// Reads and validates one model; `origin` (a file name) is what errors call it.
+    ///
+    /// # Errors
+    /// [`ModelFileError`]: text that is not JSON, unknown or missing keys, another schema version, values out of range, keys that do
+    /// not fit the kind, a covariance that is none.
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, ModelFileError> {
+        let file: Self = serde_json::from_str(text)
+            .map_err(|source| ModelFileError::Json { origin: origin.to_owned(), source })?;
+        file.validate(origin)?;
+        Ok(file)
+    }
+
+    /// The file's text again, indented.
+    pub fn to_json(&self) -> String {
+        // No map with keys other than strings and no number that is not finite is in a validated file.
+        serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// The band and system of its magnitudes, if they are known ones.
+    pub fn band_and_system(&self) -> Option<(Band, MagSystem)> {
+        Some((self.band.parse().ok()?, self.mag_system.parse().ok()?))
+    }
+
+    /// Holds every value to its range and every key to the kind.
+    ///
+    /// # Errors
+    /// The first [`ModelFileError`] that is found.
+    pub fn validate(&self, origin: &str) -> Result<(), ModelFileError> {
+        let check = Check { origin };
+        if self.schema != SCHEMA_VERSION {
+            return Err(ModelFileError::Schema { origin: origin.to_owned(), given: self.schema });
+        }
+        check.name("name", &self.name)?;
+        self.aliases.iter().try_for_each(|alias| check.name("aliases", alias))?;
+        check.filled("title", &self.title)?;
+        if self.band.parse::<Band>().is_err() {
+            return Err(check.text("band", &self.band, "B V R I u g r i z y G"));
+        }
+        if self.mag_system.parse::<MagSystem>().is_err() {
+            return Err(check.text("mag_system", &self.mag_system, "Vega or AB"));
+        }
+        check.range("size_m", self.size_m, 0.0, 200.0)?;
+        if let Some(rms_mag) = self.rms_mag {
+            check.range("rms_mag", rms_mag, 0.0, 5.0)?;
+        }
+        check.range("sigma_mag", self.sigma_mag, 0.01, 5.0)?;
+        check.range("sigma_outside_mag", self.sigma_outside_mag, self.sigma_mag, 5.0)?;
+        check.filled("sigma_origin", &self.sigma_origin)?;
+        check.filled("provenance.source", &self.provenance.source)?;
+        check.filled("provenance.data", &self.provenance.data)?;
+        check.filled("provenance.date", &self.provenance.date)?;
+        self.validate_keys(&check)?;
+        if let Some(shape) = &self.shape {
+            shape.validate(&check)?;
+        }
+        if let Some(coefficients) = &self.coefficients {
+            coefficients.validate(&check)?;
+        }
+        if let Some(covariance) = &self.covariance {
+            check.covariance(covariance)?;
+        }
+        if let Some(phase) = &self.phase_function {
+            phase.validate(&check)?;
+        }
+        if let Some(mean_mag) = self.mean_mag {
+            check.range("mean_mag", mean_mag, -10.0, 30.0)?;
+        }
+        self.geometry_range.map_or(Ok(()), |range| range.validate(&check))
+    }
+
+    /// Which optional keys the kind needs and which it has no use for.
+    fn validate_keys(&self, check: &Check) -> Result<(), ModelFileError> {
+        let panels = self.kind == ModelKind::TwoPanel;
+        let phase = self.kind == ModelKind::PhaseFunction;
+        let mean = matches!(self.kind, ModelKind::Mean | ModelKind::Prior);
+        let keys = [
+            ("shape", self.shape.is_some(), panels),
+            ("coefficients", self.coefficients.is_some(), panels),
+            ("phase_function", self.phase_function.is_some(), phase),
+            ("mean_mag", self.mean_mag.is_some(), mean),
+        ];
+        let key_error = |problem, key| ModelFileError::Key {
+            origin: check.origin.to_owned(),
+            kind: self.kind.name(),
+            problem,
+            key,
+        };
+        for (key, present, needed) in keys {
+            match (present, needed) {
+                (false, true) => return Err(key_error("needs", key)),
+                (true, false) => return Err(key_error("has no use for", key)),
+                _ => {}
+            }
+        }
+        if self.covariance.is_some() && !panels {
+            return Err(key_error("has no use for", "covariance"));
+        }
+        Ok(())
+    }
+}
+
+impl SatelliteShape {
+    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+        check.range("shape.sail_length_m", self.sail_length_m, 0.01, 200.0)?;
+        check.range("shape.sail_width_m", self.sail_width_m, 0.01, 200.0)?;
+        check.range("shape.base_length_m", self.base_length_m, 0.01, 200.0)?;
+        check.range("shape.base_width_m", self.base_width_m, 0.01, 200.0)?;
+        check.range("shape.panel_offset_deg", self.panel_offset_deg, -60.0, 60.0)
+    }
+}
+
+impl Coefficients {
+    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+        let weights = [("c1", self.c1), ("c2", self.c2), ("c3", self.c3), ("c4", self.c4), ("c5", self.c5)];
+        for (key, value) in weights {
+            check.range(&format!("coefficients.{key}"), value, 0.0, 10.0)?;
+        }
+        for (key, value) in [("n_sail", self.n_sail), ("n_base", self.n_base)] {
+            check.range(&format!("coefficients.{key}"), value, 0.0, 10_000.0)?;
+        }
+        Ok(())
+    }
+}
+
+impl PhasePolynomial {
+    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+        check.range("phase_function.coefficients (their number)", self.coefficients.len() as f64, 1.0, 8.0)?;
+        for (i, &value) in self.coefficients.iter().enumerate() {
+            check.range(&format!("phase_function.coefficients[{i}]"), value, -100.0, 100.0)?;
+        }
+        check.range("phase_function.max_phase_deg", self.max_phase_deg, 0.0, 180.0)?;
+        // Written so that equal ends are refused too.
+        let below = self.max_phase_deg - 1e-6;
+        check.range("phase_function.min_phase_deg", self.min_phase_deg, 0.0, below)
+    }
+}
+
+impl GeometryRange {
+    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+        let ranges = [
+            ("sun_latitude_deg", self.sun_latitude_deg, -90.0, 90.0),
+            ("observer_latitude_deg", self.observer_latitude_deg, -90.0, 90.0),
+            ("phase_angle_deg", self.phase_angle_deg, 0.0, 180.0),
+        ];
+        for (key, range, least, greatest) in ranges {
+            if let Some([from, to]) = range {
+                check.range(&format!("geometry_range.{key}[0]"), from, least, greatest)?;
+                check.range(&format!("geometry_range.{key}[1]"), to, from, greatest)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Checks that know whose file they speak of.
+struct Check<'a> {
+    origin: &'a str,
+}
+
+impl Check<'_> {
+    fn range(&self, key: &str, given: f64, least: f64, greatest: f64) -> Result<(), ModelFileError> {
+        // Not a number is in no range.
+        if (least..=greatest).contains(&given) {
+            return Ok(());
+        }
+        Err(ModelFileError::OutOfRange { origin: self.origin.to_owned(), key: key.to_owned(), given, least, greatest })
+    }
+
+    fn text(&self, key: &'static str, given: &str, allowed: &'static str) -> ModelFileError {
+        ModelFileError::Text { origin: self.origin.to_owned(), key, given: given.to_owned(), allowed }
+    }
+
+    fn filled(&self, key: &'static str, given: &str) -> Result<(), ModelFileError> {
+        if given.trim().is_empty() { Err(self.text(key, given, "any text that is not empty")) } else { Ok(()) }
+    }
+
+    fn name(&self, key: &'static str, given: &str) -> Result<(), ModelFileError> {
+        let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '.' || c == '-';
+        if (1..=64).contains(&given.len()) && given.chars().all(letter) {
+            return Ok(());
+        }
+        Err(self.text(key, given, "1 to 64 lower-case letters, digits, '.' and '-'"))
+    }
+
+    fn covariance(&self, matrix: &[Vec<f64>]) -> Result<(), ModelFileError> {
+        let error = |problem: String| ModelFileError::Covariance { origin: self.origin.to_owned(), problem };
+        if matrix.len() != 7 {
+            return Err(error(format!("it has {} rows", matrix.len())));
+        }
+        if let Some((i, row)) = matrix.iter().enumerate().find(|(_, row)| row.len() != 7) {
+            return Err(error(format!("row {i} has {} columns", row.len())));
+        }
+        for (i, row) in matrix.iter().enumerate() {
+            for (j, (&value, mirrored)) in row.iter().zip(matrix.iter().map(|row| row[i])).enumerate() {
+                if !value.is_finite() || (i == j && value < 0.0) {
+                    return Err(error(format!("element [{i}][{j}] is {value}")));
+                }
+                if (value - mirrored).abs() > 1e-9 * value.abs().max(mirrored.abs()) {
+                    return Err(error(format!("element [{i}][{j}] is {value}, [{j}][{i}] is {mirrored}")));
+                }
+            }
+        }
+        Ok(())
+    }
+}

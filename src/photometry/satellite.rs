@@ -1,0 +1,104 @@
+//! The paper's satellite: a chassis and a sail, five terms of reflected light, each to be had apart.
+//!
+//! B_total = glossy + diffuse of the sail's front, light leaking through its back, glossy + diffuse of the chassis
+//! (Lu 2024, section 2.1). The sail is kept turned to the Sun about the zenith and stands on the chassis, leaning by the panel
+//! offset angle; the chassis looks straight down. Earthshine on the chassis is not in these terms.
+
+use nalgebra::Vector3;
+
+use crate::geometry::ViewingGeometry;
+
+use super::blocking::{Blocked, ChassisBlocking};
+use super::brdf::{Lambert, Phong};
+use super::model_file::{Coefficients, SatelliteShape};
+use super::panel::Panel;
+
+/// Reflected sunlight term by term, and what the chassis hides of the sail. All in m² sr⁻¹, cosines and areas included.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Terms {
+    /// Glossy lobe of the sail's front (c1, n_sail), eq. 2.
+    pub sail_glossy_m2_sr: f64,
+    /// Diffuse light of the sail's front (c2), eq. 3.
+    pub sail_diffuse_m2_sr: f64,
+    /// Light that leaks through to the sail's back (c3), eq. 4.
+    pub sail_back_m2_sr: f64,
+    /// Glossy lobe of the chassis (c4, n_base), eq. 5.
+    pub base_glossy_m2_sr: f64,
+    /// Diffuse light of the chassis (c5), eq. 6.
+    pub base_diffuse_m2_sr: f64,
+    /// Shares of the sail that the chassis hides or shades.
+    pub blocked: Blocked,
+}
+
+impl Terms {
+    /// Their sum, m² sr⁻¹; eq. 1.
+    pub fn b_total_m2_sr(&self) -> f64 {
+        self.sail_glossy_m2_sr
+            + self.sail_diffuse_m2_sr
+            + self.sail_back_m2_sr
+            + self.base_glossy_m2_sr
+            + self.base_diffuse_m2_sr
+    }
+}
+
+/// Panels and laws made ready: no allocation and no choice is left when it is asked.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct SatelliteModel {
+    sail: Panel,
+    base: Panel,
+    blocking: ChassisBlocking,
+    sail_glossy: Phong,
+    sail_diffuse: Lambert,
+    sail_back: Lambert,
+    base_glossy: Phong,
+    base_diffuse: Lambert,
+}
+
+impl SatelliteModel {
+    /// From a shape and coefficients; `None` where a length is not positive or the offset is not within ±90°.
+    pub fn new(shape: &SatelliteShape, coefficients: &Coefficients) -> Option<Self> {
+        let blocking = ChassisBlocking::new(
+            shape.sail_length_m,
+            shape.sail_width_m,
+            shape.base_length_m,
+            shape.base_width_m,
+            shape.panel_offset_deg.to_radians(),
+        )?;
+        Some(Self {
+            // n_sail = (cos POA, 0, sin POA), towards the Sun; n_base = -z    Lu (2024), section 2.1
+            sail: Panel { area_m2: blocking.sail_area_m2(), normal: blocking.sail_normal() },
+            base: Panel { area_m2: blocking.base_area_m2(), normal: -Vector3::z() },
+            blocking,
+            sail_glossy: Phong { weight: coefficients.c1, exponent: coefficients.n_sail },
+            sail_diffuse: Lambert { albedo: coefficients.c2 },
+            sail_back: Lambert { albedo: coefficients.c3 },
+            base_glossy: Phong { weight: coefficients.c4, exponent: coefficients.n_base },
+            base_diffuse: Lambert { albedo: coefficients.c5 },
+        })
+    }
+
+    /// The five terms for full sunlight.
+    pub fn terms(&self, geometry: &ViewingGeometry) -> Terms {
+        let to_sun = geometry.to_sun();
+        let to_observer = geometry.to_observer();
+        self.terms_of_directions(to_sun.vector(), to_observer.vector())
+    }
+
+    /// The five terms from unit vectors to Sun (its y is 0) and observer, in the body frame.
+    pub fn terms_of_directions(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Terms {
+        let sail = self.sail.incidence(to_sun, to_observer);
+        let base = self.base.incidence(to_sun, to_observer);
+        let blocked = self.blocking.blocked(to_sun, to_observer);
+        // B_s,sail and B_d,sail lose what is hidden or shaded, B_b,sail what is shaded: from behind, the chassis hides
+        // nothing of the sail.                                            Lu (2024), eqs. 2-6
+        let open = 1.0 - blocked.shadow_or_hidden;
+        Terms {
+            sail_glossy_m2_sr: self.sail.front_m2_sr(&self.sail_glossy, &sail) * open,
+            sail_diffuse_m2_sr: self.sail.front_m2_sr(&self.sail_diffuse, &sail) * open,
+            sail_back_m2_sr: self.sail.through_m2_sr(&self.sail_back, &sail) * (1.0 - blocked.shadow),
+            base_glossy_m2_sr: self.base.front_m2_sr(&self.base_glossy, &base),
+            base_diffuse_m2_sr: self.base.front_m2_sr(&self.base_diffuse, &base),
+            blocked,
+        }
+    }
+}

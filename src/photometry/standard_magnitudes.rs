@@ -1,0 +1,110 @@
+//! Standard magnitudes by object, from the table that amateurs keep for QuickSat (`qs.mag`).
+//!
+//! Mike McCants' intrinsic magnitude is stated for 1000 km, *full* phase, and the brightest aspect that is likely. We
+//! want the mean at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase and about 0.7 mag
+//! from brightest to average, together 1.45 mag fainter. (Other programs read the column as half phase; merged
+//! lists in circulation add a round 1.0.) Rows without a magnitude are passed over.
+//!
+//! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
+
+use std::collections::BTreeMap;
+
+use thiserror::Error;
+
+use super::magnitude::StandardMagnitude;
+
+/// Full phase, brightest likely, to half phase, average: 2.5 log10 2 + 0.7 mag (McCants, "Intrinsic magnitude definitions").
+const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
+
+/// Why a table of standard magnitudes cannot be read.
+#[derive(Debug, Error, PartialEq)]
+pub enum StandardMagnitudesError {
+    /// No line had an id and a magnitude where they belong.
+    #[error(
+        "none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37: is this a qs.mag table?"
+    )]
+    NothingRead {
+        /// Lines that were looked at.
+        lines: usize,
+    },
+}
+
+/// Magnitudes at 1000 km and phase angle 90°, by NORAD id.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct StandardMagnitudes {
+    half_lit: BTreeMap<u32, StandardMagnitude>,
+}
+
+impl StandardMagnitudes {
+    /// Reads a `qs.mag` table, brought to half phase and mean aspect.
+    ///
+    /// # Errors
+    /// [`StandardMagnitudesError::NothingRead`] where not one line has an id and a magnitude.
+    pub fn from_qs_mag(text: &str) -> Result<Self, StandardMagnitudesError> {
+        let half_lit: BTreeMap<u32, StandardMagnitude> = text
+            .lines()
+            .filter_map(|line| {
+                let id: u32 = line.get(0..5)?.trim().parse().ok()?;
+                let end = line.len().min(37);
+                let intrinsic: f64 = line.get(33..end)?.trim().parse().ok()?;
+                // The table's first and last lines are a header that begins with 00001 and 99999, and have no number here.
+                (id > 0 && intrinsic.is_finite())
+                    .then_some((id, StandardMagnitude(intrinsic + QUICKSAT_TO_HALF_LIT_MAG)))
+            })
+            .collect();
+        if half_lit.is_empty() {
+            return Err(StandardMagnitudesError::NothingRead { lines: text.lines().count() });
+        }
+        Ok(Self { half_lit })
+    }
+
+    /// From pairs of NORAD id and magnitude at 1000 km and phase angle 90°; the last of equal ids counts.
+    pub fn from_half_lit(pairs: impl IntoIterator<Item = (u32, StandardMagnitude)>) -> Self {
+        Self { half_lit: pairs.into_iter().collect() }
+    }
+
+    /// Magnitude at 1000 km and phase angle 90°, if the object is listed.
+    pub fn get(&self, norad_id: u32) -> Option<StandardMagnitude> {
+        self.half_lit.get(&norad_id).copied()
+    }
+
+    /// How many objects are listed.
+    pub fn len(&self) -> usize {
+        self.half_lit.len()
+    }
+
+    /// True where none is listed.
+    pub fn is_empty(&self) -> bool {
+        self.half_lit.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ROWS: &str = "\
+00001 d Desig...  Name.......... Mag.  Sz1 Sz2 Sz3 RCS Comments 39732\r
+00011   59 1A     Vanguard 2      7.5  0.5 0.0 0.0 .37\r
+00127   61 15M    Trans 4A RkDbM                   .35\r
+25544   98 67A    ISS            -2.0              348\r
+39084   13 8A     Landsat 8                        7.8\r
+";
+
+    #[test]
+    fn verif_rows_are_read_and_brought_to_half_phase() {
+        let table = StandardMagnitudes::from_qs_mag(ROWS).unwrap();
+        assert_eq!(table.len(), 2);
+        assert!((table.get(11).unwrap().0 - 8.9526).abs() < 1e-4);
+        assert!((table.get(25544).unwrap().0 - -0.5474).abs() < 1e-4);
+        assert_eq!(table.get(39084), None);
+    }
+
+    #[test]
+    fn verif_another_kind_of_text_is_refused() {
+        let error = StandardMagnitudes::from_qs_mag("a,b,c\n1,2,3\n").unwrap_err();
+        assert_eq!(error, StandardMagnitudesError::NothingRead { lines: 2 });
+        assert!(error.to_string().contains("qs.mag"));
+        assert!(StandardMagnitudes::from_qs_mag("").is_err());
+    }
+}

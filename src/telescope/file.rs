@@ -1,0 +1,132 @@
+//! Telescopes by name and from TOML files, each held to what is allowed.
+
+use thiserror::Error;
+
+use super::aperture::{FieldOfView, Telescope};
+
+macro_rules! presets {
+    ($($name:literal),* $(,)?) => {
+        /// Name and text of every preset, in the form that users write.
+        const PRESETS: &[(&str, &str)] = &[$(($name, include_str!(concat!("presets/", $name, ".toml")))),*];
+    };
+}
+presets!("atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf");
+
+/// Why a telescope cannot be had.
+#[derive(Debug, Error)]
+pub enum TelescopeError {
+    /// No preset of this name.
+    #[error("unknown telescope {given:?}; known are {known}")]
+    Unknown {
+        /// As it was given.
+        given: String,
+        /// All presets.
+        known: String,
+    },
+    /// Not TOML, a key missing, unknown or of the wrong type; the message names key and line.
+    #[error("telescope file {origin}: {message}")]
+    Toml {
+        /// The file.
+        origin: String,
+        /// What and where.
+        message: String,
+    },
+    /// A number outside what is allowed, or not finite.
+    #[error("telescope file {origin}: {key} is {given}, allowed is {least} to {greatest}")]
+    OutOfRange {
+        /// The file.
+        origin: String,
+        /// The key.
+        key: String,
+        /// As it stands there.
+        given: f64,
+        /// Least allowed value.
+        least: f64,
+        /// Greatest allowed value.
+        greatest: f64,
+    },
+    /// A limit for a band that is not known.
+    #[error("telescope file {origin}: limits are given for band {given:?}; known are B V R I u g r i z y G")]
+    Band {
+        /// The file.
+        origin: String,
+        /// As it stands there.
+        given: String,
+    },
+}
+
+/// Names of the bands that limits may be given for. Kept here so that telescopes import nothing.
+const BANDS: [&str; 11] = ["B", "V", "R", "I", "u", "g", "r", "i", "z", "y", "G"];
+
+impl Telescope {
+    /// A preset by name, in any case; `lsst` is Rubin, `panstarrs` and `ps1` Pan-STARRS.
+    ///
+    /// # Errors
+    /// [`TelescopeError::Unknown`] with all known names.
+    pub fn by_name(name: &str) -> Result<Self, TelescopeError> {
+        let wanted = match name.trim().to_ascii_lowercase().as_str() {
+            "lsst" | "simonyi" => "rubin".to_owned(),
+            "panstarrs" | "ps1" => "pan-starrs".to_owned(),
+            "blanco" => "decam".to_owned(),
+            other => other.to_owned(),
+        };
+        let (preset, text) = PRESETS.iter().find(|(preset, _)| *preset == wanted).ok_or_else(|| {
+            TelescopeError::Unknown { given: name.to_owned(), known: Self::names().collect::<Vec<_>>().join(", ") }
+        })?;
+        Self::from_toml(text, preset)
+    }
+
+    /// Names of the presets in alphabetical order.
+    pub fn names() -> impl Iterator<Item = &'static str> {
+        PRESETS.iter().map(|(name, _)| *name)
+    }
+
+    /// From the text of a TOML file with the keys of [`Telescope`]; `origin` (its name) is what errors call it.
+    ///
+    /// # Errors
+    /// [`TelescopeError`]: text that is not TOML, unknown or missing keys, values out of range, limits for unknown bands.
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, TelescopeError> {
+        let telescope: Self = toml::from_str(text).map_err(|error| TelescopeError::Toml {
+            origin: origin.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        telescope.validate(origin)?;
+        Ok(telescope)
+    }
+
+    fn validate(&self, origin: &str) -> Result<(), TelescopeError> {
+        let range = |key: &str, given: f64, least: f64, greatest: f64| {
+            // Not a number is in no range.
+            if (least..=greatest).contains(&given) {
+                return Ok(());
+            }
+            Err(TelescopeError::OutOfRange { origin: origin.to_owned(), key: key.to_owned(), given, least, greatest })
+        };
+        range("outer_radius_m", self.outer_radius_m, 0.001, 100.0)?;
+        range("inner_radius_m", self.inner_radius_m, 0.0, self.outer_radius_m)?;
+        range("seeing_arcsec", self.seeing_arcsec, 0.001, 600.0)?;
+        range("pixel_scale_arcsec", self.pixel_scale_arcsec, 0.001, 600.0)?;
+        range("mask_widths", self.mask_widths, 0.1, 100.0)?;
+        match &self.field {
+            FieldOfView::CircleDeg(diameter) => range("field.circle_deg", *diameter, 1e-4, 170.0)?,
+            FieldOfView::RectangleDeg(sides) => {
+                sides.iter().try_for_each(|&side| range("field.rectangle_deg", side, 1e-4, 170.0))?
+            }
+            FieldOfView::PolygonDeg(corners) => {
+                range("field.polygon_deg (corners)", corners.len() as f64, 3.0, 10_000.0)?;
+                corners.iter().flatten().try_for_each(|&value| range("field.polygon_deg", value, -85.0, 85.0))?
+            }
+        }
+        for (band, limits) in &self.limits {
+            if !BANDS.contains(&band.as_str()) {
+                return Err(TelescopeError::Band { origin: origin.to_owned(), given: band.clone() });
+            }
+            for (key, limit) in
+                [("trail_saturation_mag", limits.trail_saturation_mag), ("crosstalk_mag", limits.crosstalk_mag)]
+            {
+                limit.map_or(Ok(()), |mag| range(&format!("limits.{band}.{key}"), mag, -10.0, 30.0))?;
+            }
+        }
+        Ok(())
+    }
+}
