@@ -79,8 +79,7 @@ impl ModelLibrary {
     }
 
     fn add(&mut self, model: BrightnessModel) -> String {
-        let (name, aliases) =
-            model.file().map(|file| (file.name.clone(), file.aliases.clone())).unwrap_or_default();
+        let (name, aliases) = model.file().map(|file| (file.name.clone(), file.aliases.clone())).unwrap_or_default();
         self.aliases.retain(|_, target| *target != name);
         self.aliases.extend(aliases.into_iter().map(|alias| (alias, name.clone())));
         self.models.insert(name.clone(), Arc::new(model));

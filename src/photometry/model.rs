@@ -95,12 +95,8 @@ impl BrightnessModel {
     /// As [`ModelFile::validate`].
     pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, ModelFileError> {
         file.validate(origin)?;
-        let needs = |key| ModelFileError::Key {
-            origin: origin.to_owned(),
-            kind: file.kind.name(),
-            problem: "needs",
-            key,
-        };
+        let needs =
+            |key| ModelFileError::Key { origin: origin.to_owned(), kind: file.kind.name(), problem: "needs", key };
         let (band, system) = file.band_and_system().ok_or_else(|| needs("band"))?;
         let name: Arc<str> = file.name.as_str().into();
         let (law, source) = match file.kind {

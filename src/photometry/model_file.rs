@@ -214,7 +214,9 @@ pub enum ModelFileError {
         key: &'static str,
     },
     /// The covariance is not a symmetric 7 x 7 matrix with a diagonal that is not negative.
-    #[error("model file {origin}: covariance must be 7 x 7 (c1, c2, c3, c4, c5, n_sail, n_base), finite and symmetric, with a diagonal of at least 0: {problem}")]
+    #[error(
+        "model file {origin}: covariance must be 7 x 7 (c1, c2, c3, c4, c5, n_sail, n_base), finite and symmetric, with a diagonal of at least 0: {problem}"
+    )]
     Covariance {
         /// The file.
         origin: String,
@@ -242,8 +244,8 @@ impl ModelFile {
     /// [`ModelFileError`]: text that is not JSON, unknown or missing keys, another schema version, values out of range, keys that do
     /// not fit the kind, a covariance that is none.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, ModelFileError> {
-        let file: Self = serde_json::from_str(text)
-            .map_err(|source| ModelFileError::Json { origin: origin.to_owned(), source })?;
+        let file: Self =
+            serde_json::from_str(text).map_err(|source| ModelFileError::Json { origin: origin.to_owned(), source })?;
         file.validate(origin)?;
         Ok(file)
     }
