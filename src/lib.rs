@@ -23,4 +23,5 @@ pub mod orbit;
 pub mod passes;
 pub mod photometry;
 pub mod schedule;
+pub mod table;
 pub mod telescope;

@@ -2,7 +2,7 @@
 
 use std::fmt::Debug;
 
-/// A set of axes. Implemented by the five empty types of this file and by nothing else.
+/// A set of axes. Implemented by the empty types of this file and by nothing else.
 pub trait Frame: Copy + Clone + Debug + PartialEq + Send + Sync + 'static {
     /// The frame's name as it is printed.
     const NAME: &'static str;
@@ -26,6 +26,10 @@ frame!(
 frame!(
     /// Geocentric celestial reference system; its axes are those of ICRS.
     Gcrs, "GCRS"
+);
+frame!(
+    /// True equator and equinox of date: x to the equinox, z to the celestial intermediate pole.
+    OfDate, "true equator and equinox of date"
 );
 frame!(
     /// Earth-fixed: x to longitude 0 on the equator, z to the pole.

@@ -1,1 +1,12 @@
-//! (being built)
+//! Where the satellites are: SGP4 made ready, and the orbit planes that tell at once which satellites can matter.
+
+mod arc;
+mod index;
+mod kepler;
+mod propagator;
+mod window;
+
+pub use arc::Arc;
+pub use index::{LeftOut, Reach, SatelliteIndex};
+pub use propagator::{OrbitError, Propagator, State};
+pub use window::{Cone, MAX_WINDOW_S, Window};

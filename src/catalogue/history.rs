@@ -1,0 +1,154 @@
+//! Every element set of every object in time order, and the one nearest to an instant.
+
+use std::collections::HashSet;
+
+use hifitime::Epoch;
+
+use super::element_set::{ElementSet, NoradId};
+
+/// Element sets by object, then by epoch; of equal epochs the one read last comes last and is preferred.
+///
+/// An exact duplicate (same object, same epoch, the same seven numbers that SGP4 uses) is there once.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct History {
+    sets: Vec<ElementSet>,
+}
+
+impl History {
+    /// Sorts the records and drops exact duplicates.
+    pub fn new(mut sets: Vec<ElementSet>) -> Self {
+        // Stable: of equal epochs the order of reading stays.
+        sets.sort_by(|a, b| a.norad_id.cmp(&b.norad_id).then_with(|| a.epoch.cmp(&b.epoch)));
+        drop_duplicates(&mut sets);
+        Self { sets }
+    }
+
+    /// Number of records.
+    pub fn len(&self) -> usize {
+        self.sets.len()
+    }
+
+    /// Whether there is no record.
+    pub fn is_empty(&self) -> bool {
+        self.sets.is_empty()
+    }
+
+    /// All records by object, then by epoch.
+    pub fn element_sets(&self) -> &[ElementSet] {
+        &self.sets
+    }
+
+    /// All records by object, then by epoch.
+    pub fn into_element_sets(self) -> Vec<ElementSet> {
+        self.sets
+    }
+
+    /// The records of one object in time order; empty where there are none.
+    pub fn of(&self, norad_id: NoradId) -> &[ElementSet] {
+        let start = self.sets.partition_point(|set| set.norad_id < norad_id);
+        let length = self.sets[start..].partition_point(|set| set.norad_id == norad_id);
+        &self.sets[start..start + length]
+    }
+
+    /// The records of each object in turn, each slice in time order.
+    pub fn objects(&self) -> impl Iterator<Item = &[ElementSet]> {
+        self.sets.chunk_by(|a, b| a.norad_id == b.norad_id)
+    }
+
+    /// The element set of an object whose epoch is nearest to an instant, before or after it; of two equally far ones
+    /// the later.
+    pub fn nearest(&self, norad_id: NoradId, epoch: Epoch) -> Option<&ElementSet> {
+        let sets = self.of(norad_id);
+        sets.get(nearest_index(sets, epoch)?)
+    }
+
+    /// Of every object the element set nearest to an instant, by catalogue number.
+    pub fn at(&self, epoch: Epoch) -> Vec<ElementSet> {
+        self.objects().filter_map(|sets| sets.get(nearest_index(sets, epoch)?)).cloned().collect()
+    }
+
+    /// Of every object the latest element set, by catalogue number.
+    pub fn newest(&self) -> Vec<ElementSet> {
+        self.objects().filter_map(|sets| sets.last()).cloned().collect()
+    }
+
+    /// As [`at`](Self::at), without copying.
+    pub fn into_nearest(self, epoch: Epoch) -> Vec<ElementSet> {
+        self.into_one_each(|sets| nearest_index(sets, epoch).unwrap_or(0))
+    }
+
+    /// As [`newest`](Self::newest), without copying.
+    pub fn into_newest(self) -> Vec<ElementSet> {
+        self.into_one_each(|sets| sets.len() - 1)
+    }
+
+    fn into_one_each(mut self, choose: impl Fn(&[ElementSet]) -> usize) -> Vec<ElementSet> {
+        let mut keep = vec![false; self.sets.len()];
+        let mut start = 0;
+        for sets in self.objects() {
+            keep[start + choose(sets)] = true;
+            start += sets.len();
+        }
+        let mut flags = keep.into_iter();
+        self.sets.retain(|_| flags.next().unwrap_or(false));
+        self.sets
+    }
+}
+
+/// Index of the nearest epoch in records in time order.
+fn nearest_index(sets: &[ElementSet], epoch: Epoch) -> Option<usize> {
+    let after = sets.partition_point(|set| set.epoch <= epoch);
+    if after == 0 {
+        // Of equal first epochs the last.
+        let first = sets.first()?.epoch;
+        return Some(sets.partition_point(|set| set.epoch <= first) - 1);
+    }
+    let Some(next) = sets.get(after) else { return Some(after - 1) };
+    // TAI: across a leap second UTC durations are a second short.
+    let tai = |epoch: Epoch| epoch.to_tai_duration();
+    if tai(next.epoch) - tai(epoch) <= tai(epoch) - tai(sets[after - 1].epoch) {
+        Some(sets.partition_point(|set| set.epoch <= next.epoch) - 1)
+    } else {
+        Some(after - 1)
+    }
+}
+
+/// Keeps the first of exact duplicates in sorted records; it takes over a name that only the dropped one had.
+fn drop_duplicates(sets: &mut Vec<ElementSet>) {
+    let same_instant = |a: &ElementSet, b: &ElementSet| a.norad_id == b.norad_id && a.epoch == b.epoch;
+    if !sets.windows(2).any(|pair| same_instant(&pair[0], &pair[1])) {
+        return;
+    }
+    let mut kept: Vec<ElementSet> = Vec::with_capacity(sets.len());
+    let mut seen = HashSet::new();
+    for set in sets.drain(..) {
+        if !kept.last().is_some_and(|last| same_instant(last, &set)) {
+            seen.clear();
+        }
+        if seen.insert(elements(&set)) {
+            kept.push(set);
+        } else if let Some(twin) = kept.iter_mut().rev().find(|twin| elements(twin) == elements(&set)) {
+            if twin.name.is_empty() {
+                twin.name = set.name;
+            }
+            if twin.international_designator.is_empty() {
+                twin.international_designator = set.international_designator;
+            }
+        }
+    }
+    *sets = kept;
+}
+
+/// The numbers that SGP4 uses, as bits; minus zero is zero.
+fn elements(set: &ElementSet) -> [u64; 7] {
+    [
+        set.mean_motion_rev_day,
+        set.eccentricity,
+        set.inclination_deg,
+        set.right_ascension_of_node_deg,
+        set.argument_of_perigee_deg,
+        set.mean_anomaly_deg,
+        set.bstar_per_earth_radius,
+    ]
+    .map(|value| (value + 0.0).to_bits())
+}

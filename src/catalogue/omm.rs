@@ -1,0 +1,225 @@
+//! An orbit mean-elements message (CCSDS 502.0-B, OMM) as keywords and texts; JSON, CSV, XML and KVN only find them.
+//!
+//! Numbers stay text until here and are parsed once, correctly rounded, so the four syntaxes and a TLE that print the same
+//! decimals give the same bits. SGP4's message: theory SGP4 (or TLE), frame TEME, time system UTC, all three optional as
+//! CelesTrak's JSON and CSV leave them out. B* and the mean motion must be there; the derivatives may be missing.
+//!
+//! A record that has no mean elements but the two lines of a TLE (Space-Track's `TLE_LINE1`, other tables' `Line1`) is read
+//! from those.
+
+use std::borrow::Cow;
+use std::sync::Arc;
+
+use super::element_set::{ElementSet, NoradId, Origin};
+use super::epoch;
+use super::record::{Parsed, RecordError, checked, excerpt};
+use super::tle::{Checksums, parse_five_characters, parse_lines};
+
+/// The keywords that count. Everything else in a record is skipped.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[repr(u8)]
+pub(super) enum Keyword {
+    ObjectName,
+    ObjectId,
+    NoradCatId,
+    Epoch,
+    MeanMotion,
+    Eccentricity,
+    Inclination,
+    RaOfAscNode,
+    ArgOfPericenter,
+    MeanAnomaly,
+    Bstar,
+    MeanMotionDot,
+    MeanMotionDdot,
+    RevAtEpoch,
+    EphemerisType,
+    MeanElementTheory,
+    RefFrame,
+    TimeSystem,
+    CenterName,
+    TleLine1,
+    TleLine2,
+}
+
+/// How many keywords there are.
+const KEYWORDS: usize = Keyword::TleLine2 as usize + 1;
+
+impl Keyword {
+    /// Recognises a keyword, a column's title or a JSON key: upper or lower case, with the other spellings in use.
+    pub fn of(text: &str) -> Option<Self> {
+        let text = text.trim();
+        if text.len() > 20 {
+            return None;
+        }
+        let mut buffer = [0_u8; 20];
+        for (to, from) in buffer.iter_mut().zip(text.bytes()) {
+            *to = from.to_ascii_uppercase();
+        }
+        Some(match buffer.get(..text.len())? {
+            b"OBJECT_NAME" | b"OBJECTNAME" | b"NAME" | b"SATNAME" | b"SAT_NAME" => Self::ObjectName,
+            b"OBJECT_ID" | b"OBJECTID" | b"INTLDES" | b"COSPAR_ID" => Self::ObjectId,
+            b"NORAD_CAT_ID" | b"NORADID" | b"NORAD_ID" | b"SATELLITEID" => Self::NoradCatId,
+            b"EPOCH" => Self::Epoch,
+            b"MEAN_MOTION" => Self::MeanMotion,
+            b"ECCENTRICITY" => Self::Eccentricity,
+            b"INCLINATION" => Self::Inclination,
+            b"RA_OF_ASC_NODE" => Self::RaOfAscNode,
+            b"ARG_OF_PERICENTER" => Self::ArgOfPericenter,
+            b"MEAN_ANOMALY" => Self::MeanAnomaly,
+            b"BSTAR" => Self::Bstar,
+            b"MEAN_MOTION_DOT" => Self::MeanMotionDot,
+            b"MEAN_MOTION_DDOT" => Self::MeanMotionDdot,
+            b"REV_AT_EPOCH" => Self::RevAtEpoch,
+            b"EPHEMERIS_TYPE" => Self::EphemerisType,
+            b"MEAN_ELEMENT_THEORY" => Self::MeanElementTheory,
+            b"REF_FRAME" => Self::RefFrame,
+            b"TIME_SYSTEM" => Self::TimeSystem,
+            b"CENTER_NAME" => Self::CenterName,
+            b"TLE_LINE1" | b"LINE1" | b"LINE_1" | b"TLE1" => Self::TleLine1,
+            b"TLE_LINE2" | b"LINE2" | b"LINE_2" | b"TLE2" => Self::TleLine2,
+            _ => return None,
+        })
+    }
+}
+
+/// The texts of one record by keyword; a keyword without a text is absent.
+#[derive(Debug, Default)]
+pub(super) struct Fields<'a> {
+    texts: [Cow<'a, str>; KEYWORDS],
+}
+
+impl<'a> Fields<'a> {
+    /// Notes a text. Of a keyword that comes twice, the last counts.
+    pub fn set(&mut self, keyword: Keyword, text: Cow<'a, str>) {
+        self.texts[keyword as usize] = text;
+    }
+
+    /// The text without blanks around it; `None` where it is absent or empty.
+    pub fn get(&self, keyword: Keyword) -> Option<&str> {
+        let text = self.texts[keyword as usize].trim();
+        (!text.is_empty() && text != "null").then_some(text)
+    }
+
+    /// Forgets everything.
+    pub fn clear(&mut self) {
+        self.texts.fill(Cow::Borrowed(""));
+    }
+
+    /// Whether nothing was noted.
+    pub fn is_empty(&self) -> bool {
+        self.texts.iter().all(|text| text.is_empty())
+    }
+
+    /// Makes the element set of these texts and gives it to `parsed`, or the reason why not.
+    pub fn finish(&self, offset: usize, checksums: Checksums, parsed: &mut Parsed) {
+        // The mean elements come first: they carry more digits than a TLE.
+        if self.get(Keyword::MeanMotion).is_none()
+            && let (Some(line1), Some(line2)) = (self.get(Keyword::TleLine1), self.get(Keyword::TleLine2))
+        {
+            let name = self.get(Keyword::ObjectName).unwrap_or_default();
+            match parse_lines(name.as_bytes(), line1.as_bytes(), line2.as_bytes(), checksums) {
+                Ok((set, overlooked)) => {
+                    parsed.sets.push(set);
+                    parsed.bad_checksums_accepted += usize::from(overlooked);
+                }
+                Err((_, reason)) => parsed.rejected.push((offset, reason)),
+            }
+            return;
+        }
+        parsed.take(offset, self.element_set());
+    }
+
+    fn element_set(&self) -> Result<ElementSet, RecordError> {
+        self.check_theory()?;
+        let norad_id = self.text(Keyword::NoradCatId, "NORAD_CAT_ID")?;
+        let norad_id =
+            parse_norad_id(norad_id).ok_or_else(|| RecordError::BadId { text: excerpt(norad_id.as_bytes()) })?;
+        let epoch_text = self.text(Keyword::Epoch, "EPOCH")?;
+        let epoch = epoch::parse_iso(epoch_text).ok_or_else(|| RecordError::BadEpoch {
+            text: excerpt(epoch_text.as_bytes()),
+            allowed: "UTC as YYYY-MM-DDThh:mm:ss.ssssss or YYYY-DDDThh:mm:ss.ssssss",
+        })?;
+        let revolution = self.optional(Keyword::RevAtEpoch, "REV_AT_EPOCH")?;
+        let set = ElementSet {
+            norad_id,
+            name: self.shared(Keyword::ObjectName),
+            international_designator: self.shared(Keyword::ObjectId),
+            epoch,
+            mean_motion_rev_day: self.number(Keyword::MeanMotion, "MEAN_MOTION")?,
+            eccentricity: self.number(Keyword::Eccentricity, "ECCENTRICITY")?,
+            inclination_deg: self.number(Keyword::Inclination, "INCLINATION")?,
+            right_ascension_of_node_deg: self.number(Keyword::RaOfAscNode, "RA_OF_ASC_NODE")?,
+            argument_of_perigee_deg: self.number(Keyword::ArgOfPericenter, "ARG_OF_PERICENTER")?,
+            mean_anomaly_deg: self.number(Keyword::MeanAnomaly, "MEAN_ANOMALY")?,
+            bstar_per_earth_radius: self.number(Keyword::Bstar, "BSTAR")?,
+            mean_motion_dot_rev_day2: self.optional(Keyword::MeanMotionDot, "MEAN_MOTION_DOT")?,
+            mean_motion_ddot_rev_day3: self.optional(Keyword::MeanMotionDdot, "MEAN_MOTION_DDOT")?,
+            // A count; `as` saturates and takes what is no number as 0.
+            revolution_at_epoch: revolution as u32,
+            origin: Origin::Published,
+        };
+        checked(set)
+    }
+
+    /// SGP4's elements only: another theory's numbers look the same and are wrong by kilometres.
+    fn check_theory(&self) -> Result<(), RecordError> {
+        let allowed: [(Keyword, &str, &[&str], &str); 5] = [
+            (
+                Keyword::MeanElementTheory,
+                "MEAN_ELEMENT_THEORY",
+                &["SGP4", "TLE", "SGP", "SDP4", "SGP/SGP4", "SGP4/SDP4"],
+                "SGP4",
+            ),
+            (Keyword::RefFrame, "REF_FRAME", &["TEME", "TEMEOFDATE", "TEME OF DATE"], "TEME"),
+            (Keyword::TimeSystem, "TIME_SYSTEM", &["UTC"], "UTC"),
+            (Keyword::CenterName, "CENTER_NAME", &["EARTH"], "EARTH"),
+            (
+                Keyword::EphemerisType,
+                "EPHEMERIS_TYPE",
+                &["0", "0.0", "1", "2", "3", "5", "SGP", "SGP4", "SDP4"],
+                "0 (SGP4); 4 marks SGP4-XP elements, which need another propagator",
+            ),
+        ];
+        for (keyword, field, values, words) in allowed {
+            if let Some(text) = self.get(keyword)
+                && !values.iter().any(|value| value.eq_ignore_ascii_case(text))
+            {
+                return Err(RecordError::Unsupported { field, text: excerpt(text.as_bytes()), allowed: words });
+            }
+        }
+        Ok(())
+    }
+
+    fn text(&self, keyword: Keyword, field: &'static str) -> Result<&str, RecordError> {
+        self.get(keyword).ok_or(RecordError::Missing { field })
+    }
+
+    fn number(&self, keyword: Keyword, field: &'static str) -> Result<f64, RecordError> {
+        parse_number(self.text(keyword, field)?, field)
+    }
+
+    fn optional(&self, keyword: Keyword, field: &'static str) -> Result<f64, RecordError> {
+        self.get(keyword).map_or(Ok(0.0), |text| parse_number(text, field))
+    }
+
+    fn shared(&self, keyword: Keyword) -> Arc<str> {
+        self.get(keyword).map(Arc::from).unwrap_or_default()
+    }
+}
+
+/// A finite number, correctly rounded.
+fn parse_number(text: &str, field: &'static str) -> Result<f64, RecordError> {
+    let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
+    number.ok_or_else(|| RecordError::FieldNotANumber { field, text: excerpt(text.as_bytes()) })
+}
+
+/// One to nine digits, the same as a float (`28485.0`, what a data frame makes of a column with gaps), or Alpha-5.
+fn parse_norad_id(text: &str) -> Option<NoradId> {
+    let whole = match text.split_once('.') {
+        Some((whole, fraction)) if fraction.bytes().all(|byte| byte == b'0') => whole,
+        Some(_) => return None,
+        None => text,
+    };
+    epoch::digits(whole.as_bytes()).or_else(|| parse_five_characters(whole.as_bytes())).map(NoradId)
+}

@@ -1,0 +1,110 @@
+//! OMM as CSV: a line of titles, then a record a line; also tables that carry the two lines of a TLE in columns.
+//!
+//! Read line by line, for element sets hold no line ends, and a quotation mark that is never closed must not swallow the
+//! rest of the file. Titles are taken in any case and order, unknown columns are skipped, `;` and tabs separate too.
+
+use std::borrow::Cow;
+
+use super::omm::{Fields, Keyword};
+use super::record::{Parsed, RecordError};
+use super::tle::Checksums;
+
+/// Whether the first line that says something is a line of titles with the columns needed.
+pub(super) fn looks_like(text: &[u8]) -> bool {
+    let line = text.split(|&byte| byte == b'\n' || byte == b'\r').find(|line| is_content(line));
+    let Some(Ok(line)) = line.filter(|line| line.len() < 10_000).map(std::str::from_utf8) else { return false };
+    let has = |wanted| split(line, separator_of(line)).iter().any(|title| Keyword::of(title) == Some(wanted));
+    has(Keyword::NoradCatId) && has(Keyword::MeanMotion) || has(Keyword::TleLine1) && has(Keyword::TleLine2)
+}
+
+/// Reads every record.
+pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
+    let mut parsed = Parsed::default();
+    let mut titles: Option<(char, Vec<Option<Keyword>>)> = None;
+    let mut fields = Fields::default();
+    let mut at = 0;
+    for line in text.split_inclusive(['\n', '\r']) {
+        let offset = at;
+        at += line.len();
+        let line = line.trim_end_matches(['\n', '\r']);
+        if !is_content(line.as_bytes()) {
+            continue;
+        }
+        let Some((separator, columns)) = &titles else {
+            let separator = separator_of(line);
+            titles = Some((separator, split(line, separator).iter().map(|title| Keyword::of(title)).collect()));
+            continue;
+        };
+        let cells = split(line, *separator);
+        // Files appended to one another repeat their titles.
+        if cells.iter().zip(columns).any(|(cell, column)| column.is_some() && Keyword::of(cell) == *column) {
+            continue;
+        }
+        if cells.len() < columns.len() {
+            let what = format!("{} cells under {} titles", cells.len(), columns.len());
+            parsed.rejected.push((offset, RecordError::Syntax { format: "CSV", what }));
+            continue;
+        }
+        fields.clear();
+        for (cell, column) in cells.into_iter().zip(columns) {
+            if let Some(keyword) = column {
+                fields.set(*keyword, cell);
+            }
+        }
+        fields.finish(offset, checksums, &mut parsed);
+    }
+    parsed
+}
+
+fn is_content(line: &[u8]) -> bool {
+    let line = line.trim_ascii();
+    !line.is_empty() && line[0] != b'#'
+}
+
+/// The separator that the titles hold most of.
+fn separator_of(titles: &str) -> char {
+    let count = |separator: char| titles.matches(separator).count();
+    [',', ';', '\t'].into_iter().max_by_key(|&separator| (count(separator), separator == ',')).unwrap_or(',')
+}
+
+/// The cells of a line; quotation marks as in RFC 4180.
+fn split(line: &str, separator: char) -> Vec<Cow<'_, str>> {
+    if !line.contains('"') {
+        return line.split(separator).map(Cow::Borrowed).collect();
+    }
+    let mut cells = Vec::new();
+    let mut rest = line;
+    loop {
+        if let Some(quoted) = rest.trim_start().strip_prefix('"')
+            && let Some((cell, behind)) = quoted_cell(quoted)
+            && (behind.trim().is_empty() || behind.trim_start_matches(' ').starts_with(separator))
+        {
+            cells.push(cell);
+            match behind.split_once(separator) {
+                Some((_, next)) => rest = next,
+                None => return cells,
+            }
+        } else if let Some((cell, next)) = rest.split_once(separator) {
+            cells.push(Cow::Borrowed(cell));
+            rest = next;
+        } else {
+            cells.push(Cow::Borrowed(rest));
+            return cells;
+        }
+    }
+}
+
+/// The text up to the closing mark and what stands behind it; doubled marks stand for one.
+fn quoted_cell(text: &str) -> Option<(Cow<'_, str>, &str)> {
+    let bytes = text.as_bytes();
+    let mut at = 0;
+    loop {
+        at += bytes.get(at..)?.iter().position(|&byte| byte == b'"')?;
+        if bytes.get(at + 1) != Some(&b'"') {
+            let cell = &text[..at];
+            let cell = if cell.contains('"') { Cow::Owned(cell.replace("\"\"", "\"")) } else { Cow::Borrowed(cell) };
+            return Some((cell, &text[at + 1..]));
+        }
+        at += 2;
+    }
+}

@@ -1,0 +1,181 @@
+//! OMM as JSON: an array, an object, objects around arrays (`{"data": [...]}`), or an object a line.
+//!
+//! A small scanner of its own instead of a JSON library, for two reasons: numbers must stay text until they are rounded once
+//! (a library's fast path may miss the last bit), and a broken record must not take the rest of the file with it. A
+//! record is any object with a keyword of [`Keyword`] among its keys; objects and arrays inside it are entered.
+
+use std::borrow::Cow;
+
+use super::omm::{Fields, Keyword};
+use super::record::{Parsed, RecordError, excerpt};
+use super::tle::Checksums;
+
+/// Reads every record, at any depth.
+pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
+    let mut scanner = Scanner { text, at: 0 };
+    let mut parsed = Parsed::default();
+    parsed.sets.reserve(text.len() / 500);
+    // Objects that are open: where they begin, and what they have said.
+    let mut open: Vec<(usize, Fields<'_>)> = Vec::new();
+    while let Some(token) = scanner.next() {
+        match token {
+            Token::ObjectStart(offset) if open.len() < 64 => open.push((offset, Fields::default())),
+            Token::ObjectStart(offset) => {
+                parsed.rejected.push((offset, syntax("objects nested more than 64 deep")));
+                return parsed;
+            }
+            Token::ObjectEnd => {
+                if let Some((offset, fields)) = open.pop()
+                    && !fields.is_empty()
+                {
+                    fields.finish(offset, checksums, &mut parsed);
+                }
+            }
+            Token::Member(key, value) => {
+                if let (Some((_, fields)), Some(keyword)) = (open.last_mut(), Keyword::of(&key)) {
+                    fields.set(keyword, value);
+                }
+            }
+            Token::Broken(offset, what) => {
+                let offset = open.last().map_or(offset, |(start, _)| *start);
+                parsed.rejected.push((offset, syntax(&what)));
+                open.clear();
+                scanner.skip_to_next_object();
+            }
+        }
+    }
+    if let Some((offset, fields)) = open.iter().rev().find(|(_, fields)| !fields.is_empty()) {
+        let _ = fields;
+        parsed.rejected.push((*offset, syntax("the file ends inside this object")));
+    }
+    parsed
+}
+
+fn syntax(what: &str) -> RecordError {
+    RecordError::Syntax { format: "JSON", what: what.into() }
+}
+
+/// What the scanner sees: objects, and their members with plain values. Arrays and commas carry nothing here.
+enum Token<'a> {
+    ObjectStart(usize),
+    ObjectEnd,
+    Member(Cow<'a, str>, Cow<'a, str>),
+    Broken(usize, String),
+}
+
+struct Scanner<'a> {
+    text: &'a str,
+    at: usize,
+}
+
+impl<'a> Scanner<'a> {
+    fn peek(&mut self) -> Option<u8> {
+        let bytes = self.text.as_bytes();
+        while bytes.get(self.at)?.is_ascii_whitespace() {
+            self.at += 1;
+        }
+        bytes.get(self.at).copied()
+    }
+
+    fn next(&mut self) -> Option<Token<'a>> {
+        loop {
+            let offset = self.at;
+            match self.peek()? {
+                b'{' => {
+                    self.at += 1;
+                    return Some(Token::ObjectStart(self.at - 1));
+                }
+                b'}' => {
+                    self.at += 1;
+                    return Some(Token::ObjectEnd);
+                }
+                b'[' | b']' | b',' => self.at += 1,
+                b'"' => {
+                    let Some(key) = self.string() else {
+                        return Some(self.broken(offset, "a string without an end"));
+                    };
+                    if self.peek() != Some(b':') {
+                        // A string in an array.
+                        continue;
+                    }
+                    self.at += 1;
+                    match self.peek() {
+                        // Members that are objects or arrays are entered.
+                        Some(b'{' | b'[') => {}
+                        Some(b'"') => {
+                            let Some(value) = self.string() else {
+                                return Some(self.broken(offset, "a string without an end"));
+                            };
+                            return Some(Token::Member(key, value));
+                        }
+                        _ => {
+                            let value = self.bare();
+                            if value.is_empty() {
+                                return Some(self.broken(offset, &format!("{key:?} has no value")));
+                            }
+                            return Some(Token::Member(key, Cow::Borrowed(value)));
+                        }
+                    }
+                }
+                _ => {
+                    let bare = self.bare();
+                    if bare.parse::<f64>().is_err() && !matches!(bare, "null" | "true" | "false") {
+                        let what =
+                            format!("{:?} where a key, a value or a bracket is allowed", excerpt(bare.as_bytes()));
+                        return Some(Token::Broken(offset, what));
+                    }
+                }
+            }
+        }
+    }
+
+    fn broken(&self, offset: usize, what: &str) -> Token<'a> {
+        Token::Broken(offset, what.into())
+    }
+
+    /// A number, `true`, `false`, `null`: what stands before the next delimiter. Moves at least one character on.
+    fn bare(&mut self) -> &'a str {
+        let rest = &self.text[self.at..];
+        let end = rest.find(|c: char| ",]}{[\":".contains(c) || c.is_whitespace()).unwrap_or(rest.len());
+        let end = if end == 0 && !rest.starts_with([',', ']', '}', '{', '[', '"']) {
+            rest.chars().next().map_or(0, char::len_utf8)
+        } else {
+            end
+        };
+        self.at += end;
+        &rest[..end]
+    }
+
+    /// The text of a string, which ends on its own line: JSON allows no line end inside.
+    fn string(&mut self) -> Option<Cow<'a, str>> {
+        let start = self.at + 1;
+        let bytes = self.text.as_bytes();
+        let mut at = start;
+        let mut escaped = false;
+        loop {
+            match bytes.get(at)? {
+                b'"' => break,
+                b'\\' => {
+                    escaped = true;
+                    at += 2;
+                }
+                b'\n' | b'\r' => return None,
+                _ => at += 1,
+            }
+        }
+        self.at = at + 1;
+        let raw = self.text.get(start..at)?;
+        if !escaped {
+            return Some(Cow::Borrowed(raw));
+        }
+        // Escapes are rare enough to leave them to the library; what it cannot read stays as it is.
+        Some(serde_json::from_str(&self.text[start - 1..at + 1]).map_or(Cow::Borrowed(raw), Cow::Owned))
+    }
+
+    /// After damage: on to the next object that begins a line or follows another one.
+    fn skip_to_next_object(&mut self) {
+        let start = (self.at + 1..=self.text.len()).find(|&at| self.text.is_char_boundary(at));
+        let rest = start.map_or("", |start| &self.text[start..]);
+        self.at = self.text.len() - rest.len() + rest.find('{').unwrap_or(rest.len());
+    }
+}

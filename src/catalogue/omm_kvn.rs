@@ -1,0 +1,70 @@
+//! OMM as lines of `KEYWORD = value`, one message or many in a row.
+
+use std::borrow::Cow;
+
+use super::omm::{Fields, Keyword};
+use super::record::{Parsed, RecordError, excerpt};
+use super::tle::Checksums;
+
+/// The keyword that opens a message.
+const OPENING: &str = "CCSDS_OMM_VERS";
+
+/// Whether one of the first lines opens an OMM.
+pub(super) fn looks_like(text: &[u8]) -> bool {
+    let lines = text.split(|&byte| byte == b'\n').take(40);
+    lines.into_iter().any(|line| {
+        line.trim_ascii_start().strip_prefix(OPENING.as_bytes()).is_some_and(|rest| rest.trim_ascii().starts_with(b"="))
+    })
+}
+
+/// Reads every message. A line that is no `KEYWORD = value` spoils its own message only.
+pub(super) fn parse(text: &str) -> Parsed {
+    let mut parsed = Parsed::default();
+    let mut fields = Fields::default();
+    let mut broken: Option<(usize, RecordError)> = None;
+    let (mut opened_at, mut at) = (0, 0);
+    let mut close = |fields: &mut Fields<'_>, opened_at: usize, broken: &mut Option<(usize, RecordError)>| {
+        match broken.take() {
+            Some(rejected) => parsed.rejected.push(rejected),
+            None if fields.is_empty() => {}
+            // KVN has no place for the two lines of a TLE.
+            None => fields.finish(opened_at, Checksums::Require, &mut parsed),
+        }
+        fields.clear();
+    };
+    for line in text.split_inclusive(['\n', '\r']) {
+        let offset = at;
+        at += line.len();
+        let line = line.trim();
+        if line.is_empty() || line.starts_with("COMMENT") || line.starts_with('#') {
+            continue;
+        }
+        let Some((key, value)) = line.split_once('=') else {
+            if !line.starts_with("META_") && !line.starts_with("DATA_") {
+                let what = format!("{:?} is not KEYWORD = value", excerpt(line.as_bytes()));
+                broken.get_or_insert((offset, RecordError::Syntax { format: "KVN", what }));
+            }
+            continue;
+        };
+        let key = key.trim();
+        if key == OPENING {
+            close(&mut fields, opened_at, &mut broken);
+            opened_at = offset;
+        } else if let Some(keyword) = Keyword::of(key) {
+            fields.set(keyword, Cow::Borrowed(without_unit(value)));
+        }
+    }
+    close(&mut fields, opened_at, &mut broken);
+    parsed
+}
+
+/// `15.5 [rev/day]` without the unit that CCSDS allows behind a number.
+fn without_unit(value: &str) -> &str {
+    let value = value.trim();
+    match value.rfind('[') {
+        Some(at) if value.ends_with(']') && value.starts_with(|c: char| c.is_ascii_digit() || "+-.".contains(c)) => {
+            value[..at].trim_end()
+        }
+        _ => value,
+    }
+}

@@ -1,0 +1,89 @@
+//! OMM as XML: one `<omm>`, or many of them in an `<ndm>`.
+//!
+//! The text is cut at the `<omm>` elements first and each is parsed on its own, so that a broken one stays alone.
+
+use std::borrow::Cow;
+
+use quick_xml::Reader;
+use quick_xml::events::Event;
+
+use super::omm::{Fields, Keyword};
+use super::record::{Parsed, RecordError};
+use super::tle::Checksums;
+
+/// Whether there is an `<omm>` (in any name space) somewhere.
+pub(super) fn looks_like(text: &[u8]) -> bool {
+    next_start(&String::from_utf8_lossy(text), 0).is_some()
+}
+
+/// Reads every message.
+pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
+    let mut parsed = Parsed::default();
+    let mut start = next_start(text, 0);
+    while let Some(offset) = start {
+        let next = next_start(text, offset + 1);
+        match parse_message(&text[offset..next.unwrap_or(text.len())]) {
+            Ok(fields) if fields.is_empty() => {
+                let what = "this message holds no elements".into();
+                parsed.rejected.push((offset, RecordError::Syntax { format: "XML", what }));
+            }
+            Ok(fields) => fields.finish(offset, checksums, &mut parsed),
+            Err(what) => parsed.rejected.push((offset, RecordError::Syntax { format: "XML", what })),
+        }
+        start = next;
+    }
+    parsed
+}
+
+/// Offset of the next `<omm ...>`, with or without a name-space prefix, from `from` on.
+fn next_start(text: &str, from: usize) -> Option<usize> {
+    let mut at = from;
+    loop {
+        at += text.get(at..)?.find('<')?;
+        let rest = &text[at + 1..];
+        let end = rest.find(|c: char| c == '>' || c == '/' || c.is_whitespace())?;
+        let name = &rest[..end];
+        if name.rsplit(':').next() == Some("omm") {
+            return Some(at);
+        }
+        at += 1;
+    }
+}
+
+/// The texts of one `<omm>`; what stands behind its end is not looked at.
+fn parse_message(text: &str) -> Result<Fields<'_>, String> {
+    let mut reader = Reader::from_str(text);
+    let mut fields = Fields::default();
+    let mut keyword = None;
+    let mut value = String::new();
+    loop {
+        let event = reader.read_event().map_err(|error| error.to_string())?;
+        match event {
+            Event::Start(element) => {
+                keyword = Keyword::of(element.local_name().as_ref());
+                value.clear();
+            }
+            Event::Text(text) if keyword.is_some() => {
+                value.push_str(&text);
+            }
+            Event::CData(text) if keyword.is_some() => {
+                value.push_str(&text);
+            }
+            // `&amp;` and its like arrive as events of their own.
+            Event::GeneralRef(reference) if keyword.is_some() => match reference.resolve_char_ref() {
+                Ok(Some(character)) => value.push(character),
+                _ => value.push_str(quick_xml::escape::resolve_predefined_entity(&reference).unwrap_or("?")),
+            },
+            Event::End(element) => {
+                if element.local_name().as_ref() == "omm" {
+                    return Ok(fields);
+                }
+                if let Some(keyword) = keyword.take() {
+                    fields.set(keyword, Cow::Owned(std::mem::take(&mut value)));
+                }
+            }
+            Event::Eof => return Err("the file ends inside this message".into()),
+            _ => {}
+        }
+    }
+}

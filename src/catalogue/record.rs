@@ -1,0 +1,229 @@
+//! One record at a time: what can be wrong with it, and how a bad one is named while the rest goes on.
+
+use std::fmt;
+use std::sync::Arc;
+
+use thiserror::Error;
+
+use super::element_set::ElementSet;
+
+/// Why one record was left out.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum RecordError {
+    /// A fixed-column field holds no number.
+    #[error("line {line}: {field} {text:?} is not a number in columns {first}-{last}")]
+    NotANumber {
+        /// Line of the element set, 1 or 2.
+        line: u8,
+        /// Name of the field.
+        field: &'static str,
+        /// What stands there.
+        text: String,
+        /// First column, from 1.
+        first: u8,
+        /// Last column.
+        last: u8,
+    },
+    /// The catalogue number of a TLE is neither digits nor Alpha-5.
+    #[error(
+        "line {line}: {text:?} in columns 3-7 is not a catalogue number (1-99999, or Alpha-5 with A-Z without I and O)"
+    )]
+    BadTleId {
+        /// Line of the element set, 1 or 2.
+        line: u8,
+        /// What stands there.
+        text: String,
+    },
+    /// A line of a TLE is too short or too long.
+    #[error("line {line} has {length} characters; 69 are allowed, or 68 where the checksum is missing")]
+    LineLength {
+        /// Line of the element set, 1 or 2.
+        line: u8,
+        /// Characters without the blanks at the end.
+        length: usize,
+    },
+    /// Something stands where a TLE has a blank between two fields: the columns are shifted.
+    #[error("line {line}: {found:?} in column {column}, where a blank separates two fields: the columns are shifted")]
+    ShiftedColumns {
+        /// Line of the element set, 1 or 2.
+        line: u8,
+        /// Column, from 1.
+        column: u8,
+        /// The character found.
+        found: char,
+    },
+    /// The checksum of a line is there and wrong.
+    #[error("line {line}: the checksum is {stated:?}, the line adds up to {computed}")]
+    BadChecksum {
+        /// Line of the element set, 1 or 2.
+        line: u8,
+        /// The character in column 69.
+        stated: char,
+        /// Sum of the digits, a minus counting 1, modulo 10.
+        computed: u8,
+    },
+    /// The two lines speak of different satellites.
+    #[error("line 1 is of object {first}, line 2 of object {second}")]
+    MixedObjects {
+        /// Catalogue number in line 1.
+        first: u32,
+        /// Catalogue number in line 2.
+        second: u32,
+    },
+    /// A line 1 that no line 2 follows.
+    #[error("line 1 of an element set is not followed by its line 2")]
+    LineOneAlone,
+    /// A line 2 before which no line 1 stands.
+    #[error("line 2 of an element set has no line 1 before it")]
+    LineTwoAlone,
+    /// A line that no element set follows.
+    #[error("{text:?} is neither part of an element set nor the name of one")]
+    Stray {
+        /// The line, shortened.
+        text: String,
+    },
+    /// A field of an OMM, or a column of a CSV file, holds no number.
+    #[error("{field} {text:?} is not a number")]
+    FieldNotANumber {
+        /// Keyword.
+        field: &'static str,
+        /// What stands there.
+        text: String,
+    },
+    /// A field that must be there is not.
+    #[error("{field} is missing")]
+    Missing {
+        /// Keyword.
+        field: &'static str,
+    },
+    /// The catalogue number of an OMM is no number of one to nine digits.
+    #[error("NORAD_CAT_ID {text:?} is not a catalogue number (1 to 999999999, or Alpha-5)")]
+    BadId {
+        /// What stands there.
+        text: String,
+    },
+    /// An epoch that is no date.
+    #[error("epoch {text:?} is not a date: {allowed}")]
+    BadEpoch {
+        /// What stands there.
+        text: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A number outside what can be.
+    #[error("{field} {value} is out of range: {allowed}")]
+    OutOfRange {
+        /// Name of the field.
+        field: &'static str,
+        /// The number, in the unit of `allowed`.
+        value: f64,
+        /// What is allowed, with its unit.
+        allowed: &'static str,
+    },
+    /// Mean elements of another theory, frame or time system than SGP4's.
+    #[error("{field} {text:?} is not supported: {allowed}")]
+    Unsupported {
+        /// Keyword.
+        field: &'static str,
+        /// What stands there.
+        text: String,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// The syntax around the record is broken.
+    #[error("broken {format}: {what}")]
+    Syntax {
+        /// JSON, XML, KVN or CSV.
+        format: &'static str,
+        /// What is wrong.
+        what: String,
+    },
+}
+
+/// A record that was left out: where it stands and why. Prints as `file:line: why`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rejected {
+    /// Name of the file as it was given.
+    pub file: Arc<str>,
+    /// Line in the file, from 1.
+    pub line: usize,
+    /// Why it was left out.
+    pub reason: RecordError,
+}
+
+impl fmt::Display for Rejected {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}:{}: {}", self.file, self.line, self.reason)
+    }
+}
+
+/// What a reader made of a text. Places are byte offsets; they become line numbers when the file is done.
+#[derive(Debug, Default)]
+pub(super) struct Parsed {
+    /// The good records in their order.
+    pub sets: Vec<ElementSet>,
+    /// The bad ones: where and why.
+    pub rejected: Vec<(usize, RecordError)>,
+    /// Records taken in spite of a wrong checksum.
+    pub bad_checksums_accepted: usize,
+}
+
+impl Parsed {
+    /// Takes a record or notes why not.
+    pub fn take(&mut self, offset: usize, record: Result<ElementSet, RecordError>) {
+        match record {
+            Ok(set) => self.sets.push(set),
+            Err(reason) => self.rejected.push((offset, reason)),
+        }
+    }
+}
+
+/// The ranges every element set must keep, whatever the syntax.
+///
+/// Angles may leave one turn by a turn in either direction: they mean the same.
+pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RecordError> {
+    const TURN: &str = "-360 to 360 deg";
+    let out_of_range = |field, value, allowed| Err(RecordError::OutOfRange { field, value, allowed });
+    if set.norad_id.0 == 0 || set.norad_id.0 > 999_999_999 {
+        return out_of_range("catalogue number", f64::from(set.norad_id.0), "1 to 999999999");
+    }
+    if !(set.mean_motion_rev_day > 0.0 && set.mean_motion_rev_day.is_finite()) {
+        return out_of_range("mean motion", set.mean_motion_rev_day, "above 0 revolutions a day");
+    }
+    if !(0.0..1.0).contains(&set.eccentricity) {
+        return out_of_range("eccentricity", set.eccentricity, "0 to below 1");
+    }
+    if !(0.0..=180.0).contains(&set.inclination_deg) {
+        return out_of_range("inclination", set.inclination_deg, "0 to 180 deg");
+    }
+    for (field, value) in [
+        ("right ascension of the node", set.right_ascension_of_node_deg),
+        ("argument of perigee", set.argument_of_perigee_deg),
+        ("mean anomaly", set.mean_anomaly_deg),
+    ] {
+        if !(-360.0..=360.0).contains(&value) {
+            return out_of_range(field, value, TURN);
+        }
+    }
+    for (field, value) in [
+        ("B*", set.bstar_per_earth_radius),
+        ("first derivative of the mean motion", set.mean_motion_dot_rev_day2),
+        ("second derivative of the mean motion", set.mean_motion_ddot_rev_day3),
+    ] {
+        if !value.is_finite() {
+            return out_of_range(field, value, "a finite number");
+        }
+    }
+    Ok(set)
+}
+
+/// A text for an error message: at most 60 characters of it.
+pub(super) fn excerpt(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(bytes);
+    let text = text.trim();
+    match text.char_indices().nth(60) {
+        Some((end, _)) => format!("{}...", &text[..end]),
+        None => text.to_string(),
+    }
+}

@@ -1,0 +1,286 @@
+//! One file of element sets: unpacked, its format sniffed from the content, every record read or named.
+
+use std::borrow::Cow;
+use std::fmt;
+use std::io::{self, Read};
+use std::path::Path;
+use std::sync::Arc;
+
+use flate2::read::MultiGzDecoder;
+use hifitime::Epoch;
+use sha2::{Digest, Sha256};
+use thiserror::Error;
+
+use super::element_set::ElementSet;
+use super::record::{Parsed, Rejected, excerpt};
+use super::tle::Checksums;
+use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};
+
+/// The syntax of a file of element sets.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ElementFormat {
+    /// Two-line element sets, with or without a line for the name.
+    Tle,
+    /// Orbit mean-elements messages as JSON (CelesTrak, Space-Track, JSON lines).
+    OmmJson,
+    /// Orbit mean-elements messages as CSV, and tables with the two lines in columns.
+    OmmCsv,
+    /// Orbit mean-elements messages as XML (CCSDS 505.0-B).
+    OmmXml,
+    /// Orbit mean-elements messages as lines of `KEYWORD = value` (CCSDS 502.0-B).
+    OmmKvn,
+}
+
+impl fmt::Display for ElementFormat {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Tle => "TLE",
+            Self::OmmJson => "OMM JSON",
+            Self::OmmCsv => "OMM CSV",
+            Self::OmmXml => "OMM XML",
+            Self::OmmKvn => "OMM KVN",
+        })
+    }
+}
+
+/// Where element sets came from, for the provenance of every answer.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct SourceFile {
+    /// Name as it was given.
+    pub name: Arc<str>,
+    /// SHA-256 of the bytes on disk in lower-case hex, as `sha256sum` prints it.
+    pub sha256: String,
+    /// Syntax.
+    pub format: ElementFormat,
+    /// Whether the file was compressed with gzip.
+    pub gzipped: bool,
+    /// Good records, duplicates included.
+    pub records: usize,
+    /// Records left out.
+    pub rejected: usize,
+    /// Records taken in spite of a wrong checksum.
+    pub bad_checksums_accepted: usize,
+    /// Earliest epoch.
+    pub first_epoch: Epoch,
+    /// Latest epoch.
+    pub last_epoch: Epoch,
+}
+
+/// Why a whole file could not be used.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum CatalogueError {
+    /// No file was named.
+    #[error("no file of element sets was named")]
+    NoFiles,
+    /// The operating system refused.
+    #[error("cannot read {file}: {source}")]
+    Unreadable {
+        /// Name as it was given.
+        file: String,
+        /// Its words.
+        source: io::Error,
+    },
+    /// A directory was named.
+    #[error("{file} is a directory; name the files of element sets in it")]
+    Directory {
+        /// Name as it was given.
+        file: String,
+    },
+    /// Nothing in it, or blanks only.
+    #[error("{file} is empty; it should hold element sets as {ALLOWED}")]
+    Empty {
+        /// Name as it was given.
+        file: String,
+    },
+    /// A gzip file cut short or damaged.
+    #[error("{file} is a broken gzip file ({source}): it may have been cut short; fetch it again")]
+    BrokenGzip {
+        /// Name as it was given.
+        file: String,
+        /// What the decoder says.
+        source: io::Error,
+    },
+    /// None of the formats.
+    #[error("{file} holds no element sets ({what}); allowed are {ALLOWED}")]
+    UnknownFormat {
+        /// Name as it was given.
+        file: String,
+        /// What it looks like.
+        what: String,
+    },
+    /// A known format in which no record is good. Going on would call every exposure clear.
+    #[error("{file} ({format}) holds no usable element set{}", rejected_words(*.rejected, .first))]
+    NothingUsable {
+        /// Name as it was given.
+        file: String,
+        /// Its format.
+        format: ElementFormat,
+        /// How many records were rejected.
+        rejected: usize,
+        /// The first of them.
+        first: Option<Box<Rejected>>,
+    },
+}
+
+/// What a file may be, for messages.
+const ALLOWED: &str = "TLE, 2LE, 3LE or OMM (JSON, CSV, XML, KVN), plain or gzipped";
+
+fn rejected_words(rejected: usize, first: &Option<Box<Rejected>>) -> String {
+    match first {
+        Some(first) => format!(": {rejected} rejected, the first at line {}: {}", first.line, first.reason),
+        None => ": it has no records".into(),
+    }
+}
+
+/// What came out of one file.
+pub(super) struct FileReading {
+    pub source: SourceFile,
+    pub sets: Vec<ElementSet>,
+    pub rejected: Vec<Rejected>,
+}
+
+/// Reads a file from disk.
+pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading, CatalogueError> {
+    let file = || path.display().to_string();
+    if path.is_dir() {
+        return Err(CatalogueError::Directory { file: file() });
+    }
+    let bytes = std::fs::read(path).map_err(|source| CatalogueError::Unreadable { file: file(), source })?;
+    read_bytes(&file(), &bytes, checksums)
+}
+
+/// Reads the content of a file.
+pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, CatalogueError> {
+    // Hashing and reading take about as long as each other.
+    let (sha256, content) = rayon::join(|| hex(&Sha256::digest(bytes)), || read_content(name, bytes, checksums));
+    let (format, gzipped, sets, rejected, bad_checksums_accepted) = content?;
+    let name: Arc<str> = Arc::from(name);
+    let rejected: Vec<Rejected> =
+        rejected.into_iter().map(|(line, reason)| Rejected { file: name.clone(), line, reason }).collect();
+    let epochs = || sets.iter().map(|set| set.epoch);
+    let (Some(first_epoch), Some(last_epoch)) = (epochs().min(), epochs().max()) else {
+        return Err(CatalogueError::NothingUsable {
+            file: name.to_string(),
+            format,
+            rejected: rejected.len(),
+            first: rejected.into_iter().next().map(Box::new),
+        });
+    };
+    let source = SourceFile {
+        name,
+        sha256,
+        format,
+        gzipped,
+        records: sets.len(),
+        rejected: rejected.len(),
+        bad_checksums_accepted,
+        first_epoch,
+        last_epoch,
+    };
+    Ok(FileReading { source, sets, rejected })
+}
+
+/// Format, whether gzipped, good records, bad ones by line, accepted bad checksums.
+type Content = (ElementFormat, bool, Vec<ElementSet>, Vec<(usize, super::record::RecordError)>, usize);
+
+fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, CatalogueError> {
+    let gzipped = bytes.starts_with(&[0x1f, 0x8b]);
+    let unpacked = unpack(name, bytes)?;
+    let text = decode(&unpacked);
+    if text.iter().all(|byte| byte.is_ascii_whitespace() || *byte == 0) {
+        return Err(CatalogueError::Empty { file: name.into() });
+    }
+    let format =
+        sniff(&text).map_err(|what| CatalogueError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
+    let mut parsed = match format {
+        ElementFormat::Tle => tle_file::parse(&text, checksums),
+        ElementFormat::OmmJson => omm_json::parse(&String::from_utf8_lossy(&text), checksums),
+        ElementFormat::OmmCsv => omm_csv::parse(&String::from_utf8_lossy(&text), checksums),
+        ElementFormat::OmmXml => omm_xml::parse(&String::from_utf8_lossy(&text), checksums),
+        ElementFormat::OmmKvn => omm_kvn::parse(&String::from_utf8_lossy(&text)),
+    };
+    parsed.rejected.sort_by_key(|(offset, _)| *offset);
+    let Parsed { sets, rejected, bad_checksums_accepted } = parsed;
+    Ok((format, gzipped, sets, line_numbers(&text, rejected), bad_checksums_accepted))
+}
+
+/// Byte offsets in rising order to line numbers from 1.
+fn line_numbers<T>(text: &[u8], rejected: Vec<(usize, T)>) -> Vec<(usize, T)> {
+    // Files of the classic Macintosh end their lines with a lone carriage return.
+    let line_end = if text.contains(&b'\n') { b'\n' } else { b'\r' };
+    let (mut at, mut line) = (0, 1);
+    rejected
+        .into_iter()
+        .map(|(offset, reason)| {
+            let offset = offset.clamp(at, text.len());
+            line += text[at..offset].iter().filter(|&&byte| byte == line_end).count();
+            at = offset;
+            (line, reason)
+        })
+        .collect()
+}
+
+fn unpack<'a>(name: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, CatalogueError> {
+    if !bytes.starts_with(&[0x1f, 0x8b]) {
+        return Ok(Cow::Borrowed(bytes));
+    }
+    let mut unpacked = Vec::with_capacity(bytes.len() * 4);
+    MultiGzDecoder::new(bytes)
+        .read_to_end(&mut unpacked)
+        .map_err(|source| CatalogueError::BrokenGzip { file: name.into(), source })?;
+    Ok(Cow::Owned(unpacked))
+}
+
+/// Without byte order mark; UTF-16 (what a Windows shell writes) as UTF-8.
+fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
+    let utf16 = |bytes: &[u8], from: fn([u8; 2]) -> u16| {
+        let units: Vec<u16> = bytes.chunks_exact(2).map(|pair| from([pair[0], pair[1]])).collect();
+        Cow::Owned(String::from_utf16_lossy(&units).into_bytes())
+    };
+    match bytes {
+        [0xef, 0xbb, 0xbf, rest @ ..] => Cow::Borrowed(rest),
+        [0xff, 0xfe, rest @ ..] => utf16(rest, u16::from_le_bytes),
+        [0xfe, 0xff, rest @ ..] => utf16(rest, u16::from_be_bytes),
+        _ => Cow::Borrowed(bytes),
+    }
+}
+
+/// The format, or what the text looks like instead.
+fn sniff(text: &[u8]) -> Result<ElementFormat, Cow<'static, str>> {
+    let packed: &[(&[u8], &str)] = &[
+        (b"PK\x03\x04", "it is a zip archive; unpack it"),
+        (b"\xfd7zXZ", "it is packed with xz; unpack it"),
+        (b"\x28\xb5\x2f\xfd", "it is packed with zstd; unpack it"),
+        (b"BZh", "it is packed with bzip2; unpack it"),
+        (b"SQLite format 3", "it is an SQLite database"),
+    ];
+    if let Some((_, what)) = packed.iter().find(|(magic, _)| text.starts_with(magic)) {
+        return Err(Cow::Borrowed(what));
+    }
+    let body = text.trim_ascii_start();
+    match body.first() {
+        Some(b'{' | b'[') => return Ok(ElementFormat::OmmJson),
+        Some(b'<') if omm_xml::looks_like(body) => return Ok(ElementFormat::OmmXml),
+        Some(b'<') => return Err("it is a web page or another kind of XML".into()),
+        _ => {}
+    }
+    // A CSV file may carry its two lines in columns: ask before TLE.
+    if omm_kvn::looks_like(body) {
+        Ok(ElementFormat::OmmKvn)
+    } else if omm_csv::looks_like(body) {
+        Ok(ElementFormat::OmmCsv)
+    } else if tle_file::looks_like(body) {
+        Ok(ElementFormat::Tle)
+    } else {
+        let first = body.split(|&byte| byte == b'\n').next().unwrap_or_default();
+        Err(format!("it begins {:?}", excerpt(first)).into())
+    }
+}
+
+/// Lower-case hex.
+fn hex(bytes: &[u8]) -> String {
+    bytes.iter().map(|byte| format!("{byte:02x}")).collect()
+}

@@ -1,0 +1,582 @@
+//! One two-line element set: 138 characters in fixed columns, and the writer for it.
+//!
+//! Columns as in the NORAD two-line format (Hoots & Roehrich, Spacetrack Report 3; Kelso, CelesTrak "FAQs: Two-Line Element
+//! Set Format"). What is taken beyond the letter of it, because it is unambiguous and in use:
+//!
+//! * catalogue numbers with blanks for zeros, and Alpha-5 (`A0000` = 100,000 ... `Z9999` = 339,999; no I, no O);
+//! * plus signs, and angles with zeros for leading blanks;
+//! * a missing checksum (68 characters): nothing is stated, so nothing is wrong. Only a checksum that is there can be bad;
+//! * blank fields for the two derivatives, the revolution and the set number (taken as 0): SGP4 uses none of them;
+//! * text after column 69 that a blank separates (verification files carry times there).
+//!
+//! What is refused: a line cut short or shifted by a column, for a number read from the wrong columns looks like a number.
+//!
+//! Numbers are read as a whole number over a power of ten, both exact in binary64, so one correctly rounded division gives
+//! the same bits as any other syntax gives for the same decimal.
+
+use std::sync::Arc;
+
+use hifitime::Epoch;
+use thiserror::Error;
+
+use super::element_set::{ElementSet, NoradId, Origin};
+use super::epoch;
+use super::record::{RecordError, checked, excerpt};
+
+/// Length of a line without its checksum.
+const BODY: usize = 68;
+
+/// Alpha-5's letters: the value of the first two digits is 10 for A, 33 for Z.
+const ALPHA5: &[u8; 24] = b"ABCDEFGHJKLMNPQRSTUVWXYZ";
+
+/// What a reader does with a checksum that is there and wrong.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(super) enum Checksums {
+    /// Leave the record out.
+    Require,
+    /// Take the record, and say that it was wrong.
+    Ignore,
+}
+
+/// One element set read from its two lines, and whether a wrong checksum was overlooked.
+pub(super) type Read = (ElementSet, bool);
+
+/// Reads one element set. Lines come without blanks or line ends behind them.
+///
+/// # Errors
+/// The line (1 or 2) at fault, and what is wrong: see [`RecordError`].
+pub(super) fn parse_lines(
+    name: &[u8],
+    line1: &[u8],
+    line2: &[u8],
+    checksums: Checksums,
+) -> Result<Read, (u8, RecordError)> {
+    let first = parse_line1(line1).map_err(|error| (1, error))?;
+    let second = parse_line2(line2).map_err(|error| (2, error))?;
+    if first.norad_id != second.norad_id {
+        return Err((2, RecordError::MixedObjects { first: first.norad_id, second: second.norad_id }));
+    }
+    let mut overlooked = false;
+    for (line, text) in [(1, line1), (2, line2)] {
+        if let Err(error) = verify_checksum(line, text) {
+            match checksums {
+                Checksums::Require => return Err((line, error)),
+                Checksums::Ignore => overlooked = true,
+            }
+        }
+    }
+    let set = ElementSet {
+        norad_id: NoradId(first.norad_id),
+        name: name_of(name),
+        international_designator: first.designator,
+        epoch: first.epoch,
+        mean_motion_rev_day: second.mean_motion,
+        eccentricity: second.eccentricity,
+        inclination_deg: second.inclination,
+        right_ascension_of_node_deg: second.node,
+        argument_of_perigee_deg: second.perigee,
+        mean_anomaly_deg: second.anomaly,
+        bstar_per_earth_radius: first.bstar,
+        mean_motion_dot_rev_day2: first.dot,
+        mean_motion_ddot_rev_day3: first.ddot,
+        revolution_at_epoch: second.revolution,
+        origin: Origin::Published,
+    };
+    // Catalogue number 0 is the only range that line 1 alone can break.
+    checked(set).map(|set| (set, overlooked)).map_err(|error| (if first.norad_id == 0 { 1 } else { 2 }, error))
+}
+
+/// The name on a name line: no leading "0 ", no blanks around it.
+pub(super) fn name_of(line: &[u8]) -> Arc<str> {
+    let line = line.trim_ascii();
+    let line = if line == b"0" { &[] } else { line.strip_prefix(b"0 ").unwrap_or(line).trim_ascii() };
+    if line.is_empty() { Arc::default() } else { Arc::from(String::from_utf8_lossy(line).as_ref()) }
+}
+
+/// What line 1 says.
+struct Line1 {
+    norad_id: u32,
+    designator: Arc<str>,
+    epoch: Epoch,
+    dot: f64,
+    ddot: f64,
+    bstar: f64,
+}
+
+/// What line 2 says.
+struct Line2 {
+    norad_id: u32,
+    inclination: f64,
+    node: f64,
+    eccentricity: f64,
+    perigee: f64,
+    anomaly: f64,
+    mean_motion: f64,
+    revolution: u32,
+}
+
+fn parse_line1(text: &[u8]) -> Result<Line1, RecordError> {
+    let line = Line { number: 1, text };
+    line.check_shape(&[2, 9, 18, 33, 44, 53, 62, 64])?;
+    let norad_id = line.norad_id()?;
+    let epoch = line.epoch()?;
+    let dot = line.decimal_or_zero("first derivative of the mean motion", 34, 43)?;
+    let ddot = line.exponential("second derivative of the mean motion", 45, 52, true)?;
+    let bstar = line.exponential("B*", 54, 61, false)?;
+    // Type 4 marks SGP4-XP: same columns, another theory, wrong by kilometres in SGP4.
+    if text[62] == b'4' {
+        return Err(RecordError::Unsupported {
+            field: "ephemeris type",
+            text: "4".into(),
+            allowed: "0 (SGP4); 4 marks SGP4-XP elements, which need another propagator",
+        });
+    }
+    Ok(Line1 { norad_id, designator: designator_of(line.columns(10, 17)), epoch, dot, ddot, bstar })
+}
+
+fn parse_line2(text: &[u8]) -> Result<Line2, RecordError> {
+    let line = Line { number: 2, text };
+    line.check_shape(&[2, 8, 17, 26, 34, 43, 52])?;
+    Ok(Line2 {
+        norad_id: line.norad_id()?,
+        inclination: line.decimal("inclination", 9, 16)?,
+        node: line.decimal("right ascension of the node", 18, 25)?,
+        eccentricity: line.eccentricity()?,
+        perigee: line.decimal("argument of perigee", 35, 42)?,
+        anomaly: line.decimal("mean anomaly", 44, 51)?,
+        mean_motion: line.decimal("mean motion", 53, 63)?,
+        revolution: line.revolution()?,
+    })
+}
+
+/// One of the two lines with its number, for the columns and the messages.
+struct Line<'a> {
+    number: u8,
+    text: &'a [u8],
+}
+
+impl<'a> Line<'a> {
+    /// Columns `first` to `last`, counted from 1 as the format's descriptions do. The shape was checked before.
+    fn columns(&self, first: u8, last: u8) -> &'a [u8] {
+        &self.text[usize::from(first) - 1..usize::from(last)]
+    }
+
+    /// Length, and blanks between the fields.
+    fn check_shape(&self, blanks: &[u8]) -> Result<(), RecordError> {
+        let length = self.text.len();
+        let ends_well = length == BODY || length == BODY + 1 || self.text.get(BODY + 1) == Some(&b' ');
+        if !ends_well || length < BODY {
+            return Err(RecordError::LineLength { line: self.number, length });
+        }
+        for &column in blanks {
+            let found = self.text[usize::from(column) - 1];
+            if found != b' ' {
+                return Err(RecordError::ShiftedColumns { line: self.number, column, found: char::from(found) });
+            }
+        }
+        Ok(())
+    }
+
+    fn not_a_number(&self, field: &'static str, first: u8, last: u8) -> RecordError {
+        let text = excerpt(self.columns(first, last));
+        RecordError::NotANumber { line: self.number, field, text, first, last }
+    }
+
+    fn norad_id(&self) -> Result<u32, RecordError> {
+        let field = self.columns(3, 7).trim_ascii();
+        parse_five_characters(field)
+            .ok_or_else(|| RecordError::BadTleId { line: self.number, text: excerpt(self.columns(3, 7)) })
+    }
+
+    /// A number with a decimal point somewhere in its columns.
+    fn decimal(&self, field: &'static str, first: u8, last: u8) -> Result<f64, RecordError> {
+        decimal(self.columns(first, last)).ok_or_else(|| self.not_a_number(field, first, last))
+    }
+
+    fn decimal_or_zero(&self, field: &'static str, first: u8, last: u8) -> Result<f64, RecordError> {
+        if self.columns(first, last).trim_ascii().is_empty() { Ok(0.0) } else { self.decimal(field, first, last) }
+    }
+
+    /// `SNNNNNSE`: a fraction with its leading point assumed, and a power of ten.
+    fn exponential(&self, field: &'static str, first: u8, last: u8, blank_is_zero: bool) -> Result<f64, RecordError> {
+        let text = self.columns(first, last);
+        if blank_is_zero && text.trim_ascii().is_empty() {
+            return Ok(0.0);
+        }
+        exponential(text).ok_or_else(|| self.not_a_number(field, first, last))
+    }
+
+    /// Seven digits with the leading point assumed.
+    fn eccentricity(&self) -> Result<f64, RecordError> {
+        let field = self.columns(27, 33);
+        // Blanks stand for zeros only in front.
+        let value = epoch::digits(field.trim_ascii_start());
+        value.map(|value| f64::from(value) / 1e7).ok_or_else(|| self.not_a_number("eccentricity", 27, 33))
+    }
+
+    fn revolution(&self) -> Result<u32, RecordError> {
+        let field = self.columns(64, 68).trim_ascii();
+        if field.is_empty() {
+            return Ok(0);
+        }
+        epoch::digits(field).ok_or_else(|| self.not_a_number("revolution number", 64, 68))
+    }
+
+    /// Two digits of the year (57-99 are 1957-1999), the day of the year and its fraction.
+    fn epoch(&self) -> Result<Epoch, RecordError> {
+        let bad = || RecordError::BadEpoch {
+            text: excerpt(self.columns(19, 32)),
+            allowed: "line 1, columns 19-32: YYDDD.DDDDDDDD with the day from 1 to below 367",
+        };
+        let year = epoch::digits(self.columns(19, 20).trim_ascii()).ok_or_else(bad)? as i32;
+        let year = if year < 57 { 2000 + year } else { 1900 + year };
+        let field = self.columns(21, 32).trim_ascii();
+        let point = field.iter().position(|&byte| byte == b'.').unwrap_or(field.len());
+        let day = epoch::digits(&field[..point]).ok_or_else(bad)?;
+        let mut nanosecond = 0;
+        if let Some(fraction) = field.get(point + 1..).filter(|fraction| !fraction.is_empty()) {
+            // At most ten digits fit; eight of them are 864,000 ns each, so the product is exact.
+            let scale = 10_i64.pow(fraction.len() as u32);
+            let whole = fraction
+                .iter()
+                .try_fold(0_i64, |value, byte| byte.is_ascii_digit().then(|| value * 10 + i64::from(byte - b'0')));
+            let product = i128::from(whole.ok_or_else(bad)?) * i128::from(epoch::DAY_NS);
+            nanosecond = ((product + i128::from(scale / 2)) / i128::from(scale)) as i64;
+        }
+        if !(1..367).contains(&day) {
+            return Err(bad());
+        }
+        Ok(epoch::from_day_of_year(year, i64::from(day), nanosecond))
+    }
+}
+
+/// Catalogue number of at most five characters: digits, or Alpha-5.
+pub(super) fn parse_five_characters(field: &[u8]) -> Option<u32> {
+    match field {
+        [letter, rest @ ..] if letter.is_ascii_uppercase() && rest.len() == 4 => {
+            let tens = ALPHA5.iter().position(|candidate| candidate == letter)? as u32 + 10;
+            Some(tens * 10_000 + epoch::digits(rest)?)
+        }
+        _ if field.len() <= 5 => epoch::digits(field),
+        _ => None,
+    }
+}
+
+/// `98067A` as `1998-067A`; what does not have that form stays as it is.
+fn designator_of(field: &[u8]) -> Arc<str> {
+    let field = field.trim_ascii();
+    if field.is_empty() {
+        return Arc::default();
+    }
+    if let [y1, y2, n1, n2, n3, piece @ ..] = field
+        && [y1, y2, n1, n2, n3].iter().all(|byte| byte.is_ascii_digit())
+        && piece.iter().all(u8::is_ascii_uppercase)
+    {
+        let century = if (*y1, *y2) < (b'5', b'7') { *b"20" } else { *b"19" };
+        let mut text = [b' '; 11];
+        text[..8].copy_from_slice(&[century[0], century[1], *y1, *y2, b'-', *n1, *n2, *n3]);
+        let length = 8 + piece.len();
+        text[8..length].copy_from_slice(piece);
+        if let Ok(text) = std::str::from_utf8(&text[..length]) {
+            return Arc::from(text);
+        }
+    }
+    Arc::from(String::from_utf8_lossy(field).as_ref())
+}
+
+/// Powers of ten that binary64 holds exactly.
+const TENS: [f64; 23] = [
+    1e0, 1e1, 1e2, 1e3, 1e4, 1e5, 1e6, 1e7, 1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19, 1e20,
+    1e21, 1e22,
+];
+
+/// A signed decimal number with blanks around it, correctly rounded. At most 15 digits.
+fn decimal(field: &[u8]) -> Option<f64> {
+    let field = field.trim_ascii();
+    let (negative, field) = match field {
+        [b'-', rest @ ..] => (true, rest),
+        [b'+', rest @ ..] => (false, rest),
+        _ => (false, field),
+    };
+    let (mut value, mut digits, mut decimals, mut point) = (0_u64, 0, 0, false);
+    for &byte in field {
+        match byte {
+            b'0'..=b'9' => {
+                value = value * 10 + u64::from(byte - b'0');
+                digits += 1;
+                decimals += usize::from(point);
+            }
+            b'.' if !point => point = true,
+            _ => return None,
+        }
+    }
+    if digits == 0 || digits > 15 {
+        return None;
+    }
+    // Both are exact below 2^53 and 10^22, so the quotient is the nearest double to the decimal.
+    let value = value as f64 / TENS[decimals];
+    Some(if negative { -value } else { value })
+}
+
+/// ` 10370-3` is 0.10370e-3, correctly rounded. A blank sign is a plus.
+fn exponential(field: &[u8]) -> Option<f64> {
+    let [sign, mantissa @ .., exponent_sign, exponent] = field else { return None };
+    let negative = match sign {
+        b'-' => true,
+        b'+' | b' ' | b'0' => false,
+        _ => return None,
+    };
+    let mantissa = f64::from(epoch::digits(mantissa.trim_ascii_start())?);
+    if !exponent.is_ascii_digit() {
+        return None;
+    }
+    let exponent = usize::from(exponent - b'0');
+    let value = match exponent_sign {
+        b'-' => mantissa / TENS[5 + exponent],
+        b'+' | b' ' | b'0' if exponent <= 5 => mantissa / TENS[5 - exponent],
+        b'+' | b' ' | b'0' => mantissa * TENS[exponent - 5],
+        _ => return None,
+    };
+    Some(if negative { -value } else { value })
+}
+
+/// Sum of the first 68 characters: digits count as they are, a minus as 1, modulo 10.
+fn checksum(text: &[u8]) -> u8 {
+    let sum: u32 = text
+        .iter()
+        .take(BODY)
+        .map(|byte| match byte {
+            b'0'..=b'9' => u32::from(byte - b'0'),
+            b'-' => 1,
+            _ => 0,
+        })
+        .sum();
+    (sum % 10) as u8
+}
+
+fn verify_checksum(line: u8, text: &[u8]) -> Result<(), RecordError> {
+    let computed = checksum(text);
+    match text.get(BODY) {
+        None | Some(b' ') => Ok(()),
+        Some(stated) if *stated == b'0' + computed => Ok(()),
+        Some(stated) => Err(RecordError::BadChecksum { line, stated: char::from(*stated), computed }),
+    }
+}
+
+/// Why an element set cannot be written as a TLE.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum TleFormatError {
+    /// Alpha-5 ends at 339,999.
+    #[error("catalogue number {0} does not fit a TLE: Alpha-5 ends at 339999")]
+    IdTooLarge(NoradId),
+    /// A number does not fit its columns.
+    #[error("{field} {value} of object {norad_id} does not fit its columns of a TLE")]
+    DoesNotFit {
+        /// Whose.
+        norad_id: NoradId,
+        /// Name of the field.
+        field: &'static str,
+        /// The number.
+        value: f64,
+    },
+}
+
+/// Writes the two lines of an element set, each of 69 characters, rounded to what the columns hold.
+///
+/// The classification is `U`, the set number 999. Digits beyond the format are lost (eccentricity 1e-7, B* five digits,
+/// epoch 1e-8 day): write OMM where they matter.
+///
+/// # Errors
+/// * the catalogue number is above 339,999;
+/// * a derivative, B*, or the epoch's year (1957-2056) does not fit its columns.
+pub fn format_tle(set: &ElementSet) -> Result<[String; 2], TleFormatError> {
+    let id = format_id(set.norad_id)?;
+    let misfit = |field, value| TleFormatError::DoesNotFit { norad_id: set.norad_id, field, value };
+    let (mut year, mut day, nanosecond) = epoch::to_day_of_year(set.epoch);
+    let mut fraction = (nanosecond + 432_000) / 864_000;
+    if fraction == 100_000_000 {
+        (fraction, day) = (0, day + 1);
+        // Keep the day inside its year: 366 is 1 January after a common year.
+        (year, day, _) = epoch::to_day_of_year(epoch::from_day_of_year(year, day, 0));
+    }
+    if !(1957..=2056).contains(&year) {
+        return Err(misfit("year of the epoch", f64::from(year)));
+    }
+    let dot = format!("{:.8}", set.mean_motion_dot_rev_day2.abs());
+    let dot = dot.strip_prefix('0').unwrap_or(&dot);
+    if dot.len() != 9 {
+        return Err(misfit("first derivative of the mean motion", set.mean_motion_dot_rev_day2));
+    }
+    let sign = if set.mean_motion_dot_rev_day2.is_sign_negative() { '-' } else { ' ' };
+    let ddot = format_exponential(set.mean_motion_ddot_rev_day3)
+        .ok_or_else(|| misfit("second derivative of the mean motion", set.mean_motion_ddot_rev_day3))?;
+    let bstar =
+        format_exponential(set.bstar_per_earth_radius).ok_or_else(|| misfit("B*", set.bstar_per_earth_radius))?;
+    let line1 = format!(
+        "1 {id}U {:<8} {:02}{day:03}.{fraction:08} {sign}{dot} {ddot} {bstar} 0  999",
+        format_designator(&set.international_designator),
+        year % 100,
+    );
+    // Rounding up to 1 would overflow the seven digits.
+    let eccentricity = (set.eccentricity * 1e7).round().min(9_999_999.0);
+    let line2 = format!(
+        "2 {id} {:8.4} {:8.4} {eccentricity:07} {:8.4} {:8.4} {:11.8}{:5}",
+        set.inclination_deg,
+        set.right_ascension_of_node_deg.rem_euclid(360.0),
+        set.argument_of_perigee_deg.rem_euclid(360.0),
+        set.mean_anomaly_deg.rem_euclid(360.0),
+        set.mean_motion_rev_day,
+        set.revolution_at_epoch % 100_000,
+    );
+    if line2.len() != BODY {
+        return Err(misfit("mean motion", set.mean_motion_rev_day));
+    }
+    Ok([line1, line2].map(|line| {
+        let checksum = checksum(line.as_bytes());
+        format!("{line}{checksum}")
+    }))
+}
+
+fn format_id(norad_id: NoradId) -> Result<String, TleFormatError> {
+    let (tens, rest) = (norad_id.0 / 10_000, norad_id.0 % 10_000);
+    if tens < 10 {
+        return Ok(format!("{:05}", norad_id.0));
+    }
+    let letter = ALPHA5.get(tens as usize - 10).ok_or(TleFormatError::IdTooLarge(norad_id))?;
+    Ok(format!("{}{rest:04}", char::from(*letter)))
+}
+
+/// `1998-067A` as `98067A`; blank where it has another form.
+fn format_designator(designator: &str) -> String {
+    match designator.as_bytes() {
+        [_, _, y1, y2, b'-', rest @ ..] if (3..=6).contains(&rest.len()) && designator.is_ascii() => {
+            format!("{}{}{}", char::from(*y1), char::from(*y2), String::from_utf8_lossy(rest))
+        }
+        _ => String::new(),
+    }
+}
+
+/// ` 10370-3`, or `None` outside 1e-10 to 1e9.
+fn format_exponential(value: f64) -> Option<String> {
+    let sign = if value < 0.0 { '-' } else { ' ' };
+    // Rust prints d.dddde-n; the point moves one place to the left.
+    let text = format!("{:.4e}", value.abs());
+    let (mantissa, exponent) = text.split_once('e')?;
+    let digits = mantissa.replace('.', "");
+    let exponent = exponent.parse::<i32>().ok()? + 1;
+    if value == 0.0 || exponent < -9 {
+        return Some(" 00000+0".into());
+    }
+    let exponent_sign = if exponent < 0 { '-' } else { '+' };
+    (exponent <= 9).then(|| format!("{sign}{digits}{exponent_sign}{}", exponent.abs()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const LINE1: &str = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999";
+    const LINE2: &str = "2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097";
+
+    fn read(line1: &str, line2: &str) -> Result<ElementSet, RecordError> {
+        parse_lines(b"0 ISS (ZARYA)  ", line1.as_bytes(), line2.as_bytes(), Checksums::Require)
+            .map(|read| read.0)
+            .map_err(|(_, error)| error)
+    }
+
+    #[test]
+    fn verif_a_line_pair_gives_the_decimals_it_prints() {
+        let set = read(LINE1, LINE2).unwrap();
+        assert_eq!(set.norad_id, NoradId(25544));
+        assert_eq!(&*set.name, "ISS (ZARYA)");
+        assert_eq!(&*set.international_designator, "1998-067A");
+        assert_eq!(set.epoch, epoch::parse_iso("2026-07-08T17:37:14.092032").unwrap());
+        assert_eq!(set.mean_motion_rev_day, 15.48947664);
+        assert_eq!(set.eccentricity, 0.0006669);
+        assert_eq!(set.inclination_deg, 51.6304);
+        assert_eq!(set.right_ascension_of_node_deg, 193.4497);
+        assert_eq!(set.argument_of_perigee_deg, 272.1743);
+        assert_eq!(set.mean_anomaly_deg, 87.8481);
+        assert_eq!(set.bstar_per_earth_radius, 0.10370e-3);
+        assert_eq!(set.mean_motion_dot_rev_day2, 0.00005258);
+        assert_eq!(set.mean_motion_ddot_rev_day3, 0.0);
+        assert_eq!(set.revolution_at_epoch, 57509);
+        assert_eq!(format_tle(&set).unwrap(), [LINE1, LINE2]);
+    }
+
+    #[test]
+    fn verif_alpha5_covers_its_range() {
+        for (text, id) in [("A0000", 100_000), ("H9999", 179_999), ("J0000", 180_000), ("N9999", 229_999)] {
+            assert_eq!(parse_five_characters(text.as_bytes()), Some(id), "{text}");
+            assert_eq!(format_id(NoradId(id)).unwrap(), text);
+        }
+        assert_eq!(parse_five_characters(b"P0000"), Some(230_000));
+        assert_eq!(parse_five_characters(b"Z9999"), Some(339_999));
+        for text in ["I0000", "O0000", "a0000", "A000", "A00000", "1A000", "", "1 2"] {
+            assert_eq!(parse_five_characters(text.as_bytes()), None, "{text}");
+        }
+        assert_eq!(format_id(NoradId(340_000)), Err(TleFormatError::IdTooLarge(NoradId(340_000))));
+    }
+
+    #[test]
+    fn verif_two_digit_years() {
+        for (year, expected) in [("57", "1957"), ("99", "1999"), ("00", "2000"), ("56", "2056")] {
+            let line1 = format!("{}{year}{}", &LINE1[..18], &LINE1[20..68]);
+            let set = read(&line1, LINE2).unwrap();
+            assert_eq!(epoch::to_day_of_year(set.epoch).0.to_string(), expected);
+        }
+    }
+
+    #[test]
+    fn verif_errors_say_what_and_where() {
+        let put = |line: &str, column: usize, text: &str| {
+            format!("{}{text}{}", &line[..column - 1], &line[column - 1 + text.len()..68])
+        };
+        let cases = [
+            (LINE1.into(), put(LINE2, 9, "     abc"), r#"line 2: inclination "abc" is not a number in columns 9-16"#),
+            (LINE1.into(), put(LINE2, 9, "181.0000"), "inclination 181 is out of range: 0 to 180 deg"),
+            (LINE1.into(), put(LINE2, 53, " 0.00000000"), "mean motion 0 is out of range: above 0 revolutions a day"),
+            (LINE1.into(), put(LINE2, 3, "25545"), "line 1 is of object 25544, line 2 of object 25545"),
+            (
+                LINE1.into(),
+                LINE2[..60].to_string(),
+                "line 2 has 60 characters; 69 are allowed, or 68 where the checksum is missing",
+            ),
+            (
+                put(LINE1, 3, "I5544"),
+                LINE2.into(),
+                r#"line 1: "I5544" in columns 3-7 is not a catalogue number (1-99999, or Alpha-5 with A-Z without I and O)"#,
+            ),
+            (
+                put(LINE1, 19, "26000"),
+                LINE2.into(),
+                r#"epoch "26000.73419088" is not a date: line 1, columns 19-32: YYDDD.DDDDDDDD with the day from 1 to below 367"#,
+            ),
+            (format!("{}4", &LINE1[..68]), LINE2.into(), "line 1: the checksum is '4', the line adds up to 9"),
+            (
+                LINE1.replacen("98067A  ", "98067A ", 1),
+                LINE2.into(),
+                "line 1: '2' in column 18, where a blank separates two fields: the columns are shifted",
+            ),
+            (
+                put(LINE1, 63, "4"),
+                LINE2.into(),
+                r#"ephemeris type "4" is not supported: 0 (SGP4); 4 marks SGP4-XP elements, which need another propagator"#,
+            ),
+        ];
+        for (line1, line2, expected) in cases {
+            assert_eq!(read(&line1, &line2).unwrap_err().to_string(), expected);
+        }
+    }
+
+    #[test]
+    fn verif_a_missing_checksum_is_not_a_bad_one() {
+        assert!(read(&LINE1[..68], &LINE2[..68]).is_ok());
+        let line1 = "1     5U 58002B   00179.78495062 +.00000023 +00000-0 +28098-4 0 0475";
+        let line2 = "2     5 034.2682 348.7242 1859667 331.7664 019.3264 10.8241915741366     0.00      4320.0";
+        let set = read(line1, line2).unwrap();
+        assert_eq!((set.norad_id, set.revolution_at_epoch), (NoradId(5), 41366));
+        assert_eq!(set.bstar_per_earth_radius, 0.28098e-4);
+    }
+}

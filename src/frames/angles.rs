@@ -1,0 +1,177 @@
+//! Angles as people write them: decimal degrees or sexagesimal hours and degrees.
+
+use super::error::FramesError;
+
+const RIGHT_ASCENSION: &str = "a right ascension: degrees from 0 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
+const DECLINATION: &str = "a declination: degrees from -90 to 90 (-30.5), or -30d12m34.5s or -30:12:34.5";
+
+/// A right ascension in degrees, [0, 360). A plain number is degrees; `12h34m56.7s`, `12h34m`, `12:34:56.7` and `12 34 56.7` are hours;
+/// `188.5d` and `188d30m` are degrees.
+///
+/// # Errors
+/// Text of another form, minutes or seconds of 60 and more, or an angle outside of the circle.
+pub fn parse_right_ascension_deg(text: &str) -> Result<f64, FramesError> {
+    let bad = || FramesError::BadAngle { text: text.to_owned(), wanted: RIGHT_ASCENSION };
+    let angle = parse(text).ok_or_else(bad)?;
+    let factor = match angle.unit {
+        Unit::Hours | Unit::Colons => 15.0,
+        Unit::Degrees | Unit::Plain => 1.0,
+    };
+    let degrees = angle.value * factor;
+    if angle.negative && degrees != 0.0 || degrees > 360.0 {
+        return Err(bad());
+    }
+    Ok(if degrees == 360.0 { 0.0 } else { degrees })
+}
+
+/// A declination in degrees, [-90, 90]. A plain number is degrees; so are `-30d12m34.5s`, `-30:12:34.5`, `-30 12 34.5` and `-30°12'34.5"`.
+///
+/// # Errors
+/// Text of another form, hours, minutes or seconds of 60 and more, or an angle beyond the poles.
+pub fn parse_declination_deg(text: &str) -> Result<f64, FramesError> {
+    let bad = || FramesError::BadAngle { text: text.to_owned(), wanted: DECLINATION };
+    let angle = parse(text).ok_or_else(bad)?;
+    if angle.unit == Unit::Hours || angle.value > 90.0 {
+        return Err(bad());
+    }
+    Ok(if angle.negative { -angle.value } else { angle.value })
+}
+
+#[derive(Copy, Clone, PartialEq)]
+enum Unit {
+    Plain,
+    Degrees,
+    Hours,
+    Colons,
+}
+
+struct Angle {
+    negative: bool,
+    value: f64,
+    unit: Unit,
+}
+
+/// Sign, then up to three numbers parted by `h d ° : ' m " s` or blanks.
+fn parse(text: &str) -> Option<Angle> {
+    let text = text.trim();
+    let (negative, text) = match text.strip_prefix(['-', '−']) {
+        Some(rest) => (true, rest),
+        None => (false, text.strip_prefix('+').unwrap_or(text)),
+    };
+    let mut unit = Unit::Plain;
+    let mut numbers: Vec<&str> = Vec::new();
+    let mut marks: Vec<char> = Vec::new();
+    let mut rest = text.trim_start();
+    while !rest.is_empty() {
+        let end = rest.find(|c: char| !(c.is_ascii_digit() || c == '.')).unwrap_or(rest.len());
+        if end == 0 || numbers.len() == 3 {
+            return None;
+        }
+        numbers.push(&rest[..end]);
+        rest = &rest[end..];
+        let after = rest.trim_start();
+        let blank = after.len() < rest.len();
+        match after.chars().next() {
+            Some(mark @ ('h' | 'H' | 'd' | 'D' | '°' | ':' | 'm' | 'M' | '\'' | '′' | 's' | 'S' | '"' | '″')) => {
+                marks.push(mark);
+                rest = after[mark.len_utf8()..].trim_start();
+                // A colon parts two numbers, it does not end one.
+                if mark == ':' && rest.is_empty() {
+                    return None;
+                }
+            }
+            Some(digit) if blank && digit.is_ascii_digit() => {
+                marks.push(':');
+                rest = after;
+            }
+            Some(_) => return None,
+            None => rest = after,
+        }
+    }
+    for (place, mark) in marks.iter().enumerate() {
+        match (place, mark) {
+            (0, 'h' | 'H') => unit = Unit::Hours,
+            (0, 'd' | 'D' | '°') => unit = Unit::Degrees,
+            (0, ':') => unit = Unit::Colons,
+            (1, ':') if unit == Unit::Colons => {}
+            (1, 'm' | 'M' | '\'' | '′') if unit != Unit::Colons => {}
+            (2, 's' | 'S' | '"' | '″') if unit != Unit::Colons => {}
+            _ => return None,
+        }
+    }
+    let mut value = 0.0;
+    for (place, number) in numbers.iter().enumerate() {
+        let part: f64 = number.parse().ok()?;
+        let last = place + 1 == numbers.len();
+        // Only the last number may have a fraction, and minutes and seconds stay below 60.
+        if (!last && number.contains('.')) || (place > 0 && part >= 60.0) {
+            return None;
+        }
+        value += part / [1.0, 60.0, 3600.0][place];
+    }
+    (!numbers.is_empty()).then_some(Angle { negative, value, unit })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn right_ascensions() {
+        let expected = (12.0 + 34.0 / 60.0 + 56.7 / 3600.0) * 15.0;
+        for text in ["12h34m56.7s", "12:34:56.7", "12 34 56.7", "12h 34m 56.7s", "+12H34M56.7S", "12h34m56.7"] {
+            let degrees = parse_right_ascension_deg(text).expect(text);
+            assert!((degrees - expected).abs() < 1e-12, "{text}: {degrees}");
+        }
+        for (text, degrees) in [
+            ("188.5", 188.5),
+            ("188d30m", 188.5),
+            ("12h34m", 188.5),
+            ("0", 0.0),
+            ("360", 0.0),
+            ("24h", 0.0),
+            ("1e1", f64::NAN),
+        ] {
+            match parse_right_ascension_deg(text) {
+                Ok(value) => assert!((value - degrees).abs() < 1e-12, "{text}: {value}"),
+                Err(_) => assert!(degrees.is_nan(), "{text}"),
+            }
+        }
+        for text in [
+            "",
+            "-1",
+            "361",
+            "25h",
+            "12h60m",
+            "12h34.5m10s",
+            "nan",
+            "inf",
+            "12:",
+            "12h34x",
+            "1 2 3 4",
+            "12m",
+            "--1",
+            "1..2",
+            "12:34m",
+        ] {
+            assert!(parse_right_ascension_deg(text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn declinations() {
+        let expected = -(30.0 + 12.0 / 60.0 + 34.5 / 3600.0);
+        for text in ["-30d12m34.5s", "-30:12:34.5", "-30 12 34.5", "-30°12'34.5\"", "−30°12′34.5″"] {
+            let degrees = parse_declination_deg(text).expect(text);
+            assert!((degrees - expected).abs() < 1e-12, "{text}: {degrees}");
+        }
+        // The sign counts where the degrees are zero.
+        assert!((parse_declination_deg("-00:30:00").expect("an angle") + 0.5).abs() < 1e-15);
+        assert_eq!(parse_declination_deg("90").expect("the pole"), 90.0);
+        for text in ["90.0001", "-91", "12h", "30d61m", "x", "-", "+-3"] {
+            assert!(parse_declination_deg(text).is_err(), "{text}");
+        }
+        let error = parse_declination_deg("12h").expect_err("hours");
+        assert!(error.to_string().starts_with("\"12h\" is not a declination: degrees"), "{error}");
+    }
+}

@@ -1,0 +1,332 @@
+//! What the Earth does beside the formulas: UT1 - UTC and the motion of the pole, measured and predicted by the IERS.
+//!
+//! Without them UT1 is taken as UTC: 0.1 s of UT1 turns the Earth by 46 m at the equator, and UT1 - UTC reaches 0.9 s; the pole moves by
+//! up to 0.6" (18 m). That is an error of the observer's place, not of the satellite's: at 550 km range 46 m are 17".
+
+use std::f64::consts::PI;
+use std::sync::OnceLock;
+
+use hifitime::Epoch;
+
+use super::error::FramesError;
+use super::time::{epoch_from_utc_day, seconds_between, tai_minus_utc_s};
+use crate::constants::{DAY_S, EARTH_EQUATORIAL_RADIUS_KM, EARTH_ROTATION_RAD_S};
+
+const ARCSEC_RAD: f64 = PI / 648_000.0;
+/// Numbers derived from finals2000A; the head of the file tells how.
+const EMBEDDED: &str = include_str!("data/earth_orientation.txt");
+
+/// UT1 - UTC and the coordinates of the pole at one moment.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct EarthOrientationParameters {
+    /// UT1 - UTC, seconds.
+    pub ut1_minus_utc_s: f64,
+    /// Pole coordinate x, towards longitude 0, radians.
+    pub xp_rad: f64,
+    /// Pole coordinate y, towards longitude 90° west, radians.
+    pub yp_rad: f64,
+}
+
+impl EarthOrientationParameters {
+    /// UT1 = UTC and the pole at its origin.
+    pub const ZERO: Self = Self { ut1_minus_utc_s: 0.0, xp_rad: 0.0, yp_rad: 0.0 };
+}
+
+/// How far an answer of [`EopTable::at`] can be trusted.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum EopStatus {
+    /// Measured: UT1 to 0.1 ms (5 mm at the equator) from a file, to 0.5 ms (0.2 m) from the embedded table.
+    Measured,
+    /// Predicted: a few ms (a metre) after a month, some 30 ms (14 m) after a year.
+    Predicted,
+    /// The moment lies after the table's last row: UT1 = UTC and no polar motion were taken.
+    Expired {
+        /// Last row of the table.
+        last: Epoch,
+    },
+    /// The moment lies before the table's first row: UT1 = UTC and no polar motion were taken.
+    TooEarly {
+        /// First row of the table.
+        first: Epoch,
+    },
+    /// No table: UT1 = UTC and no polar motion were taken.
+    NoTable,
+}
+
+impl EopStatus {
+    /// True where the table had an answer.
+    pub fn is_covered(&self) -> bool {
+        matches!(self, Self::Measured | Self::Predicted)
+    }
+}
+
+#[derive(Copy, Clone, Debug, PartialEq)]
+struct Row {
+    /// TAI seconds after the first row; across leap seconds it goes on evenly, and so does UT1 - TAI.
+    tai_s: f64,
+    ut1_minus_tai_s: f64,
+    xp_rad: f64,
+    yp_rad: f64,
+}
+
+/// A table of UT1 - UTC and polar motion with straight lines between the rows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EopTable {
+    name: &'static str,
+    first: Option<Epoch>,
+    /// Seconds after the first row from which the rows are predictions.
+    predicted_from_s: f64,
+    rows: Vec<Row>,
+}
+
+impl EopTable {
+    /// The bundled table, from 2000 to its expiry in October 2027: rows of the IERS series every three days, which leave the daily values
+    /// by at most 0.5 ms in UT1 (0.2 m at the equator) and 1.1 mas in the pole (3 cm).
+    pub fn embedded() -> Self {
+        static TABLE: OnceLock<EopTable> = OnceLock::new();
+        TABLE.get_or_init(|| parse_embedded(EMBEDDED)).clone()
+    }
+
+    /// No table: UT1 = UTC and no polar motion at all times.
+    pub fn none() -> Self {
+        Self { name: "none", first: None, predicted_from_s: 0.0, rows: Vec::new() }
+    }
+
+    /// Reads the text of a finals2000A file (`.all`, `.data` or `.daily`) of the IERS: Bulletin A, columns of its ReadMe.
+    ///
+    /// Rows without UT1 - UTC or pole (the days beyond the predictions) end the table.
+    ///
+    /// # Errors
+    /// A number that cannot be read, dates that do not grow, or no row at all.
+    pub fn from_finals2000a(text: &str) -> Result<Self, FramesError> {
+        let mut first: Option<Epoch> = None;
+        let mut predicted_from_s = f64::INFINITY;
+        let mut previous_mjd = f64::NEG_INFINITY;
+        let mut rows = Vec::new();
+        for (index, line) in text.lines().enumerate() {
+            let line_number = index + 1;
+            // Bytes counted from 1 in the ReadMe: 8-15 MJD, 19-27 x, 38-46 y, 58 flag, 59-68 UT1 - UTC.
+            let field = |from: usize, to: usize| line.get(from - 1..to).unwrap_or("").trim();
+            if field(59, 68).is_empty() || field(19, 27).is_empty() || field(38, 46).is_empty() {
+                continue;
+            }
+            let number = |column: &'static str, from: usize, to: usize| -> Result<f64, FramesError> {
+                let bad = || FramesError::BadEopNumber { line: line_number, column, text: field(from, to).to_owned() };
+                field(from, to).parse().ok().filter(|value: &f64| value.is_finite()).ok_or_else(bad)
+            };
+            let mjd = number("MJD", 8, 15)?;
+            if mjd <= previous_mjd {
+                return Err(FramesError::EopNotInOrder { line: line_number, mjd, previous: previous_mjd });
+            }
+            previous_mjd = mjd;
+            let epoch = super::time::epoch_from_mjd(mjd, hifitime::TimeScale::UTC)?;
+            let tai_s = seconds_between(*first.get_or_insert(epoch), epoch);
+            if field(58, 58) == "P" {
+                predicted_from_s = predicted_from_s.min(tai_s);
+            }
+            rows.push(Row {
+                tai_s,
+                ut1_minus_tai_s: number("UT1_UTC_A", 59, 68)? - tai_minus_utc_s(epoch),
+                xp_rad: number("PM_x_A", 19, 27)? * ARCSEC_RAD,
+                yp_rad: number("PM_y_A", 38, 46)? * ARCSEC_RAD,
+            });
+        }
+        if rows.is_empty() {
+            return Err(FramesError::EmptyEopTable { lines: text.lines().count() });
+        }
+        Ok(Self { name: "finals2000A", first, predicted_from_s, rows })
+    }
+
+    /// The parameters at a moment; [`EarthOrientationParameters::ZERO`] outside of the table, which [`EopTable::status`] tells.
+    ///
+    /// UT1 - TAI is interpolated and the leap seconds are added after that: no jump is smeared over a day.
+    pub fn at(&self, epoch: Epoch) -> EarthOrientationParameters {
+        let Some(seconds) = self.covered_s(epoch) else { return EarthOrientationParameters::ZERO };
+        let after = self.rows.partition_point(|row| row.tai_s <= seconds).clamp(1, self.rows.len().max(2) - 1);
+        let left = &self.rows[after - 1];
+        let Some(right) = self.rows.get(after) else {
+            return EarthOrientationParameters {
+                ut1_minus_utc_s: left.ut1_minus_tai_s + tai_minus_utc_s(epoch),
+                xp_rad: left.xp_rad,
+                yp_rad: left.yp_rad,
+            };
+        };
+        let part = (seconds - left.tai_s) / (right.tai_s - left.tai_s);
+        let between = |a: f64, b: f64| a + (b - a) * part;
+        EarthOrientationParameters {
+            ut1_minus_utc_s: between(left.ut1_minus_tai_s, right.ut1_minus_tai_s) + tai_minus_utc_s(epoch),
+            xp_rad: between(left.xp_rad, right.xp_rad),
+            yp_rad: between(left.yp_rad, right.yp_rad),
+        }
+    }
+
+    /// Measured, predicted, or outside of the table.
+    pub fn status(&self, epoch: Epoch) -> EopStatus {
+        let (Some(first), Some(last)) = (self.first(), self.last()) else { return EopStatus::NoTable };
+        match self.covered_s(epoch) {
+            Some(seconds) if seconds >= self.predicted_from_s => EopStatus::Predicted,
+            Some(_) => EopStatus::Measured,
+            None if seconds_between(first, epoch) < 0.0 => EopStatus::TooEarly { first },
+            None => EopStatus::Expired { last },
+        }
+    }
+
+    /// The first moment covered.
+    pub fn first(&self) -> Option<Epoch> {
+        self.first
+    }
+
+    /// The last moment covered.
+    pub fn last(&self) -> Option<Epoch> {
+        Some(super::time::seconds_after(self.first?, self.rows.last()?.tai_s))
+    }
+
+    /// One line for a log: what the table is, what it covers, and what it means to be outside.
+    pub fn describe(&self) -> String {
+        let (Some(first), Some(last)) = (self.first(), self.last()) else {
+            return "no Earth orientation table: UT1 = UTC, which errs by up to 0.9 s (0.1 s is 46 m at the equator)"
+                .to_owned();
+        };
+        let day = |epoch: Epoch| {
+            let (year, month, day, ..) = epoch.to_gregorian_utc();
+            format!("{year:04}-{month:02}-{day:02}")
+        };
+        let measured = super::time::seconds_after(first, self.predicted_from_s.min(seconds_between(first, last)));
+        format!(
+            "Earth orientation ({}): {} to {}, predicted after {}; outside UT1 = UTC (0.1 s of UT1 is 46 m at the equator)",
+            self.name,
+            day(first),
+            day(last),
+            day(measured)
+        )
+    }
+
+    fn covered_s(&self, epoch: Epoch) -> Option<f64> {
+        let seconds = seconds_between(self.first?, epoch);
+        (seconds >= 0.0 && seconds <= self.rows.last()?.tai_s).then_some(seconds)
+    }
+}
+
+/// How far an error of UT1 moves a place on the Earth's equator, metres.
+pub fn ut1_error_m(ut1_error_s: f64) -> f64 {
+    ut1_error_s.abs() * EARTH_ROTATION_RAD_S * EARTH_EQUATORIAL_RADIUS_KM * 1e3
+}
+
+/// The embedded table's own form: a head of `key value` lines, then `UT1-TAI x y` in 0.1 ms and 0.1 mas.
+///
+/// It is part of the library and read by its tests, so lines that do not fit are left out instead of reported.
+fn parse_embedded(text: &str) -> EopTable {
+    let (mut first_mjd, mut step_days, mut predicted_from_mjd, mut last_mjd) = (0, 1, i64::MAX, 0);
+    let mut rows = Vec::new();
+    for line in text.lines() {
+        let words: Vec<&str> = line.split_whitespace().collect();
+        match words.as_slice() {
+            ["first_mjd", value] => first_mjd = value.parse().unwrap_or(first_mjd),
+            ["step_days", value] => step_days = value.parse().unwrap_or(step_days),
+            ["predicted_from_mjd", value] => predicted_from_mjd = value.parse().unwrap_or(predicted_from_mjd),
+            ["last_mjd", value] => last_mjd = value.parse().unwrap_or(last_mjd),
+            [ut1, x, y] => {
+                let (Ok(ut1), Ok(x), Ok(y)) = (ut1.parse::<f64>(), x.parse::<f64>(), y.parse::<f64>()) else {
+                    continue;
+                };
+                // The last row closes the table on the last day of the predictions, less than a step after the one before.
+                let mjd = last_mjd.min(first_mjd + step_days * rows.len() as i64);
+                let first = epoch_from_utc_day(first_mjd);
+                rows.push(Row {
+                    tai_s: seconds_between(first, epoch_from_utc_day(mjd)),
+                    ut1_minus_tai_s: ut1 * 1e-4,
+                    xp_rad: x * 1e-4 * ARCSEC_RAD,
+                    yp_rad: y * 1e-4 * ARCSEC_RAD,
+                });
+            }
+            _ => {}
+        }
+    }
+    let first = epoch_from_utc_day(first_mjd);
+    EopTable {
+        name: "embedded",
+        first: Some(first),
+        predicted_from_s: (predicted_from_mjd - first_mjd) as f64 * DAY_S,
+        rows,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::mjd_utc;
+
+    fn utc(text: &str) -> Epoch {
+        text.parse().expect("an epoch")
+    }
+
+    /// Three days of finals2000A around the leap second of 2016 (columns as in the IERS ReadMe), a prediction and a blank row.
+    const SAMPLE: &str = "\
+161231 57753.00 I  0.072600 0.000091  0.264600 0.000091  I-0.4080000 0.0000100  0.0000 0.0000
+17 1 1 57754.00 I  0.070600 0.000091  0.265600 0.000091  I 0.5908000 0.0000100  0.0000 0.0000
+17 1 2 57755.00 P  0.068600 0.000091  0.266600 0.000091  P 0.5896000 0.0000100  0.0000 0.0000
+17 1 3 57756.00                                                                              \n";
+
+    #[test]
+    fn leap_second_is_not_smeared() {
+        let table = EopTable::from_finals2000a(SAMPLE).expect("a table");
+        // UT1 - TAI: -36.4080, -36.4092, -36.4104: half way between the first two rows -36.4086.
+        let noon = table.at(utc("2016-12-31T12:00:00 UTC"));
+        assert!((noon.ut1_minus_utc_s + 0.4086).abs() < 1e-7, "{noon:?}");
+        assert!((noon.xp_rad / ARCSEC_RAD - 0.0716).abs() < 1e-7);
+        let after = table.at(utc("2017-01-01T00:00:00 UTC"));
+        assert!((after.ut1_minus_utc_s - 0.5908).abs() < 1e-12);
+        let last = table.at(utc("2017-01-02T00:00:00 UTC"));
+        assert!((last.ut1_minus_utc_s - 0.5896).abs() < 1e-12);
+    }
+
+    #[test]
+    fn status_tells_where_the_table_ends() {
+        let table = EopTable::from_finals2000a(SAMPLE).expect("a table");
+        assert_eq!(table.status(utc("2016-12-31T12:00:00 UTC")), EopStatus::Measured);
+        assert_eq!(table.status(utc("2017-01-02T00:00:00 UTC")), EopStatus::Predicted);
+        let (first, last) = (utc("2016-12-31T00:00:00 UTC"), utc("2017-01-02T00:00:00 UTC"));
+        assert_eq!(table.status(utc("2017-01-02T00:00:01 UTC")), EopStatus::Expired { last });
+        assert_eq!(table.status(utc("2016-12-30T23:59:59 UTC")), EopStatus::TooEarly { first });
+        assert_eq!(table.at(utc("2017-01-02T00:00:01 UTC")), EarthOrientationParameters::ZERO);
+        assert_eq!(EopTable::none().status(first), EopStatus::NoTable);
+        assert_eq!(EopTable::none().at(first), EarthOrientationParameters::ZERO);
+    }
+
+    #[test]
+    fn a_table_of_one_row_answers_at_that_moment() {
+        let table = EopTable::from_finals2000a(SAMPLE.lines().next().unwrap_or("")).expect("a table");
+        let only = table.at(utc("2016-12-31T00:00:00 UTC"));
+        assert!((only.ut1_minus_utc_s + 0.408).abs() < 1e-12);
+    }
+
+    #[test]
+    fn broken_files_are_named() {
+        let bad = SAMPLE.replace("0.5908000", "0.59x8000");
+        let error = EopTable::from_finals2000a(&bad).expect_err("a broken number");
+        assert_eq!(error.to_string(), "finals2000A line 2: UT1_UTC_A \"0.59x8000\" is not a number");
+        let twice = format!("{SAMPLE}{SAMPLE}");
+        assert!(matches!(EopTable::from_finals2000a(&twice), Err(FramesError::EopNotInOrder { line: 5, .. })));
+        for text in ["", "<html>not found</html>\n", "é".repeat(200).as_str()] {
+            assert!(matches!(EopTable::from_finals2000a(text), Err(FramesError::EmptyEopTable { .. })), "{text}");
+        }
+    }
+
+    #[test]
+    fn embedded_table_is_whole() {
+        let table = EopTable::embedded();
+        assert_eq!(table.first(), Some(utc("2000-01-01T00:00:00 UTC")));
+        let last = table.last().expect("a last row");
+        assert_eq!(mjd_utc(last), 61_707.0);
+        assert_eq!(table.rows.len(), 3389);
+        assert!(table.rows.windows(2).all(|pair| pair[0].tai_s < pair[1].tai_s));
+        // Bulletin A of 2017-01-01: +0.5913 s (after the leap second), pole 0.0764", 0.2636".
+        let values = table.at(utc("2017-01-01T00:00:00 UTC"));
+        assert!((values.ut1_minus_utc_s - 0.5913).abs() < 1e-3, "{values:?}");
+        assert_eq!(table.status(utc("2024-08-14T00:00:00 UTC")), EopStatus::Measured);
+        assert_eq!(table.status(utc("2027-01-01T00:00:00 UTC")), EopStatus::Predicted);
+        assert_eq!(table.status(utc("2028-01-01T00:00:00 UTC")), EopStatus::Expired { last });
+        assert!((ut1_error_m(0.1) - 46.5).abs() < 0.1);
+        assert!(table.describe().contains("2027-10-29"), "{}", table.describe());
+    }
+}

@@ -1,0 +1,67 @@
+//! Slow functions of time, sampled on a grid of half days and interpolated.
+
+use hifitime::Epoch;
+
+use super::time::{epoch_from_utc_day, mjd_utc, seconds_after, seconds_between};
+
+/// Distance of the nodes, seconds. Precession, nutation, the Earth's orbit and the Moon's pull on it are smooth on this scale: a cubic
+/// through four nodes errs by less than 3·10⁻¹⁰ of their size, and daily tables of the Earth's orientation keep their own nodes.
+const STEP_S: f64 = 43_200.0;
+
+/// `N` smooth functions of time.
+#[derive(Clone, Debug)]
+pub(crate) struct Sampled<const N: usize> {
+    /// Seconds from the reference epoch to the first node.
+    first_s: f64,
+    /// `(n_node)`, at least four.
+    nodes: Vec<[f64; N]>,
+}
+
+impl<const N: usize> Sampled<N> {
+    /// Samples `function` over the span from `start` to `end` and half a day on either side; seconds count from `start`.
+    ///
+    /// Nodes lie at 0h and 12h UTC (shifted by the leap seconds within the span), where tables of the Earth's orientation have theirs.
+    pub(crate) fn new(start: Epoch, end: Epoch, function: impl Fn(Epoch) -> [f64; N]) -> Self {
+        let midnight = epoch_from_utc_day(mjd_utc(start).floor() as i64);
+        let lead_s = seconds_between(midnight, start);
+        let lead_nodes = (lead_s / STEP_S).floor();
+        let first_s = (lead_nodes - 1.0) * STEP_S - lead_s;
+        let span_s = seconds_between(start, end).max(0.0);
+        let count = ((span_s - first_s) / STEP_S).ceil() as usize + 2;
+        let nodes = (0..count).map(|node| function(seconds_after(start, first_s + node as f64 * STEP_S))).collect();
+        Self { first_s, nodes }
+    }
+
+    /// The node before `seconds` (never the last one) and the way to the next as a fraction. Outside of the nodes the fraction leaves [0, 1].
+    fn locate(&self, seconds: f64) -> (usize, f64) {
+        let place = (seconds - self.first_s) / STEP_S;
+        // A NaN or a negative place becomes 0 in the cast.
+        let node = (place as usize).min(self.nodes.len() - 2);
+        (node, place - node as f64)
+    }
+
+    /// Straight line between two nodes: for what is itself a table of straight lines.
+    pub(crate) fn linear_at(&self, seconds: f64) -> [f64; N] {
+        let (node, fraction) = self.locate(seconds);
+        let (left, right) = (&self.nodes[node], &self.nodes[node + 1]);
+        std::array::from_fn(|k| left[k] + (right[k] - left[k]) * fraction)
+    }
+
+    /// Cubic through the four nodes around.
+    pub(crate) fn cubic_at(&self, seconds: f64) -> [f64; N] {
+        let (node, _) = self.locate(seconds);
+        let first = node.clamp(1, self.nodes.len() - 3) - 1;
+        let t = (seconds - self.first_s) / STEP_S - (first + 1) as f64;
+        // Lagrange's polynomials on the nodes -1, 0, 1, 2.
+        let weights = [
+            -t * (t - 1.0) * (t - 2.0) / 6.0,
+            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
+            -(t + 1.0) * t * (t - 2.0) / 2.0,
+            (t + 1.0) * t * (t - 1.0) / 6.0,
+        ];
+        let nodes = &self.nodes[first..first + 4];
+        std::array::from_fn(|k| {
+            weights[0] * nodes[0][k] + weights[1] * nodes[1][k] + weights[2] * nodes[2][k] + weights[3] * nodes[3][k]
+        })
+    }
+}

@@ -1,0 +1,166 @@
+//! Places of observatories, by name, by MPC code or by numbers.
+
+use std::sync::OnceLock;
+
+use super::error::GeometryError;
+use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING};
+use crate::frames::{Horizontal, Itrs, Position, Rotation, itrs_to_horizontal};
+
+/// `name;aliases parted by |;MPC code;latitude;longitude;height`: see the head of the file for where the numbers come from.
+const TABLE: &str = include_str!("sites.csv");
+
+/// A place on (or above) the WGS84 ellipsoid.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Site {
+    /// What people call it.
+    pub name: String,
+    /// The Minor Planet Center's observatory code, where there is one.
+    pub mpc_code: Option<String>,
+    /// Geodetic latitude, radians, north positive.
+    pub latitude_rad: f64,
+    /// Longitude, radians in [-π, π], east positive.
+    pub longitude_rad: f64,
+    /// Height above the ellipsoid (not above the sea, which differs by up to 100 m), metres.
+    pub height_m: f64,
+}
+
+struct Entry {
+    site: Site,
+    /// Names and aliases without blanks and marks, lower case.
+    keys: Vec<String>,
+}
+
+impl Site {
+    /// A place by numbers: degrees, east longitude positive (to 360 is allowed too), metres above the ellipsoid.
+    ///
+    /// # Errors
+    /// A latitude beyond ±90, a longitude beyond -180..360, a height beyond -11 km..100 km, or a number that is not finite.
+    pub fn new_deg(name: &str, latitude_deg: f64, longitude_deg: f64, height_m: f64) -> Result<Self, GeometryError> {
+        let checks = [
+            ("latitude", latitude_deg, "deg", -90.0, 90.0),
+            ("longitude", longitude_deg, "deg", -180.0, 360.0),
+            ("height", height_m, "m", -11_000.0, 100_000.0),
+        ];
+        for (what, value, unit, first, last) in checks {
+            if !(first..=last).contains(&value) {
+                let site = name.to_owned();
+                return Err(GeometryError::CoordinateOutOfRange { site, what, value, unit, first, last });
+            }
+        }
+        let longitude_deg = if longitude_deg > 180.0 { longitude_deg - 360.0 } else { longitude_deg };
+        Ok(Self {
+            name: name.to_owned(),
+            mpc_code: None,
+            latitude_rad: latitude_deg.to_radians(),
+            longitude_rad: longitude_deg.to_radians(),
+            height_m,
+        })
+    }
+
+    /// A place of the bundled table by one of its names; case, blanks, hyphens and other marks do not count, an MPC code is a name too.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the nearest ones.
+    pub fn by_name(name: &str) -> Result<Self, GeometryError> {
+        let key = key_of(name);
+        if let Some(entry) = table().iter().find(|entry| entry.keys.contains(&key)) {
+            return Ok(entry.site.clone());
+        }
+        if let Ok(site) = Self::by_mpc_code(name) {
+            return Ok(site);
+        }
+        Err(GeometryError::UnknownSite { name: name.to_owned(), nearest: nearest_names(&key) })
+    }
+
+    /// A place of the bundled table by the Minor Planet Center's observatory code, in upper or lower case.
+    ///
+    /// # Errors
+    /// An unknown code.
+    pub fn by_mpc_code(code: &str) -> Result<Self, GeometryError> {
+        let wanted = code.trim();
+        let matches =
+            |entry: &&Entry| entry.site.mpc_code.as_ref().is_some_and(|known| known.eq_ignore_ascii_case(wanted));
+        match table().iter().find(matches) {
+            Some(entry) => Ok(entry.site.clone()),
+            None => Err(GeometryError::UnknownMpcCode {
+                code: code.to_owned(),
+                known: table().iter().filter(|entry| entry.site.mpc_code.is_some()).count(),
+            }),
+        }
+    }
+
+    /// All places of the bundled table.
+    pub fn all() -> impl Iterator<Item = &'static Site> {
+        table().iter().map(|entry| &entry.site)
+    }
+
+    /// Earth-fixed place, km.
+    ///
+    /// N = a / √(1 - e² sin² φ),  x = (N + h) cos φ cos λ,  z = (N (1 - e²) + h) sin φ
+    pub fn itrs(&self) -> Position<Itrs> {
+        let e2 = EARTH_FLATTENING * (2.0 - EARTH_FLATTENING);
+        let (sin_lat, cos_lat) = self.latitude_rad.sin_cos();
+        let (sin_lon, cos_lon) = self.longitude_rad.sin_cos();
+        let normal_km = EARTH_EQUATORIAL_RADIUS_KM / (1.0 - e2 * sin_lat * sin_lat).sqrt();
+        let height_km = self.height_m * 1e-3;
+        let across_km = (normal_km + height_km) * cos_lat;
+        Position::new(across_km * cos_lon, across_km * sin_lon, (normal_km * (1.0 - e2) + height_km) * sin_lat)
+    }
+
+    /// From Earth-fixed axes to the horizon of the ellipsoid's normal.
+    pub fn horizon(&self) -> Rotation<Itrs, Horizontal> {
+        itrs_to_horizontal(self.longitude_rad, self.latitude_rad)
+    }
+}
+
+fn table() -> &'static [Entry] {
+    static ENTRIES: OnceLock<Vec<Entry>> = OnceLock::new();
+    ENTRIES.get_or_init(|| TABLE.lines().filter_map(read_entry).collect())
+}
+
+/// The table is part of the library and held by its tests: what is not an entry is a remark.
+fn read_entry(line: &str) -> Option<Entry> {
+    let fields: Vec<&str> = line.split(';').map(str::trim).collect();
+    let &[name, aliases, code, latitude, longitude, height] = fields.as_slice() else { return None };
+    let mut site = Site::new_deg(name, latitude.parse().ok()?, longitude.parse().ok()?, height.parse().ok()?).ok()?;
+    site.mpc_code = (!code.is_empty()).then(|| code.to_owned());
+    let keys = std::iter::once(name).chain(aliases.split('|')).map(key_of).filter(|key| !key.is_empty()).collect();
+    Some(Entry { site, keys })
+}
+
+fn key_of(name: &str) -> String {
+    name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
+}
+
+/// Up to four names: those that hold the text or lie within it first, then by the number of letters to change.
+fn nearest_names(key: &str) -> Vec<String> {
+    let mut ranked: Vec<(usize, &str)> = table()
+        .iter()
+        .map(|entry| {
+            let distance = |known: &String| {
+                let within =
+                    key.len() >= 3 && known.len() >= 3 && (known.contains(key) || key.contains(known.as_str()));
+                if within { 0 } else { edit_distance(key, known) }
+            };
+            (entry.keys.iter().map(distance).min().unwrap_or(usize::MAX), entry.site.name.as_str())
+        })
+        .collect();
+    ranked.sort_by_key(|&(distance, _)| distance);
+    ranked.iter().take(4).map(|&(_, name)| name.to_owned()).collect()
+}
+
+/// Levenshtein's count of letters to insert, drop or change.
+fn edit_distance(a: &str, b: &str) -> usize {
+    let b: Vec<char> = b.chars().collect();
+    let mut row: Vec<usize> = (0..=b.len()).collect();
+    for (i, letter) in a.chars().enumerate() {
+        let mut diagonal = row[0];
+        row[0] = i + 1;
+        for (j, other) in b.iter().enumerate() {
+            let change = diagonal + usize::from(letter != *other);
+            diagonal = row[j + 1];
+            row[j + 1] = change.min(row[j] + 1).min(diagonal + 1);
+        }
+    }
+    row[b.len()]
+}

@@ -1,0 +1,114 @@
+//! Slow variables of an orbit: plane, mean longitude, eccentricity vector; free of singularities for circular and equatorial orbits.
+
+use nalgebra::Vector3;
+
+use super::propagator::State;
+use crate::frames::Teme;
+
+/// Gravitational parameter that SGP4 uses (WGS72), km³/s².
+pub(super) const MU_KM3_S2: f64 = 398_600.8;
+
+/// Osculating elements in a plane whose x axis is `reference` projected into it.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct SlowElements {
+    /// Unit normal of the orbit plane.
+    pub normal: Vector3<f64>,
+    /// Mean longitude from the x axis, radians.
+    pub mean_longitude_rad: f64,
+    /// Eccentricity vector in the plane.
+    pub eccentricity: [f64; 2],
+    /// Semi-major axis, km.
+    pub semi_major_axis_km: f64,
+}
+
+/// The plane's x axis: `reference` less its part along the normal.
+pub(super) fn plane_axis(reference: &Vector3<f64>, normal: &Vector3<f64>) -> Vector3<f64> {
+    (reference - normal * reference.dot(normal)).normalize()
+}
+
+impl SlowElements {
+    /// Elements of a state; `None` for an orbit that is not closed.
+    pub fn of(state: &State<Teme>, reference: &Vector3<f64>) -> Option<Self> {
+        let (r, v) = (state.position.vector(), state.velocity.vector());
+        let radius = r.norm();
+        let momentum = r.cross(v);
+        let normal = momentum / momentum.norm();
+        // vis viva: 1/a = 2/r - v²/μ
+        let semi_major_axis_km = 1.0 / (2.0 / radius - v.norm_squared() / MU_KM3_S2);
+        let eccentricity_vector = v.cross(&momentum) / MU_KM3_S2 - r / radius;
+        let x_axis = plane_axis(reference, &normal);
+        let y_axis = normal.cross(&x_axis);
+        let (k, h) = (eccentricity_vector.dot(&x_axis), eccentricity_vector.dot(&y_axis));
+        let e2 = k * k + h * h;
+        if !(semi_major_axis_km > 0.0 && e2 < 1.0) {
+            return None;
+        }
+        // Equinoctial eccentric longitude F from the position (Broucke & Cefola 1972), then Kepler: λ = F + h cos F - k sin F
+        let root = (1.0 - e2).sqrt();
+        let beta = 1.0 / (1.0 + root);
+        let (x, y) = (r.dot(&x_axis) / semi_major_axis_km, r.dot(&y_axis) / semi_major_axis_km);
+        let cos_f = k + ((1.0 - k * k * beta) * x - h * k * beta * y) / root;
+        let sin_f = h + ((1.0 - h * h * beta) * y - h * k * beta * x) / root;
+        let mean_longitude_rad = sin_f.atan2(cos_f) + h * cos_f - k * sin_f;
+        Some(Self { normal, mean_longitude_rad, eccentricity: [k, h], semi_major_axis_km })
+    }
+
+    /// Mean motion, rad/s.
+    pub fn mean_motion_rad_s(&self) -> f64 {
+        (MU_KM3_S2 / self.semi_major_axis_km.powi(3)).sqrt()
+    }
+}
+
+/// Position and velocity in the orbit plane, km and km/s, from mean longitude, eccentricity vector and semi-major axis.
+pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_axis_km: f64) -> ([f64; 2], [f64; 2]) {
+    // λ = F + h cos F - k sin F, by Newton; three steps reach 1e-9 for e < 0.1, the loop serves the rest.
+    let mut f = mean_longitude_rad;
+    let (mut sin_f, mut cos_f) = f.sin_cos();
+    for _ in 0..12 {
+        let step = (mean_longitude_rad - f - h * cos_f + k * sin_f) / (1.0 - h * sin_f - k * cos_f);
+        // Near e = 1 a full Newton step can overshoot.
+        f += step.clamp(-0.95, 0.95);
+        (sin_f, cos_f) = f.sin_cos();
+        if step.abs() < 1e-5 {
+            break;
+        }
+    }
+    let root = (1.0 - k * k - h * h).max(0.0).sqrt();
+    let beta = 1.0 / (1.0 + root);
+    let a = semi_major_axis_km;
+    let x = a * ((1.0 - h * h * beta) * cos_f + h * k * beta * sin_f - k);
+    let y = a * ((1.0 - k * k * beta) * sin_f + h * k * beta * cos_f - h);
+    // a dF/dt = n a² / r = √(μ/a) / (1 - k cos F - h sin F)
+    let rate = (MU_KM3_S2 / a).sqrt() / (1.0 - k * cos_f - h * sin_f);
+    let u = rate * (h * k * beta * cos_f - (1.0 - h * h * beta) * sin_f);
+    let v = rate * ((1.0 - k * k * beta) * cos_f - h * k * beta * sin_f);
+    ([x, y], [u, v])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::{Position, Velocity};
+
+    /// A state turned into slow elements and back is the same state, for circular, equatorial, retrograde and eccentric orbits.
+    #[test]
+    fn verif_state_round_trip() {
+        let cases = [
+            (Vector3::new(6900.0, 100.0, -300.0), Vector3::new(0.3, 5.0, 5.6)),
+            (Vector3::new(42_164.0, 0.0, 0.0), Vector3::new(0.0, 3.0747, 0.0)),
+            (Vector3::new(-7000.0, 500.0, 0.0), Vector3::new(1.0, 9.0, 0.5)),
+            (Vector3::new(7000.0, 0.0, 0.0), Vector3::new(0.0, -1.0, 7.4)),
+        ];
+        for (r, v) in cases {
+            let state = State { position: Position::from_vector(r), velocity: Velocity::from_vector(v) };
+            let reference = Vector3::new(0.3, -0.8, 0.2);
+            let slow = SlowElements::of(&state, &reference).expect("a closed orbit");
+            let ([x, y], [u, w]) = plane_state(slow.mean_longitude_rad, slow.eccentricity, slow.semi_major_axis_km);
+            let x_axis = plane_axis(&reference, &slow.normal);
+            let y_axis = slow.normal.cross(&x_axis);
+            // Newton stops at 1e-5 rad with quadratic convergence: well below a metre.
+            assert!((x_axis * x + y_axis * y - r).norm() < 1e-3, "{r}");
+            assert!((x_axis * u + y_axis * w - v).norm() < 1e-6, "{v}");
+        }
+    }
+}

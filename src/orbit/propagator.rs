@@ -1,0 +1,142 @@
+//! SGP4 made ready for one satellite. TEME never leaves this room.
+
+use hifitime::{Epoch, Unit};
+use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
+use std::f64::consts::PI;
+use thiserror::Error;
+
+use crate::catalogue::{ElementSet, NoradId};
+use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
+
+/// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).
+pub const DECAYED_RADIUS_KM: f64 = 6378.135;
+
+/// Why a satellite has no position.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum OrbitError {
+    /// SGP4 cannot start from these elements.
+    #[error("satellite {norad_id}: SGP4 cannot start from its elements: {reason}")]
+    Elements {
+        /// Whose elements.
+        norad_id: NoradId,
+        /// SGP4's own words.
+        reason: String,
+    },
+    /// SGP4's elements left their range on the way.
+    #[error("satellite {norad_id}: SGP4 breaks down {days_since_epoch:.2} days after its element epoch: {reason}")]
+    Diverged {
+        /// Whose elements.
+        norad_id: NoradId,
+        /// Days from the element epoch to the moment asked for.
+        days_since_epoch: f64,
+        /// SGP4's own words.
+        reason: String,
+    },
+    /// The predicted orbit has met the ground.
+    #[error(
+        "satellite {norad_id} has decayed: {radius_km:.0} km from the Earth's centre {days_since_epoch:.2} days after its element epoch (allowed: at least {DECAYED_RADIUS_KM} km)"
+    )]
+    Decayed {
+        /// Whose elements.
+        norad_id: NoradId,
+        /// Days from the element epoch to the moment asked for.
+        days_since_epoch: f64,
+        /// Predicted distance from the Earth's centre, km.
+        radius_km: f64,
+    },
+}
+
+/// Position and velocity in one frame.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct State<F: crate::frames::Frame> {
+    /// Geocentric position, km.
+    pub position: Position<F>,
+    /// Velocity with respect to the frame's axes taken as fixed, km/s.
+    pub velocity: Velocity<F>,
+}
+
+/// One satellite's SGP4 (or SDP4) constants, in the AFSPC mode with WGS72: the model that element sets are fitted with.
+#[derive(Clone, Debug)]
+pub struct Propagator {
+    constants: Constants,
+    epoch: Epoch,
+    norad_id: NoradId,
+}
+
+impl Propagator {
+    /// Makes SGP4 ready.
+    ///
+    /// # Errors
+    /// [`OrbitError::Elements`] where the eccentricity is outside [0, 1) or the mean motion is not positive.
+    pub fn new(elements: &ElementSet) -> Result<Self, OrbitError> {
+        let fail = |reason: String| OrbitError::Elements { norad_id: elements.norad_id, reason };
+        let orbit = Orbit::from_kozai_elements(
+            &WGS72,
+            elements.inclination_deg * (PI / 180.0),
+            elements.right_ascension_of_node_deg * (PI / 180.0),
+            elements.eccentricity,
+            elements.argument_of_perigee_deg * (PI / 180.0),
+            elements.mean_anomaly_deg * (PI / 180.0),
+            elements.mean_motion_rev_day * (PI / 720.0),
+        )
+        .map_err(|error| fail(error.to_string()))?;
+        // Julian years from J2000 (UTC); SGP4 needs them for the Moon, the Sun and the sidereal time at epoch.
+        let years = (elements.epoch.to_mjd_utc_days() - 51_544.5) / 365.25;
+        let constants =
+            Constants::new(WGS72, afspc_epoch_to_sidereal_time, years, elements.bstar_per_earth_radius, orbit)
+                .map_err(|error| fail(error.to_string()))?;
+        Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id })
+    }
+
+    /// Whose orbit.
+    pub fn norad_id(&self) -> NoradId {
+        self.norad_id
+    }
+
+    /// Epoch of the elements.
+    pub fn epoch(&self) -> Epoch {
+        self.epoch
+    }
+
+    /// Minutes from the element epoch to `epoch`, as SI time elapsed: leap seconds in between are counted.
+    pub fn minutes_since_epoch(&self, epoch: Epoch) -> f64 {
+        (epoch - self.epoch).to_unit(Unit::Minute)
+    }
+
+    /// Geocentric state at `epoch`.
+    ///
+    /// # Errors
+    /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
+    pub fn state(&self, epoch: Epoch, teme_to_gcrs: &Rotation<Teme, Gcrs>) -> Result<State<Gcrs>, OrbitError> {
+        let state = self.teme_state(self.minutes_since_epoch(epoch))?;
+        Ok(State { position: *teme_to_gcrs * state.position, velocity: *teme_to_gcrs * state.velocity })
+    }
+
+    /// The raw answer of SGP4, TEME, km and km/s, `minutes` after the element epoch: for verification against other implementations.
+    ///
+    /// # Errors
+    /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
+    pub fn teme_state_at_minutes(&self, minutes: f64) -> Result<([f64; 3], [f64; 3]), OrbitError> {
+        let prediction =
+            self.constants.propagate_afspc_compatibility_mode(MinutesSinceEpoch(minutes)).map_err(|error| {
+                OrbitError::Diverged {
+                    norad_id: self.norad_id,
+                    days_since_epoch: minutes / 1440.0,
+                    reason: error.to_string(),
+                }
+            })?;
+        let [x, y, z] = prediction.position;
+        let radius_km = (x * x + y * y + z * z).sqrt();
+        // Not `radius < limit`: a position that is not a number has decayed too.
+        if !(radius_km >= DECAYED_RADIUS_KM) {
+            return Err(OrbitError::Decayed { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0, radius_km });
+        }
+        Ok((prediction.position, prediction.velocity))
+    }
+
+    /// State in TEME, `minutes` after the element epoch.
+    pub(super) fn teme_state(&self, minutes: f64) -> Result<State<Teme>, OrbitError> {
+        let ([x, y, z], [u, v, w]) = self.teme_state_at_minutes(minutes)?;
+        Ok(State { position: Position::new(x, y, z), velocity: Velocity::new(u, v, w) })
+    }
+}

@@ -1,0 +1,147 @@
+//! JSON and JSON lines: the same rows with types, keys in the order of the columns.
+
+use std::io::{self, Write};
+
+use super::column::{Column, Kind};
+use super::provenance::Provenance;
+use super::value::{Table, Value};
+
+/// One array of a JSON document.
+pub struct Section<'a> {
+    /// Its key.
+    pub name: &'a str,
+    /// Its rows, one object each.
+    pub table: &'a Table,
+}
+
+/// Writes `{"provenance": {...}, "name": [...], ...}`, one row a line.
+///
+/// Numbers carry the digits that CSV carries; what is missing is `null`.
+///
+/// # Errors
+/// Whatever the writer reports.
+pub fn write_json(out: &mut dyn Write, sections: &[Section], provenance: &Provenance) -> io::Result<()> {
+    write!(out, "{{\"provenance\": {}", serde_json::to_string_pretty(provenance)?)?;
+    for section in sections {
+        write!(out, ",\n{}: [", quoted(section.name))?;
+        for (index, row) in section.table.rows.iter().enumerate() {
+            let comma = if index == 0 { "" } else { "," };
+            write!(out, "{comma}\n  {}", object_text(&section.table.columns, row))?;
+        }
+        write!(out, "{}]", if section.table.rows.is_empty() { "" } else { "\n" })?;
+    }
+    writeln!(out, "}}")
+}
+
+/// Writes a first line `{"provenance": {...}}`, then one object a line.
+///
+/// # Errors
+/// Whatever the writer reports.
+pub fn write_json_lines(out: &mut dyn Write, table: &Table, provenance: &Provenance) -> io::Result<()> {
+    writeln!(out, "{{\"provenance\": {}}}", serde_json::to_string(provenance)?)?;
+    for row in &table.rows {
+        writeln!(out, "{}", object_text(&table.columns, row))?;
+    }
+    Ok(())
+}
+
+/// A JSON array of objects.
+pub(super) fn rows_text(columns: &[Column], rows: &[Vec<Value>]) -> String {
+    let objects: Vec<String> = rows.iter().map(|row| object_text(columns, row)).collect();
+    format!("[{}]", objects.join(", "))
+}
+
+fn object_text(columns: &[Column], row: &[Value]) -> String {
+    let members: Vec<String> = columns
+        .iter()
+        .zip(row)
+        .map(|(column, value)| format!("{}: {}", quoted(column.name), value_text(column, value)))
+        .collect();
+    format!("{{{}}}", members.join(", "))
+}
+
+fn value_text(column: &Column, value: &Value) -> String {
+    match (value, column.kind) {
+        (Value::Null, _) => "null".to_owned(),
+        (Value::Real(_) | Value::Integer(_), _) => {
+            let text = column.text(value);
+            if text.is_empty() { "null".to_owned() } else { text }
+        }
+        (Value::Boolean(truth), _) => truth.to_string(),
+        (Value::List(items), _) => {
+            let items: Vec<String> = items.iter().map(|item| quoted(item)).collect();
+            format!("[{}]", items.join(", "))
+        }
+        (Value::Integers(items), _) => {
+            let items: Vec<String> = items.iter().map(i64::to_string).collect();
+            format!("[{}]", items.join(", "))
+        }
+        (Value::Rows(rows), Kind::Rows(columns)) => rows_text(columns, rows),
+        (Value::Rows(_), _) => "null".to_owned(),
+        (Value::Text(_) | Value::Time(_), _) => quoted(&column.text(value)),
+    }
+}
+
+fn quoted(text: &str) -> String {
+    serde_json::Value::from(text).to_string()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn table() -> Table {
+        static INNER: [Column; 1] = [Column::real("enter_s", "s", 3, "")];
+        Table {
+            columns: vec![
+                Column::new("zulu", Kind::Text, ""),
+                Column::real("alpha", "", 2, ""),
+                Column::new("norad_ids", Kind::List { separator: " " }, ""),
+                Column::new("chords", Kind::Rows(&INNER), ""),
+            ],
+            rows: vec![
+                vec![
+                    "a \"b\"\n".into(),
+                    1.239.into(),
+                    Value::Integers(vec![44713, 5]),
+                    Value::Rows(vec![vec![0.5.into()]]),
+                ],
+                vec![Value::Null, f64::NAN.into(), Value::List(vec![]), Value::Rows(vec![])],
+            ],
+        }
+    }
+
+    #[test]
+    fn documents_parse_and_keep_digits_and_gaps() {
+        let mut out = Vec::new();
+        let mut provenance = Provenance::default();
+        provenance.state("version", "0.1.0");
+        let table = table();
+        let empty = Table::default();
+        let sections = [Section { name: "passes", table: &table }, Section { name: "left_out", table: &empty }];
+        write_json(&mut out, &sections, &provenance).unwrap();
+        let document: serde_json::Value = serde_json::from_slice(&out).unwrap();
+        assert_eq!(
+            document,
+            serde_json::json!({
+                "provenance": {"version": "0.1.0"},
+                "passes": [
+                    {"zulu": "a \"b\"\n", "alpha": 1.24, "norad_ids": [44713, 5], "chords": [{"enter_s": 0.5}]},
+                    {"zulu": null, "alpha": null, "norad_ids": [], "chords": []},
+                ],
+                "left_out": [],
+            })
+        );
+    }
+
+    #[test]
+    fn lines_begin_with_the_provenance() {
+        let mut out = Vec::new();
+        write_json_lines(&mut out, &table(), &Provenance::default()).unwrap();
+        let text = String::from_utf8(out).unwrap();
+        let lines: Vec<serde_json::Value> = text.lines().map(|line| serde_json::from_str(line).unwrap()).collect();
+        assert_eq!(lines.len(), 3);
+        assert!(lines[0]["provenance"].is_object());
+        assert!(text.lines().nth(1).unwrap().starts_with("{\"zulu\""), "keys keep the order of the columns");
+    }
+}

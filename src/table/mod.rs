@@ -1,0 +1,20 @@
+//! Tables as they leave the house: columns with unit and meaning, written once, in every text format.
+//!
+//! The room knows nothing of satellites. A table of any room is a list of [`Column`]s and rows of [`Value`]s; the same
+//! rows go to CSV, ECSV, JSON and JSON lines with the same digits.
+
+mod column;
+mod csv;
+mod ecsv;
+mod instant;
+mod json;
+mod provenance;
+mod value;
+
+pub use self::csv::write_csv;
+pub use column::{Column, Kind};
+pub use ecsv::write_ecsv;
+pub use instant::format_utc;
+pub use json::{Section, write_json, write_json_lines};
+pub use provenance::Provenance;
+pub use value::{Table, Value};

@@ -1,0 +1,64 @@
+//! What an output rests on: program, elements, models, time scale, options, in the order in which they were stated.
+
+use serde::Serialize;
+use serde::ser::{SerializeMap, Serializer};
+use serde_json::Value;
+
+/// Named statements about where an answer comes from. They travel in every output.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Provenance {
+    entries: Vec<(String, Value)>,
+}
+
+impl Provenance {
+    /// Begins with the program's name and version.
+    pub fn new() -> Self {
+        let mut provenance = Self::default();
+        provenance.state("software", "streakcast");
+        provenance.state("version", env!("CARGO_PKG_VERSION"));
+        provenance
+    }
+
+    /// Adds a statement, or replaces the one of the same name in its place.
+    pub fn state(&mut self, name: &str, value: impl Into<Value>) {
+        let value = value.into();
+        match self.entries.iter_mut().find(|(known, _)| known == name) {
+            Some(entry) => entry.1 = value,
+            None => self.entries.push((name.to_owned(), value)),
+        }
+    }
+
+    /// The statements in order.
+    pub fn entries(&self) -> impl Iterator<Item = (&str, &Value)> {
+        self.entries.iter().map(|(name, value)| (name.as_str(), value))
+    }
+
+    /// The statement of this name.
+    pub fn get(&self, name: &str) -> Option<&Value> {
+        self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value)
+    }
+}
+
+impl Serialize for Provenance {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let mut map = serializer.serialize_map(Some(self.entries.len()))?;
+        for (name, value) in &self.entries {
+            map.serialize_entry(name, value)?;
+        }
+        map.end()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn statements_keep_their_order_and_a_second_one_replaces_the_first() {
+        let mut provenance = Provenance::default();
+        provenance.state("z", 1);
+        provenance.state("a", "x");
+        provenance.state("z", 2);
+        assert_eq!(serde_json::to_string(&provenance).unwrap(), r#"{"z":2,"a":"x"}"#);
+    }
+}
