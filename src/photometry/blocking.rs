@@ -66,8 +66,8 @@ impl ChassisBlocking {
         panel_offset_rad: f64,
     ) -> Option<Self> {
         let lengths = [sail_length_m, sail_width_m, base_length_m, base_width_m];
-        let sound = lengths.iter().all(|&l| l > 0.0 && l.is_finite())
-            && panel_offset_rad.abs() < std::f64::consts::FRAC_PI_2;
+        let sound =
+            lengths.iter().all(|&l| l > 0.0 && l.is_finite()) && panel_offset_rad.abs() < std::f64::consts::FRAC_PI_2;
         let (sin_panel_offset, cos_panel_offset) = panel_offset_rad.sin_cos();
         sound.then_some(Self {
             sail_length_m,
@@ -123,8 +123,12 @@ impl ChassisBlocking {
         let cast = self.cast(direction);
         let (half, top) = (0.5 * self.base_width_m, cast.height_m);
         let shift = cast.shear * top;
-        SailPolygon::new(&[[-half, 0.0], [half, 0.0], [half + shift, top], [-half + shift, top]])
-            .clipped_to_rectangle(-0.5 * self.sail_width_m, 0.5 * self.sail_width_m, 0.0, self.sail_length_m)
+        SailPolygon::new(&[[-half, 0.0], [half, 0.0], [half + shift, top], [-half + shift, top]]).clipped_to_rectangle(
+            -0.5 * self.sail_width_m,
+            0.5 * self.sail_width_m,
+            0.0,
+            self.sail_length_m,
+        )
     }
 
     /// How far up the sail the chassis stops light to or from a direction, at most the sail's length, and how it leans.

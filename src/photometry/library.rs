@@ -19,6 +19,7 @@ shipped!(
     "kuiper.json",
     "oneweb.json",
     "qianfan.json",
+    "rocket-body.json",
     "starlink-v1.0.json",
     "starlink-v1.5-phase.json",
     "starlink-v1.5.json",
@@ -79,8 +80,7 @@ impl ModelLibrary {
     }
 
     fn add(&mut self, model: BrightnessModel) -> String {
-        let (name, aliases) =
-            model.file().map(|file| (file.name.clone(), file.aliases.clone())).unwrap_or_default();
+        let (name, aliases) = model.file().map(|file| (file.name.clone(), file.aliases.clone())).unwrap_or_default();
         self.aliases.retain(|_, target| *target != name);
         self.aliases.extend(aliases.into_iter().map(|alias| (alias, name.clone())));
         self.models.insert(name.clone(), Arc::new(model));

@@ -19,7 +19,7 @@ pub enum ModelKind {
     TwoPanel,
     /// A polynomial in the phase angle: `phase_function`.
     PhaseFunction,
-    /// A constellation's published mean at 1000 km, taken for every geometry: `mean_mag`.
+    /// The mean at 1000 km of a constellation or class of objects, taken for every geometry: `mean_mag`.
     Mean,
     /// As `mean`, but a guess: nothing is known of the satellite.
     Prior,
@@ -29,7 +29,7 @@ pub enum ModelKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
-    /// [`SCHEMA_VERSION`].
+    /// Version of the schema; 1.
     pub schema: u32,
     /// Lower-case letters, digits, `.` and `-`.
     pub name: String,
@@ -44,7 +44,7 @@ pub struct ModelFile {
     pub band: String,
     /// `Vega` or `AB`.
     pub mag_system: String,
-    /// Largest extent of the satellite as seen, m: it widens a streak.
+    /// Typical extent across the sky of the part that shines, m: it widens a streak. Assumed for all shipped models.
     pub size_m: f64,
     /// Sizes of the panels (`two_panel`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -214,7 +214,9 @@ pub enum ModelFileError {
         key: &'static str,
     },
     /// The covariance is not a symmetric 7 x 7 matrix with a diagonal that is not negative.
-    #[error("model file {origin}: covariance must be 7 x 7 (c1, c2, c3, c4, c5, n_sail, n_base), finite and symmetric, with a diagonal of at least 0: {problem}")]
+    #[error(
+        "model file {origin}: covariance must be 7 x 7 (c1, c2, c3, c4, c5, n_sail, n_base), finite and symmetric, with a diagonal of at least 0: {problem}"
+    )]
     Covariance {
         /// The file.
         origin: String,
@@ -242,8 +244,8 @@ impl ModelFile {
     /// [`ModelFileError`]: text that is not JSON, unknown or missing keys, another schema version, values out of range, keys that do
     /// not fit the kind, a covariance that is none.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, ModelFileError> {
-        let file: Self = serde_json::from_str(text)
-            .map_err(|source| ModelFileError::Json { origin: origin.to_owned(), source })?;
+        let file: Self =
+            serde_json::from_str(text).map_err(|source| ModelFileError::Json { origin: origin.to_owned(), source })?;
         file.validate(origin)?;
         Ok(file)
     }

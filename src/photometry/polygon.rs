@@ -27,20 +27,14 @@ impl SailPolygon {
     pub fn area_m2(&self) -> f64 {
         let corners = self.corners();
         // Shoelace.
-        let doubled: f64 = corners
-            .iter()
-            .zip(corners.iter().cycle().skip(1))
-            .map(|(a, b)| a[0] * b[1] - b[0] * a[1])
-            .sum();
+        let doubled: f64 =
+            corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
         0.5 * doubled.abs()
     }
 
     /// What lies within u_min ≤ u ≤ u_max and v_min ≤ v ≤ v_max (Sutherland and Hodgman 1974).
     pub fn clipped_to_rectangle(&self, u_min: f64, u_max: f64, v_min: f64, v_max: f64) -> Self {
-        self.clipped(|p| p[0] - u_min)
-            .clipped(|p| u_max - p[0])
-            .clipped(|p| p[1] - v_min)
-            .clipped(|p| v_max - p[1])
+        self.clipped(|p| p[0] - u_min).clipped(|p| u_max - p[0]).clipped(|p| p[1] - v_min).clipped(|p| v_max - p[1])
     }
 
     /// The part where a linear function is not negative.

@@ -10,6 +10,4 @@ mod streak;
 
 pub use aperture::{BandLimits, FieldOfView, Telescope};
 pub use file::TelescopeError;
-pub use streak::{
-    effective_magnitude, expected_lost_pixel_fraction, surface_brightness_mag_arcsec2, time_on_pixel_s,
-};
+pub use streak::{effective_magnitude, expected_lost_pixel_fraction, surface_brightness_mag_arcsec2, time_on_pixel_s};

@@ -72,9 +72,8 @@ mod tests {
     fn verif_half_width_of_the_lobe() {
         let law = Phong { weight: 1.0, exponent: 22.0 };
         let normal = Vector3::z();
-        let at = |degrees: f64| {
-            law.value_per_sr(&Incidence::new(&normal, &normal, &up(0.0, degrees.to_radians().cos())))
-        };
+        let at =
+            |degrees: f64| law.value_per_sr(&Incidence::new(&normal, &normal, &up(0.0, degrees.to_radians().cos())));
         assert!((at(14.3) / at(0.0) - 0.5).abs() < 2e-3);
     }
 
