@@ -30,9 +30,9 @@ pub const MAX_WINDOW_S: f64 = 6.0 * 3600.0;
 /// precession) may lie from the interpolated one, radians.
 const PLANE_SLOP_RAD: f64 = 1.2e-3;
 
-/// How far SGP4's radius may lie outside the perigee and apogee of the osculating orbits at the nodes, km: three times the
+/// How far SGP4's radius may lie outside the perigee and apogee of the osculating orbits at the nodes, km: four times the
 /// short-period amplitude of a low orbit.
-const RADIUS_SLOP_KM: f64 = 25.0;
+const RADIUS_SLOP_KM: f64 = 35.0;
 
 /// How far SGP4's position may lie from the interpolated one, as a share of the semi-major axis for an orbit of one Earth
 /// radius; the J₂ terms that cause it fall with the square of the semi-major axis.
