@@ -324,6 +324,59 @@ fn verif_history_and_selection() {
     assert_eq!(near, history.at(epoch(80.4)));
 }
 
+/// Long texts are read in pieces on several cores; the answer is the one of a single piece.
+#[test]
+fn verif_long_files_read_as_short_ones_do() {
+    const COUNT: usize = 6000;
+    let text = |name: &str| String::from_utf8(sample(name)).unwrap();
+    let number = |text: &str, index: usize| text.replace("90001", &format!("{}", 10_000 + index));
+    let tle = |index: usize| {
+        let lines = number(&text("sample.3le"), index);
+        // Without checksums, and now and then something is amiss.
+        let lines: String = lines.lines().map(|line| format!("{}\n", &line[..line.len().min(68)])).collect();
+        match index % 100 {
+            0 => lines.replace("53.0541", "53.O541"),
+            50 => lines.lines().take(2).map(|line| format!("{line}\n")).collect(),
+            _ => lines,
+        }
+    };
+    let csv = text("sample.csv");
+    let (titles, row) = csv.trim_end().split_once('\n').unwrap();
+    let xml = text("sample.xml");
+    let message = &xml[xml.find("<omm").unwrap()..xml.find("</ndm>").unwrap()];
+    let spoil =
+        |text: String, index: usize| if index.is_multiple_of(100) { text.replace("15.06394766", "-1") } else { text };
+    let all = |make: &dyn Fn(usize) -> String| (0..COUNT).map(make).collect::<String>();
+    let files = [
+        (all(&tle), 2),
+        (format!("{titles}\n{}", all(&|index| spoil(number(row, index), index) + "\n")), 1),
+        (format!("<ndm>\n{}</ndm>", all(&|index| spoil(number(message, index), index))), 1),
+        (all(&|index| spoil(number(&text("sample.kvn"), index), index)), 1),
+    ];
+    for (text, bad_in_a_hundred) in files {
+        assert!(text.len() > 700_000);
+        let catalogue = read(text.as_bytes()).unwrap();
+        let bad = COUNT / 100 * bad_in_a_hundred;
+        let format = catalogue.sources[0].format;
+        assert_eq!((catalogue.rejected.len(), catalogue.element_sets.len()), (bad, COUNT - bad), "{format}");
+        assert!(catalogue.element_sets.windows(2).all(|pair| pair[0].norad_id < pair[1].norad_id), "{format}");
+        // Every line number leads to a record that was spoilt.
+        let lines: Vec<_> = text.lines().collect();
+        let mut last = 0;
+        for rejected in &catalogue.rejected {
+            assert!(rejected.line > last, "{rejected}");
+            last = rejected.line;
+            let here = lines[rejected.line - 1];
+            match format {
+                ElementFormat::Tle => assert!(here.contains("53.O541") || here.starts_with("1 "), "{rejected}: {here}"),
+                ElementFormat::OmmCsv => assert!(here.contains(",-1,"), "{rejected}: {here}"),
+                ElementFormat::OmmXml => assert!(here.starts_with("<omm"), "{rejected}: {here}"),
+                _ => assert!(here.starts_with("CCSDS_OMM_VERS"), "{rejected}: {here}"),
+            }
+        }
+    }
+}
+
 #[test]
 fn verif_mixed_files_in_one_run() {
     let folder = tempfile::tempdir().unwrap();

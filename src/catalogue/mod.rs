@@ -2,6 +2,7 @@
 
 #[allow(clippy::module_inception)]
 mod catalogue;
+mod chunks;
 mod element_set;
 mod epoch;
 mod generation;
