@@ -49,7 +49,10 @@ fn next_start(text: &str, from: usize) -> Option<usize> {
         let (before, after) = (&text[..at], &text[at + 3..]);
         if after.starts_with(|c: char| c == '>' || c == '/' || c.is_whitespace()) {
             // The element's own bracket, at or after `from`: not the one whose name this is.
-            let start = before.rfind('<').filter(|start| *start >= from);
+            // Names are short, and a hostile text must not be searched back again and again.
+            let window = &before.as_bytes()[before.len().saturating_sub(64)..];
+            let start = window.iter().rposition(|&byte| byte == b'<').map(|back| at - window.len() + back);
+            let start = start.filter(|start| *start >= from);
             if let Some(start) = start
                 && (start + 1 == at || is_prefix(&before[start + 1..]))
             {
