@@ -137,6 +137,14 @@ impl EopTable {
         Ok(Self { name: "finals2000A", first, predicted_from_s, rows })
     }
 
+    /// The same table with the pole held at its origin: what programs do that know UT1 only. It moves observers by up to 18 m.
+    pub fn without_polar_motion(mut self) -> Self {
+        for row in &mut self.rows {
+            (row.xp_rad, row.yp_rad) = (0.0, 0.0);
+        }
+        self
+    }
+
     /// The parameters at a moment; [`EarthOrientationParameters::ZERO`] outside of the table, which [`EopTable::status`] tells.
     ///
     /// UT1 - TAI is interpolated and the leap seconds are added after that: no jump is smeared over a day.
