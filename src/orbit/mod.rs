@@ -4,9 +4,11 @@ mod arc;
 mod index;
 mod kepler;
 mod propagator;
+mod uncertainty;
 mod window;
 
 pub use arc::Arc;
 pub use index::{LeftOut, Reach, SatelliteIndex};
-pub use propagator::{OrbitError, Propagator, State};
+pub use propagator::{DECAYED_RADIUS_KM, OrbitError, Propagator, State};
+pub use uncertainty::{OrbitClass, OrbitUncertainty, uncertainty};
 pub use window::{Cone, MAX_WINDOW_S, Window};

@@ -1,1 +1,19 @@
-//! (being built)
+//! Which satellites cross a field while the shutter is open, and what the telescope sees of them.
+
+mod crossing;
+mod exposure;
+mod field;
+mod horizon;
+mod look;
+mod models;
+mod probability;
+mod sightline;
+mod sky;
+mod track;
+
+pub use exposure::Exposure;
+pub use field::{Field, FieldError, FieldOnSky};
+pub use horizon::HorizonPass;
+pub use models::{ModelChoice, UnknownModel};
+pub use sky::{PassOptions, Passes, Sky, SkyError};
+pub use track::{Chord, FieldPass, TrackPoint};

@@ -1,0 +1,331 @@
+//! The field of view: a circle, rectangles, polygons, or a mosaic of chips with gaps.
+
+use nalgebra::Vector3;
+use serde::Deserialize;
+use thiserror::Error;
+
+use crate::frames::{Direction, Gcrs};
+
+/// Why a field cannot be used.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum FieldError {
+    /// The file is not a field.
+    #[error(
+        "not a field: {0} (allowed: {{\"shapes\": [{{\"circle_deg\": d}} | {{\"rectangle_deg\": [w, h]}} | {{\"polygon_deg\": [[x, y], ...]}}], \"unit\": \"deg\"}})"
+    )]
+    Syntax(String),
+    /// A unit other than degrees.
+    #[error("field unit {0:?} is not known (allowed: \"deg\")")]
+    Unit(String),
+    /// No shape at all.
+    #[error("a field needs at least one shape")]
+    Empty,
+    /// A circle of no or too large size.
+    #[error("field shape {shape}: a diameter of {diameter_deg} deg (allowed: above 0, at most {allowed_deg} deg)")]
+    Diameter {
+        /// Name or number of the shape.
+        shape: String,
+        /// As given.
+        diameter_deg: f64,
+        /// The largest that can be used.
+        allowed_deg: f64,
+    },
+    /// A shape that is no area on the tangent plane.
+    #[error("field shape {shape}: {problem}")]
+    Shape {
+        /// Name or number of the shape.
+        shape: String,
+        /// What is wrong, and what is allowed.
+        problem: String,
+    },
+}
+
+/// Farthest that a point of a rectangle or polygon may lie from the field's centre on the tangent plane, degrees (45° on the sky).
+const LARGEST_TANGENT_DEG: f64 = 57.3;
+
+/// A field of view about a pointing, before it is put on the sky.
+///
+/// Rectangles and polygons live on the tangent plane at the pointing (gnomonic projection), in degrees: x to the east and y to
+/// the north at rotation 0. A circle is exact on the sphere.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Field {
+    shapes: Vec<NamedShape>,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+struct NamedShape {
+    name: String,
+    shape: Shape,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum Shape {
+    /// Radius, and the centre on the tangent plane (radians of the plane).
+    Circle { centre: [f64; 2], radius_rad: f64 },
+    /// Corners on the tangent plane (radians of the plane).
+    Polygon(Vec<[f64; 2]>),
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FieldFile {
+    shapes: Vec<ShapeFile>,
+    #[serde(default)]
+    unit: Option<String>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShapeFile {
+    #[serde(default)]
+    name: Option<String>,
+    #[serde(default)]
+    circle_deg: Option<f64>,
+    #[serde(default)]
+    rectangle_deg: Option<[f64; 2]>,
+    #[serde(default)]
+    polygon_deg: Option<Vec<[f64; 2]>>,
+    #[serde(default)]
+    center_deg: Option<[f64; 2]>,
+}
+
+impl Field {
+    /// A circle of this full diameter, radians, about the pointing.
+    ///
+    /// # Errors
+    /// [`FieldError::Diameter`] where it is not above 0 and at most 180°.
+    pub fn circle(diameter_rad: f64) -> Result<Self, FieldError> {
+        let diameter_deg = diameter_rad.to_degrees();
+        if !(diameter_deg > 0.0 && diameter_deg <= 180.0) {
+            return Err(FieldError::Diameter { shape: "circle".to_owned(), diameter_deg, allowed_deg: 180.0 });
+        }
+        let shape = Shape::Circle { centre: [0.0, 0.0], radius_rad: 0.5 * diameter_rad };
+        Ok(Self { shapes: vec![NamedShape { name: "field".to_owned(), shape }] })
+    }
+
+    /// A rectangle of this full width (x) and height (y) on the tangent plane, degrees.
+    ///
+    /// # Errors
+    /// [`FieldError::Shape`] where a side is not above 0 or a corner lies more than 45° away.
+    pub fn rectangle_deg(width_deg: f64, height_deg: f64) -> Result<Self, FieldError> {
+        Ok(Self { shapes: vec![rectangle("field".to_owned(), [width_deg, height_deg], [0.0, 0.0])?] })
+    }
+
+    /// A polygon with these corners on the tangent plane, degrees, in either sense of rotation, convex or not.
+    ///
+    /// # Errors
+    /// [`FieldError::Shape`] where it has fewer than three corners, no area, or a corner more than 45° away.
+    pub fn polygon_deg(corners_deg: &[[f64; 2]]) -> Result<Self, FieldError> {
+        Ok(Self { shapes: vec![polygon("field".to_owned(), corners_deg, [0.0, 0.0])?] })
+    }
+
+    /// From the JSON form: `{"shapes": [{"name", "circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x, y], …]}],
+    /// "unit": "deg"}`. Each shape may carry `"center_deg": [x, y]` on the tangent plane. Several shapes are a mosaic.
+    ///
+    /// # Errors
+    /// Any [`FieldError`].
+    pub fn from_json(text: &str) -> Result<Self, FieldError> {
+        let file: FieldFile = serde_json::from_str(text).map_err(|error| FieldError::Syntax(error.to_string()))?;
+        if let Some(unit) = file.unit.filter(|unit| unit != "deg") {
+            return Err(FieldError::Unit(unit));
+        }
+        let shapes = file
+            .shapes
+            .into_iter()
+            .enumerate()
+            .map(|(number, shape)| {
+                let name = shape.name.unwrap_or_else(|| (number + 1).to_string());
+                let centre_deg = shape.center_deg.unwrap_or([0.0, 0.0]);
+                match (shape.circle_deg, shape.rectangle_deg, shape.polygon_deg) {
+                    (Some(diameter_deg), None, None) => circle(name, diameter_deg, centre_deg),
+                    (None, Some(sides_deg), None) => rectangle(name, sides_deg, centre_deg),
+                    (None, None, Some(corners_deg)) => polygon(name, &corners_deg, centre_deg),
+                    _ => Err(FieldError::Shape {
+                        shape: name,
+                        problem: "needs exactly one of circle_deg, rectangle_deg, polygon_deg".to_owned(),
+                    }),
+                }
+            })
+            .collect::<Result<Vec<_>, _>>()?;
+        if shapes.is_empty() { Err(FieldError::Empty) } else { Ok(Self { shapes }) }
+    }
+
+    /// Names of the shapes in order.
+    pub fn names(&self) -> impl Iterator<Item = &str> {
+        self.shapes.iter().map(|shape| shape.name.as_str())
+    }
+
+    /// Area on the sky, square degrees: exact for circles, on the tangent plane for the rest. Overlaps count twice.
+    pub fn area_deg2(&self) -> f64 {
+        let area_rad2: f64 = self
+            .shapes
+            .iter()
+            .map(|named| match &named.shape {
+                // Ω = 2π (1 - cos r) = 4π sin²(r/2)
+                Shape::Circle { radius_rad, .. } => 4.0 * std::f64::consts::PI * (0.5 * radius_rad).sin().powi(2),
+                Shape::Polygon(corners) => signed_area(corners).abs(),
+            })
+            .sum();
+        area_rad2 * 1f64.to_degrees().powi(2)
+    }
+
+    /// Radius of the smallest circle about the pointing that holds every shape, radians.
+    pub fn bounding_radius_rad(&self) -> f64 {
+        self.shapes
+            .iter()
+            .map(|named| match &named.shape {
+                Shape::Circle { centre, radius_rad } => centre[0].hypot(centre[1]).atan() + radius_rad,
+                Shape::Polygon(corners) => {
+                    corners.iter().map(|corner| corner[0].hypot(corner[1]).atan()).fold(0.0, f64::max)
+                }
+            })
+            .fold(0.0, f64::max)
+    }
+
+    /// Puts the field on the sky: at `pointing`, its y axis at position angle `rotation_rad` (from north through east).
+    pub fn on_sky(&self, pointing: &Direction<Gcrs>, rotation_rad: f64) -> FieldOnSky<'_> {
+        let (east, north) = pointing.east_north();
+        let (sin, cos) = rotation_rad.sin_cos();
+        FieldOnSky {
+            field: self,
+            centre: *pointing.vector(),
+            x_axis: east * cos - north * sin,
+            y_axis: east * sin + north * cos,
+            bounding_radius_rad: self.bounding_radius_rad(),
+        }
+    }
+}
+
+fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<NamedShape, FieldError> {
+    let offset_deg = centre_deg[0].hypot(centre_deg[1]);
+    // Off the centre, the gnomonic plane limits it as it limits polygons.
+    let allowed_deg = if offset_deg == 0.0 { 180.0 } else { 90.0 };
+    if !(diameter_deg > 0.0 && diameter_deg <= allowed_deg) {
+        return Err(FieldError::Diameter { shape: name, diameter_deg, allowed_deg });
+    }
+    if !(offset_deg <= LARGEST_TANGENT_DEG) {
+        return Err(too_far(name));
+    }
+    let shape = Shape::Circle { centre: centre_deg.map(f64::to_radians), radius_rad: 0.5 * diameter_deg.to_radians() };
+    Ok(NamedShape { name, shape })
+}
+
+fn rectangle(name: String, [width, height]: [f64; 2], centre_deg: [f64; 2]) -> Result<NamedShape, FieldError> {
+    if !(width > 0.0 && height > 0.0) {
+        return Err(FieldError::Shape {
+            shape: name,
+            problem: format!("sides of {width} by {height} deg (allowed: above 0)"),
+        });
+    }
+    let (x, y) = (0.5 * width, 0.5 * height);
+    polygon(name, &[[-x, -y], [x, -y], [x, y], [-x, y]], centre_deg)
+}
+
+fn polygon(name: String, corners_deg: &[[f64; 2]], centre_deg: [f64; 2]) -> Result<NamedShape, FieldError> {
+    let corners: Vec<[f64; 2]> =
+        corners_deg.iter().map(|corner| [0, 1].map(|axis| (corner[axis] + centre_deg[axis]).to_radians())).collect();
+    if corners.len() < 3 {
+        return Err(FieldError::Shape {
+            shape: name,
+            problem: format!("{} corners (allowed: at least 3)", corners.len()),
+        });
+    }
+    let limit = LARGEST_TANGENT_DEG.to_radians();
+    if !corners.iter().all(|corner| corner[0].hypot(corner[1]) <= limit) {
+        return Err(too_far(name));
+    }
+    if signed_area(&corners) == 0.0 {
+        return Err(FieldError::Shape { shape: name, problem: "encloses no area".to_owned() });
+    }
+    Ok(NamedShape { name, shape: Shape::Polygon(corners) })
+}
+
+fn too_far(shape: String) -> FieldError {
+    FieldError::Shape {
+        shape,
+        problem: format!(
+            "a point is not a number or lies more than {LARGEST_TANGENT_DEG} deg from the centre on the tangent plane"
+        ),
+    }
+}
+
+/// Shoelace formula; positive for anticlockwise corners.
+fn signed_area(corners: &[[f64; 2]]) -> f64 {
+    0.5 * edges(corners).map(|([ax, ay], [bx, by])| ax * by - bx * ay).sum::<f64>()
+}
+
+/// The sides of a closed polygon.
+fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| (*a, *b))
+}
+
+/// A field at its place on the sky.
+#[derive(Clone, Debug)]
+pub struct FieldOnSky<'a> {
+    field: &'a Field,
+    centre: Vector3<f64>,
+    x_axis: Vector3<f64>,
+    y_axis: Vector3<f64>,
+    bounding_radius_rad: f64,
+}
+
+/// A border that a track can cross: positive inside, negative outside.
+#[derive(Clone, Debug)]
+pub(super) enum Border<'a> {
+    /// The rim of a circle: its centre and radius.
+    Rim(Vector3<f64>, f64),
+    /// A polygon on the tangent plane.
+    Outline(&'a [[f64; 2]]),
+}
+
+impl FieldOnSky<'_> {
+    /// The centre as a unit vector.
+    pub(super) fn centre(&self) -> &Vector3<f64> {
+        &self.centre
+    }
+
+    /// Radius about the centre that holds every shape, radians.
+    pub(super) fn bounding_radius_rad(&self) -> f64 {
+        self.bounding_radius_rad
+    }
+
+    /// The borders of the shapes in order.
+    pub(super) fn borders(&self) -> impl Iterator<Item = Border<'_>> {
+        self.field.shapes.iter().map(|named| match &named.shape {
+            Shape::Circle { centre: [x, y], radius_rad } => {
+                let axis = (self.centre + self.x_axis * *x + self.y_axis * *y).normalize();
+                Border::Rim(axis, *radius_rad)
+            }
+            Shape::Polygon(corners) => Border::Outline(corners),
+        })
+    }
+
+    /// Place on the tangent plane of a vector in front of it, radians of the plane; `None` at 90° and beyond.
+    pub(super) fn project(&self, sight: &Vector3<f64>) -> Option<[f64; 2]> {
+        let depth = sight.dot(&self.centre);
+        (depth > 0.0).then(|| [sight.dot(&self.x_axis) / depth, sight.dot(&self.y_axis) / depth])
+    }
+
+    /// True where a direction lies inside one of the shapes.
+    pub fn contains(&self, direction: &Direction<Gcrs>) -> bool {
+        let sight = direction.vector();
+        self.borders().any(|border| match border {
+            Border::Rim(axis, radius_rad) => axis.cross(sight).norm().atan2(axis.dot(sight)) <= radius_rad,
+            Border::Outline(corners) => self.project(sight).is_some_and(|point| holds(corners, point)),
+        })
+    }
+}
+
+/// True where the point lies inside the polygon (even-odd rule).
+pub(super) fn holds(corners: &[[f64; 2]], [x, y]: [f64; 2]) -> bool {
+    edges(corners)
+        .filter(|([ax, ay], [bx, by])| (*ay > y) != (*by > y) && x < (bx - ax) * (y - ay) / (by - ay) + ax)
+        .count()
+        % 2
+        == 1
+}
+
+/// The sides of an outline, for the crossings.
+pub(super) fn sides(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '_ {
+    edges(corners)
+}

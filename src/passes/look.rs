@@ -1,0 +1,122 @@
+//! What the telescope sees of one satellite along its line of sight: places, light, motion.
+
+use hifitime::Unit;
+
+use super::sightline::SightLine;
+use super::sky::{PassOptions, Scene};
+use super::track::{Chord, TrackPoint};
+use crate::geometry::{Illumination, Observer, ViewingGeometry, illumination};
+use crate::photometry::{Brightness, BrightnessModel};
+
+/// Points along a pass at which shadow and peak are first looked for.
+const LIGHT_STEPS: usize = 24;
+/// Golden section steps that close in on the peak: a ten-thousandth of the step between two points.
+const PEAK_STEPS: usize = 20;
+
+/// A line of sight with all that light needs. Times are seconds of the scene.
+pub(super) struct Look<'a> {
+    pub scene: &'a Scene,
+    pub observer: &'a Observer,
+    pub line: &'a SightLine<'a>,
+    pub model: &'a BrightnessModel,
+    pub options: &'a PassOptions,
+}
+
+impl Look<'_> {
+    /// The satellite at one moment; `None` only where observer and satellite coincide.
+    pub fn point(&self, time_s: f64) -> Option<TrackPoint> {
+        let (_, _, aspect) = self.line.aspect_at(time_s);
+        let (geometry, illumination, brightness) = self.light(time_s)?;
+        let here = self.observer.state(&self.scene.orientation.at_s(time_s));
+        let (altitude_rad, azimuth_rad) = here.altitude_azimuth_rad(&aspect.geometric)?;
+        Some(TrackPoint {
+            epoch: self.scene.start + time_s * Unit::Second,
+            direction: aspect.direction,
+            altitude_rad: Some(altitude_rad),
+            azimuth_rad: Some(azimuth_rad),
+            range_km: aspect.range_km,
+            geometry,
+            illumination,
+            brightness,
+        })
+    }
+
+    fn light(&self, time_s: f64) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
+        let (state, site, _) = self.line.aspect_at(time_s);
+        let sun = self.scene.sun.at_s(time_s).sun;
+        let geometry = ViewingGeometry::new(&state.position, &site, &sun)?;
+        let illumination = illumination(&state.position, &sun);
+        let brightness = self.model.brightness(&geometry, illumination.lit_fraction(), &self.options.photometry);
+        Some((geometry, illumination, brightness))
+    }
+
+    /// True where any part of the Sun reaches the satellite at any of the points looked at.
+    pub fn is_lit(&self, enter_s: f64, exit_s: f64) -> bool {
+        times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| {
+            let sun = self.scene.sun.at_s(time_s).sun;
+            illumination(&self.line.arc.state_at(time_s).position, &sun).lit_fraction() > 0.0
+        })
+    }
+
+    /// The brightest moment; `None` where nothing is seen at any.
+    pub fn peak(&self, enter_s: f64, exit_s: f64) -> Option<TrackPoint> {
+        let magnitude = |time_s: f64| {
+            self.light(time_s)
+                .and_then(|(_, _, brightness)| brightness)
+                .map_or(f64::INFINITY, |light| light.magnitude.0)
+        };
+        let best_s = times(enter_s, exit_s, LIGHT_STEPS)
+            .map(|time_s| (time_s, magnitude(time_s)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, magnitude)| magnitude.is_finite())?
+            .0;
+        let step_s = (exit_s - enter_s) / LIGHT_STEPS as f64;
+        let (mut low_s, mut high_s) = ((best_s - step_s).max(enter_s), (best_s + step_s).min(exit_s));
+        let golden = 0.5 * (5f64.sqrt() - 1.0);
+        for _ in 0..PEAK_STEPS {
+            let width_s = golden * (high_s - low_s);
+            if magnitude(high_s - width_s) < magnitude(low_s + width_s) {
+                high_s = low_s + width_s;
+            } else {
+                low_s = high_s - width_s;
+            }
+        }
+        // A pass that fades or brightens all along peaks at its end, which golden section only approaches.
+        let candidates = [best_s, 0.5 * (low_s + high_s)];
+        let peak_s = candidates.into_iter().min_by(|a, b| magnitude(*a).total_cmp(&magnitude(*b)))?;
+        self.point(peak_s)
+    }
+
+    /// Evenly spaced points from entry to exit, both included; one point stands in the middle.
+    pub fn samples(&self, enter_s: f64, exit_s: f64, count: usize) -> Vec<TrackPoint> {
+        match count {
+            0 => Vec::new(),
+            1 => self.point(0.5 * (enter_s + exit_s)).into_iter().collect(),
+            _ => times(enter_s, exit_s, count - 1).filter_map(|time_s| self.point(time_s)).collect(),
+        }
+    }
+
+    /// Position angle of the motion and its speed on the sky, radians and rad/s.
+    pub fn motion(&self, time_s: f64) -> (f64, f64) {
+        // Long enough against rounding (1e-16 / 1e-3), short enough against curvature.
+        const HALF_S: f64 = 0.05;
+        let (_, _, before) = self.line.aspect_at(time_s - HALF_S);
+        let (_, _, now) = self.line.aspect_at(time_s);
+        let (_, _, after) = self.line.aspect_at(time_s + HALF_S);
+        let rate_rad_s = before.direction.separation_rad(&after.direction) / (2.0 * HALF_S);
+        (now.direction.position_angle_rad(&after.direction), rate_rad_s)
+    }
+
+    /// Length of one chord on the sky, radians.
+    pub fn length_rad(&self, chord: &Chord) -> f64 {
+        let directions: Vec<_> = times(chord.enter_s, chord.exit_s, LIGHT_STEPS)
+            .map(|time_s| self.line.aspect_at(time_s).2.direction)
+            .collect();
+        directions.windows(2).map(|pair| pair[0].separation_rad(&pair[1])).sum()
+    }
+}
+
+/// `steps + 1` times from one to the other.
+fn times(from_s: f64, to_s: f64, steps: usize) -> impl Iterator<Item = f64> {
+    (0..=steps).map(move |step| from_s + (to_s - from_s) * step as f64 / steps as f64)
+}

@@ -1,0 +1,440 @@
+//! A catalogue over one site: the one thing that every outcome asks.
+
+use std::sync::Arc as Shared;
+
+use hifitime::{Epoch, Unit};
+use rayon::prelude::*;
+use thiserror::Error;
+
+use super::crossing::cross;
+use super::exposure::Exposure;
+use super::field::{Field, FieldOnSky};
+use super::look::Look;
+use super::models::ModelChoice;
+use super::probability::{crossing_probability, reach_s};
+use super::sightline::{SightLine, SiteMotion};
+use super::track::{Chord, FieldPass};
+use crate::catalogue::ElementSet;
+use crate::frames::{EopTable, OrientationTable, seconds_between};
+use crate::geometry::{Observer, SunTable};
+use crate::orbit::{
+    Arc, Cone, LeftOut, MAX_WINDOW_S, OrbitClass, OrbitUncertainty, Reach, SatelliteIndex, Window, uncertainty,
+};
+use crate::photometry::{BrightnessModel, PhotometryOptions};
+
+/// The cull asks for at most this long at a time, seconds: by then an observer on the ground has moved 14 km to each side.
+const SLICE_S: f64 = 60.0;
+/// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with room, radians.
+const ABERRATION_MARGIN_RAD: f64 = 2e-4;
+/// First and last year for which Sun and Earth are computed.
+const YEARS: (i32, i32) = (1957, 2099);
+
+/// Why a question has no answer at all.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SkyError {
+    /// No ephemeris of Sun and Earth, and no elements either.
+    #[error("{epoch} is outside the years for which Sun and Earth are known (allowed: {} to {})", YEARS.0, YEARS.1)]
+    NoEphemeris {
+        /// What was asked for.
+        epoch: Epoch,
+    },
+    /// An exposure of no possible length or direction.
+    #[error("exposure {id}: {problem}")]
+    Exposure {
+        /// The schedule's name of it.
+        id: String,
+        /// What is wrong, and what is allowed.
+        problem: String,
+    },
+}
+
+/// What is wanted of each pass.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct PassOptions {
+    /// Crossings that are dark all along too.
+    pub include_dark: bool,
+    /// Near misses that cross with at least this probability too; `None` keeps to nominal crossings.
+    pub min_probability: Option<f64>,
+    /// Points along the track, evenly spaced in time from entry to exit; 0 for none.
+    pub samples: usize,
+    /// Band, system, extinction.
+    pub photometry: PhotometryOptions,
+}
+
+/// The answer to one question.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Passes {
+    /// For each exposure asked, in its place, the passes in order of entry.
+    pub by_exposure: Vec<Vec<FieldPass>>,
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Satellites, an observer, and what is known of their light: ready for any number of questions, from any thread.
+#[derive(Clone, Debug)]
+pub struct Sky {
+    elements: Vec<ElementSet>,
+    index: SatelliteIndex,
+    classes: Vec<OrbitClass>,
+    models: Vec<Shared<BrightnessModel>>,
+    observer: Observer,
+    eop: EopTable,
+}
+
+/// Sun, Earth and orbits over the time of one group of exposures.
+pub(super) struct Scene {
+    pub start: Epoch,
+    pub orientation: OrientationTable,
+    pub sun: SunTable,
+    windows: Vec<Window>,
+}
+
+/// One satellite that was a candidate for neighbouring slices of one exposure; seconds of the scene.
+struct Run {
+    element_index: usize,
+    start_s: f64,
+    end_s: f64,
+}
+
+impl Sky {
+    /// Makes a catalogue ready over one site. Takes about 2 µs a satellite and core.
+    pub fn new(elements: Vec<ElementSet>, observer: Observer, eop: EopTable, choice: &ModelChoice) -> Self {
+        let index = SatelliteIndex::new(&elements);
+        let classes = elements.iter().map(OrbitClass::of).collect();
+        let models = elements.iter().map(|elements| choice.model_of(elements)).collect();
+        Self { elements, index, classes, models, observer, eop }
+    }
+
+    /// The element sets, in the order of [`FieldPass::element_index`].
+    pub fn elements(&self) -> &[ElementSet] {
+        &self.elements
+    }
+
+    /// Where the telescope stands.
+    pub fn observer(&self) -> &Observer {
+        &self.observer
+    }
+
+    /// The brightness model of an element set.
+    pub fn model(&self, element_index: usize) -> &BrightnessModel {
+        &self.models[element_index]
+    }
+
+    /// Satellites that SGP4 cannot start from.
+    pub fn left_out(&self) -> &[LeftOut] {
+        self.index.left_out()
+    }
+
+    pub(super) fn index(&self) -> &SatelliteIndex {
+        &self.index
+    }
+
+    /// One-sigma errors of a satellite's prediction at an age of its elements.
+    pub fn uncertainty(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
+        uncertainty(self.classes[element_index], age_days)
+    }
+
+    /// Every satellite that crosses the field in each exposure, on all threads of the current pool.
+    ///
+    /// Exposures may come in any order and last from nothing to days; those of one night share their preparation. The answer
+    /// does not depend on the number of threads. A satellite that comes back after leaving (an exposure of hours) is a
+    /// pass of its own each time.
+    ///
+    /// # Errors
+    /// [`SkyError`] where an exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris.
+    pub fn field_passes(
+        &self,
+        exposures: &[Exposure],
+        field: &Field,
+        options: &PassOptions,
+    ) -> Result<Passes, SkyError> {
+        exposures.iter().try_for_each(check)?;
+        let mut answer = Passes { by_exposure: vec![Vec::new(); exposures.len()], left_out: Vec::new() };
+        answer.left_out.extend_from_slice(self.index.left_out());
+        for group in groups(exposures) {
+            let start = exposures[group[0]].start;
+            let end_s = group.iter().map(|&one| end_s(start, &exposures[one])).fold(0.0, f64::max);
+            let scene = self.scene(start, end_s, options.min_probability.is_some());
+            for window in &scene.windows {
+                answer.left_out.extend_from_slice(window.left_out());
+            }
+            let found: Vec<(usize, Vec<FieldPass>, Vec<LeftOut>)> = group
+                .par_iter()
+                .map_init(Vec::new, |candidates, &one| {
+                    let (passes, left_out) = self.expose(&scene, &exposures[one], field, options, candidates);
+                    (one, passes, left_out)
+                })
+                .collect();
+            for (one, passes, left_out) in found {
+                answer.by_exposure[one] = passes;
+                answer.left_out.extend(left_out);
+            }
+        }
+        answer.left_out.sort_by_key(|left_out| left_out.element_index);
+        answer.left_out.dedup_by_key(|left_out| left_out.element_index);
+        Ok(answer)
+    }
+
+    /// As [`Sky::field_passes`], without the cull: every satellite is asked of SGP4 for every slice. The authority that the
+    /// cull is held against; thousands of times slower.
+    ///
+    /// # Errors
+    /// As [`Sky::field_passes`].
+    pub fn field_passes_by_brute_force(
+        &self,
+        exposures: &[Exposure],
+        field: &Field,
+        options: &PassOptions,
+    ) -> Result<Vec<Vec<FieldPass>>, SkyError> {
+        exposures.iter().try_for_each(check)?;
+        Ok(exposures
+            .par_iter()
+            .map(|exposure| {
+                let duration_s = end_s(exposure.start, exposure);
+                let scene = self.scene_without_windows(exposure.start, duration_s);
+                let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
+                let mut passes: Vec<FieldPass> = (0..self.elements.len())
+                    .filter_map(|element_index| {
+                        let run = Run { element_index, start_s: 0.0, end_s: duration_s };
+                        self.pass(&scene, exposure, &on_sky, &run, options).ok().flatten()
+                    })
+                    .collect();
+                passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
+                passes
+            })
+            .collect())
+    }
+
+    /// Sun and Earth alone.
+    pub(super) fn scene_without_windows(&self, start: Epoch, span_s: f64) -> Scene {
+        let end = start + span_s * Unit::Second;
+        Scene {
+            start,
+            orientation: OrientationTable::new(start, end, &self.eop),
+            sun: SunTable::new(start, end),
+            windows: Vec::new(),
+        }
+    }
+
+    fn scene(&self, start: Epoch, span_s: f64, near_misses: bool) -> Scene {
+        let mut scene = self.scene_without_windows(start, span_s);
+        let middle = start + 0.5 * span_s * Unit::Second;
+        let reach = |element_index: usize| {
+            if !near_misses {
+                return Reach::default();
+            }
+            let age_days = (middle - self.elements[element_index].epoch).to_unit(Unit::Day);
+            let sigma = self.uncertainty(element_index, age_days);
+            Reach {
+                along_track_s: reach_s(sigma.along_track_s),
+                cross_track_km: super::probability::REACH_SIGMAS * sigma.cross_track_km,
+            }
+        };
+        let count = (span_s / MAX_WINDOW_S).ceil().max(1.0);
+        let length_s = span_s / count;
+        scene.windows = (0..count as usize)
+            .map(|number| {
+                let window_start = start + (length_s * number as f64) * Unit::Second;
+                self.index.window(window_start, window_start + length_s * Unit::Second, &reach)
+            })
+            .collect();
+        scene
+    }
+
+    /// One exposure: cull slice by slice, then the exact answer for the few that are left.
+    fn expose(
+        &self,
+        scene: &Scene,
+        exposure: &Exposure,
+        field: &Field,
+        options: &PassOptions,
+        candidates: &mut Vec<u32>,
+    ) -> (Vec<FieldPass>, Vec<LeftOut>) {
+        let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
+        let mut passes = Vec::new();
+        let mut left_out = Vec::new();
+        for run in self.runs(scene, exposure, &on_sky, candidates) {
+            match self.pass(scene, exposure, &on_sky, &run, options) {
+                Ok(pass) => passes.extend(pass),
+                Err(reason) => left_out.push(LeftOut {
+                    norad_id: self.elements[run.element_index].norad_id,
+                    element_index: run.element_index,
+                    reason,
+                }),
+            }
+        }
+        passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
+        (passes, left_out)
+    }
+
+    /// Which satellites may be in the field, and when: candidates of neighbouring slices joined.
+    fn runs(&self, scene: &Scene, exposure: &Exposure, field: &FieldOnSky, candidates: &mut Vec<u32>) -> Vec<Run> {
+        let start_s = seconds_between(scene.start, exposure.start);
+        let slices = (exposure.duration_s / SLICE_S).ceil().max(1.0);
+        let slice_s = exposure.duration_s / slices;
+        let mut seen: Vec<(u32, u32)> = Vec::new();
+        for slice in 0..slices as u32 {
+            let mid_s = start_s + slice_s * (f64::from(slice) + 0.5);
+            let Some((window, window_start_s)) = scene.window_at(mid_s) else { continue };
+            let orientation = scene.orientation.at_s(mid_s);
+            let site = SiteMotion::new(&self.observer, &orientation, scene.sun.at_s(mid_s).earth_velocity, mid_s);
+            let cone = Cone {
+                mid_s: mid_s - window_start_s,
+                half_duration_s: 0.5 * slice_s,
+                observer: site.position(mid_s),
+                observer_speed_km_s: site.speed_km_s(),
+                axis: exposure.pointing,
+                radius_rad: field.bounding_radius_rad() + ABERRATION_MARGIN_RAD,
+            };
+            window.candidates(&cone, &orientation.teme_to_gcrs, candidates);
+            seen.extend(candidates.iter().map(|&element_index| (element_index, slice)));
+        }
+        seen.sort_unstable();
+        let mut runs: Vec<Run> = Vec::new();
+        let mut last: Option<(u32, u32)> = None;
+        for (element_index, slice) in seen {
+            let end_s = start_s + slice_s * f64::from(slice + 1);
+            match runs.last_mut() {
+                Some(run) if last == Some((element_index, slice.wrapping_sub(1))) => run.end_s = end_s,
+                _ => runs.push(Run {
+                    element_index: element_index as usize,
+                    start_s: start_s + slice_s * f64::from(slice),
+                    end_s,
+                }),
+            }
+            last = Some((element_index, slice));
+        }
+        runs
+    }
+
+    /// The exact answer for one satellite; `None` where it is not wanted.
+    fn pass(
+        &self,
+        scene: &Scene,
+        exposure: &Exposure,
+        field: &FieldOnSky,
+        run: &Run,
+        options: &PassOptions,
+    ) -> Result<Option<FieldPass>, crate::orbit::OrbitError> {
+        let Some(propagator) = self.index.propagator(run.element_index) else { return Ok(None) };
+        let mid_s = 0.5 * (run.start_s + run.end_s);
+        let orientation = scene.orientation.at_s(mid_s);
+        let site = SiteMotion::new(&self.observer, &orientation, scene.sun.at_s(mid_s).earth_velocity, mid_s);
+        let minutes = propagator.minutes_since_epoch(scene.start);
+        let arc_over =
+            |from_s: f64, to_s: f64| Arc::new(propagator, minutes, from_s, to_s - from_s, &orientation.teme_to_gcrs);
+        let arc = arc_over(run.start_s, run.end_s)?;
+        let line = SightLine { arc: &arc, site };
+        let crossing = cross(&|time_s| line.sight(time_s), run.start_s, run.end_s, field);
+        let wanted = options.min_probability;
+        if crossing.chords.is_empty() && wanted.is_none() {
+            return Ok(None);
+        }
+        let enter_s = crossing.chords.first().map_or(run.start_s, |chord| chord.enter_s);
+        let exit_s = crossing.chords.last().map_or(run.end_s, |chord| chord.exit_s);
+        let look =
+            Look { scene, observer: &self.observer, line: &line, model: &self.models[run.element_index], options };
+        let lit = look.is_lit(enter_s, exit_s);
+        if !(lit || options.include_dark) {
+            return Ok(None);
+        }
+
+        let middle_s = 0.5 * (enter_s + exit_s);
+        let epoch = scene.start + middle_s * Unit::Second;
+        let element_age_days = (epoch - propagator.epoch()).to_unit(Unit::Day);
+        let sigma = self.uncertainty(run.element_index, element_age_days);
+        let (Some(enter), Some(mid), Some(exit)) = (look.point(enter_s), look.point(middle_s), look.point(exit_s))
+        else {
+            return Ok(None);
+        };
+        let cross_track_sigma_rad = sigma.cross_track_km / mid.range_km;
+        let reach_s = reach_s(sigma.along_track_s);
+        // Elements that break down just outside the exposure say nothing of near misses; the nominal crossing stands.
+        let probability = match arc_over(run.start_s - reach_s, run.end_s + reach_s) {
+            Ok(wide) => {
+                let line = SightLine { arc: &wide, site };
+                crossing_probability(
+                    &|time_s| line.sight(time_s),
+                    (run.start_s, run.end_s),
+                    field,
+                    sigma.along_track_s,
+                    cross_track_sigma_rad,
+                )
+            }
+            Err(_) => f64::from(u8::from(!crossing.chords.is_empty())),
+        };
+        if crossing.chords.is_empty() && wanted.is_none_or(|least| probability < least) {
+            return Ok(None);
+        }
+        let opened_s = seconds_between(scene.start, exposure.start);
+        let (position_angle_rad, angular_rate_rad_s) = look.motion(middle_s);
+        Ok(Some(FieldPass {
+            norad_id: propagator.norad_id(),
+            element_index: run.element_index,
+            peak: look.peak(enter_s, exit_s),
+            samples: look.samples(enter_s, exit_s, options.samples),
+            streak_length_rad: crossing.chords.iter().map(|chord| look.length_rad(chord)).sum(),
+            chords: crossing
+                .chords
+                .iter()
+                .map(|chord| Chord { enter_s: chord.enter_s - opened_s, exit_s: chord.exit_s - opened_s })
+                .collect(),
+            enter,
+            mid,
+            exit,
+            min_separation_rad: crossing.min_separation_rad,
+            position_angle_rad,
+            angular_rate_rad_s,
+            element_age_days,
+            along_track_sigma_s: sigma.along_track_s,
+            cross_track_sigma_rad,
+            probability,
+            lit,
+        }))
+    }
+}
+
+impl Scene {
+    /// The window that holds a moment, and when it starts, both in seconds of the scene.
+    fn window_at(&self, time_s: f64) -> Option<(&Window, f64)> {
+        let length_s = self.windows.first()?.span_s();
+        let number = ((time_s / length_s).max(0.0) as usize).min(self.windows.len() - 1);
+        let window = &self.windows[number];
+        Some((window, seconds_between(self.start, window.start())))
+    }
+}
+
+fn check(exposure: &Exposure) -> Result<(), SkyError> {
+    let fail = |problem: String| Err(SkyError::Exposure { id: exposure.id.clone(), problem });
+    if !(exposure.duration_s >= 0.0 && exposure.duration_s.is_finite()) {
+        return fail(format!("a duration of {} s (allowed: 0 or more)", exposure.duration_s));
+    }
+    if !(exposure.pointing.vector().norm() - 1.0).abs().lt(&1e-6) || !exposure.rotation_rad.is_finite() {
+        return fail("a pointing or rotation that is not a number".to_owned());
+    }
+    check_epoch(exposure.start)
+}
+
+/// Holds a moment against the years of the Sun's ephemeris.
+pub(super) fn check_epoch(epoch: Epoch) -> Result<(), SkyError> {
+    let (year, ..) = epoch.to_gregorian_utc();
+    if year < YEARS.0 || year > YEARS.1 { Err(SkyError::NoEphemeris { epoch }) } else { Ok(()) }
+}
+
+fn end_s(start: Epoch, exposure: &Exposure) -> f64 {
+    seconds_between(start, exposure.start) + exposure.duration_s
+}
+
+/// Exposures in order of time, in groups that one window covers; one that is longer than a window is a group of its own.
+fn groups(exposures: &[Exposure]) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..exposures.len()).collect();
+    order.sort_by_key(|&one| exposures[one].start);
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for one in order {
+        match groups.last_mut() {
+            Some(group) if end_s(exposures[group[0]].start, &exposures[one]) <= MAX_WINDOW_S => group.push(one),
+            _ => groups.push(vec![one]),
+        }
+    }
+    groups
+}
