@@ -1,6 +1,6 @@
 //! SGP4 made ready for one satellite. TEME never leaves this room.
 
-use hifitime::{Epoch, Unit};
+use hifitime::Epoch;
 use sgp4::{Constants, MinutesSinceEpoch, Orbit, ResonanceState, WGS72, afspc_epoch_to_sidereal_time};
 use std::f64::consts::PI;
 use std::fmt;
@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use crate::catalogue::{ElementSet, NoradId};
 use crate::constants::DAY_S;
-use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
+use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity, seconds_between};
 
 /// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).
 pub const DECAYED_RADIUS_KM: f64 = 6378.135;
@@ -127,7 +127,8 @@ impl Propagator {
 
     /// Minutes from the element epoch to `epoch`, as SI time elapsed: leap seconds in between are counted.
     pub fn minutes_since_epoch(&self, epoch: Epoch) -> f64 {
-        (epoch - self.epoch).to_unit(Unit::Minute)
+        // Not `epoch - self.epoch`: between two UTC epochs hifitime leaves the leap seconds out.
+        seconds_between(self.epoch, epoch) / 60.0
     }
 
     /// Geocentric state at `epoch`.
