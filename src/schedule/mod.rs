@@ -1,1 +1,32 @@
-//! (being built)
+//! Schedules in, verdicts out: which exposures are streaked, by how much, and when the field is clear next.
+//!
+//! A [`Schedule`] is read from Rubin opsim SQLite, CSV, ECSV or JSON; [`flag`] judges one exposure by the passes that
+//! cross it and a [`Policy`], [`flag_exposures`] all of them; [`next_clear_start`] is the arithmetic of waiting; [`annotate`]
+//! writes the answer beside every original cell. A row that cannot be judged stays in its place with its reason.
+
+mod error;
+mod exposure_flag;
+mod flag_table;
+mod formats;
+mod horizon;
+mod instant;
+mod judge;
+mod policy;
+mod report;
+mod rows;
+mod scheduled;
+mod shift;
+mod streak_table;
+
+pub use error::ScheduleError;
+pub use exposure_flag::{ExposureFlag, Verdict};
+pub use flag_table::flag_table;
+pub use formats::ScheduleFormat;
+pub use horizon::lowest_altitudes_rad;
+pub use instant::{InstantError, is_covered, parse_instant};
+pub use judge::{Rules, flag};
+pub use policy::{MagnitudeLimit, Policy, PolicyError};
+pub use report::{FlagReport, FlagRequest, flag_exposures};
+pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
+pub use shift::{Interval, next_clear_start};
+pub use streak_table::{StreakRow, streak_table};

@@ -1,0 +1,101 @@
+//! What can be wrong with a schedule as a whole.
+
+use std::io;
+
+use thiserror::Error;
+
+/// The columns a schedule has, for every message that names them.
+pub(super) const ALLOWED_COLUMNS: &str = "exposure_id, start_utc (or start_mjd, start_jd with --time-scale, or \
+     start_mjd_utc, start_mjd_tai, start_mjd_tt and the like), duration_s, ra_deg, dec_deg and, if known, rotation_deg, band; \
+     the names of Rubin's opsim are understood too";
+
+/// Why a schedule cannot be read at all. What is wrong with one row stays with the row.
+#[derive(Debug, Error)]
+pub enum ScheduleError {
+    /// The file cannot be opened or read.
+    #[error("schedule {path}: {source}")]
+    Io {
+        /// The file.
+        path: String,
+        /// What the system said.
+        source: io::Error,
+    },
+    /// A directory was given.
+    #[error("schedule {path} is a directory; allowed: one file, opsim SQLite, CSV, ECSV or JSON")]
+    Directory {
+        /// The path.
+        path: String,
+    },
+    /// Nothing is in the file.
+    #[error("schedule {path} is empty; allowed: opsim SQLite, CSV, ECSV or JSON with at least one exposure")]
+    Empty {
+        /// The file.
+        path: String,
+    },
+    /// Columns but no rows.
+    #[error("schedule {path} has columns but no exposures; at least one row is needed")]
+    NoRows {
+        /// The file.
+        path: String,
+    },
+    /// No format that is read here.
+    #[error("schedule {path}: {what}; allowed: opsim SQLite, CSV, ECSV or JSON")]
+    Format {
+        /// The file.
+        path: String,
+        /// What was found.
+        what: String,
+    },
+    /// A line that does not parse.
+    #[error("schedule {path}, line {line}: {what}")]
+    Line {
+        /// The file.
+        path: String,
+        /// Line, from 1.
+        line: u64,
+        /// What is wrong with it.
+        what: String,
+    },
+    /// Columns that must be there are not.
+    #[error("schedule {path}: missing {missing}; found {found}; allowed: {ALLOWED_COLUMNS}")]
+    MissingColumns {
+        /// The file.
+        path: String,
+        /// The missing names.
+        missing: String,
+        /// The names that are there.
+        found: String,
+    },
+    /// Times are bare numbers or texts without a zone, and nobody said their scale.
+    #[error(
+        "schedule {path}: column {column} names no time scale; say --time-scale utc, tai or tt \
+         (opsim files hold UTC, ConsDB and many others TAI; TAI read as UTC is 37 s off, which turns every answer wrong)"
+    )]
+    NoTimeScale {
+        /// The file.
+        path: String,
+        /// The column.
+        column: String,
+    },
+    /// A column in another unit than its name says.
+    #[error("schedule {path}: column {column} is in '{unit}'; allowed: {allowed}")]
+    Unit {
+        /// The file.
+        path: String,
+        /// The column.
+        column: String,
+        /// The unit in the header.
+        unit: String,
+        /// The unit that the name promises.
+        allowed: &'static str,
+    },
+    /// SQLite found something wrong.
+    #[cfg(feature = "sqlite")]
+    #[error("schedule {path}: {source}")]
+    Sqlite {
+        /// The file.
+        path: String,
+        /// What SQLite said.
+        source: rusqlite::Error,
+    },
+}

@@ -1,0 +1,146 @@
+//! Which column means what: the names of this program and those of Rubin's opsim.
+
+use std::path::Path;
+
+use hifitime::TimeScale;
+
+use super::super::error::ScheduleError;
+use super::sniff::display;
+
+const ID: &[&str] = &["exposure_id", "observationId", "id"];
+const DURATION: &[&str] = &["duration_s", "visitExposureTime"];
+const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA"];
+const DECLINATION: &[&str] = &["dec_deg", "fieldDec"];
+const ROTATION: &[&str] = &["rotation_deg", "rotSkyPos"];
+const BAND: &[&str] = &["band", "filter"];
+
+/// How shutter openings are written.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(in crate::schedule) enum StartForm {
+    /// ISO 8601.
+    Iso,
+    /// Modified Julian dates.
+    Mjd,
+    /// Julian dates.
+    Jd,
+}
+
+/// The column of the shutter openings.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::schedule) struct StartColumn {
+    /// Its place.
+    pub index: usize,
+    /// Its name.
+    pub name: String,
+    /// How it is written.
+    pub form: StartForm,
+    /// The scale that its name says.
+    pub scale: Option<TimeScale>,
+}
+
+/// In the order of preference where a file has several: those that name their scale first.
+const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
+    ("start_utc", StartForm::Iso, Some(TimeScale::UTC)),
+    ("start_tai", StartForm::Iso, Some(TimeScale::TAI)),
+    ("start_tt", StartForm::Iso, Some(TimeScale::TT)),
+    ("start_mjd_utc", StartForm::Mjd, Some(TimeScale::UTC)),
+    ("start_mjd_tai", StartForm::Mjd, Some(TimeScale::TAI)),
+    ("start_mjd_tt", StartForm::Mjd, Some(TimeScale::TT)),
+    ("start_jd_utc", StartForm::Jd, Some(TimeScale::UTC)),
+    ("start_jd_tai", StartForm::Jd, Some(TimeScale::TAI)),
+    ("start_jd_tt", StartForm::Jd, Some(TimeScale::TT)),
+    ("start", StartForm::Iso, None),
+    ("start_mjd", StartForm::Mjd, None),
+    ("start_jd", StartForm::Jd, None),
+    ("observationStartMJD", StartForm::Mjd, None),
+];
+
+/// Where each quantity stands in a file.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::schedule) struct ColumnMap {
+    pub id: usize,
+    pub start: StartColumn,
+    pub duration: usize,
+    pub right_ascension: usize,
+    pub declination: usize,
+    pub rotation: Option<usize>,
+    pub band: Option<usize>,
+}
+
+impl ColumnMap {
+    /// Finds the columns by their names.
+    ///
+    /// # Errors
+    /// One error that lists all that is missing and all that was found.
+    pub fn find(path: &Path, names: &[String]) -> Result<Self, ScheduleError> {
+        let place = |wanted: &[&str]| wanted.iter().find_map(|name| names.iter().position(|found| found == name));
+        let start = STARTS.iter().find_map(|&(name, form, scale)| {
+            let index = names.iter().position(|found| found == name)?;
+            Some(StartColumn { index, name: name.to_owned(), form, scale })
+        });
+        let (id, duration, right_ascension, declination) =
+            (place(ID), place(DURATION), place(RIGHT_ASCENSION), place(DECLINATION));
+        if let (Some(id), Some(start), Some(duration), Some(right_ascension), Some(declination)) =
+            (id, start.clone(), duration, right_ascension, declination)
+        {
+            let (rotation, band) = (place(ROTATION), place(BAND));
+            return Ok(Self { id, start, duration, right_ascension, declination, rotation, band });
+        }
+        let missing: Vec<&str> = [
+            ("exposure_id", id.is_none()),
+            ("start_utc", start.is_none()),
+            ("duration_s", duration.is_none()),
+            ("ra_deg", right_ascension.is_none()),
+            ("dec_deg", declination.is_none()),
+        ]
+        .into_iter()
+        .filter_map(|(name, is_missing)| is_missing.then_some(name))
+        .collect();
+        Err(ScheduleError::MissingColumns {
+            path: display(path),
+            missing: missing.join(", "),
+            found: names_text(names),
+        })
+    }
+}
+
+/// The names, shortened where a file that is no schedule shows a whole line of them.
+fn names_text(names: &[String]) -> String {
+    const SHOWN: usize = 12;
+    let short = |name: &String| name.chars().take(40).filter(|c| !c.is_control()).collect::<String>();
+    let mut shown: Vec<String> = names.iter().take(SHOWN).map(short).collect();
+    if names.len() > SHOWN {
+        shown.push(format!("and {} more", names.len() - SHOWN));
+    }
+    if shown.is_empty() { "no columns".to_owned() } else { shown.join(", ") }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn find(names: &[&str]) -> Result<ColumnMap, ScheduleError> {
+        let names: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+        ColumnMap::find(Path::new("night.csv"), &names)
+    }
+
+    #[test]
+    fn a_named_scale_goes_before_a_bare_number() {
+        let map = find(&["start_mjd", "start_utc", "dec_deg", "ra_deg", "duration_s", "exposure_id"]).unwrap();
+        assert_eq!((map.start.name.as_str(), map.start.scale), ("start_utc", Some(TimeScale::UTC)));
+        let map = find(&["start_mjd", "start_mjd_tai", "dec_deg", "ra_deg", "duration_s", "exposure_id"]).unwrap();
+        assert_eq!((map.start.name.as_str(), map.start.scale), ("start_mjd_tai", Some(TimeScale::TAI)));
+        assert_eq!((map.rotation, map.band), (None, None));
+    }
+
+    #[test]
+    fn all_that_is_missing_stands_in_one_message() {
+        let message = find(&["exposure_id", "ra", "dec_deg", "start_mjd"]).unwrap_err().to_string();
+        assert!(
+            message.starts_with("schedule night.csv: missing duration_s, ra_deg; found exposure_id, ra, dec_deg"),
+            "{message}"
+        );
+        assert!(message.contains("allowed: exposure_id, start_utc"), "{message}");
+        assert!(!message.contains('\n'));
+    }
+}

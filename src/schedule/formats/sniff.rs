@@ -1,0 +1,96 @@
+//! Which syntax a schedule is in, by its first bytes.
+
+use std::fmt;
+use std::fs::{self, File};
+use std::io::Read;
+use std::path::Path;
+
+use super::super::error::ScheduleError;
+use super::raw::RawTable;
+use super::{delimited, ecsv, json};
+
+/// The syntaxes a schedule is read in.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum ScheduleFormat {
+    /// A SQLite database with a table `observations`, as Rubin's simulations write it.
+    Opsim,
+    /// Comma, semicolon or tab separated text with a header line.
+    Csv,
+    /// astropy's ECSV.
+    Ecsv,
+    /// A JSON array of rows, or an object with the array `exposures`.
+    Json,
+}
+
+impl fmt::Display for ScheduleFormat {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            ScheduleFormat::Opsim => "opsim SQLite",
+            ScheduleFormat::Csv => "CSV",
+            ScheduleFormat::Ecsv => "ECSV",
+            ScheduleFormat::Json => "JSON",
+        })
+    }
+}
+
+/// A path as messages show it.
+pub(in crate::schedule) fn display(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// Reads a file into a raw table.
+///
+/// # Errors
+/// As [`Schedule::read`](super::super::Schedule::read), columns and time scales not yet judged.
+pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleError> {
+    let io_error = |source| ScheduleError::Io { path: display(path), source };
+    if fs::metadata(path).map_err(io_error)?.is_dir() {
+        return Err(ScheduleError::Directory { path: display(path) });
+    }
+    let mut file = File::open(path).map_err(io_error)?;
+    let mut head = Vec::new();
+    file.by_ref().take(16).read_to_end(&mut head).map_err(io_error)?;
+    if head == *b"SQLite format 3\0" {
+        return read_sqlite(path);
+    }
+    let what = match head.as_slice() {
+        [0x1f, 0x8b, ..] => Some("is compressed with gzip; unpack it first"),
+        [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("is UTF-16 text; UTF-8 is needed"),
+        [b'P', b'A', b'R', b'1', ..] => Some("is Parquet"),
+        [b'S', b'I', b'M', b'P', b'L', b'E', ..] => Some("is a FITS file"),
+        _ => None,
+    };
+    if let Some(what) = what {
+        return Err(ScheduleError::Format { path: display(path), what: what.to_owned() });
+    }
+    let mut bytes = head;
+    file.read_to_end(&mut bytes).map_err(io_error)?;
+    let text = String::from_utf8(bytes).map_err(|error| ScheduleError::Format {
+        path: display(path),
+        what: format!("is not UTF-8 text from byte {} on", error.utf8_error().valid_up_to()),
+    })?;
+    let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
+    let body = text.trim_start();
+    if body.is_empty() {
+        Err(ScheduleError::Empty { path: display(path) })
+    } else if body.starts_with('<') {
+        Err(ScheduleError::Format { path: display(path), what: "looks like XML or HTML".to_owned() })
+    } else if body.starts_with(['{', '[']) {
+        json::read(path, body)
+    } else if ecsv::is_ecsv(body) {
+        ecsv::read(path, body)
+    } else {
+        delimited::read(path, text)
+    }
+}
+
+#[cfg(feature = "sqlite")]
+fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
+    super::opsim::read(path)
+}
+
+#[cfg(not(feature = "sqlite"))]
+fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
+    let what = "is SQLite, and this build has no SQLite (cargo feature sqlite)".to_owned();
+    Err(ScheduleError::Format { path: display(path), what })
+}

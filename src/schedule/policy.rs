@@ -1,0 +1,193 @@
+//! What an observatory calls bad: limits on magnitude, lost pixels and probability, margins, patience.
+
+use std::collections::BTreeMap;
+
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+/// A limiting magnitude for all bands, or one for each.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(untagged)]
+pub enum MagnitudeLimit {
+    /// One number for every exposure.
+    All(f64),
+    /// By the band of the exposure; the key `default` is for all others.
+    PerBand(BTreeMap<String, f64>),
+}
+
+impl MagnitudeLimit {
+    /// The limit for an exposure in this band; `None` where the table has neither the band nor `default`.
+    pub fn of(&self, band: Option<&str>) -> Option<f64> {
+        match self {
+            MagnitudeLimit::All(limit) => Some(*limit),
+            MagnitudeLimit::PerBand(limits) => {
+                band.and_then(|band| limits.get(band)).or_else(|| limits.get("default")).copied()
+            }
+        }
+    }
+
+    fn numbers(&self) -> Vec<f64> {
+        match self {
+            MagnitudeLimit::All(limit) => vec![*limit],
+            MagnitudeLimit::PerBand(limits) => limits.values().copied().collect(),
+        }
+    }
+}
+
+/// Rules for verdicts. What is `None` does not count; the default is no rule at all.
+///
+/// Magnitudes are those of the satellite as predicted (apparent, steady, at its brightest in the field), in the band of
+/// the prediction; a table by band chooses the limit by the band of the *exposure*.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Policy {
+    /// A lit crossing brighter than this makes an exposure one to avoid.
+    pub limit_mag: Option<MagnitudeLimit>,
+    /// More than this fraction of the pixels expected lost makes an exposure one to avoid, (0, 1].
+    pub max_lost_fraction: Option<f64>,
+    /// A crossing brighter than this saturates: an exposure to avoid.
+    pub saturation_mag: Option<MagnitudeLimit>,
+    /// A crossing brighter than this leaves crosstalk that cannot be corrected: an exposure to avoid.
+    pub crosstalk_mag: Option<MagnitudeLimit>,
+    /// Crossings less probable than this do not make an exposure one to avoid, and near misses at least this probable count; 0.5 where unsaid.
+    pub min_probability: Option<f64>,
+    /// Time to keep clear before opening and after closing, seconds; 0 where unsaid.
+    pub margin_s: Option<f64>,
+    /// How long an exposure may wait for a clear field, seconds; [`Policy::DEFAULT_MAX_DELAY_S`] where unsaid.
+    pub max_delay_s: Option<f64>,
+}
+
+/// Why a policy is none.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum PolicyError {
+    /// Not TOML, a key that means nothing, or a value of the wrong kind.
+    #[error(
+        "policy: {0}; allowed: limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s, max_delay_s"
+    )]
+    Syntax(String),
+    /// A number out of its range.
+    #[error("policy: {field} is {value}, allowed {allowed}")]
+    OutOfRange {
+        /// The key.
+        field: &'static str,
+        /// What was given.
+        value: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+}
+
+impl Policy {
+    /// Probability from which a crossing counts as one to avoid, where a policy says nothing.
+    pub const DEFAULT_MIN_PROBABILITY: f64 = 0.5;
+    /// How far ahead the next clear start is looked for where a policy says nothing, seconds.
+    pub const DEFAULT_MAX_DELAY_S: f64 = 600.0;
+    /// The longest delay that can be asked for, seconds.
+    pub const LONGEST_DELAY_S: f64 = 86_400.0;
+
+    /// Reads a policy from TOML; keys that mean nothing are refused.
+    ///
+    /// # Errors
+    /// Syntax, an unknown key, or a number out of its range.
+    pub fn from_toml(text: &str) -> Result<Self, PolicyError> {
+        let policy: Policy = toml::from_str(text).map_err(|error| PolicyError::Syntax(one_line(&error, text)))?;
+        policy.validate()?;
+        Ok(policy)
+    }
+
+    /// Checks the ranges of all numbers.
+    ///
+    /// # Errors
+    /// The first number out of its range.
+    pub fn validate(&self) -> Result<(), PolicyError> {
+        let magnitudes = [
+            ("limit_mag", &self.limit_mag),
+            ("saturation_mag", &self.saturation_mag),
+            ("crosstalk_mag", &self.crosstalk_mag),
+        ];
+        for (field, limit) in magnitudes {
+            for value in limit.iter().flat_map(MagnitudeLimit::numbers) {
+                if !(-30.0..=40.0).contains(&value) {
+                    return Err(PolicyError::OutOfRange { field, value, allowed: "-30 to 40 mag" });
+                }
+            }
+        }
+        let fractions = [("max_lost_fraction", self.max_lost_fraction), ("min_probability", self.min_probability)];
+        for (field, value) in fractions {
+            if let Some(value) = value.filter(|value| !(*value > 0.0 && *value <= 1.0)) {
+                return Err(PolicyError::OutOfRange { field, value, allowed: "above 0, at most 1" });
+            }
+        }
+        let times = [("margin_s", self.margin_s, 3600.0), ("max_delay_s", self.max_delay_s, Self::LONGEST_DELAY_S)];
+        for (field, value, longest) in times {
+            if let Some(value) = value.filter(|value| !(0.0..=longest).contains(value)) {
+                let allowed = if field == "margin_s" { "0 to 3600 s" } else { "0 to 86400 s" };
+                return Err(PolicyError::OutOfRange { field, value, allowed });
+            }
+        }
+        Ok(())
+    }
+
+    /// Probability from which a crossing counts as one to avoid.
+    pub fn avoid_probability(&self) -> f64 {
+        self.min_probability.unwrap_or(Self::DEFAULT_MIN_PROBABILITY)
+    }
+
+    /// The margin, seconds.
+    pub fn margin_or_default_s(&self) -> f64 {
+        self.margin_s.unwrap_or(0.0)
+    }
+
+    /// The longest wait, seconds.
+    pub fn max_delay_or_default_s(&self) -> f64 {
+        self.max_delay_s.unwrap_or(Self::DEFAULT_MAX_DELAY_S)
+    }
+}
+
+/// A TOML error on one line: what, and on which line of the text.
+pub(crate) fn one_line(error: &toml::de::Error, text: &str) -> String {
+    let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
+    match error.span() {
+        Some(span) => {
+            let line = text.get(..span.start.min(text.len())).map_or(1, |before| before.matches('\n').count() + 1);
+            format!("line {line}: {what}")
+        }
+        None => what,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn numbers_or_tables_by_band() {
+        let policy = Policy::from_toml("limit_mag = 7\nmax_delay_s = 90.0\n").unwrap();
+        assert_eq!(policy.limit_mag.unwrap().of(None), Some(7.0));
+        let policy =
+            Policy::from_toml("[limit_mag]\ng = 7.5\ny = 4\ndefault = 6\n[saturation_mag]\ng = 3.2\n").unwrap();
+        let limit = policy.limit_mag.unwrap();
+        assert_eq!(
+            (limit.of(Some("g")), limit.of(Some("y")), limit.of(Some("u")), limit.of(None)),
+            (Some(7.5), Some(4.0), Some(6.0), Some(6.0))
+        );
+        assert_eq!(policy.saturation_mag.unwrap().of(Some("u")), None);
+    }
+
+    #[test]
+    fn what_is_not_a_policy_is_refused_on_one_line() {
+        for (text, part) in [
+            ("limit = 7", "line 1: unknown field `limit`"),
+            ("limit_mag = 'bright'", "line 1"),
+            ("max_lost_fraction = 1.5", "max_lost_fraction is 1.5, allowed above 0, at most 1"),
+            ("\nmin_probability = 0", "min_probability is 0, allowed"),
+            ("margin_s = -1", "margin_s is -1"),
+            ("max_delay_s = nan", "max_delay_s is NaN"),
+            ("limit_mag = {g = inf}", "limit_mag is inf"),
+            ("limit_mag = ", "line 1"),
+        ] {
+            let message = Policy::from_toml(text).unwrap_err().to_string();
+            assert!(message.contains(part) && !message.contains('\n'), "{text}: {message}");
+        }
+    }
+}

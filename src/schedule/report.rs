@@ -1,0 +1,181 @@
+//! A whole schedule against a whole sky: passes, verdicts, and when each field is clear next.
+
+use crate::frames::{EopTable, seconds_after, seconds_between};
+use crate::orbit::LeftOut;
+use crate::passes::{Chord, Exposure, Field, FieldPass, PassOptions, Sky, SkyError};
+use crate::photometry::PhotometryOptions;
+use crate::telescope::Telescope;
+
+use super::exposure_flag::{ExposureFlag, Verdict};
+use super::horizon::lowest_altitudes_rad;
+use super::judge::{Rules, counts, flag};
+use super::policy::Policy;
+use super::scheduled::ScheduledExposure;
+use super::shift::{Interval, next_clear_start};
+
+/// Entries and exits are good to a millisecond; a start is clear of them by this much more than that, seconds.
+const GUARD_S: f64 = 0.002;
+/// Starts are given to the millisecond, and never rounded towards the satellite, seconds.
+const TICK_S: f64 = 0.001;
+/// Passes less probable than this add nothing worth their time to the probability that any satellite crosses.
+const LEAST_PROBABILITY: f64 = 0.01;
+
+/// What exposures are judged against.
+pub struct FlagRequest<'a> {
+    /// The satellites over the site.
+    pub sky: &'a Sky,
+    /// The field of view.
+    pub field: &'a Field,
+    /// The rules.
+    pub policy: &'a Policy,
+    /// The telescope, where one is known.
+    pub telescope: Option<&'a Telescope>,
+    /// Band, system, extinction.
+    pub photometry: &'a PhotometryOptions,
+    /// The Earth's orientation, for the horizon.
+    pub eop: &'a EopTable,
+}
+
+/// Every row judged.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FlagReport {
+    /// One for each row, in the order of the rows.
+    pub flags: Vec<ExposureFlag>,
+    /// The passes that the flags count, by row: lit crossings, and near misses where the policy names a probability.
+    pub passes: Vec<Vec<FieldPass>>,
+    /// Satellites without a position for at least one exposure.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Judges every row. Rows that cannot be judged get the verdict `invalid`; the rest goes on.
+///
+/// `margin_s` of the policy counts at both ends: an exposure whose own time is clear but not its margin is `streaked`.
+///
+/// # Errors
+/// [`SkyError`] only where the sky cannot answer at all.
+pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
+    let mut report = FlagReport { passes: vec![Vec::new(); rows.len()], ..FlagReport::default() };
+    let mut flags: Vec<Option<ExposureFlag>> = vec![None; rows.len()];
+    let judged: Vec<(usize, &Exposure)> = above_the_horizon(rows, request, &mut flags);
+
+    let exposures: Vec<Exposure> = judged.iter().map(|(_, exposure)| (*exposure).clone()).collect();
+    let least = request.policy.min_probability.unwrap_or(LEAST_PROBABILITY).min(LEAST_PROBABILITY);
+    let options =
+        PassOptions { min_probability: Some(least), photometry: *request.photometry, ..PassOptions::default() };
+    let mut answer = request.sky.field_passes(&exposures, request.field, &options)?;
+    report.left_out.append(&mut answer.left_out);
+
+    let rules = Rules { policy: request.policy, lost_fraction: &|pass| lost_fraction(pass, request) };
+    for ((row, exposure), passes) in judged.iter().zip(answer.by_exposure) {
+        flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &rules));
+        report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
+    }
+    shift(&judged, request, &mut flags, &mut report)?;
+    report.left_out.sort_by_key(|left_out| left_out.element_index);
+    report.left_out.dedup_by_key(|left_out| left_out.element_index);
+    // Every row has one by now: those above the horizon were judged, the others are invalid.
+    report.flags = flags.into_iter().flatten().collect();
+    Ok(report)
+}
+
+/// Sorts out the rows that cannot be judged, with their reasons.
+fn above_the_horizon<'a>(
+    rows: &[&'a ScheduledExposure],
+    request: &FlagRequest<'_>,
+    flags: &mut [Option<ExposureFlag>],
+) -> Vec<(usize, &'a Exposure)> {
+    let mut judged: Vec<(usize, &Exposure)> = Vec::with_capacity(rows.len());
+    for (row, scheduled) in rows.iter().enumerate() {
+        match &scheduled.exposure {
+            Ok(exposure) => judged.push((row, exposure)),
+            Err(reason) => flags[row] = Some(ExposureFlag::invalid(&scheduled.id, reason.clone())),
+        }
+    }
+    let exposures: Vec<&Exposure> = judged.iter().map(|(_, exposure)| *exposure).collect();
+    let altitudes_rad = lowest_altitudes_rad(&exposures, request.sky.observer(), request.eop);
+    let mut altitudes = altitudes_rad.into_iter();
+    judged.retain(|(row, exposure)| {
+        let altitude_rad = altitudes.next().unwrap_or(f64::NAN);
+        if altitude_rad < 0.0 {
+            let reason = format!("the pointing is below the horizon (altitude {:.1} deg)", altitude_rad.to_degrees());
+            flags[*row] = Some(ExposureFlag::invalid(&exposure.id, reason));
+        }
+        altitude_rad >= 0.0
+    });
+    judged
+}
+
+fn lost_fraction(pass: &FieldPass, request: &FlagRequest<'_>) -> Option<f64> {
+    let telescope = request.telescope?;
+    let width_arcsec = telescope.width_arcsec(pass.mid.range_km, request.sky.model(pass.element_index).size_m());
+    Some(telescope.lost_pixel_fraction(pass.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2()))
+}
+
+/// Looks for the next clear start of all exposures that are not clear, or whose margins may not be.
+fn shift(
+    judged: &[(usize, &Exposure)],
+    request: &FlagRequest<'_>,
+    flags: &mut [Option<ExposureFlag>],
+    report: &mut FlagReport,
+) -> Result<(), SkyError> {
+    let policy = request.policy;
+    let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
+    let waiting: Vec<(usize, &Exposure)> = judged
+        .iter()
+        .filter(|(row, _)| margin_s > 0.0 || flags[*row].as_ref().is_some_and(|flag| flag.verdict != Verdict::Clear))
+        .copied()
+        .collect();
+    let long: Vec<Exposure> = waiting
+        .iter()
+        .map(|(_, exposure)| Exposure {
+            start: seconds_after(exposure.start, -margin_s),
+            duration_s: exposure.duration_s + max_delay_s + 2.0 * margin_s,
+            ..(*exposure).clone()
+        })
+        .collect();
+    let options = PassOptions {
+        min_probability: policy.min_probability,
+        photometry: *request.photometry,
+        ..PassOptions::default()
+    };
+    let answer = request.sky.field_passes(&long, request.field, &options)?;
+    report.left_out.extend(answer.left_out);
+    for ((row, exposure), passes) in waiting.iter().zip(&answer.by_exposure) {
+        let Some(flag) = flags[*row].as_mut() else { continue };
+        let ahead =
+            passes.iter().filter(|pass| counts(pass, policy)).flat_map(|pass| intervals(pass, exposure, margin_s));
+        // What made the verdict blocks the scheduled start, whatever the longer look says at its edges.
+        let now = report.passes[*row].iter().flat_map(|pass| intervals(pass, exposure, 0.0));
+        let blocked: Vec<Interval> = ahead.chain(now).collect();
+        if flag.verdict == Verdict::Clear {
+            let touched = next_clear_start(&blocked, exposure.duration_s, margin_s, 0.0, 0.0, 0.0).is_none();
+            if !touched {
+                continue;
+            }
+            flag.verdict = Verdict::Streaked;
+            flag.reasons.push(format!("a lit satellite crosses within {margin_s} s of the exposure"));
+        }
+        // A start given to the millisecond lies within a tick of the exact one: the guard covers both.
+        let guard_s = GUARD_S + TICK_S;
+        let found = next_clear_start(&blocked, exposure.duration_s, margin_s, guard_s, 0.0, max_delay_s);
+        flag.delay_s = found.map(|delay_s| (delay_s / TICK_S).ceil() * TICK_S);
+        flag.next_clear_start = flag.delay_s.map(|delay_s| seconds_after(exposure.start, delay_s));
+        if flag.delay_s.is_none() {
+            flag.reasons.push(format!("no clear start within {max_delay_s} s"));
+        }
+    }
+    Ok(())
+}
+
+/// When a pass stands in the field, seconds after the scheduled opening; `lead_s` is how much earlier its own exposure opened.
+///
+/// A near miss is taken to stand there all the time that it was looked at.
+fn intervals(pass: &FieldPass, exposure: &Exposure, lead_s: f64) -> Vec<Interval> {
+    if pass.is_crossing() {
+        let interval = |chord: &Chord| Interval { start_s: chord.enter_s - lead_s, end_s: chord.exit_s - lead_s };
+        pass.chords.iter().map(interval).collect()
+    } else {
+        let seconds = |epoch| seconds_between(exposure.start, epoch);
+        vec![Interval { start_s: seconds(pass.enter.epoch), end_s: seconds(pass.exit.epoch) }]
+    }
+}

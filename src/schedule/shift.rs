@@ -1,0 +1,120 @@
+//! When a field is clear next: arithmetic on the intervals in which satellites stand in it.
+
+/// A stretch of time in which a satellite stands in the field, seconds from any common zero, both ends included.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Interval {
+    /// Beginning, seconds.
+    pub start_s: f64,
+    /// End, seconds, not before `start_s`.
+    pub end_s: f64,
+}
+
+/// The earliest start, from `from_s` on and at most `max_delay_s` later, of an exposure that meets no interval.
+///
+/// The exposure lasts `duration_s` and keeps `margin_s` clear before its start and after its end. Both an interval that
+/// ends as the exposure begins and one that begins as it ends are met: the answer lies `guard_s` beyond them (entries
+/// and exits are root-found to about a millisecond, so a millisecond or two is a guard).
+///
+/// `None` where no start within the delay is clear, or where a number is not finite.
+pub fn next_clear_start(
+    blocked: &[Interval],
+    duration_s: f64,
+    margin_s: f64,
+    guard_s: f64,
+    from_s: f64,
+    max_delay_s: f64,
+) -> Option<f64> {
+    // An exposure from s to s + D meets [a, b] with margin m while a - m - D <= s <= b + m: each interval forbids starts.
+    let mut forbidden: Vec<(f64, f64)> = blocked
+        .iter()
+        .map(|interval| (interval.start_s - margin_s - duration_s - guard_s, interval.end_s + margin_s + guard_s))
+        .collect();
+    let is_finite = forbidden.iter().all(|(first, last)| first.is_finite() && last.is_finite());
+    if !is_finite || !from_s.is_finite() || max_delay_s.is_nan() {
+        return None;
+    }
+    forbidden.sort_by(|a, b| a.0.total_cmp(&b.0));
+    let mut start_s = from_s;
+    for (first, last) in forbidden {
+        if first > start_s {
+            // Sorted by their beginning: all later ones begin later still.
+            break;
+        }
+        start_s = start_s.max(last);
+    }
+    (start_s - from_s <= max_delay_s).then_some(start_s)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The same question asked moment by moment.
+    fn brute_force(
+        blocked: &[Interval],
+        duration_s: f64,
+        margin_s: f64,
+        from_s: f64,
+        max_delay_s: f64,
+        step_s: f64,
+    ) -> Option<f64> {
+        let steps = (max_delay_s / step_s).floor() as usize;
+        (0..=steps).map(|step| from_s + step as f64 * step_s).find(|start_s| {
+            blocked.iter().all(|interval| {
+                interval.end_s < start_s - margin_s || interval.start_s > start_s + duration_s + margin_s
+            })
+        })
+    }
+
+    #[test]
+    fn waiting_ends_where_the_last_touching_satellite_leaves() {
+        let blocked = [
+            Interval { start_s: 5.0, end_s: 6.0 },
+            Interval { start_s: 34.0, end_s: 40.0 },
+            Interval { start_s: 100.0, end_s: 101.0 },
+        ];
+        // From 0 the first is met, from 6 the second, from 40 nothing until 70.
+        assert_eq!(next_clear_start(&blocked, 30.0, 0.0, 0.0, 0.0, 600.0), Some(40.0));
+        assert_eq!(next_clear_start(&blocked, 30.0, 0.0, 0.0, 0.0, 39.0), None);
+        assert_eq!(next_clear_start(&blocked, 20.0, 0.0, 0.0, 0.0, 600.0), Some(6.0));
+        assert_eq!(next_clear_start(&blocked, 20.0, 5.0, 0.0, 0.0, 600.0), Some(45.0));
+        assert_eq!(next_clear_start(&[], 30.0, 3.0, 0.0, 7.0, 0.0), Some(7.0));
+        assert_eq!(next_clear_start(&[Interval { start_s: f64::NAN, end_s: 1.0 }], 30.0, 3.0, 0.0, 7.0, 9.0), None);
+    }
+
+    proptest! {
+        #[test]
+        fn agrees_with_brute_force_at_a_tenth_of_a_second(
+            ticks in prop::collection::vec((-400_i32..4000, 0_i32..300), 0..40),
+            duration in 0_i32..600,
+            margin in 0_i32..50,
+            from in -100_i32..100,
+            max_delay in 0_i32..3000,
+        ) {
+            // Ends half way between the steps, so that no step touches an end exactly.
+            let blocked: Vec<Interval> = ticks
+                .iter()
+                .map(|&(start, length)| Interval {
+                    start_s: f64::from(start) * 0.1 + 0.05,
+                    end_s: f64::from(start + length) * 0.1 + 0.05,
+                })
+                .collect();
+            let seconds = |ticks: i32| f64::from(ticks) * 0.1;
+            let (duration_s, margin_s, from_s, max_delay_s) = (seconds(duration), seconds(margin), seconds(from), seconds(max_delay));
+            let found = next_clear_start(&blocked, duration_s, margin_s, 0.0, from_s, max_delay_s);
+            let brute = brute_force(&blocked, duration_s, margin_s, from_s, max_delay_s, 0.1);
+            match (found, brute) {
+                (Some(found), Some(brute)) => {
+                    // The first clear step lies at most one step beyond the exact start.
+                    prop_assert!(found <= brute + 1e-9 && brute - found <= 0.1 + 1e-9, "{found} {brute}");
+                }
+                (None, None) => {}
+                // The exact start lies within the last step before the limit.
+                (Some(found), None) => prop_assert!(from_s + max_delay_s - found <= 0.1 + 1e-9, "{found}"),
+                (None, Some(brute)) => prop_assert!(false, "brute force found {brute}"),
+            }
+        }
+    }
+}
