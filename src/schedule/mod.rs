@@ -4,6 +4,7 @@
 //! cross it and a [`Policy`], [`flag_exposures`] all of them; [`next_clear_start`] is the arithmetic of waiting; [`annotate`]
 //! writes the answer beside every original cell. A row that cannot be judged stays in its place with its reason.
 
+mod annotate;
 mod error;
 mod exposure_flag;
 mod flag_table;
@@ -18,6 +19,7 @@ mod scheduled;
 mod shift;
 mod streak_table;
 
+pub use annotate::{AnnotateError, Annotation, annotate};
 pub use error::ScheduleError;
 pub use exposure_flag::{ExposureFlag, Verdict};
 pub use flag_table::flag_table;
