@@ -59,6 +59,6 @@ pub struct ElementSet {
 pub enum Origin {
     /// Read from somebody's file.
     Published,
-    /// Made by [`shell`](super): no such satellite is claimed to be there.
+    /// Made by a [`Constellation`](super::Constellation): no such satellite is claimed to be there.
     Synthetic,
 }

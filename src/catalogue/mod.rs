@@ -4,20 +4,28 @@
 mod catalogue;
 mod element_set;
 mod epoch;
+mod generation;
 mod history;
+mod mean_motion;
 mod omm;
 mod omm_csv;
 mod omm_json;
 mod omm_kvn;
 mod omm_xml;
+mod on_station;
 mod record;
+mod shell;
 mod source;
 mod tle;
 mod tle_file;
 
 pub use catalogue::{Catalogue, Keep, ReadOptions};
 pub use element_set::{ElementSet, NoradId, Origin};
+pub use generation::{Certainty, Generation, GenerationTable};
 pub use history::History;
+pub use mean_motion::semi_major_axis_km;
+pub use on_station::{OrbitPhase, StationRule, orbit_phases};
 pub use record::{RecordError, Rejected};
+pub use shell::{Constellation, FIRST_SYNTHETIC_ID, Shell, ShellError};
 pub use source::{CatalogueError, ElementFormat, SourceFile};
 pub use tle::{TleFormatError, format_tle};

@@ -262,7 +262,11 @@ fn sniff(text: &[u8]) -> Result<ElementFormat, Cow<'static, str>> {
     }
     let body = text.trim_ascii_start();
     match body.first() {
-        Some(b'{' | b'[') => return Ok(ElementFormat::OmmJson),
+        Some(b'{') => return Ok(ElementFormat::OmmJson),
+        // A lone bracket opens tables of TOML and INI as well.
+        Some(b'[') if matches!(body[1..].trim_ascii_start().first(), None | Some(b'{' | b'[' | b']' | b'"')) => {
+            return Ok(ElementFormat::OmmJson);
+        }
         Some(b'<') if omm_xml::looks_like(body) => return Ok(ElementFormat::OmmXml),
         Some(b'<') => return Err("it is a web page or another kind of XML".into()),
         _ => {}

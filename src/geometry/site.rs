@@ -164,3 +164,107 @@ fn edit_distance(a: &str, b: &str) -> usize {
     }
     row[b.len()]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A campus is some hundred metres wide, and a name stands for one dome of it: astropy's own entry is often another one, or rounded to a minute
+    /// of arc. At 1000 km, 1 km is three minutes of arc: better places than a name must be given by numbers.
+    const CAMPUS_M: f64 = 1000.0;
+
+    /// `name, latitude, longitude east, height` as astropy's site table (astropy-data, sites.json of 2025) prints them, its sources beside.
+    const PUBLISHED: [(&str, f64, f64, f64); 14] = [
+        ("rubin", -30.244_633_33, 289.250_583_33, 2662.75),
+        ("Cerro Tololo", -30.165_277_78, 289.185, 2215.0),   // IRAF
+        ("paranal", -24.627_439_41, -70.404_986_88, 2669.0), // VLTI raw data
+        ("lasilla", -29.256_666_67, 289.27, 2347.0),         // IRAF
+        ("Subaru", 19.825_555_56, 204.523_888_89, 4139.0),   // Subaru
+        ("irtf", 19.826_218_32, -155.471_998_79, 4168.0),    // IRTF
+        ("Palomar", 33.356, 243.137, 1706.0),                // IRAF
+        ("kpno", 31.963_333_33, 248.4, 2120.0),              // IRAF
+        ("DCT", 34.744_305, 248.577_485, 2337.0),            // GPS 2013
+        ("apo", 32.78, 254.18, 2798.0),                      // IRAF
+        ("lapalma", 28.758_333_33, 342.12, 2327.0),          // IRAF
+        ("CAHA", 37.223_611_11, 357.453_889, 2168.0),        // Wikipedia
+        ("ohp", 43.930_833_33, 5.713_333_33, 650.0),         // OHP
+        ("aao", -31.277_038_89, 149.066_086_11, 1164.0),     // IRAF
+    ];
+
+    #[test]
+    fn valid_places_against_astropy() {
+        for (name, latitude, longitude, height) in PUBLISHED {
+            let ours = Site::by_name(name).expect(name);
+            let theirs = Site::new_deg(name, latitude, longitude, height).expect(name);
+            let distance_m = (ours.itrs() - theirs.itrs()).norm_km() * 1e3;
+            assert!(distance_m < CAMPUS_M, "{name}: {distance_m:.0} m");
+        }
+    }
+
+    #[test]
+    fn every_line_is_a_site_with_names_of_its_own() {
+        let lines = TABLE.lines().filter(|line| !line.starts_with('#')).count();
+        assert_eq!(Site::all().count(), lines);
+        assert!(lines >= 120, "{lines}");
+        let mut seen = std::collections::HashMap::new();
+        let mut codes = std::collections::HashSet::new();
+        for entry in table() {
+            for key in &entry.keys {
+                if let Some(other) = seen.insert(key, &entry.site.name) {
+                    assert_eq!(other, &entry.site.name, "{key} names two sites");
+                }
+            }
+            if let Some(code) = &entry.site.mpc_code {
+                assert!(codes.insert(code), "{code} twice");
+            }
+            assert!((-10.0..6000.0).contains(&entry.site.height_m), "{:?}", entry.site);
+        }
+    }
+
+    #[test]
+    fn names_are_found_as_people_write_them() {
+        for name in ["rubin", "Rubin Observatory", "vera c rubin observatory", "CERRO-PACHON", "lsst", "X05", "x05"] {
+            assert_eq!(Site::by_name(name).expect(name).mpc_code.as_deref(), Some("X05"), "{name}");
+        }
+        assert_eq!(Site::by_mpc_code(" i41 ").expect("ZTF").name, "Palomar ZTF");
+        assert_eq!(Site::by_name("ZTF/Palomar").expect("ZTF").name, "Palomar ZTF");
+        for code in ["X05", "W84", "I41", "F51", "F52", "T05", "T08", "M22", "W68", "658", "568", "950"] {
+            assert_eq!(Site::by_mpc_code(code).expect(code).mpc_code.as_deref(), Some(code));
+        }
+    }
+
+    #[test]
+    fn unknown_names_list_their_neighbours() {
+        let error = Site::by_name("Paranall").expect_err("no such site");
+        let GeometryError::UnknownSite { nearest, .. } = &error else { panic!("{error}") };
+        assert_eq!(nearest[0], "Paranal");
+        assert!(error.to_string().starts_with("unknown site \"Paranall\"; near it: Paranal, "), "{error}");
+        assert!(matches!(Site::by_name(""), Err(GeometryError::UnknownSite { .. })));
+        assert!(matches!(Site::by_mpc_code("ZZ9"), Err(GeometryError::UnknownMpcCode { .. })));
+    }
+
+    #[test]
+    fn numbers_out_of_range() {
+        for (latitude, longitude, height) in [
+            (91.0, 0.0, 0.0),
+            (0.0, -181.0, 0.0),
+            (0.0, 361.0, 0.0),
+            (f64::NAN, 0.0, 0.0),
+            (0.0, f64::INFINITY, 0.0),
+            (0.0, 0.0, 4e5),
+        ] {
+            assert!(Site::new_deg("here", latitude, longitude, height).is_err(), "{latitude} {longitude} {height}");
+        }
+        let error = Site::new_deg("here", -91.5, 0.0, 0.0).expect_err("beyond the pole");
+        assert_eq!(error.to_string(), "latitude -91.5 deg of site \"here\" is not between -90 and 90");
+        assert_eq!(Site::new_deg("a", 0.0, 289.0, 0.0).expect("a site").longitude_rad, (-71.0_f64).to_radians());
+    }
+
+    #[test]
+    fn pole_and_equator_of_the_ellipsoid() {
+        let pole = Site::new_deg("pole", 90.0, 0.0, 0.0).expect("a site").itrs();
+        assert!((pole.vector().z - 6_356.752_314_245).abs() < 1e-9);
+        let equator = Site::new_deg("equator", 0.0, 90.0, 1000.0).expect("a site").itrs();
+        assert!((equator.vector().y - 6_379.137).abs() < 1e-9);
+    }
+}

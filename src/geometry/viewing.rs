@@ -148,3 +148,144 @@ fn turn(angle_rad: f64) -> f64 {
     // rem_euclid of a tiny negative number rounds to 2π itself.
     if angle >= TAU { 0.0 } else { angle }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    /// Rounding of positions of 1.5e8 km against angles, and of a few operations, radians.
+    const ROUNDING_RAD: f64 = 1e-12;
+
+    fn unit(longitude: f64, latitude: f64) -> Vector3<f64> {
+        *Direction::<Body>::from_lon_lat_rad(longitude, latitude).vector()
+    }
+
+    /// GCRS positions of satellite, observer and Sun that have these body-frame angles, for a body turned any way.
+    fn placed(g: &ViewingGeometry, axis: Vector3<f64>, turn: f64) -> [Position<Gcrs>; 3] {
+        let body = nalgebra::Rotation3::from_axis_angle(&nalgebra::Unit::new_normalize(axis), turn);
+        let satellite = body * Vector3::z() * (EARTH_EQUATORIAL_RADIUS_KM + g.height_km);
+        let observer = satellite + body * unit(g.observer_longitude_rad, g.observer_latitude_rad) * g.range_km;
+        let sun = satellite + body * unit(0.0, g.sun_latitude_rad) * (AU_KM * g.sun_distance_au);
+        [satellite, observer, sun].map(Position::from_vector)
+    }
+
+    fn turned_apart(a: f64, b: f64) -> f64 {
+        (a - b + PI).rem_euclid(TAU) - PI
+    }
+
+    proptest! {
+        #[test]
+        fn verif_angles_go_to_vectors_and_back(
+            sun_latitude_rad in -1.5..1.5, longitude in 0.0..TAU, observer_latitude_rad in -1.5..1.5,
+            range_km in 200.0..4000.0, height_km in 200.0..2000.0, sun_distance_au in 0.983..1.017,
+            axis in prop::array::uniform3(-1.0..1.0f64), turn in 0.0..TAU,
+        ) {
+            let axis = Vector3::from(axis);
+            prop_assume!(axis.norm() > 0.1);
+            let g = ViewingGeometry {
+                sun_latitude_rad, observer_longitude_rad: longitude, observer_latitude_rad, range_km, height_km, sun_distance_au,
+            };
+            let [satellite, observer, sun] = placed(&g, axis, turn);
+            let back = ViewingGeometry::new(&satellite, &observer, &sun).unwrap();
+            prop_assert!((back.sun_latitude_rad - sun_latitude_rad).abs() < ROUNDING_RAD);
+            prop_assert!((back.observer_latitude_rad - observer_latitude_rad).abs() < ROUNDING_RAD);
+            // Near the zenith a longitude weighs cos δ.
+            let across = turned_apart(back.observer_longitude_rad, longitude)
+                * observer_latitude_rad.cos().min(sun_latitude_rad.cos());
+            prop_assert!(across.abs() < ROUNDING_RAD, "{across}");
+            prop_assert!((back.range_km - range_km).abs() < 1e-9 && (back.height_km - height_km).abs() < 1e-9);
+            prop_assert!((back.sun_distance_au - sun_distance_au).abs() < 1e-12);
+            // The phase angle of the angles is that of the vectors.
+            let phase = (observer.vector() - satellite.vector()).angle_atan2(&(sun.vector() - satellite.vector()));
+            prop_assert!((back.phase_angle_rad() - phase).abs() < ROUNDING_RAD);
+        }
+    }
+
+    trait AngleAtan2 {
+        fn angle_atan2(&self, other: &Self) -> f64;
+    }
+    impl AngleAtan2 for Vector3<f64> {
+        // Kahan's form: no cross product, hence independent of the code above.
+        fn angle_atan2(&self, other: &Self) -> f64 {
+            let (a, b) = (self.normalize(), other.normalize());
+            2.0 * (a - b).norm().atan2((a + b).norm())
+        }
+    }
+
+    #[test]
+    fn verif_sign_of_the_longitude_follows_the_papers_rule() {
+        // Satellite on x, Sun towards y: body z = x, x = y, y = z. An observer towards +z of GCRS has α < π.
+        let satellite = Position::new(7000.0, 0.0, 0.0);
+        let sun = Position::new(7000.0, AU_KM, 0.0);
+        for (z, expected) in [(500.0, FRAC_PI_2), (-500.0, 1.5 * PI)] {
+            let g = ViewingGeometry::new(&satellite, &Position::new(6500.0, 0.0, z), &sun).unwrap();
+            assert!((g.observer_longitude_rad - expected).abs() < ROUNDING_RAD);
+            assert!((g.observer_latitude_rad + std::f64::consts::FRAC_PI_4).abs() < ROUNDING_RAD);
+            assert!(g.sun_latitude_rad.abs() < ROUNDING_RAD);
+            assert!((g.folded().observer_longitude_rad - FRAC_PI_2).abs() < ROUNDING_RAD);
+        }
+    }
+
+    #[test]
+    fn verif_observer_straight_below_and_nearly_so() {
+        let satellite = Position::new(0.0, 0.0, 6928.137);
+        let sun = Position::new(AU_KM, 0.0, 0.0);
+        let below = ViewingGeometry::new(&satellite, &Position::new(0.0, 0.0, 6378.137), &sun).unwrap();
+        assert_eq!(below.observer_latitude_rad, -FRAC_PI_2);
+        assert_eq!(below.observer_longitude_rad, 0.0);
+        assert_eq!(below.height_km, 550.0);
+        // A millimetre to the side is 1.8 nrad, of which arccos knows nothing.
+        let aside = ViewingGeometry::new(&satellite, &Position::new(0.0, 1e-6, 6378.137), &sun).unwrap();
+        assert!((aside.observer_latitude_rad + FRAC_PI_2 - 1e-6 / 550.0).abs() < 1e-15);
+        assert!((aside.observer_longitude_rad - FRAC_PI_2).abs() < 1e-9);
+    }
+
+    #[test]
+    fn verif_sun_in_the_zenith_has_no_azimuth_but_an_answer() {
+        let satellite = Position::new(7000.0, 0.0, 0.0);
+        let sun = Position::new(AU_KM, 0.0, 0.0);
+        let g = ViewingGeometry::new(&satellite, &Position::new(6378.0, 100.0, 0.0), &sun).unwrap();
+        assert_eq!(g.sun_latitude_rad, FRAC_PI_2);
+        assert_eq!(g.observer_longitude_rad, 0.0);
+    }
+
+    #[test]
+    fn verif_nonsense_is_refused() {
+        let (satellite, observer) = (Position::new(7000.0, 0.0, 0.0), Position::new(6378.0, 0.0, 0.0));
+        let sun = Position::new(0.0, AU_KM, 0.0);
+        let (origin, nan) = (Position::new(0.0, 0.0, 0.0), Position::new(f64::NAN, 0.0, 0.0));
+        assert!(ViewingGeometry::new(&satellite, &observer, &sun).is_some());
+        for [a, b, c] in [
+            [origin, observer, sun],
+            [satellite, satellite, sun],
+            [satellite, observer, satellite],
+            [nan, observer, sun],
+            [satellite, nan, sun],
+            [satellite, observer, nan],
+        ] {
+            assert_eq!(ViewingGeometry::new(&a, &b, &c), None);
+        }
+        assert!(ViewingGeometry::from_angles(-0.2, -1.0, -0.9, 700.0, 550.0).unwrap().observer_longitude_rad > 5.0);
+        for (sun, longitude, observer, range, height) in [
+            (2.0, 0.0, 0.0, 700.0, 550.0),
+            (0.0, f64::INFINITY, 0.0, 700.0, 550.0),
+            (0.0, 0.0, -1.6, 700.0, 550.0),
+            (0.0, 0.0, 0.0, 0.0, 550.0),
+            (0.0, 0.0, 0.0, 700.0, f64::NAN),
+        ] {
+            assert_eq!(ViewingGeometry::from_angles(sun, longitude, observer, range, height), None);
+        }
+    }
+
+    #[test]
+    fn valid_geocentric_altitude_on_a_sphere() {
+        // Site at latitude 0 on a sphere, satellite 550 km up, 10° along the equator.
+        let (site_km, sat_km) = (6378.137, 6928.137);
+        let (sin, cos) = 10_f64.to_radians().sin_cos();
+        let satellite = Position::new(sat_km * cos, sat_km * sin, 0.0);
+        let g = ViewingGeometry::new(&satellite, &Position::new(site_km, 0.0, 0.0), &Position::new(0.0, 0.0, AU_KM));
+        let expected = ((sat_km * cos - site_km) / (sat_km * sin)).atan();
+        assert!((g.unwrap().geocentric_altitude_rad().unwrap() - expected).abs() < ROUNDING_RAD);
+    }
+}

@@ -61,14 +61,22 @@ impl SlowElements {
 
 /// Position and velocity in the orbit plane, km and km/s, from mean longitude, eccentricity vector and semi-major axis.
 pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_axis_km: f64) -> ([f64; 2], [f64; 2]) {
-    // λ = F + h cos F - k sin F, by Newton; three steps reach 1e-9 for e < 0.1, the loop serves the rest.
+    // λ = F + h cos F - k sin F, by Newton. Sine and cosine of F follow small steps by rotation, which spares their evaluation.
     let mut f = mean_longitude_rad;
     let (mut sin_f, mut cos_f) = f.sin_cos();
     for _ in 0..12 {
         let step = (mean_longitude_rad - f - h * cos_f + k * sin_f) / (1.0 - h * sin_f - k * cos_f);
         // Near e = 1 a full Newton step can overshoot.
-        f += step.clamp(-0.95, 0.95);
-        (sin_f, cos_f) = f.sin_cos();
+        let step = step.clamp(-0.95, 0.95);
+        f += step;
+        if step.abs() < 0.05 {
+            let square = step * step;
+            let sin = step * (1.0 - square / 6.0 * (1.0 - square / 20.0));
+            let cos = 1.0 - 0.5 * square * (1.0 - square / 12.0 * (1.0 - square / 30.0));
+            (sin_f, cos_f) = (sin_f * cos + cos_f * sin, cos_f * cos - sin_f * sin);
+        } else {
+            (sin_f, cos_f) = f.sin_cos();
+        }
         if step.abs() < 1e-5 {
             break;
         }

@@ -8,7 +8,8 @@
 //!    width; the satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. Linear in ρ, so the ends decide. Satellites are
 //!    sorted by shell and handled in chunks that share ρ₁ and ρ₂: one or two in a hundred survive.
 //! 2. **Phase.** For these the interpolated elements give a place good to some 20 km and a velocity, and with them the
-//!    closest approach to the line of sight while the shutter is open: one or two in ten thousand survive.
+//!    closest approach to the line of sight while the shutter is open: one or two in ten thousand survive. Satellites that
+//!    drag is pulling down, and extreme eccentricities, are spared this test.
 //!
 //! Survivors need SGP4; nothing else does. Every margin is on the safe side: `tests/crossings.rs` holds the answer against
 //! brute force, and `verif_model_error_is_within_its_margin` the margins against SGP4.
@@ -18,7 +19,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::index::{LeftOut, Reach, SatelliteIndex};
-use super::kepler::{SlowElements, plane_axis, plane_state};
+use super::kepler::{MU_KM3_S2, SlowElements, plane_axis, plane_state};
 use super::propagator::{DECAYED_RADIUS_KM, OrbitError, State};
 use crate::frames::{Direction, Gcrs, Position, Rotation, Teme};
 
@@ -41,11 +42,14 @@ const POSITION_SLOP: f64 = 8.0e-3;
 /// The same for everything that does not fall with height (lunar and solar terms, resonances), km.
 const POSITION_SLOP_FLOOR_KM: f64 = 6.0;
 
-/// Below this perigee distance drag bends the orbit within a window: such satellites are always asked of SGP4.
+/// Below this perigee distance drag bends the orbit within a window: only the plane of such satellites is trusted.
 const DRAGGED_PERIGEE_KM: f64 = DECAYED_RADIUS_KM + 230.0;
 
-/// Above this eccentricity the interpolated place is no longer good enough near perigee: always asked of SGP4.
+/// Above this eccentricity the interpolated place is no longer good enough near perigee: only the plane is trusted.
 const TOO_ECCENTRIC: f64 = 0.9;
+
+/// Fields wider than this are no longer narrow cones: the phase test falls back to balls, radians.
+const WIDE_RAD: f64 = 0.5;
 
 /// Satellites that share one shell in the plane test; a multiple of the widest vector of f32.
 const CHUNK: usize = 64;
@@ -80,6 +84,8 @@ struct Phase {
     semi_major_axis_change_km: f32,
     slop_km: f32,
     along_track_s: f32,
+    /// Drag or an extreme eccentricity makes the interpolated place too poor: SGP4 decides once the plane fits.
+    only_plane: bool,
 }
 
 /// One satellite before it is sorted into a chunk.
@@ -217,7 +223,8 @@ impl Window {
         let fraction = cone.mid_s / self.span_s;
         let moved_km = cone.observer_speed_km_s * cone.half_duration_s;
         let sight = Sight::new(&observer, &axis, cone.radius_rad);
-        let question = Question { cone, observer, axis, fraction, moved_km };
+        let (tangent, secant) = (cone.radius_rad.tan(), 1.0 / cone.radius_rad.cos());
+        let question = Question { cone, observer, axis, fraction, moved_km, tangent, secant };
 
         let (o, d, x) = (observer.cast::<f32>(), axis.cast::<f32>(), fraction as f32);
         for chunk in &self.chunks {
@@ -238,9 +245,9 @@ impl Window {
                 let along_axis = nx * d.x + ny * d.y + nz * d.z;
                 let at_near = along_observer + near * along_axis;
                 let at_far = along_observer + far * along_axis;
-                let above = (at_near - near_limit).min(at_far - far_limit);
-                let below = (-at_near - near_limit).min(-at_far - far_limit);
-                outside[lane] = above.max(below);
+                let above = lesser(at_near - near_limit, at_far - far_limit);
+                let below = lesser(-at_near - near_limit, -at_far - far_limit);
+                outside[lane] = if above > below { above } else { below };
             }
             for (lane, phase) in chunk.phases.iter().enumerate() {
                 if outside[lane] <= 0.0 && question.may_be_inside(chunk, lane, phase) {
@@ -251,6 +258,11 @@ impl Window {
     }
 }
 
+/// The lesser of two numbers in one machine instruction: `f32::min` spends three on what is not a number.
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}
+
 /// Slow elements of one satellite from its states at both ends; `None` where they do not describe it well enough.
 fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: f64, reach: Reach) -> Option<Entry> {
     let reference = first.position.vector().normalize();
@@ -258,10 +270,11 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
     let eccentricity = |elements: &SlowElements| elements.eccentricity[0].hypot(elements.eccentricity[1]);
     let perigee = |elements: &SlowElements| elements.semi_major_axis_km * (1.0 - eccentricity(elements));
     let apogee = |elements: &SlowElements| elements.semi_major_axis_km * (1.0 + eccentricity(elements));
-    let lowest_km = perigee(&begin).min(perigee(&end));
-    let highest_km = apogee(&begin).max(apogee(&end));
-    if lowest_km < DRAGGED_PERIGEE_KM || eccentricity(&begin).max(eccentricity(&end)) > TOO_ECCENTRIC {
-        return None;
+    let mut lowest_km = perigee(&begin).min(perigee(&end)) - RADIUS_SLOP_KM;
+    let highest_km = apogee(&begin).max(apogee(&end)) + RADIUS_SLOP_KM;
+    let dragged = lowest_km + RADIUS_SLOP_KM < DRAGGED_PERIGEE_KM;
+    if dragged {
+        lowest_km = DECAYED_RADIUS_KM;
     }
     // Whole revolutions in between from the mean of both mean motions: osculating noise is 2e-3, a twentieth of a turn.
     let expected = begin.mean_longitude_rad + 0.5 * (begin.mean_motion_rad_s() + end.mean_motion_rad_s()) * span_s;
@@ -285,11 +298,12 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
             semi_major_axis_change_km: (end.semi_major_axis_km - semi_major_axis_km) as f32,
             slop_km: (slop_km + reach.cross_track_km) as f32,
             along_track_s: reach.along_track_s as f32,
+            only_plane: dragged || eccentric > TOO_ECCENTRIC,
         },
         normal: begin.normal,
         normal_change: end.normal - begin.normal,
-        lowest_km: lowest_km - RADIUS_SLOP_KM,
-        highest_km: highest_km + RADIUS_SLOP_KM,
+        lowest_km,
+        highest_km,
         cross_track_km: reach.cross_track_km,
     })
 }
@@ -369,39 +383,39 @@ struct Question<'a> {
     axis: Vector3<f64>,
     fraction: f64,
     moved_km: f64,
+    /// Tangent and secant of the cone's radius.
+    tangent: f64,
+    secant: f64,
 }
 
 impl Question<'_> {
     fn may_be_inside(&self, chunk: &Chunk, lane: usize, phase: &Phase) -> bool {
+        if phase.only_plane {
+            return true;
+        }
         let (position, velocity) = phase.place(&chunk.normal_at(lane, self.fraction), self.cone.mid_s, self.fraction);
         let sight = position - self.observer;
-        let distance_km = sight.norm();
         let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
         // The path bends away from its tangent by at most ½ g t², g being gravity at the satellite.
-        let bend_km = 0.5 * super::kepler::MU_KM3_S2 / position.norm_squared() * half_s * half_s;
+        let bend_km = 0.5 * MU_KM3_S2 / position.norm_squared() * half_s * half_s;
         let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
-        let reach_km = slop_km + velocity.norm() * half_s;
-        // Coarse: the whole stretch as a ball around the middle.
-        if distance_km <= reach_km {
-            return true;
+        if self.cone.radius_rad > WIDE_RAD {
+            // The whole stretch as a ball around its middle.
+            let (distance_km, reach_km) = (sight.norm(), slop_km + velocity.norm() * half_s);
+            let angle_rad = sight.cross(&self.axis).norm().atan2(sight.dot(&self.axis));
+            return distance_km <= reach_km || angle_rad <= self.cone.radius_rad + (reach_km / distance_km).asin();
         }
-        let angle_rad = sight.cross(&self.axis).norm().atan2(sight.dot(&self.axis));
-        if angle_rad > self.cone.radius_rad + (reach_km / distance_km).asin() {
+        // The stretch as a straight line past the axis: the least distance across against the width at the greatest depth.
+        // A ball of radius s at the cone's edge touches it from s / cos ψ across.
+        let (depth, depth_rate) = (sight.dot(&self.axis), velocity.dot(&self.axis));
+        let deepest_km = depth + depth_rate.abs() * half_s + slop_km;
+        if deepest_km < 0.0 {
             return false;
         }
-        // Fine: the stretch as a straight line past the axis. Not for wide fields, where a tangent is no measure.
-        if self.cone.radius_rad > 0.5 || angle_rad > 1.0 {
-            return true;
-        }
-        let depth = |vector: &Vector3<f64>| vector.dot(&self.axis);
-        let across = |vector: &Vector3<f64>| vector - self.axis * vector.dot(&self.axis);
-        let (sight_across, velocity_across) = (across(&sight), across(&velocity));
-        let time_s =
-            (-sight_across.dot(&velocity_across) / velocity_across.norm_squared().max(1e-12)).clamp(-half_s, half_s);
-        let miss_km = (sight_across + velocity_across * time_s).norm();
-        let deepest_km = depth(&sight) + depth(&velocity).abs() * half_s + slop_km;
-        // A ball of radius s at the cone's edge touches it from s / cos ψ across.
-        miss_km <= deepest_km * self.cone.radius_rad.tan() + slop_km / self.cone.radius_rad.cos()
+        let (across, across_rate) = (sight - self.axis * depth, velocity - self.axis * depth_rate);
+        let nearest_s = (-across.dot(&across_rate) / across_rate.norm_squared().max(1e-12)).clamp(-half_s, half_s);
+        let width_km = deepest_km * self.tangent + slop_km * self.secant;
+        (across + across_rate * nearest_s).norm_squared() <= width_km * width_km
     }
 }
 
@@ -442,8 +456,7 @@ mod tests {
             name: "".into(),
             international_designator: "".into(),
             epoch: Epoch::from_gregorian_utc_at_noon(2026, 4, 20),
-            mean_motion_rev_day: (super::super::kepler::MU_KM3_S2 / a.powi(3)).sqrt() * 86_400.0
-                / std::f64::consts::TAU,
+            mean_motion_rev_day: (MU_KM3_S2 / a.powi(3)).sqrt() * 86_400.0 / std::f64::consts::TAU,
             eccentricity,
             inclination_deg,
             right_ascension_of_node_deg: turn.rem_euclid(360.0),
@@ -487,7 +500,7 @@ mod tests {
         let mut checked = 0;
         let mut worst = [0.0_f64; 3];
         for chunk in &window.chunks {
-            for (lane, phase) in chunk.phases.iter().enumerate() {
+            for (lane, phase) in chunk.phases.iter().enumerate().filter(|(_, phase)| !phase.only_plane) {
                 let element_index = phase.element_index as usize;
                 let propagator = index.propagator(element_index).expect("made");
                 for step in 0..=90 {

@@ -87,19 +87,21 @@ impl Band {
 
     /// Apparent magnitude of the Sun at 1 au.
     pub fn sun_magnitude(self, system: MagSystem) -> f64 {
-        // BVRI and ugrizy: Willmer (2018, ApJS 236, 47), tables 3 and 4.
-        // Gaia G: Casagrande and VandenBerg (2018, MNRAS 479, L102); AB - Vega 0.114, Gaia DR3 photometric system.
+        // AB, and Vega of BVRI: Willmer (2018, ApJS 236, 47), table 3.
+        // Vega of ugrizy: those AB values less the AB magnitude of Vega (CALSPEC spectrum in pyphot 2.1.1) in the LSST 2023
+        // passbands (speclite 1.0): 0.61, -0.10, 0.14, 0.36, 0.51, 0.55.
+        // G: Casagrande and VandenBerg (2018, MNRAS 479, L102); AB - Vega 0.114 from the Gaia DR3 zero points.
         let (vega, ab) = match self {
             Band::B => (-26.13, -26.26),
             Band::V => (-26.76, -26.77),
             Band::R => (-27.15, -26.97),
             Band::I => (-27.47, -27.05),
-            Band::LsstU => (0.0, 0.0),
-            Band::LsstG => (0.0, 0.0),
-            Band::LsstR => (0.0, 0.0),
-            Band::LsstI => (0.0, 0.0),
-            Band::LsstZ => (0.0, 0.0),
-            Band::LsstY => (0.0, 0.0),
+            Band::LsstU => (-25.91, -25.30),
+            Band::LsstG => (-26.42, -26.52),
+            Band::LsstR => (-27.08, -26.93),
+            Band::LsstI => (-27.41, -27.04),
+            Band::LsstZ => (-27.57, -27.06),
+            Band::LsstY => (-27.62, -27.07),
             Band::GaiaG => (-26.90, -26.79),
         };
         match system {
@@ -162,6 +164,45 @@ impl FromStr for MagSystem {
             "vega" => Ok(MagSystem::Vega),
             "ab" => Ok(MagSystem::Ab),
             _ => Err(BandError::UnknownSystem { given: text.to_owned() }),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_names_go_there_and_back() {
+        for band in Band::ALL {
+            assert_eq!(band.to_string().parse::<Band>(), Ok(band));
+        }
+        assert_eq!("ab".parse::<MagSystem>(), Ok(MagSystem::Ab));
+        assert_eq!(MagSystem::Vega.to_string().parse::<MagSystem>(), Ok(MagSystem::Vega));
+        let error = "w".parse::<Band>().unwrap_err().to_string();
+        assert!(error.contains("\"w\"") && error.contains("u g r i z y"), "{error}");
+        assert!("vaga".parse::<MagSystem>().is_err());
+    }
+
+    #[test]
+    fn valid_colours_of_the_sun() {
+        let sun = |band: Band| band.sun_magnitude(band.usual_system());
+        assert_eq!(sun(Band::V), -26.76);
+        // B - V of the Sun: 0.653 ± 0.005 (Ramirez et al. 2012, ApJ 752, 5); V - R 0.352, V - I 0.702. Willmer's tables are rounded to
+        // 0.01 and state 0.02 to 0.04 mag.
+        for (blue, red, colour) in [(Band::B, Band::V, 0.653), (Band::V, Band::R, 0.352), (Band::V, Band::I, 0.702)] {
+            assert!((sun(blue) - sun(red) - colour).abs() < 0.05, "{blue} - {red}");
+        }
+        // g - r, r - i, i - z of the Sun in SDSS: 0.44, 0.11, 0.03 (SDSS, ugriz colours of Vega and the Sun).
+        for (blue, red, colour) in
+            [(Band::LsstG, Band::LsstR, 0.44), (Band::LsstR, Band::LsstI, 0.11), (Band::LsstI, Band::LsstZ, 0.03)]
+        {
+            assert!((sun(blue) - sun(red) - colour).abs() < 0.05, "{blue} - {red}");
+        }
+        // Vega is bluer than a flat spectrum: the further to the red, the more AB exceeds Vega.
+        for pair in [Band::LsstG, Band::LsstR, Band::LsstI, Band::LsstZ, Band::LsstY].windows(2) {
+            let excess = |band: Band| band.sun_magnitude(MagSystem::Ab) - band.sun_magnitude(MagSystem::Vega);
+            assert!(excess(pair[0]) < excess(pair[1]));
         }
     }
 }

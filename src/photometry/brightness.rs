@@ -8,7 +8,7 @@ use super::magnitude::Magnitude;
 
 /// What a magnitude rests on. Cheap to clone.
 ///
-/// Shown as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (a constellation's published mean) or
+/// Shown as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or class) or
 /// `prior` (nothing is known of this satellite).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MagnitudeSource {
@@ -18,7 +18,7 @@ pub enum MagnitudeSource {
     Phase(Arc<str>),
     /// A diffuse sphere scaled to this object's standard magnitude.
     StandardMagnitude,
-    /// The published mean of a constellation, by name.
+    /// The mean of a constellation or class of objects, by name.
     Mean(Arc<str>),
     /// A guess wide enough to hold most satellites.
     Prior,

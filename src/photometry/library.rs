@@ -19,6 +19,7 @@ shipped!(
     "kuiper.json",
     "oneweb.json",
     "qianfan.json",
+    "rocket-body.json",
     "starlink-v1.0.json",
     "starlink-v1.5-phase.json",
     "starlink-v1.5.json",

@@ -5,6 +5,9 @@ use std::fmt;
 /// The distance that standard magnitudes are stated for, km (the paper's d).
 pub const STANDARD_RANGE_KM: f64 = 1000.0;
 
+/// What a square metre sends along its own plane when a cosine of 0 comes out as 1e-16, with room, m² sr⁻¹.
+const LEAST_REFLECTION_M2_SR: f64 = 1e-12;
+
 /// Apparent magnitude at the observer; smaller is brighter.
 #[derive(Copy, Clone, Debug, PartialEq, PartialOrd)]
 pub struct Magnitude(pub f64);
@@ -33,11 +36,12 @@ impl StandardMagnitude {
 
     /// From an integrated reflection function B (m² sr⁻¹, cosines and areas included) and the Sun's magnitude.
     ///
-    /// `None` where B is not a positive number: nothing is lit, or nothing lit is seen.
+    /// `None` where B is not above 1e-12 m² sr⁻¹ (33 mag at 1000 km): nothing is lit, or nothing lit is seen, and what is left is
+    /// the rounding of a cosine that should be 0.
     pub fn from_reflection(b_total_m2_sr: f64, sun_magnitude: f64) -> Option<Self> {
         // m(1000 km) = -2.5 log10(B_total / d²) + m_sun, d = 10⁶ m       Lu (2024), eqs. 19-21
         let range_m = STANDARD_RANGE_KM * 1000.0;
-        (b_total_m2_sr > 0.0 && b_total_m2_sr.is_finite())
+        (b_total_m2_sr > LEAST_REFLECTION_M2_SR && b_total_m2_sr.is_finite())
             .then(|| Self(-2.5 * (b_total_m2_sr / (range_m * range_m)).log10() + sun_magnitude))
     }
 }
@@ -92,7 +96,7 @@ mod tests {
         // B = 1 m²/sr at 10⁶ m: -2.5 log10(10⁻¹²) = 30 mag fainter than the Sun.
         let magnitude = StandardMagnitude::from_reflection(1.0, -26.76).unwrap();
         assert!((magnitude.0 - 3.24).abs() < ROUNDING_MAG);
-        for nothing in [0.0, -1.0, f64::NAN, f64::INFINITY] {
+        for nothing in [0.0, 1e-15, -1.0, f64::NAN, f64::INFINITY] {
             assert_eq!(StandardMagnitude::from_reflection(nothing, -26.76), None);
         }
     }

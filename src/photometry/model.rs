@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use crate::frames::{Body, Direction};
 use crate::geometry::ViewingGeometry;
 
 use super::band::{Band, MagSystem};
@@ -32,29 +33,33 @@ pub struct FittedRange {
     pub observer_latitude_rad: [f64; 2],
     /// Angle Sun-satellite-observer.
     pub phase_angle_rad: [f64; 2],
+    /// Cosines of the greatest and least phase angle, with slack: where the phase is asked for by every point of a track, no arc
+    /// need be taken.
+    cos_phase: [f64; 2],
 }
 
-/// Slack at the ends of a fitted range, radians: a bound typed in degrees is met by the same number of degrees.
-const RANGE_SLACK_RAD: f64 = 1e-9;
+/// Slack at the ends of a fitted range, radians (and in cosines): a bound typed in degrees is met by the same number of degrees.
+const RANGE_SLACK: f64 = 1e-9;
 
 impl FittedRange {
     fn from_file(range: &GeometryRange) -> Self {
-        let radians = |range: Option<[f64; 2]>, all: [f64; 2]| {
-            let [from, to] = range.unwrap_or(all);
-            [from.to_radians() - RANGE_SLACK_RAD, to.to_radians() + RANGE_SLACK_RAD]
-        };
+        let radians = |range: Option<[f64; 2]>, all: [f64; 2]| range.unwrap_or(all).map(f64::to_radians);
+        let phase_angle_rad = radians(range.phase_angle_deg, [0.0, 180.0]);
+        let [least, greatest] = phase_angle_rad;
         Self {
             sun_latitude_rad: radians(range.sun_latitude_deg, [-90.0, 90.0]),
             observer_latitude_rad: radians(range.observer_latitude_deg, [-90.0, 90.0]),
-            phase_angle_rad: radians(range.phase_angle_deg, [0.0, 180.0]),
+            phase_angle_rad,
+            cos_phase: [greatest.cos() - RANGE_SLACK, least.cos() + RANGE_SLACK],
         }
     }
 
-    fn holds(&self, geometry: &ViewingGeometry, phase_angle_rad: f64) -> bool {
-        let within = |value: f64, [from, to]: [f64; 2]| from <= value && value <= to;
+    fn holds(&self, geometry: &ViewingGeometry, cos_phase: f64) -> bool {
+        let within = |value: f64, [from, to]: [f64; 2]| from - RANGE_SLACK <= value && value <= to + RANGE_SLACK;
+        let [least, greatest] = self.cos_phase;
         within(geometry.sun_latitude_rad, self.sun_latitude_rad)
             && within(geometry.observer_latitude_rad, self.observer_latitude_rad)
-            && within(phase_angle_rad, self.phase_angle_rad)
+            && (least..=greatest).contains(&cos_phase)
     }
 }
 
@@ -149,13 +154,21 @@ impl BrightnessModel {
 
     /// Magnitude at 1000 km in full sunlight, in the model's own band and system; `None` where nothing lit is seen.
     pub fn standard_magnitude(&self, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
+        self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer())
+    }
+
+    fn standard_magnitude_of(
+        &self,
+        to_sun: &Direction<Body>,
+        to_observer: &Direction<Body>,
+    ) -> Option<StandardMagnitude> {
         match &self.law {
             Law::Panels(model) => {
-                let b_total = model.terms(geometry).b_total_m2_sr();
+                let b_total = model.terms_of_directions(to_sun.vector(), to_observer.vector()).b_total_m2_sr();
                 StandardMagnitude::from_reflection(b_total, self.band.sun_magnitude(self.system))
             }
-            Law::Phase(function) => Some(function.standard_magnitude(geometry.phase_angle_rad())),
-            Law::Sphere(sphere) => sphere.standard_magnitude(geometry.phase_angle_rad()),
+            Law::Phase(function) => Some(function.standard_magnitude(to_sun.separation_rad(to_observer))),
+            Law::Sphere(sphere) => sphere.standard_magnitude(to_sun.separation_rad(to_observer)),
             Law::Mean(mean) => Some(*mean),
         }
     }
@@ -173,18 +186,19 @@ impl BrightnessModel {
         if !(lit_fraction > 0.0 && geometry.range_km > 0.0) {
             return None;
         }
-        let standard = self.standard_magnitude(geometry)?;
+        let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
+        let standard = self.standard_magnitude_of(&to_sun, &to_observer)?;
         let grey_reflectance = options.band != self.band;
         // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
         let colour = options.band.sun_magnitude(options.system) - self.band.sun_magnitude(self.system);
-        let dimming = -2.5 * lit_fraction.min(1.0).log10();
+        let dimming = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
         let sun = if options.sun_distance { 5.0 * geometry.sun_distance_au.log10() } else { 0.0 };
         let air = match options.extinction_mag_per_airmass {
             Some(k) => k * airmass(geometry.geocentric_altitude_rad()?)?,
             None => 0.0,
         };
         let magnitude = standard.at_range(geometry.range_km).dimmed_by(colour + dimming + sun + air);
-        let in_fitted_range = self.covers(geometry);
+        let in_fitted_range = self.covers_phase(geometry, to_sun.cosine(&to_observer));
         let sigma = if in_fitted_range { self.sigma_mag } else { self.sigma_outside_mag };
         magnitude.0.is_finite().then(|| Brightness {
             magnitude,
@@ -197,7 +211,16 @@ impl BrightnessModel {
 
     /// True where the geometry lies within the points that the model rests on, or where it rests on no points of its own.
     pub fn covers(&self, geometry: &ViewingGeometry) -> bool {
-        self.fitted_range.is_none_or(|range| range.holds(geometry, geometry.phase_angle_rad()))
+        self.covers_phase(geometry, geometry.to_sun().cosine(&geometry.to_observer()))
+    }
+
+    fn covers_phase(&self, geometry: &ViewingGeometry, cos_phase: f64) -> bool {
+        self.fitted_range.is_none_or(|range| range.holds(geometry, cos_phase))
+    }
+
+    /// The geometry that it rests on; `None` where it rests on an average.
+    pub fn fitted_range(&self) -> Option<&FittedRange> {
+        self.fitted_range.as_ref()
     }
 
     /// The panels, if it is made of any: to take its light apart.
@@ -218,7 +241,7 @@ impl BrightnessModel {
         (self.band, self.system)
     }
 
-    /// Largest extent of the satellite, m.
+    /// Typical extent across the sky of the part that shines, m.
     pub fn size_m(&self) -> f64 {
         self.size_m
     }

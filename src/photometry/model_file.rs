@@ -19,7 +19,7 @@ pub enum ModelKind {
     TwoPanel,
     /// A polynomial in the phase angle: `phase_function`.
     PhaseFunction,
-    /// A constellation's published mean at 1000 km, taken for every geometry: `mean_mag`.
+    /// The mean at 1000 km of a constellation or class of objects, taken for every geometry: `mean_mag`.
     Mean,
     /// As `mean`, but a guess: nothing is known of the satellite.
     Prior,
@@ -29,7 +29,7 @@ pub enum ModelKind {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ModelFile {
-    /// [`SCHEMA_VERSION`].
+    /// Version of the schema; 1.
     pub schema: u32,
     /// Lower-case letters, digits, `.` and `-`.
     pub name: String,
@@ -44,7 +44,7 @@ pub struct ModelFile {
     pub band: String,
     /// `Vega` or `AB`.
     pub mag_system: String,
-    /// Largest extent of the satellite as seen, m: it widens a streak.
+    /// Typical extent across the sky of the part that shines, m: it widens a streak. Assumed for all shipped models.
     pub size_m: f64,
     /// Sizes of the panels (`two_panel`).
     #[serde(default, skip_serializing_if = "Option::is_none")]

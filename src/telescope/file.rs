@@ -130,3 +130,67 @@ impl Telescope {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const OWN: &str = r#"
+name = "mine"
+title = "My telescope"
+outer_radius_m = 0.5
+inner_radius_m = 0.2
+seeing_arcsec = 1.5
+pixel_scale_arcsec = 0.5
+field = { polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]] }
+source = "measured"
+
+[limits.V]
+trail_saturation_mag = 4.0
+"#;
+
+    #[test]
+    fn verif_presets_are_sound_and_named_after_their_files() {
+        let names: Vec<_> = Telescope::names().collect();
+        assert_eq!(names, ["atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf"]);
+        for name in names {
+            let telescope = Telescope::by_name(name).unwrap();
+            assert_eq!(telescope.name, name);
+            assert!(telescope.field.area_deg2() > 0.5 && telescope.mask_widths == 2.0);
+            // What is written reads back as the same telescope.
+            let text = toml::to_string(&telescope).unwrap();
+            assert_eq!(Telescope::from_toml(&text, name).unwrap(), telescope);
+        }
+        assert_eq!(Telescope::by_name(" LSST ").unwrap().name, "rubin");
+        // ZTF: 55 square degrees with gaps (Dekany et al. 2020).
+        assert!((Telescope::by_name("ztf").unwrap().field.area_deg2() - 55.0).abs() < 0.2);
+        let error = Telescope::by_name("hubble").unwrap_err().to_string();
+        assert!(error.contains("\"hubble\"") && error.contains("atlas, decam"), "{error}");
+    }
+
+    #[test]
+    fn verif_a_file_of_ones_own_is_read_and_held_to_its_ranges() {
+        let own = Telescope::from_toml(OWN, "mine.toml").unwrap();
+        assert!((own.field.area_deg2() - 4.0).abs() < 1e-12);
+        assert_eq!(own.limits["V"].trail_saturation_mag, Some(4.0));
+        for (from, to, words) in [
+            ("outer_radius_m = 0.5", "outer_radius_m = -0.5", &["outer_radius_m is -0.5", "0.001 to 100"][..]),
+            ("inner_radius_m = 0.2", "inner_radius_m = 0.6", &["inner_radius_m is 0.6", "0 to 0.5"]),
+            ("seeing_arcsec = 1.5", "seeing_arcsec = nan", &["seeing_arcsec is NaN"]),
+            ("seeing_arcsec = 1.5", "seing_arcsec = 1.5", &["unknown field `seing_arcsec`"]),
+            ("seeing_arcsec = 1.5", "", &["missing field `seeing_arcsec`"]),
+            ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "circle_deg = 0", &["field.circle_deg is 0"]),
+            ("polygon_deg = [[-1, -1], [1, -1], [1, 1], [-1, 1]]", "polygon_deg = [[0, 0]]", &["corners", "3 to"]),
+            ("[limits.V]", "[limits.W]", &["band \"W\"", "B V R I u g r i z y G"]),
+            ("trail_saturation_mag = 4.0", "trail_saturation_mag = 99.0", &["limits.V.trail_saturation_mag is 99"]),
+        ] {
+            let text = OWN.replace(from, to);
+            assert_ne!(text, OWN);
+            let error = Telescope::from_toml(&text, "mine.toml").unwrap_err().to_string();
+            assert!(error.starts_with("telescope file mine.toml: "), "{error}");
+            for word in words {
+                assert!(error.contains(word), "{error:?} should speak of {word:?}");
+            }
+        }
+    }
+}

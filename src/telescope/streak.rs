@@ -40,3 +40,54 @@ pub fn time_on_pixel_s(pixel_scale_arcsec: f64, angular_rate_arcsec_s: f64) -> f
 pub fn expected_lost_pixel_fraction(streak_length_deg: f64, masked_width_arcsec: f64, field_area_deg2: f64) -> f64 {
     (streak_length_deg * masked_width_arcsec / 3600.0 / field_area_deg2).clamp(0.0, 1.0)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::Telescope;
+    use super::*;
+
+    #[test]
+    fn valid_effective_magnitudes_of_tyson_2020() {
+        // 30 s, 0.7", 2300"/s: 12.5 mag fainter with the seeing alone; 10.8 with the defocused width at 550 km.
+        assert!((effective_magnitude(0.0, 0.7, 2300.0, 30.0) - 12.5).abs() < 0.05);
+        let rubin = Telescope::by_name("rubin").unwrap();
+        let width = rubin.width_arcsec(550.0, 0.0);
+        assert!((effective_magnitude(0.0, width, 2300.0, 30.0) - 10.8).abs() < 0.05, "{width}");
+        // "The full width at half maximum of the trail is about 3 arcsec" (Tyson et al. 2020, abstract).
+        assert!((width - 3.2).abs() < 0.05, "{width}");
+        assert!((time_on_pixel_s(0.2, 2300.0) - 87e-6).abs() < 0.5e-6);
+    }
+
+    #[test]
+    fn valid_annulus_diameters() {
+        let rubin = Telescope::by_name("rubin").unwrap();
+        for (range_km, diameter_arcsec) in [(350.0, 4.93), (550.0, 3.135), (1200.0, 1.44)] {
+            assert!((rubin.defocus_outer_arcsec(range_km) - diameter_arcsec).abs() < 0.005);
+            let hole = rubin.defocus_inner_arcsec(range_km) / rubin.defocus_outer_arcsec(range_km);
+            assert!((hole - 2.558 / 4.18).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn verif_surface_brightness_and_effective_magnitude_are_one_thing() {
+        // Light of the effective star over θ² is the surface brightness.
+        let (m, width, rate, exposure) = (6.5, 3.4, 2500.0, 30.0);
+        let effective = effective_magnitude(m, width, rate, exposure);
+        let surface = surface_brightness_mag_arcsec2(m, width, rate, exposure);
+        assert!((surface - (effective + 2.5 * (width * width).log10())).abs() < 1e-12);
+        // A satellite that hardly moves keeps its own magnitude.
+        assert_eq!(effective_magnitude(11.0, 2.0, 0.0, 30.0), 11.0);
+        assert_eq!(effective_magnitude(11.0, 2.0, 1e-3, 30.0), 11.0);
+    }
+
+    #[test]
+    fn verif_lost_pixels() {
+        // 3.5 deg long, 7.2 arcsec wide in 9.62 square degrees.
+        let fraction = expected_lost_pixel_fraction(3.5, 7.2, 9.621);
+        assert!((fraction - 3.5 * 0.002 / 9.621).abs() < 1e-15);
+        assert_eq!(expected_lost_pixel_fraction(100.0, 36_000.0, 1.0), 1.0);
+        let rubin = Telescope::by_name("rubin").unwrap();
+        let area = rubin.field.area_deg2();
+        assert!((rubin.lost_pixel_fraction(3.5, 3.6, area) - fraction).abs() < 1e-6);
+    }
+}
