@@ -27,6 +27,7 @@ pub use formats::ScheduleFormat;
 pub use horizon::lowest_altitudes_rad;
 pub use instant::{InstantError, is_covered, parse_instant};
 pub use judge::{Rules, flag};
+pub(crate) use policy::one_line as toml_error_on_one_line;
 pub use policy::{MagnitudeLimit, Policy, PolicyError};
 pub use report::{FlagReport, FlagRequest, flag_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
