@@ -17,7 +17,12 @@ fn cerro_pachon() -> Observer {
 }
 
 fn sky(elements: Vec<ElementSet>) -> Sky {
-    Sky::new(elements, cerro_pachon(), EopTable::embedded(), &ModelChoice::embedded())
+    Sky::new(
+        elements,
+        cerro_pachon(),
+        EopTable::embedded(),
+        &ModelChoice::new(&streakcast::photometry::ModelLibrary::embedded()).expect("shipped models"),
+    )
 }
 
 fn utc(text: &str) -> Epoch {

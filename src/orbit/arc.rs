@@ -40,8 +40,7 @@ impl Arc {
         let step_s = (duration_s / steps).max(1e-3);
         let nodes = (0..=steps as usize)
             .map(|node| {
-                let state = propagator.teme_state(reference_minutes + (start_s + step_s * node as f64) / 60.0)?;
-                Ok(State { position: *teme_to_gcrs * state.position, velocity: *teme_to_gcrs * state.velocity })
+                propagator.state_at_minutes(reference_minutes + (start_s + step_s * node as f64) / 60.0, teme_to_gcrs)
             })
             .collect::<Result<Vec<_>, OrbitError>>()?;
         Ok(Self { start_s, step_s, nodes })

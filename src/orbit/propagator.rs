@@ -6,6 +6,7 @@ use std::f64::consts::PI;
 use thiserror::Error;
 
 use crate::catalogue::{ElementSet, NoradId};
+use crate::constants::DAY_S;
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
 /// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).
@@ -61,6 +62,7 @@ pub struct Propagator {
     constants: Constants,
     epoch: Epoch,
     norad_id: NoradId,
+    period_s: f64,
 }
 
 impl Propagator {
@@ -86,7 +88,8 @@ impl Propagator {
         let constants =
             Constants::new(WGS72, afspc_epoch_to_sidereal_time, years, elements.bstar_per_earth_radius, orbit)
                 .map_err(|error| fail(error.to_string()))?;
-        Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id })
+        let period_s = DAY_S / elements.mean_motion_rev_day;
+        Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id, period_s })
     }
 
     /// Whose orbit.
@@ -109,8 +112,25 @@ impl Propagator {
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
     pub fn state(&self, epoch: Epoch, teme_to_gcrs: &Rotation<Teme, Gcrs>) -> Result<State<Gcrs>, OrbitError> {
-        let state = self.teme_state(self.minutes_since_epoch(epoch))?;
+        self.state_at_minutes(self.minutes_since_epoch(epoch), teme_to_gcrs)
+    }
+
+    /// Geocentric state `minutes` after the element epoch.
+    ///
+    /// # Errors
+    /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
+    pub fn state_at_minutes(
+        &self,
+        minutes: f64,
+        teme_to_gcrs: &Rotation<Teme, Gcrs>,
+    ) -> Result<State<Gcrs>, OrbitError> {
+        let state = self.teme_state(minutes)?;
         Ok(State { position: *teme_to_gcrs * state.position, velocity: *teme_to_gcrs * state.velocity })
+    }
+
+    /// Orbital period at the element epoch, seconds.
+    pub fn period_s(&self) -> f64 {
+        self.period_s
     }
 
     /// The raw answer of SGP4, TEME, km and km/s, `minutes` after the element epoch: for verification against other implementations.

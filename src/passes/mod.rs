@@ -3,6 +3,7 @@
 mod crossing;
 mod exposure;
 mod field;
+mod horizon;
 mod look;
 mod models;
 mod probability;
@@ -12,6 +13,7 @@ mod track;
 
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
-pub use models::ModelChoice;
+pub use horizon::HorizonPass;
+pub use models::{ModelChoice, UnknownModel};
 pub use sky::{PassOptions, Passes, Sky, SkyError};
 pub use track::{Chord, FieldPass, TrackPoint};

@@ -1,17 +1,130 @@
-//! placeholder
-use crate::catalogue::ElementSet;
-use crate::photometry::{BrightnessModel, ModelLibrary};
+//! Which brightness model goes with which satellite.
+
+use std::collections::BTreeMap;
 use std::sync::Arc;
-pub struct ModelChoice {
-    pub library: ModelLibrary,
+
+use thiserror::Error;
+
+use crate::catalogue::{ElementSet, Generation, GenerationTable};
+use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
+
+/// A model that is asked for and not there.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[error("there is no brightness model {name:?} (allowed: {})", known.join(", "))]
+pub struct UnknownModel {
+    /// As asked for.
+    pub name: String,
+    /// What the library holds.
+    pub known: Vec<String>,
 }
-impl ModelChoice {
-    pub fn model_of(&self, _e: &ElementSet) -> Arc<BrightnessModel> {
-        self.library.unknown().unwrap()
+
+/// From an element set to its brightness model: by generation, else by the object's own standard magnitude, else by what is
+/// usual for a rocket body or for anything at all.
+#[derive(Clone, Debug)]
+pub struct ModelChoice {
+    by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
+    standard_magnitudes: StandardMagnitudes,
+    rocket_body: Arc<BrightnessModel>,
+    unknown: Arc<BrightnessModel>,
+}
+
+/// The model that each generation has unless told otherwise.
+fn usual_model(generation: Generation) -> Option<&'static str> {
+    match generation {
+        Generation::StarlinkV09 | Generation::StarlinkV10 => Some("starlink-v1.0"),
+        Generation::StarlinkVisorSat => Some("visorsat"),
+        Generation::StarlinkV15 => Some("starlink-v1.5"),
+        Generation::StarlinkV2Mini => Some("v2mini"),
+        Generation::StarlinkDirectToCell => Some("direct-to-cell"),
+        Generation::OneWeb => Some("oneweb"),
+        Generation::Kuiper => Some("kuiper"),
+        Generation::Qianfan => Some("qianfan"),
+        Generation::Guowang => Some("guowang"),
+        Generation::BlueBird => Some("bluebird"),
+        Generation::Other => None,
     }
 }
+
 impl ModelChoice {
-    pub fn embedded() -> Self {
-        Self { library: ModelLibrary::embedded() }
+    /// The usual models out of a library.
+    ///
+    /// # Errors
+    /// [`UnknownModel`] where the library lacks one of them; the embedded one has all.
+    pub fn new(library: &ModelLibrary) -> Result<Self, UnknownModel> {
+        let mut by_generation = BTreeMap::new();
+        for generation in Generation::ALL {
+            if let Some(name) = usual_model(generation) {
+                by_generation.insert(generation, find(library, name)?);
+            }
+        }
+        Ok(Self {
+            by_generation,
+            standard_magnitudes: StandardMagnitudes::default(),
+            rocket_body: find(library, "rocket-body")?,
+            unknown: find(library, "unknown")?,
+        })
+    }
+
+    /// With another model for one generation.
+    ///
+    /// # Errors
+    /// [`UnknownModel`] where the library does not have it.
+    pub fn with_model(
+        mut self,
+        generation: Generation,
+        name: &str,
+        library: &ModelLibrary,
+    ) -> Result<Self, UnknownModel> {
+        self.by_generation.insert(generation, find(library, name)?);
+        Ok(self)
+    }
+
+    /// With standard magnitudes for objects of no generation.
+    pub fn with_standard_magnitudes(mut self, standard_magnitudes: StandardMagnitudes) -> Self {
+        self.standard_magnitudes = standard_magnitudes;
+        self
+    }
+
+    /// The model of one satellite.
+    pub fn model_of(&self, elements: &ElementSet) -> Arc<BrightnessModel> {
+        let generation = GenerationTable::embedded().of(elements);
+        if let Some(model) = self.by_generation.get(&generation) {
+            return model.clone();
+        }
+        if let Some(half_lit) = self.standard_magnitudes.get(elements.norad_id.0) {
+            return Arc::new(BrightnessModel::from_standard_magnitude(half_lit));
+        }
+        if is_rocket_body(&elements.name) { self.rocket_body.clone() } else { self.unknown.clone() }
+    }
+}
+
+fn find(library: &ModelLibrary, name: &str) -> Result<Arc<BrightnessModel>, UnknownModel> {
+    library
+        .get(name)
+        .ok_or_else(|| UnknownModel { name: name.to_owned(), known: library.names().map(str::to_owned).collect() })
+}
+
+/// Catalogues mark rocket bodies as `R/B`, with or without a number or bracket around it.
+fn is_rocket_body(name: &str) -> bool {
+    name.split(|mark: char| mark.is_whitespace() || mark == '(' || mark == ')').any(|word| word == "R/B")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_rocket_bodies_by_name() {
+        assert!(is_rocket_body("CZ-3B R/B") && is_rocket_body("ARIANE 5 R/B(1)") && is_rocket_body("SL-16 R/B"));
+        assert!(!is_rocket_body("STARLINK-1007") && !is_rocket_body("ORB/BIT"));
+    }
+
+    #[test]
+    fn verif_the_embedded_library_serves_every_generation() {
+        let library = ModelLibrary::embedded();
+        let choice = ModelChoice::new(&library).expect("all usual models are shipped");
+        assert_eq!(choice.by_generation.len(), Generation::ALL.len() - 1);
+        let error = choice.with_model(Generation::OneWeb, "nonsense", &library).expect_err("no such model");
+        assert!(error.to_string().contains("starlink-v1.5"), "{error}");
     }
 }

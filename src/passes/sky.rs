@@ -205,7 +205,8 @@ impl Sky {
             .collect())
     }
 
-    fn scene_without_windows(&self, start: Epoch, span_s: f64) -> Scene {
+    /// Sun and Earth alone.
+    pub(super) fn scene_without_windows(&self, start: Epoch, span_s: f64) -> Scene {
         let end = start + span_s * Unit::Second;
         Scene {
             start,
@@ -215,7 +216,7 @@ impl Sky {
         }
     }
 
-    pub(super) fn scene(&self, start: Epoch, span_s: f64, near_misses: bool) -> Scene {
+    fn scene(&self, start: Epoch, span_s: f64, near_misses: bool) -> Scene {
         let mut scene = self.scene_without_windows(start, span_s);
         let middle = start + 0.5 * span_s * Unit::Second;
         let reach = |element_index: usize| {
@@ -411,11 +412,13 @@ fn check(exposure: &Exposure) -> Result<(), SkyError> {
     if !(exposure.pointing.vector().norm() - 1.0).abs().lt(&1e-6) || !exposure.rotation_rad.is_finite() {
         return fail("a pointing or rotation that is not a number".to_owned());
     }
-    let (year, ..) = exposure.start.to_gregorian_utc();
-    if year < YEARS.0 || year > YEARS.1 {
-        return Err(SkyError::NoEphemeris { epoch: exposure.start });
-    }
-    Ok(())
+    check_epoch(exposure.start)
+}
+
+/// Holds a moment against the years of the Sun's ephemeris.
+pub(super) fn check_epoch(epoch: Epoch) -> Result<(), SkyError> {
+    let (year, ..) = epoch.to_gregorian_utc();
+    if year < YEARS.0 || year > YEARS.1 { Err(SkyError::NoEphemeris { epoch }) } else { Ok(()) }
 }
 
 fn end_s(start: Epoch, exposure: &Exposure) -> f64 {

@@ -9,7 +9,12 @@ fn main() {
         let t1 = Instant::now();
         let n = cat.element_sets.len();
         let site = Observer::new(Site::new_deg("cp", -30.244639, -70.749417, 2663.0).unwrap());
-        let sky = Sky::new(cat.element_sets, site.clone(), EopTable::embedded(), &ModelChoice::embedded());
+        let sky = Sky::new(
+            cat.element_sets,
+            site.clone(),
+            EopTable::embedded(),
+            &ModelChoice::new(&streakcast::photometry::ModelLibrary::embedded()).expect("shipped models"),
+        );
         let t2 = Instant::now();
         let start = hifitime::Epoch::from_gregorian_utc(2026, 4, 25, 23, 40, 0, 0);
         let mut seed = 1u64;
