@@ -7,6 +7,7 @@
 mod annotate;
 mod error;
 mod exposure_flag;
+mod exposure_table;
 mod flag_table;
 mod formats;
 mod horizon;
@@ -22,6 +23,7 @@ mod streak_table;
 pub use annotate::{AnnotateError, Annotation, annotate};
 pub use error::ScheduleError;
 pub use exposure_flag::{ExposureFlag, Verdict};
+pub use exposure_table::exposure_table;
 pub use flag_table::flag_table;
 pub use formats::ScheduleFormat;
 pub use horizon::lowest_altitudes_rad;

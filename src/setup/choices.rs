@@ -1,5 +1,6 @@
 //! What can be said by one word or by a table.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use serde::Deserialize;
@@ -113,6 +114,8 @@ pub struct ModelsSetup {
     pub files: Vec<PathBuf>,
     /// A table of standard magnitudes, as the flag `--qs-mag`.
     pub qs_mag: Option<PathBuf>,
+    /// By name of a generation (`starlink-v1.5`, `oneweb`, ...) the name of the model that it gets instead of its usual one.
+    pub generations: BTreeMap<String, String>,
 }
 
 impl TelescopeSetup {

@@ -7,7 +7,7 @@ use thiserror::Error;
 use crate::catalogue::{CatalogueError, ShellError};
 use crate::frames::FramesError;
 use crate::geometry::GeometryError;
-use crate::passes::{FieldError, SkyError};
+use crate::passes::{FieldError, SkyError, UnknownModel};
 use crate::photometry::{BandError, ModelFileError, StandardMagnitudesError};
 use crate::schedule::{InstantError, PolicyError};
 use crate::telescope::TelescopeError;
@@ -82,6 +82,17 @@ pub enum SetupError {
         /// Why the first of them does not.
         first: String,
     },
+    /// A generation of satellites that is not known.
+    #[error("unknown generation {given:?}; known are {known}")]
+    UnknownGeneration {
+        /// As given.
+        given: String,
+        /// All names.
+        known: String,
+    },
+    /// A model that is not in the library.
+    #[error(transparent)]
+    UnknownModel(#[from] UnknownModel),
     /// Elements.
     #[error(transparent)]
     Catalogue(#[from] CatalogueError),

@@ -5,16 +5,17 @@ use std::collections::BTreeSet;
 use hifitime::{Epoch, TimeScale, Unit};
 use serde_json::json;
 
-use crate::catalogue::{Catalogue, Constellation, ElementSet, SourceFile};
+use crate::catalogue::{Catalogue, Constellation, ElementSet, Generation, SourceFile};
 use crate::frames::{EopStatus, EopTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, Site};
 use crate::orbit::LeftOut;
 use crate::passes::{ModelChoice, Sky};
+use crate::photometry::{ModelLibrary, StandardMagnitudes};
 use crate::table::{Provenance, format_utc};
 
 use super::document::Setup;
 use super::error::SetupError;
-use super::resolve::{OLD_ELEMENTS_DAYS, synthetic};
+use super::resolve::{OLD_ELEMENTS_DAYS, read_text, synthetic};
 
 /// How many of many are named in a warning.
 const NAMED: usize = 3;
@@ -87,8 +88,38 @@ impl Setup {
         Ok(Prepared { sky, eop, provenance, warnings })
     }
 
-    fn model_choice(&self) -> Result<ModelChoice, SetupError> {
-        Ok(ModelChoice::embedded())
+    /// The shipped models and those of the setup's own files, by name.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no model.
+    pub fn model_library(&self) -> Result<ModelLibrary, SetupError> {
+        let mut library = ModelLibrary::embedded();
+        for path in self.models.iter().flat_map(|models| &models.files) {
+            library.add_json(&read_text("model", path)?, &path.display().to_string())?;
+        }
+        Ok(library)
+    }
+
+    /// Which model goes with which satellite.
+    ///
+    /// # Errors
+    /// As [`Setup::model_library`]; a generation or model that is not known; a table of standard magnitudes that is none.
+    pub fn model_choice(&self) -> Result<ModelChoice, SetupError> {
+        let library = self.model_library()?;
+        let mut choice = ModelChoice::new(&library)?;
+        for (generation, model) in self.models.iter().flat_map(|models| &models.generations) {
+            let generation = Generation::by_name(generation).ok_or_else(|| SetupError::UnknownGeneration {
+                given: generation.clone(),
+                known: Generation::ALL.map(Generation::name).join(", "),
+            })?;
+            choice = choice.with_model(generation, model, &library)?;
+        }
+        if let Some(path) = self.qs_mag.as_deref().or(self.models.as_ref().and_then(|models| models.qs_mag.as_deref()))
+        {
+            let magnitudes = StandardMagnitudes::from_qs_mag(&read_text("standard magnitudes", path)?)?;
+            choice = choice.with_standard_magnitudes(magnitudes);
+        }
+        Ok(choice)
     }
 }
 

@@ -1,6 +1,6 @@
 //! From what was said to what it means: site, field, telescope, policy, elements, times.
 
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 use hifitime::{Epoch, TimeScale};
 
@@ -25,7 +25,8 @@ pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
 const SITES: &str = "--site NAME, --mpc CODE, or --lat, --lon and --height";
 const FIELDS: &str = "--fov 3.5deg, --field FILE, or a telescope with --telescope";
 
-fn read(what: &'static str, path: &Path) -> Result<String, SetupError> {
+/// The text of a file, with what it is for in the error.
+pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, SetupError> {
     let error = |source| SetupError::Io { what, path: path.display().to_string(), source };
     if path.is_dir() {
         return Err(error(std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a directory; a file is needed")));
@@ -63,7 +64,7 @@ impl Setup {
         match (&self.fov, &self.field) {
             (Some(_), Some(_)) => Err(SetupError::Both { first: "--fov", second: "--field" }),
             (Some(diameter), None) => Ok(Field::circle(parse_angle_deg("fov", &diameter.text())?.to_radians())?),
-            (None, Some(FieldSetup::File(path))) => Ok(Field::from_json(&read("field", path)?)?),
+            (None, Some(FieldSetup::File(path))) => Ok(Field::from_json(&read_text("field", path)?)?),
             (None, Some(FieldSetup::Table(table))) => field_of_table(table),
             (None, None) => match self.telescope()? {
                 Some(telescope) => field_of_telescope(&telescope),
@@ -80,7 +81,7 @@ impl Setup {
         Ok(match &self.telescope {
             None => None,
             Some(TelescopeSetup::Name(name)) if is_file_name(name) => {
-                Some(Telescope::from_toml(&read("telescope", Path::new(name))?, name)?)
+                Some(Telescope::from_toml(&read_text("telescope", Path::new(name))?, name)?)
             }
             Some(TelescopeSetup::Name(name)) => Some(Telescope::by_name(name)?),
             Some(TelescopeSetup::Table(telescope)) => Some(telescope.as_ref().clone()),
@@ -94,7 +95,7 @@ impl Setup {
     pub fn policy(&self) -> Result<Policy, SetupError> {
         let mut policy = match &self.policy {
             None => Policy::default(),
-            Some(PolicySetup::File(path)) => Policy::from_toml(&read("policy", path)?)?,
+            Some(PolicySetup::File(path)) => Policy::from_toml(&read_text("policy", path)?)?,
             Some(PolicySetup::Table(policy)) => policy.clone(),
         };
         if let Some(limit) = self.limit_mag {
@@ -141,7 +142,7 @@ impl Setup {
     /// The file cannot be read or is none.
     pub fn eop_table(&self) -> Result<EopTable, SetupError> {
         match &self.eop {
-            Some(path) => Ok(EopTable::from_finals2000a(&read("Earth orientation", path)?)?),
+            Some(path) => Ok(EopTable::from_finals2000a(&read_text("Earth orientation", path)?)?),
             None => Ok(EopTable::embedded()),
         }
     }
@@ -197,30 +198,18 @@ impl Setup {
         let mut all = Vec::new();
         for name in self.shells.as_ref().map_or(&[][..], OneOrMany::as_slice) {
             if is_file_name(name) {
-                all.extend(Constellation::from_toml(&read("shells", Path::new(name))?)?);
+                all.extend(Constellation::from_toml(&read_text("shells", Path::new(name))?)?);
             } else {
                 all.push(Constellation::by_name(name)?);
             }
         }
         Ok(all)
     }
-
-    /// Paths of the models' own files and of the standard magnitudes.
-    pub(super) fn model_files(&self) -> (&[PathBuf], Option<&Path>) {
-        let models = self.models.as_ref();
-        let qs_mag = self.qs_mag.as_deref().or_else(|| models.and_then(|models| models.qs_mag.as_deref()));
-        (models.map_or(&[][..], |models| &models.files), qs_mag)
-    }
 }
 
 /// The element sets of several constellations for one epoch.
 pub(super) fn synthetic(constellations: &[Constellation], epoch: Epoch) -> Vec<ElementSet> {
     constellations.iter().flat_map(|constellation| constellation.element_sets(epoch)).collect()
-}
-
-/// The text of a file, with what it is for in the error.
-pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, SetupError> {
-    read(what, path)
 }
 
 fn site_of(table: &SiteTable) -> Result<Site, SetupError> {
@@ -248,7 +237,7 @@ fn field_of_table(table: &toml::Table) -> Result<Field, SetupError> {
         return Ok(Field::from_json(&text)?);
     }
     if let Some(path) = table.get("file").and_then(toml::Value::as_str).filter(|_| table.len() == 1) {
-        return Ok(Field::from_json(&read("field", Path::new(path))?)?);
+        return Ok(Field::from_json(&read_text("field", Path::new(path))?)?);
     }
     Ok(Field::from_json(&format!("{{\"shapes\": [{text}]}}"))?)
 }
