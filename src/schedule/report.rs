@@ -47,6 +47,21 @@ pub struct FlagReport {
     pub left_out: Vec<LeftOut>,
 }
 
+impl FlagReport {
+    /// Puts the report of the rows that follow behind this one.
+    pub fn append(&mut self, next: FlagReport) {
+        self.flags.extend(next.flags);
+        self.passes.extend(next.passes);
+        self.left_out.extend(next.left_out);
+        self.name_each_once();
+    }
+
+    fn name_each_once(&mut self) {
+        self.left_out.sort_by_key(|left_out| left_out.element_index);
+        self.left_out.dedup_by_key(|left_out| left_out.element_index);
+    }
+}
+
 /// Judges every row. Rows that cannot be judged get the verdict `invalid`; the rest goes on.
 ///
 /// `margin_s` of the policy counts at both ends: an exposure whose own time is clear but not its margin is `streaked`.
@@ -71,8 +86,7 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
         report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
     shift(&judged, request, &mut flags, &mut report)?;
-    report.left_out.sort_by_key(|left_out| left_out.element_index);
-    report.left_out.dedup_by_key(|left_out| left_out.element_index);
+    report.name_each_once();
     // Every row has one by now: those above the horizon were judged, the others are invalid.
     report.flags = flags.into_iter().flatten().collect();
     Ok(report)
