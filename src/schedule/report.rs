@@ -80,7 +80,12 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
     let mut answer = request.sky.field_passes(&exposures, request.field, &options)?;
     report.left_out.append(&mut answer.left_out);
 
-    let rules = Rules { policy: request.policy, lost_fraction: &|pass| lost_fraction(pass, request) };
+    let lost_fraction =
+        request.telescope.map(|telescope| move |pass: &FieldPass| lost_fraction(pass, telescope, request));
+    let rules = Rules {
+        policy: request.policy,
+        lost_fraction: lost_fraction.as_ref().map(|lost_fraction| lost_fraction as &dyn Fn(&FieldPass) -> f64),
+    };
     for ((row, exposure), passes) in judged.iter().zip(answer.by_exposure) {
         flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &rules));
         report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
@@ -119,10 +124,9 @@ fn above_the_horizon<'a>(
     judged
 }
 
-fn lost_fraction(pass: &FieldPass, request: &FlagRequest<'_>) -> Option<f64> {
-    let telescope = request.telescope?;
+fn lost_fraction(pass: &FieldPass, telescope: &Telescope, request: &FlagRequest<'_>) -> f64 {
     let width_arcsec = telescope.width_arcsec(pass.mid.range_km, request.sky.model(pass.element_index).size_m());
-    Some(telescope.lost_pixel_fraction(pass.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2()))
+    telescope.lost_pixel_fraction(pass.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
 }
 
 /// Looks for the next clear start of all exposures that are not clear, or whose margins may not be.

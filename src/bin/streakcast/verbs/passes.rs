@@ -121,9 +121,9 @@ fn state(prepared: &mut Prepared, setup: &Setup, exposure: &Exposure, options: &
         json!({
             "start_utc": format_utc(exposure.start, 6),
             "exposure_s": exposure.duration_s,
-            "ra_deg": exposure.pointing.longitude_rad().to_degrees(),
-            "dec_deg": exposure.pointing.latitude_rad().to_degrees(),
-            "rotation_deg": exposure.rotation_rad.to_degrees(),
+            "ra_deg": round_deg(exposure.pointing.longitude_rad()),
+            "dec_deg": round_deg(exposure.pointing.latitude_rad()),
+            "rotation_deg": round_deg(exposure.rotation_rad),
             "field": super::judged::field_said(setup),
             "telescope": telescope,
             "include_dark": options.include_dark,
@@ -131,6 +131,11 @@ fn state(prepared: &mut Prepared, setup: &Setup, exposure: &Exposure, options: &
             "samples": options.samples,
         }),
     );
+}
+
+/// Degrees without the rounding of the way through radians.
+fn round_deg(radians: f64) -> f64 {
+    (radians.to_degrees() * 1e9).round() / 1e9
 }
 
 /// Satellites left out, as a table.
