@@ -1,6 +1,6 @@
 //! SGP4 made ready for one satellite. TEME never leaves this room.
 
-use hifitime::Epoch;
+use hifitime::{Epoch, Unit};
 use sgp4::{Constants, MinutesSinceEpoch, Orbit, ResonanceState, WGS72, afspc_epoch_to_sidereal_time};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::kepler::MU_KM3_S2;
 use crate::catalogue::{ElementSet, NoradId};
 use crate::constants::DAY_S;
-use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity, seconds_between};
+use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
 /// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).
 pub const DECAYED_RADIUS_KM: f64 = 6378.135;
@@ -130,10 +130,10 @@ impl Propagator {
         self.epoch
     }
 
-    /// Minutes from the element epoch to `epoch`, as SI time elapsed: leap seconds in between are counted.
+    /// Minutes from the element epoch to `epoch` by the clock of UTC, in whatever scale `epoch` is given: leap seconds in between are not
+    /// counted, as in the AFSPC code and in python-sgp4. The last one was inserted at the end of 2016.
     pub fn minutes_since_epoch(&self, epoch: Epoch) -> f64 {
-        // Not `epoch - self.epoch`: between two UTC epochs hifitime leaves the leap seconds out.
-        seconds_between(self.epoch, epoch) / 60.0
+        (epoch.to_utc_duration() - self.epoch.to_utc_duration()).to_unit(Unit::Minute)
     }
 
     /// Geocentric state at `epoch`.
