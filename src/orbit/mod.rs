@@ -10,5 +10,5 @@ mod window;
 pub use arc::Arc;
 pub use index::{LeftOut, Reach, SatelliteIndex};
 pub use propagator::{DECAYED_RADIUS_KM, OrbitError, Propagator, State};
-pub use uncertainty::{OrbitClass, OrbitUncertainty, uncertainty};
+pub use uncertainty::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};
 pub use window::{Cone, MAX_WINDOW_S, Window};
