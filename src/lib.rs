@@ -23,5 +23,6 @@ pub mod orbit;
 pub mod passes;
 pub mod photometry;
 pub mod schedule;
+pub mod setup;
 pub mod table;
 pub mod telescope;

@@ -5,7 +5,8 @@ use streakcast::photometry::{BrightnessModel, ModelFile, ModelFileError, ModelLi
 
 const SCHEMA: &str = include_str!("../src/photometry/models/model.schema.json");
 
-/// Holds a value to the keywords of JSON Schema that our schema uses; any other keyword is a fault of the schema or of this.
+/// Holds a value to the keywords of JSON Schema that our schema uses; any other keyword is a fault of the schema or
+/// of this.
 fn check(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), String> {
     let fail = |what: String| Err(format!("{path}: {what}"));
     for (keyword, rule) in schema.as_object().ok_or("a schema is an object")? {

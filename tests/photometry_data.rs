@@ -65,7 +65,8 @@ fn rows(path: &Path, columns: &[&str]) -> Vec<Vec<String>> {
     reader.records().map(|r| r.unwrap()).map(|r| places.iter().map(|&i| r[i].to_owned()).collect()).collect()
 }
 
-/// How far along a line of sight a satellite of this height (above a sphere about the geocentre through the site) is, km.
+/// How far along a line of sight a satellite of this height (above a sphere about the geocentre through the site)
+/// is, km.
 fn range_to_height(site: &Vector3<f64>, sight: &Vector3<f64>, height_km: f64) -> f64 {
     let (site_km, rise) = (site.norm(), site.dot(sight));
     let radius = site_km + height_km;
@@ -184,8 +185,8 @@ fn valid_visorsat_and_oneweb_against_mmt9() {
         let residuals: Vec<f64> = mmt9(&data, file)
             .into_iter()
             .map(|(measured, phase)| {
-                // Sun on the chassis plane and observer in its half plane: the phase angle is the observer's latitude, turned over
-                // the zenith past 90°.
+                // Sun on the chassis plane and observer in its half plane: the phase angle is the observer's
+                // latitude, turned over the zenith past 90°.
                 let (longitude, latitude) = if phase <= std::f64::consts::FRAC_PI_2 {
                     (0.0, -phase)
                 } else {

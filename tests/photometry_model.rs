@@ -112,7 +112,7 @@ fn valid_blocking_against_rays_cast_one_by_one() {
         let offset = uniform.between(-40.0, 40.0).to_radians() * if usual { 0.2 } else { 1.0 };
         let to_sun = unit(0.0, if usual { uniform.between(-0.45, 0.05) } else { uniform.between(-1.4, 1.4) });
         let latitude = if usual { uniform.between(-1.57, -0.3) } else { uniform.between(-1.57, 1.57) };
-        let to_observer = unit(uniform.between(-3.14, 3.14), latitude);
+        let to_observer = unit(uniform.between(-3.1, 3.1), latitude);
         let blocking = ChassisBlocking::new(sail_length, sail_width, base_length, base_width, offset).unwrap();
         let exact = blocking.blocked(&to_sun, &to_observer);
         let normal = blocking.sail_normal();
@@ -145,7 +145,7 @@ fn valid_blocking_against_rays_cast_one_by_one() {
 #[test]
 fn verif_blocking_equals_the_papers_closed_form_where_that_holds() {
     // POA 0, equal widths, Sun and observer below the chassis and before the sail, the projected corner on the sail:
-    // eqs. 14-18 with sin² δ_obs in eq. 17, and the area of rectangle and parallelogram by hand.
+    // eqs. 15-18 with sin² δ_obs in eq. 17, and the area of rectangle and parallelogram by hand.
     let (l_sail, w, l_base) = (8.1, 2.8, 1.3);
     let blocking = ChassisBlocking::new(l_sail, w, l_base, w, 0.0).unwrap();
     let mut uniform = Uniform(11);
@@ -177,7 +177,7 @@ fn verif_outlines_have_the_areas_that_are_subtracted() {
         let [sail_length, sail_width, base_length, base_width] = [0; 4].map(|_| uniform.between(0.3, 12.0));
         let blocking =
             ChassisBlocking::new(sail_length, sail_width, base_length, base_width, uniform.between(-0.9, 0.9)).unwrap();
-        let to_observer = unit(uniform.between(-3.14, 3.14), uniform.between(-1.57, 0.5));
+        let to_observer = unit(uniform.between(-3.1, 3.1), uniform.between(-1.57, 0.5));
         // The Sun above the chassis casts no shadow on the sail: what is lost is what the observer's outline covers.
         let lost = blocking.blocked(&unit(0.0, 0.3), &to_observer);
         let area = blocking.outline(&to_observer).area_m2();

@@ -9,12 +9,21 @@ use streakcast::orbit::{OrbitError, Propagator};
 const POSITION_KM: f64 = 3e-7;
 const VELOCITY_KM_S: f64 = 2e-9;
 
+/// Minutes after epoch, position km, velocity km/s.
+type Printed = (f64, [f64; 3], [f64; 3]);
+
 struct Case {
     elements: ElementSet,
     stop_min: f64,
     step_min: f64,
-    /// Minutes after epoch, position km, velocity km/s.
-    states: Vec<(f64, [f64; 3], [f64; 3])>,
+    states: Vec<Printed>,
+}
+
+/// A state of the AFSPC mode; no position and velocity where it fails.
+struct AfspcState {
+    id: u32,
+    minutes: f64,
+    state: Option<[[f64; 3]; 2]>,
 }
 
 fn cases() -> Option<Vec<Case>> {
@@ -22,7 +31,7 @@ fn cases() -> Option<Vec<Case>> {
     let read = |name: &str| String::from_utf8_lossy(&std::fs::read(folder.join(name)).expect(name)).into_owned();
     let (elements, states) = (read("SGP4-VER.TLE"), read("tcppver.out"));
 
-    let mut printed: Vec<Vec<(f64, [f64; 3], [f64; 3])>> = Vec::new();
+    let mut printed: Vec<Vec<Printed>> = Vec::new();
     for line in states.lines() {
         let fields: Vec<&str> = line.split_whitespace().collect();
         if fields.get(1) == Some(&"xx") {
@@ -48,9 +57,8 @@ fn cases() -> Option<Vec<Case>> {
     Some(cases.collect())
 }
 
-/// The same cases as the AFSPC mode of the reference code prints them (tcppver.out is its "improved" mode): `(id, minutes, position, velocity)`, no
-/// position where it fails.
-fn afspc_states() -> Option<Vec<(u32, f64, Option<[[f64; 3]; 2]>)>> {
+/// The same cases as the AFSPC mode of the reference code prints them (tcppver.out is its "improved" mode).
+fn afspc_states() -> Option<Vec<AfspcState>> {
     let path = common::data_dir()?.join("reference").join("sgp4_vallado").join("sgp4rs_test_cases.toml");
     let table: toml::Table = std::fs::read_to_string(path).expect("the cases").parse().expect("TOML");
     let mut states = Vec::new();
@@ -63,7 +71,8 @@ fn afspc_states() -> Option<Vec<(u32, f64, Option<[[f64; 3]; 2]>)>> {
                 numbers.try_into().ok()
             };
             let minutes = state["time"].as_float().expect("minutes");
-            states.push((id, minutes, vector("position").zip(vector("velocity")).map(|(r, v)| [r, v])));
+            let state = vector("position").zip(vector("velocity")).map(|(r, v)| [r, v]);
+            states.push(AfspcState { id, minutes, state });
         }
     }
     Some(states)
@@ -111,7 +120,7 @@ fn valid_all_states_against_vallado() {
 fn valid_all_states_against_the_afspc_mode() {
     let (Some(cases), Some(expected)) = (cases(), afspc_states()) else { return };
     let (mut states, mut failures, mut branch) = (0, 0, 0);
-    for (id, minutes, state) in &expected {
+    for AfspcState { id, minutes, state } in &expected {
         // 20413 stands twice in the set, with the same elements.
         let case = cases.iter().find(|case| case.elements.norad_id.0 == *id).unwrap_or_else(|| panic!("no case {id}"));
         let ours = Propagator::new(&case.elements).and_then(|propagator| propagator.teme_state_at_minutes(*minutes));

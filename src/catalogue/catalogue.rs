@@ -6,7 +6,7 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::element_set::ElementSet;
-use super::history::History;
+use super::history::{History, nearest_of_each};
 use super::record::Rejected;
 use super::source::{CatalogueError, FileReading, SourceFile, read_bytes, read_file};
 use super::tle::Checksums;
@@ -95,6 +95,11 @@ impl Catalogue {
         let mut catalogue = Self::default();
         catalogue.put(element_sets, keep);
         catalogue
+    }
+
+    /// Of every object the element set nearest to an epoch. Read with [`Keep::All`], else there is one of each to choose.
+    pub fn at(&self, epoch: Epoch) -> Vec<ElementSet> {
+        nearest_of_each(&self.element_sets, epoch)
     }
 
     /// Every record as a history. Read with [`Keep::All`], else there is one record of each object.

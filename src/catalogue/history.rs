@@ -64,7 +64,7 @@ impl History {
 
     /// Of every object the element set nearest to an instant, by catalogue number.
     pub fn at(&self, epoch: Epoch) -> Vec<ElementSet> {
-        self.objects().filter_map(|sets| sets.get(nearest_index(sets, epoch)?)).cloned().collect()
+        nearest_of_each(&self.sets, epoch)
     }
 
     /// Of every object the latest element set, by catalogue number.
@@ -93,6 +93,12 @@ impl History {
         self.sets.retain(|_| flags.next().unwrap_or(false));
         self.sets
     }
+}
+
+/// Of every object in sorted records the one nearest to an instant.
+pub(super) fn nearest_of_each(sets: &[ElementSet], epoch: Epoch) -> Vec<ElementSet> {
+    let objects = sets.chunk_by(|a, b| a.norad_id == b.norad_id);
+    objects.filter_map(|sets| sets.get(nearest_index(sets, epoch)?)).cloned().collect()
 }
 
 /// Index of the nearest epoch in records in time order.

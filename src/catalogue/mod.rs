@@ -2,6 +2,7 @@
 
 #[allow(clippy::module_inception)]
 mod catalogue;
+mod chunks;
 mod element_set;
 mod epoch;
 mod generation;
@@ -18,6 +19,7 @@ mod shell;
 mod source;
 mod tle;
 mod tle_file;
+mod tle_write;
 
 pub use catalogue::{Catalogue, Keep, ReadOptions};
 pub use element_set::{ElementSet, NoradId, Origin};
@@ -28,4 +30,4 @@ pub use on_station::{OrbitPhase, StationRule, orbit_phases};
 pub use record::{RecordError, Rejected};
 pub use shell::{Constellation, FIRST_SYNTHETIC_ID, Shell, ShellError};
 pub use source::{CatalogueError, ElementFormat, SourceFile};
-pub use tle::{TleFormatError, format_tle};
+pub use tle_write::{TleFormatError, format_tle};

@@ -111,6 +111,12 @@ impl<'a> Fields<'a> {
         self.texts.iter().all(|text| text.is_empty())
     }
 
+    /// Whether this says anything about an orbit; a name alone may be that of a list.
+    pub fn is_record(&self) -> bool {
+        let telling = [Keyword::NoradCatId, Keyword::Epoch, Keyword::MeanMotion, Keyword::TleLine1, Keyword::TleLine2];
+        telling.iter().any(|keyword| self.get(*keyword).is_some())
+    }
+
     /// Makes the element set of these texts and gives it to `parsed`, or the reason why not.
     pub fn finish(&self, offset: usize, checksums: Checksums, parsed: &mut Parsed) {
         // The mean elements come first: they carry more digits than a TLE.

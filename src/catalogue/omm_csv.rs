@@ -5,39 +5,46 @@
 
 use std::borrow::Cow;
 
+use super::chunks::{next_line, parse_in_chunks};
 use super::omm::{Fields, Keyword};
 use super::record::{Parsed, RecordError};
 use super::tle::Checksums;
 
 /// Whether the first line that says something is a line of titles with the columns needed.
-pub(super) fn looks_like(text: &[u8]) -> bool {
-    let line = text.split(|&byte| byte == b'\n' || byte == b'\r').find(|line| is_content(line));
-    let Some(Ok(line)) = line.filter(|line| line.len() < 10_000).map(std::str::from_utf8) else { return false };
+pub(super) fn looks_like(text: &str) -> bool {
+    let line = text.split(['\n', '\r']).find(|line| is_content(line));
+    let Some(line) = line.filter(|line| line.len() < 10_000) else { return false };
     let has = |wanted| split(line, separator_of(line)).iter().any(|title| Keyword::of(title) == Some(wanted));
     has(Keyword::NoradCatId) && has(Keyword::MeanMotion) || has(Keyword::TleLine1) && has(Keyword::TleLine2)
 }
 
 /// Reads every record.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
+    let titles = text.split(['\n', '\r']).find(|line| is_content(line)).unwrap_or_default();
+    let separator = separator_of(titles);
+    let columns: Vec<_> = split(titles, separator).iter().map(|title| Keyword::of(title)).collect();
+    parse_in_chunks(text, next_line, |piece| parse_piece(piece, separator, &columns, checksums))
+}
+
+fn parse_piece(text: &str, separator: char, columns: &[Option<Keyword>], checksums: Checksums) -> Parsed {
     let mut parsed = Parsed::default();
-    let mut titles: Option<(char, Vec<Option<Keyword>>)> = None;
     let mut fields = Fields::default();
     let mut at = 0;
     for line in text.split_inclusive(['\n', '\r']) {
         let offset = at;
         at += line.len();
         let line = line.trim_end_matches(['\n', '\r']);
-        if !is_content(line.as_bytes()) {
+        if !is_content(line) {
             continue;
         }
-        let Some((separator, columns)) = &titles else {
-            let separator = separator_of(line);
-            titles = Some((separator, split(line, separator).iter().map(|title| Keyword::of(title)).collect()));
-            continue;
-        };
-        let cells = split(line, *separator);
-        // Files appended to one another repeat their titles.
-        if cells.iter().zip(columns).any(|(cell, column)| column.is_some() && Keyword::of(cell) == *column) {
+        let cells = split(line, separator);
+        // The titles; files appended to one another repeat them.
+        if cells
+            .iter()
+            .zip(columns)
+            .filter(|(_, column)| column.is_some())
+            .all(|(cell, column)| Keyword::of(cell) == *column)
+        {
             continue;
         }
         if cells.len() < columns.len() {
@@ -56,9 +63,9 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parsed
 }
 
-fn is_content(line: &[u8]) -> bool {
-    let line = line.trim_ascii();
-    !line.is_empty() && line[0] != b'#'
+fn is_content(line: &str) -> bool {
+    let line = line.trim();
+    !line.is_empty() && !line.starts_with('#')
 }
 
 /// The separator that the titles hold most of.

@@ -26,7 +26,7 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
             }
             Token::ObjectEnd => {
                 if let Some((offset, fields)) = open.pop()
-                    && !fields.is_empty()
+                    && fields.is_record()
                 {
                     fields.finish(offset, checksums, &mut parsed);
                 }
@@ -44,8 +44,7 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
             }
         }
     }
-    if let Some((offset, fields)) = open.iter().rev().find(|(_, fields)| !fields.is_empty()) {
-        let _ = fields;
+    if let Some((offset, _)) = open.iter().rev().find(|(_, fields)| fields.is_record()) {
         parsed.rejected.push((*offset, syntax("the file ends inside this object")));
     }
     parsed

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::chunks::{next_line, parse_in_chunks};
 use super::omm::{Fields, Keyword};
 use super::record::{Parsed, RecordError, excerpt};
 use super::tle::Checksums;
@@ -10,15 +11,32 @@ use super::tle::Checksums;
 const OPENING: &str = "CCSDS_OMM_VERS";
 
 /// Whether one of the first lines opens an OMM.
-pub(super) fn looks_like(text: &[u8]) -> bool {
-    let lines = text.split(|&byte| byte == b'\n').take(40);
-    lines.into_iter().any(|line| {
-        line.trim_ascii_start().strip_prefix(OPENING.as_bytes()).is_some_and(|rest| rest.trim_ascii().starts_with(b"="))
-    })
+pub(super) fn looks_like(text: &str) -> bool {
+    text.split(['\n', '\r']).take(40).any(opens)
+}
+
+fn opens(line: &str) -> bool {
+    line.trim_start().strip_prefix(OPENING).is_some_and(|rest| rest.trim_start().starts_with('='))
 }
 
 /// Reads every message. A line that is no `KEYWORD = value` spoils its own message only.
 pub(super) fn parse(text: &str) -> Parsed {
+    parse_in_chunks(text, next_message, parse_piece)
+}
+
+/// Offset of the next line that opens a message.
+fn next_message(text: &str, from: usize) -> usize {
+    let mut at = next_line(text, from);
+    for line in text[at..].split_inclusive(['\n', '\r']) {
+        if opens(line) {
+            return at;
+        }
+        at += line.len();
+    }
+    text.len()
+}
+
+fn parse_piece(text: &str) -> Parsed {
     let mut parsed = Parsed::default();
     let mut fields = Fields::default();
     let mut broken: Option<(usize, RecordError)> = None;

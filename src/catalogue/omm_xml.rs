@@ -7,17 +7,23 @@ use std::borrow::Cow;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
+use super::chunks::parse_in_chunks;
 use super::omm::{Fields, Keyword};
 use super::record::{Parsed, RecordError};
 use super::tle::Checksums;
 
 /// Whether there is an `<omm>` (in any name space) somewhere.
-pub(super) fn looks_like(text: &[u8]) -> bool {
-    next_start(&String::from_utf8_lossy(text), 0).is_some()
+pub(super) fn looks_like(text: &str) -> bool {
+    next_start(text, 0).is_some()
 }
 
 /// Reads every message.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
+    let cut = |text: &str, from| next_start(text, from).unwrap_or(text.len());
+    parse_in_chunks(text, cut, |piece| parse_piece(piece, checksums))
+}
+
+fn parse_piece(text: &str, checksums: Checksums) -> Parsed {
     let mut parsed = Parsed::default();
     let mut start = next_start(text, 0);
     while let Some(offset) = start {
@@ -39,15 +45,28 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
 fn next_start(text: &str, from: usize) -> Option<usize> {
     let mut at = from;
     loop {
-        at += text.get(at..)?.find('<')?;
-        let rest = &text[at + 1..];
-        let end = rest.find(|c: char| c == '>' || c == '/' || c.is_whitespace())?;
-        let name = &rest[..end];
-        if name.rsplit(':').next() == Some("omm") {
-            return Some(at);
+        at += text.get(at..)?.find("omm")?;
+        let (before, after) = (&text[..at], &text[at + 3..]);
+        if after.starts_with(|c: char| c == '>' || c == '/' || c.is_whitespace()) {
+            // The element's own bracket, at or after `from`: not the one whose name this is.
+            // Names are short, and a hostile text must not be searched back again and again.
+            let window = &before.as_bytes()[before.len().saturating_sub(64)..];
+            let start = window.iter().rposition(|&byte| byte == b'<').map(|back| at - window.len() + back);
+            let start = start.filter(|start| *start >= from);
+            if let Some(start) = start
+                && (start + 1 == at || is_prefix(&before[start + 1..]))
+            {
+                return Some(start);
+            }
         }
-        at += 1;
+        at += 3;
     }
+}
+
+/// `ndm:`, what stands before a name in a name space.
+fn is_prefix(text: &str) -> bool {
+    let name = text.strip_suffix(':').unwrap_or_default();
+    !name.is_empty() && name.chars().all(|c| c.is_alphanumeric() || "_-.".contains(c))
 }
 
 /// The texts of one `<omm>`; what stands behind its end is not looked at.

@@ -160,8 +160,10 @@ pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Resu
     let name: Arc<str> = Arc::from(name);
     let rejected: Vec<Rejected> =
         rejected.into_iter().map(|(line, reason)| Rejected { file: name.clone(), line, reason }).collect();
+    // All are UTC here: comparing what they hold spares the leap seconds.
     let epochs = || sets.iter().map(|set| set.epoch);
-    let (Some(first_epoch), Some(last_epoch)) = (epochs().min(), epochs().max()) else {
+    let duration = |epoch: &Epoch| epoch.duration;
+    let (Some(first_epoch), Some(last_epoch)) = (epochs().min_by_key(duration), epochs().max_by_key(duration)) else {
         return Err(CatalogueError::NothingUsable {
             file: name.to_string(),
             format,
@@ -189,22 +191,23 @@ type Content = (ElementFormat, bool, Vec<ElementSet>, Vec<(usize, super::record:
 fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, CatalogueError> {
     let gzipped = bytes.starts_with(&[0x1f, 0x8b]);
     let unpacked = unpack(name, bytes)?;
-    let text = decode(&unpacked);
-    if text.iter().all(|byte| byte.is_ascii_whitespace() || *byte == 0) {
+    let decoded = decode(&unpacked);
+    let text = String::from_utf8_lossy(&decoded);
+    if text.bytes().all(|byte| byte.is_ascii_whitespace() || byte == 0) {
         return Err(CatalogueError::Empty { file: name.into() });
     }
-    let format =
-        sniff(&text).map_err(|what| CatalogueError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
+    let format = sniff(&decoded, &text)
+        .map_err(|what| CatalogueError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
     let mut parsed = match format {
         ElementFormat::Tle => tle_file::parse(&text, checksums),
-        ElementFormat::OmmJson => omm_json::parse(&String::from_utf8_lossy(&text), checksums),
-        ElementFormat::OmmCsv => omm_csv::parse(&String::from_utf8_lossy(&text), checksums),
-        ElementFormat::OmmXml => omm_xml::parse(&String::from_utf8_lossy(&text), checksums),
-        ElementFormat::OmmKvn => omm_kvn::parse(&String::from_utf8_lossy(&text)),
+        ElementFormat::OmmJson => omm_json::parse(&text, checksums),
+        ElementFormat::OmmCsv => omm_csv::parse(&text, checksums),
+        ElementFormat::OmmXml => omm_xml::parse(&text, checksums),
+        ElementFormat::OmmKvn => omm_kvn::parse(&text),
     };
     parsed.rejected.sort_by_key(|(offset, _)| *offset);
     let Parsed { sets, rejected, bad_checksums_accepted } = parsed;
-    Ok((format, gzipped, sets, line_numbers(&text, rejected), bad_checksums_accepted))
+    Ok((format, gzipped, sets, line_numbers(text.as_bytes(), rejected), bad_checksums_accepted))
 }
 
 /// Byte offsets in rising order to line numbers from 1.
@@ -249,7 +252,7 @@ fn decode(bytes: &[u8]) -> Cow<'_, [u8]> {
 }
 
 /// The format, or what the text looks like instead.
-fn sniff(text: &[u8]) -> Result<ElementFormat, Cow<'static, str>> {
+fn sniff(bytes: &[u8], text: &str) -> Result<ElementFormat, Cow<'static, str>> {
     let packed: &[(&[u8], &str)] = &[
         (b"PK\x03\x04", "it is a zip archive; unpack it"),
         (b"\xfd7zXZ", "it is packed with xz; unpack it"),
@@ -257,14 +260,14 @@ fn sniff(text: &[u8]) -> Result<ElementFormat, Cow<'static, str>> {
         (b"BZh", "it is packed with bzip2; unpack it"),
         (b"SQLite format 3", "it is an SQLite database"),
     ];
-    if let Some((_, what)) = packed.iter().find(|(magic, _)| text.starts_with(magic)) {
+    if let Some((_, what)) = packed.iter().find(|(magic, _)| bytes.starts_with(magic)) {
         return Err(Cow::Borrowed(what));
     }
-    let body = text.trim_ascii_start();
-    match body.first() {
+    let body = text.trim_start();
+    match body.as_bytes().first() {
         Some(b'{') => return Ok(ElementFormat::OmmJson),
         // A lone bracket opens tables of TOML and INI as well.
-        Some(b'[') if matches!(body[1..].trim_ascii_start().first(), None | Some(b'{' | b'[' | b']' | b'"')) => {
+        Some(b'[') if matches!(body[1..].trim_start().as_bytes().first(), None | Some(b'{' | b'[' | b']' | b'"')) => {
             return Ok(ElementFormat::OmmJson);
         }
         Some(b'<') if omm_xml::looks_like(body) => return Ok(ElementFormat::OmmXml),
@@ -279,8 +282,8 @@ fn sniff(text: &[u8]) -> Result<ElementFormat, Cow<'static, str>> {
     } else if tle_file::looks_like(body) {
         Ok(ElementFormat::Tle)
     } else {
-        let first = body.split(|&byte| byte == b'\n').next().unwrap_or_default();
-        Err(format!("it begins {:?}", excerpt(first)).into())
+        let first = body.lines().next().unwrap_or_default();
+        Err(format!("it begins {:?}", excerpt(first.as_bytes())).into())
     }
 }
 

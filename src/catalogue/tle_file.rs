@@ -1,5 +1,6 @@
 //! A text of TLEs: finds the element sets among names, comments and rubble.
 
+use super::chunks::{next_line, parse_in_chunks};
 use super::record::{Parsed, RecordError, excerpt};
 use super::tle::{Checksums, parse_lines};
 
@@ -13,7 +14,24 @@ const DATA_LENGTH: usize = 60;
 ///
 /// Blank lines and lines that begin with `#` are skipped; blanks before a data line are overlooked. What cannot be paired
 /// is rejected on its own, and reading goes on with the next line.
-pub(super) fn parse(text: &[u8], checksums: Checksums) -> Parsed {
+pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
+    parse_in_chunks(text, after_next_set, |piece| parse_piece(piece.as_bytes(), checksums))
+}
+
+/// Offset behind the next line 1 with its line 2, from where nothing before matters.
+fn after_next_set(text: &str, from: usize) -> usize {
+    let mut lines = Lines { text: text.as_bytes(), at: next_line(text, from) };
+    let mut after_first = false;
+    while let Some((_, line)) = lines.next() {
+        if after_first && line.starts_with(b"2 ") {
+            return lines.at.min(text.len());
+        }
+        after_first = line.starts_with(b"1 ");
+    }
+    text.len()
+}
+
+fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
     let mut parsed = Parsed::default();
     parsed.sets.reserve(text.len() / 140);
     let mut lines = Lines { text, at: 0 }.peekable();
@@ -55,8 +73,8 @@ pub(super) fn parse(text: &[u8], checksums: Checksums) -> Parsed {
 }
 
 /// Whether the text holds a line 1 and a line 2 one after the other, or at least one line that can only be data.
-pub(super) fn looks_like(text: &[u8]) -> bool {
-    Lines { text, at: 0 }.any(|(_, line)| {
+pub(super) fn looks_like(text: &str) -> bool {
+    Lines { text: text.as_bytes(), at: 0 }.any(|(_, line)| {
         line.len() >= DATA_LENGTH
             && line.len() < 200
             && (line.starts_with(b"1 ") || line.starts_with(b"2 "))

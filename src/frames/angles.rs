@@ -6,7 +6,7 @@ const RIGHT_ASCENSION: &str = "a right ascension: degrees from 0 to 360 (188.5),
 const DECLINATION: &str = "a declination: degrees from -90 to 90 (-30.5), or -30d12m34.5s or -30:12:34.5";
 
 /// A right ascension in degrees, [0, 360). A plain number is degrees; `12h34m56.7s`, `12h34m`, `12:34:56.7` and `12 34 56.7` are hours;
-/// `188.5d` and `188d30m` are degrees.
+/// `188.5deg`, `188.5d` and `188d30m` are degrees.
 ///
 /// # Errors
 /// Text of another form, minutes or seconds of 60 and more, or an angle outside of the circle.
@@ -53,10 +53,10 @@ struct Angle {
 
 /// Sign, then up to three numbers parted by `h d ° : ' m " s` or blanks.
 fn parse(text: &str) -> Option<Angle> {
-    let text = text.trim();
+    let text = text.trim().replace("deg", "d");
     let (negative, text) = match text.strip_prefix(['-', '−']) {
         Some(rest) => (true, rest),
-        None => (false, text.strip_prefix('+').unwrap_or(text)),
+        None => (false, text.strip_prefix('+').unwrap_or(&text)),
     };
     let mut unit = Unit::Plain;
     let mut numbers: Vec<&str> = Vec::new();
@@ -126,6 +126,8 @@ mod tests {
         for (text, degrees) in [
             ("188.5", 188.5),
             ("188d30m", 188.5),
+            ("188.5deg", 188.5),
+            ("188.5d", 188.5),
             ("12h34m", 188.5),
             ("0", 0.0),
             ("360", 0.0),

@@ -4,6 +4,7 @@
 //! up to 0.6" (18 m). That is an error of the observer's place, not of the satellite's: at 550 km range 46 m are 17".
 
 use std::f64::consts::PI;
+use std::fmt;
 use std::sync::OnceLock;
 
 use hifitime::Epoch;
@@ -57,6 +58,19 @@ impl EopStatus {
     /// True where the table had an answer.
     pub fn is_covered(&self) -> bool {
         matches!(self, Self::Measured | Self::Predicted)
+    }
+}
+
+impl fmt::Display for EopStatus {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let without = "UT1 = UTC and no polar motion (0.1 s of UT1 is 46 m at the equator, the pole up to 18 m)";
+        match self {
+            Self::Measured => formatter.write_str("measured"),
+            Self::Predicted => formatter.write_str("predicted"),
+            Self::Expired { last } => write!(formatter, "table expired on {}: {without}", day(*last)),
+            Self::TooEarly { first } => write!(formatter, "table begins on {}: {without}", day(*first)),
+            Self::NoTable => write!(formatter, "no table: {without}"),
+        }
     }
 }
 
@@ -137,6 +151,14 @@ impl EopTable {
         Ok(Self { name: "finals2000A", first, predicted_from_s, rows })
     }
 
+    /// The same table with the pole held at its origin: what programs do that know UT1 only. It moves observers by up to 18 m.
+    pub fn without_polar_motion(mut self) -> Self {
+        for row in &mut self.rows {
+            (row.xp_rad, row.yp_rad) = (0.0, 0.0);
+        }
+        self
+    }
+
     /// The parameters at a moment; [`EarthOrientationParameters::ZERO`] outside of the table, which [`EopTable::status`] tells.
     ///
     /// UT1 - TAI is interpolated and the leap seconds are added after that: no jump is smeared over a day.
@@ -187,10 +209,6 @@ impl EopTable {
             return "no Earth orientation table: UT1 = UTC, which errs by up to 0.9 s (0.1 s is 46 m at the equator)"
                 .to_owned();
         };
-        let day = |epoch: Epoch| {
-            let (year, month, day, ..) = epoch.to_gregorian_utc();
-            format!("{year:04}-{month:02}-{day:02}")
-        };
         let measured = super::time::seconds_after(first, self.predicted_from_s.min(seconds_between(first, last)));
         format!(
             "Earth orientation ({}): {} to {}, predicted after {}; outside UT1 = UTC (0.1 s of UT1 is 46 m at the equator)",
@@ -205,6 +223,12 @@ impl EopTable {
         let seconds = seconds_between(self.first?, epoch);
         (seconds >= 0.0 && seconds <= self.rows.last()?.tai_s).then_some(seconds)
     }
+}
+
+/// The UTC date, as in `2027-10-29`.
+fn day(epoch: Epoch) -> String {
+    let (year, month, day, ..) = epoch.to_gregorian_utc();
+    format!("{year:04}-{month:02}-{day:02}")
 }
 
 /// How far an error of UT1 moves a place on the Earth's equator, metres.
@@ -288,6 +312,8 @@ mod tests {
         let (first, last) = (utc("2016-12-31T00:00:00 UTC"), utc("2017-01-02T00:00:00 UTC"));
         assert_eq!(table.status(utc("2017-01-02T00:00:01 UTC")), EopStatus::Expired { last });
         assert_eq!(table.status(utc("2016-12-30T23:59:59 UTC")), EopStatus::TooEarly { first });
+        let expired = table.status(utc("2017-01-02T00:00:01 UTC")).to_string();
+        assert!(expired.starts_with("table expired on 2017-01-02: UT1 = UTC"), "{expired}");
         assert_eq!(table.at(utc("2017-01-02T00:00:01 UTC")), EarthOrientationParameters::ZERO);
         assert_eq!(EopTable::none().status(first), EopStatus::NoTable);
         assert_eq!(EopTable::none().at(first), EarthOrientationParameters::ZERO);

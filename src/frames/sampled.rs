@@ -27,7 +27,8 @@ impl<const N: usize> Sampled<N> {
         let lead_nodes = (lead_s / STEP_S).floor();
         let first_s = (lead_nodes - 1.0) * STEP_S - lead_s;
         let span_s = seconds_between(start, end).max(0.0);
-        let count = ((span_s - first_s) / STEP_S).ceil() as usize + 2;
+        // One node before the start, the two after the end, and never fewer than the cubic needs.
+        let count = ((span_s - first_s) / STEP_S).floor() as usize + 3;
         let nodes = (0..count).map(|node| function(seconds_after(start, first_s + node as f64 * STEP_S))).collect();
         Self { first_s, nodes }
     }
@@ -63,5 +64,41 @@ impl<const N: usize> Sampled<N> {
         std::array::from_fn(|k| {
             weights[0] * nodes[0][k] + weights[1] * nodes[1][k] + weights[2] * nodes[2][k] + weights[3] * nodes[3][k]
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn cubics_pass_through_a_table_of_any_length() {
+        for start in ["2024-01-01T00:00:00 UTC", "2024-01-01T12:00:00 UTC", "2024-01-01T11:59:59.5 UTC"] {
+            let start: Epoch = start.parse().expect("an epoch");
+            // A cubic of time is its own interpolation, before the start and after the end too.
+            let cubic = |days: f64| 1.0 + days * (2.0 - days * (0.5 - 0.25 * days));
+            for span_s in [0.0, 1e-3, 43_199.0, 43_200.0, 43_201.0, 1e6] {
+                let table = Sampled::new(start, seconds_after(start, span_s), |epoch| {
+                    [cubic(seconds_between(start, epoch) / 86_400.0)]
+                });
+                for seconds in [-20_000.0, 0.0, 0.5 * span_s, span_s, span_s + 20_000.0] {
+                    let [value] = table.cubic_at(seconds);
+                    let exact = cubic(seconds / 86_400.0);
+                    assert!(
+                        (value - exact).abs() < 1e-9 * exact.abs().max(1.0),
+                        "{start} {span_s} {seconds}: {value} {exact}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn an_end_before_the_start_and_a_time_that_is_no_number() {
+        let start: Epoch = "2024-01-01T00:00:00 UTC".parse().expect("an epoch");
+        let table = Sampled::new(start, seconds_after(start, -1e6), |_| [1.0]);
+        assert_eq!(table.cubic_at(0.0), [1.0]);
+        assert_eq!(table.linear_at(-1e9), [1.0]);
+        assert!(table.cubic_at(f64::NAN)[0].is_nan());
     }
 }

@@ -1,4 +1,21 @@
 //! How Sun, Earth, satellite and observer stand to one another.
+//!
+//! ```
+//! use hifitime::Epoch;
+//! use streakcast::frames::{EopTable, Gcrs, Orientation, Position, Velocity};
+//! use streakcast::geometry::{Observer, Site, SunState, aspect, illumination};
+//!
+//! let epoch = Epoch::from_gregorian_utc_hms(2026, 4, 25, 23, 30, 0);
+//! let (orientation, sun) = (Orientation::at(epoch, &EopTable::embedded()), SunState::at(epoch));
+//! let observer = Observer::new(Site::by_name("Rubin")?).state(&orientation);
+//! let (satellite, velocity) = (Position::<Gcrs>::new(-5900.0, 150.0, -3500.0), Velocity::<Gcrs>::new(1.0, 7.4, 0.5));
+//!
+//! let seen = aspect(&satellite, &velocity, &observer.position, &sun.earth_velocity);
+//! println!("RA {:.4} Dec {:.4} deg", seen.direction.longitude_rad().to_degrees(), seen.direction.latitude_rad().to_degrees());
+//! println!("altitude and azimuth {:?} rad", observer.altitude_azimuth_rad(&seen.geometric));
+//! println!("{}", illumination(&satellite, &sun.sun).name());
+//! # Ok::<(), streakcast::geometry::GeometryError>(())
+//! ```
 
 mod error;
 mod observer;

@@ -18,7 +18,7 @@ pub struct SunState {
 }
 
 impl SunState {
-    /// The exact state; about 50 µs. For many moments see [`SunTable`].
+    /// The exact state; about 35 µs. For many moments see [`SunTable`]. Not a number outside of the years 1900 to 2100.
     ///
     /// TT stands for TDB, which differ by less than 2 ms: 60 m of the Earth's way, 4·10⁻¹⁰ rad.
     pub fn at(epoch: Epoch) -> Self {
@@ -33,7 +33,7 @@ impl SunState {
 /// Sun, km, and Earth's barycentric velocity, km/s.
 fn numbers(epoch: Epoch) -> [f64; 6] {
     let (day, fraction) = tt_jd(epoch);
-    // None stands for sofars' warning about dates beyond 1900..2100, where the series still converge; it gives no numbers then.
+    // None: a date beyond 1900..2100, for which sofars gives no numbers.
     match sofars::eph::epv00(day, fraction) {
         Some((heliocentric, barycentric)) => {
             let [position, _] = heliocentric;
@@ -60,7 +60,7 @@ pub struct SunTable {
 }
 
 impl SunTable {
-    /// Covers `start` to `end`; some 50 µs for each half day, at least four. Outside, the ends are prolonged: good for another half day.
+    /// Covers `start` to `end`; some 35 µs for each half day, at least four. Outside, the ends are prolonged: good for another half day.
     pub fn new(start: Epoch, end: Epoch) -> Self {
         Self { reference: start, samples: Sampled::new(start, end, numbers) }
     }

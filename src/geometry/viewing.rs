@@ -3,10 +3,11 @@
 //! The body frame of Lu (2024), section 2.2: origin at the chassis, **z** to the satellite's zenith, **x** in the plane
 //! of the chassis so that the Sun lies in the zx half plane with x > 0 (the Sun's longitude is 0 by construction),
 //! **y** = z × x. Latitudes are positive above the chassis plane, so an observer on the ground has a negative one.
-//! The vectors are geocentric celestial (GCRS) and geometric: light time moves a satellite by 20 m, which is nothing here.
+//! The vectors are geocentric celestial (GCRS) and geometric: light time moves a satellite by some 20 m, which is nothing
+//! here.
 //!
-//! The paper takes angles with `arccos`, which loses half the digits near 0 and π (an observer straight below, the Sun on
-//! the horizon of the zx plane); here every angle is an `atan2` of components, exact everywhere.
+//! The paper takes angles with `arccos`, which loses half the digits near 0 and π (an observer straight below, the
+//! Sun on the horizon of the zx plane); here every angle is an `atan2` of components, exact everywhere.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -37,9 +38,9 @@ pub struct ViewingGeometry {
 impl ViewingGeometry {
     /// From the geocentric positions of the three.
     ///
-    /// With the observer straight below or above, or the Sun in the zenith or nadir, the longitude has no meaning and is 0.
-    /// `None` where a component is not finite, where the satellite stands at the Earth's centre, or where Sun or
-    /// observer coincide with it.
+    /// With the observer straight below or above, or the Sun in the zenith or nadir, the longitude has no meaning
+    /// and is 0. `None` where a component is not finite, where the satellite stands at the Earth's centre, or where
+    /// Sun or observer coincide with it.
     pub fn new(satellite: &Position<Gcrs>, observer: &Position<Gcrs>, sun: &Position<Gcrs>) -> Option<Self> {
         let to_sun = sun.vector() - satellite.vector();
         let to_observer = observer.vector() - satellite.vector();
@@ -50,17 +51,18 @@ impl ViewingGeometry {
         if !(reachable(radius_km) && reachable(range_km) && reachable(sun_distance_km)) {
             return None;
         }
-        // r_z = R_sat / |R_sat|                                            Lu (2024), eq. 10
+        // r_z = R_sat / |R_sat|                                            Lu (2024), eq. 9
         let zenith = satellite.vector() / radius_km;
         let sun_up = zenith.dot(&to_sun);
         let observer_up = zenith.dot(&to_observer);
-        // r_z × r lies in the chassis plane, a quarter turn ahead of r's own projection: angles between two such are longitudes.
+        // r_z × r lies in the chassis plane, a quarter turn ahead of r's own projection: angles between two such are
+        // longitudes.
         let sun_across = zenith.cross(&to_sun);
         let observer_across = zenith.cross(&to_observer);
-        // δ = π/2 - Ang(r_z, r)                                            Lu (2024), eqs. 11, 12
+        // δ = π/2 - Ang(r_z, r)                                            Lu (2024), eqs. 10, 11
         let sun_latitude_rad = sun_up.atan2(sun_across.norm());
         let observer_latitude_rad = observer_up.atan2(observer_across.norm());
-        // α = Ang(r_z × r_sun, r_z × r_obs), past π where (r_sun × r_obs) · r_z < 0   Lu (2024), eq. 13
+        // α = Ang(r_z × r_sun, r_z × r_obs), past π where (r_sun × r_obs) · r_z < 0   Lu (2024), eq. 12
         let along = sun_across.dot(&observer_across);
         let ahead = zenith.dot(&sun_across.cross(&observer_across));
         Some(Self {
@@ -113,12 +115,14 @@ impl ViewingGeometry {
         Direction::from_lon_lat_rad(self.observer_longitude_rad, self.observer_latitude_rad)
     }
 
-    /// Angle Sun-satellite-observer in [0, π], radians; 0 where the observer stands before the Sun and sees a full disk.
+    /// Angle Sun-satellite-observer in [0, π], radians; 0 where the observer stands before the Sun and sees a full
+    /// disk.
     pub fn phase_angle_rad(&self) -> f64 {
         self.to_sun().separation_rad(&self.to_observer())
     }
 
-    /// The same geometry with the observer's longitude folded to [0, π]: satellites here are symmetric about the zx plane.
+    /// The same geometry with the observer's longitude folded to [0, π]: satellites here are symmetric about the zx
+    /// plane.
     pub fn folded(&self) -> Self {
         let longitude = self.observer_longitude_rad;
         Self { observer_longitude_rad: if longitude > PI { TAU - longitude } else { longitude }, ..*self }
@@ -126,8 +130,8 @@ impl ViewingGeometry {
 
     /// Altitude of the satellite above the plane through the observer square to its radius, radians.
     ///
-    /// Follows from the triangle Earth's centre, observer, satellite; it differs from the altitude above a site's horizon by
-    /// the deflection of the radius from the normal, 0.19° at most. `None` where the triangle does not close
+    /// Follows from the triangle Earth's centre, observer, satellite; it differs from the altitude above a site's
+    /// horizon by the deflection of the radius from the normal, 0.19° at most. `None` where the triangle does not close
     /// (angles given that reach no point off the Earth's centre).
     pub fn geocentric_altitude_rad(&self) -> Option<f64> {
         let radius_km = self.height_km + EARTH_EQUATORIAL_RADIUS_KM;
@@ -184,7 +188,12 @@ mod tests {
             let axis = Vector3::from(axis);
             prop_assume!(axis.norm() > 0.1);
             let g = ViewingGeometry {
-                sun_latitude_rad, observer_longitude_rad: longitude, observer_latitude_rad, range_km, height_km, sun_distance_au,
+                sun_latitude_rad,
+                observer_longitude_rad: longitude,
+                observer_latitude_rad,
+                range_km,
+                height_km,
+                sun_distance_au,
             };
             let [satellite, observer, sun] = placed(&g, axis, turn);
             let back = ViewingGeometry::new(&satellite, &observer, &sun).unwrap();

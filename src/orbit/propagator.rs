@@ -1,13 +1,14 @@
 //! SGP4 made ready for one satellite. TEME never leaves this room.
 
-use hifitime::{Epoch, Unit};
-use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
+use hifitime::Epoch;
+use sgp4::{Constants, MinutesSinceEpoch, Orbit, ResonanceState, WGS72, afspc_epoch_to_sidereal_time};
 use std::f64::consts::PI;
+use std::fmt;
 use thiserror::Error;
 
 use crate::catalogue::{ElementSet, NoradId};
 use crate::constants::DAY_S;
-use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
+use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity, seconds_between};
 
 /// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).
 pub const DECAYED_RADIUS_KM: f64 = 6378.135;
@@ -57,12 +58,20 @@ pub struct State<F: crate::frames::Frame> {
 }
 
 /// One satellite's SGP4 (or SDP4) constants, in the AFSPC mode with WGS72: the model that element sets are fitted with.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Propagator {
     constants: Constants,
     epoch: Epoch,
     norad_id: NoradId,
     period_s: f64,
+    /// Where the integration of a resonant deep-space orbit starts; none for all other orbits.
+    resonance: Option<ResonanceState>,
+}
+
+impl fmt::Debug for Propagator {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.debug_struct("Propagator").field("norad_id", &self.norad_id).field("epoch", &self.epoch).finish()
+    }
 }
 
 impl Propagator {
@@ -89,7 +98,21 @@ impl Propagator {
             Constants::new(WGS72, afspc_epoch_to_sidereal_time, years, elements.bstar_per_earth_radius, orbit)
                 .map_err(|error| fail(error.to_string()))?;
         let period_s = DAY_S / elements.mean_motion_rev_day;
-        Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id, period_s })
+        let resonance = constants.initial_state();
+        Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id, period_s, resonance })
+    }
+
+    /// The same orbit, made quick for times from `epoch` on, away from its element epoch; `None` where there is nothing to gain.
+    ///
+    /// SDP4 integrates the resonances of half-day and one-day orbits in steps of 720 minutes from the element epoch on. For
+    /// elements years old that is a thousand times the work of all else; it is done once here. The answers stay the same bit
+    /// for bit.
+    pub(super) fn settled(&self, epoch: Epoch) -> Option<Self> {
+        let mut resonance = self.resonance?;
+        let minutes = self.minutes_since_epoch(epoch);
+        // An orbit that breaks down has no state worth keeping.
+        self.constants.propagate_from_state(MinutesSinceEpoch(minutes), Some(&mut resonance), true).ok()?;
+        (resonance.t() != 0.0).then(|| Self { resonance: Some(resonance), ..self.clone() })
     }
 
     /// Whose orbit.
@@ -104,7 +127,8 @@ impl Propagator {
 
     /// Minutes from the element epoch to `epoch`, as SI time elapsed: leap seconds in between are counted.
     pub fn minutes_since_epoch(&self, epoch: Epoch) -> f64 {
-        (epoch - self.epoch).to_unit(Unit::Minute)
+        // Not `epoch - self.epoch`: between two UTC epochs hifitime leaves the leap seconds out.
+        seconds_between(self.epoch, epoch) / 60.0
     }
 
     /// Geocentric state at `epoch`.
@@ -138,13 +162,20 @@ impl Propagator {
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
     pub fn teme_state_at_minutes(&self, minutes: f64) -> Result<([f64; 3], [f64; 3]), OrbitError> {
-        let prediction =
-            self.constants.propagate_afspc_compatibility_mode(MinutesSinceEpoch(minutes)).map_err(|error| {
-                OrbitError::Diverged {
-                    norad_id: self.norad_id,
-                    days_since_epoch: minutes / 1440.0,
-                    reason: error.to_string(),
-                }
+        // A settled state serves its own side of the epoch, and times beyond it.
+        let mut resonance = self.resonance.filter(|state| {
+            state.t() == 0.0 || (state.t().signum() == minutes.signum() && minutes.abs() >= state.t().abs())
+        });
+        if resonance.is_none() && self.resonance.is_some() {
+            resonance = self.constants.initial_state();
+        }
+        let prediction = self
+            .constants
+            .propagate_from_state(MinutesSinceEpoch(minutes), resonance.as_mut(), true)
+            .map_err(|error| OrbitError::Diverged {
+                norad_id: self.norad_id,
+                days_since_epoch: minutes / 1440.0,
+                reason: error.to_string(),
             })?;
         let [x, y, z] = prediction.position;
         let radius_km = (x * x + y * y + z * z).sqrt();

@@ -121,6 +121,7 @@ pub struct Window {
     left_out: Vec<LeftOut>,
 }
 
+/// What became of one satellite.
 enum Kind {
     Regular(Box<Entry>),
     Always,
@@ -144,13 +145,12 @@ impl Window {
             .propagators()
             .par_iter()
             .enumerate()
-            .with_min_len(256)
+            .with_min_len(64)
             .map(|(element_index, propagator)| {
                 let Some(propagator) = propagator else { return (0.0, Kind::Absent) };
                 let minutes = (start - propagator.epoch()).to_unit(Unit::Minute);
-                let first = propagator.teme_state(minutes);
-                let last = propagator.teme_state(minutes + span_s / 60.0);
-                let kind = match (first, last) {
+                let end_minutes = minutes + span_s / 60.0;
+                let kind = match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
                     (Ok(first), Ok(last)) => entry(element_index, &first, &last, span_s, reach(element_index))
                         .map_or(Kind::Always, |entry| Kind::Regular(Box::new(entry))),
                     // Gone at both ends: it does not come back in between. Gone at one end: SGP4 decides at each moment.

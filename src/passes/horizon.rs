@@ -5,7 +5,7 @@
 //! on, and rise and set are rooted on both sides of it. Satellites that never come near (their shell and inclination keep them
 //! below the horizon) cost nothing.
 
-use hifitime::{Epoch, Unit};
+use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::look::Look;

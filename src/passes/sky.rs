@@ -316,8 +316,8 @@ impl Sky {
         run: &Run,
         options: &PassOptions,
     ) -> Result<Option<FieldPass>, crate::orbit::OrbitError> {
-        let Some(propagator) = self.index.propagator(run.element_index) else { return Ok(None) };
         let mid_s = 0.5 * (run.start_s + run.end_s);
+        let Some(propagator) = self.index.propagator(run.element_index) else { return Ok(None) };
         let orientation = scene.orientation.at_s(mid_s);
         let site = SiteMotion::new(&self.observer, &orientation, scene.sun.at_s(mid_s).earth_velocity, mid_s);
         let minutes = propagator.minutes_since_epoch(scene.start);

@@ -88,8 +88,8 @@ impl Band {
     /// Apparent magnitude of the Sun at 1 au.
     pub fn sun_magnitude(self, system: MagSystem) -> f64 {
         // AB, and Vega of BVRI: Willmer (2018, ApJS 236, 47), table 3.
-        // Vega of ugrizy: those AB values less the AB magnitude of Vega (CALSPEC spectrum in pyphot 2.1.1) in the LSST 2023
-        // passbands (speclite 1.0): 0.61, -0.10, 0.14, 0.36, 0.51, 0.55.
+        // Vega of ugrizy: those AB values less the AB magnitude of Vega (CALSPEC spectrum in pyphot 2.1.1) in the
+        // LSST 2023 passbands (speclite 1.0): 0.61, -0.10, 0.14, 0.36, 0.51, 0.55.
         // G: Casagrande and VandenBerg (2018, MNRAS 479, L102); AB - Vega 0.114 from the Gaia DR3 zero points.
         let (vega, ab) = match self {
             Band::B => (-26.13, -26.26),
@@ -188,8 +188,8 @@ mod tests {
     fn valid_colours_of_the_sun() {
         let sun = |band: Band| band.sun_magnitude(band.usual_system());
         assert_eq!(sun(Band::V), -26.76);
-        // B - V of the Sun: 0.653 ± 0.005 (Ramirez et al. 2012, ApJ 752, 5); V - R 0.352, V - I 0.702. Willmer's tables are rounded to
-        // 0.01 and state 0.02 to 0.04 mag.
+        // B - V of the Sun: 0.653 ± 0.005 (Ramirez et al. 2012, ApJ 752, 5); V - R 0.352, V - I 0.702. Willmer's
+        // tables are rounded to 0.01 and state 0.02 to 0.04 mag.
         for (blue, red, colour) in [(Band::B, Band::V, 0.653), (Band::V, Band::R, 0.352), (Band::V, Band::I, 0.702)] {
             assert!((sun(blue) - sun(red) - colour).abs() < 0.05, "{blue} - {red}");
         }

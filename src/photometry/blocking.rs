@@ -1,14 +1,14 @@
 //! What the chassis hides of the sail: from the Sun, from the observer, and from either.
 //!
-//! The sail stands on the chassis edge that looks away from the Sun, a hinge along y. In the plane of the sail let u run along
-//! the hinge from its middle and v up the sail; in the body frame a point of it is
+//! The sail stands on the chassis edge that looks away from the Sun, a hinge along y. In the plane of the sail let u
+//! run along the hinge from its middle and v up the sail; in the body frame a point of it is
 //!
 //! ```text
 //! P(u, v) = (-v sin POA, u, v cos POA)        normal n = (cos POA, 0, sin POA)
 //! ```
 //!
-//! with the hinge as origin. The chassis is the rectangle 0 ≤ x ≤ l_base, |y| ≤ w_base/2, z = 0. The ray from P towards a
-//! direction w (Sun or observer, unit vector) below the chassis plane meets z = 0 at
+//! with the hinge as origin. The chassis is the rectangle 0 ≤ x ≤ l_base, |y| ≤ w_base/2, z = 0. The ray from P
+//! towards a direction w (Sun or observer, unit vector) below the chassis plane meets z = 0 at
 //!
 //! ```text
 //! x = v (n·w)/(-w_z)        y = u + v cos POA w_y/(-w_z)
@@ -20,10 +20,10 @@
 //! h = l_base (-w_z)/(n·w)
 //! ```
 //!
-//! That is a parallelogram standing on the hinge, sheared sideways; for the Sun w_y = 0 and it is a rectangle. With w the Sun h
-//! is the paper's eq. 14, with w the observer it is y_p. **The paper's eq. 17 prints sin² δ_sun where this derivation (and
-//! casting rays) gives sin² δ_obs**; the printed form errs by up to 0.74 in the blocked fraction. The condition to be
-//! hidden is n·w > 0, not cos α > 0: with POA = -3° the latter is wrong by up to 0.86.
+//! That is a parallelogram standing on the hinge, sheared sideways; for the Sun w_y = 0 and it is a rectangle. With
+//! w the Sun h is that of the paper's eq. 15, with w the observer it is y_p. **The paper's eq. 17 prints sin² δ_sun
+//! where this derivation (and casting rays) gives sin² δ_obs**; the printed form errs by up to 0.74 in the blocked
+//! fraction. The condition to be hidden is n·w > 0, not cos α > 0: with POA = -3° the latter is wrong by up to 0.86.
 //!
 //! The share of the sail lost is the area of shadow ∪ view, cut to the sail. At each height v the three shapes are
 //! intervals in u, so the area is the integral of interval lengths that are piecewise linear in v, and is
@@ -139,9 +139,9 @@ impl ChassisBlocking {
             return Cast { height_m: 0.0, shear: 0.0 };
         }
         Cast {
-            // h = l_base (-sin δ) / (n · w)                              Lu (2024), eqs. 14 and 17 (mended)
+            // h = l_base (-sin δ) / (n · w)                              Lu (2024), eqs. 15 and 17 (mended)
             height_m: (self.base_length_m * below / facing).min(self.sail_length_m),
-            // x_p = l_base l cos δ sin α reached at height y_p           Lu (2024), eqs. 15, 16
+            // x_p = l_base l cos δ sin α reached at height y_p           Lu (2024), eqs. 16, 18
             // (here leaning away from the observer; the paper draws the mirror image).
             shear: -self.cos_panel_offset * direction.y / below,
         }

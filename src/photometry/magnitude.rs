@@ -36,8 +36,8 @@ impl StandardMagnitude {
 
     /// From an integrated reflection function B (m² sr⁻¹, cosines and areas included) and the Sun's magnitude.
     ///
-    /// `None` where B is not above 1e-12 m² sr⁻¹ (33 mag at 1000 km): nothing is lit, or nothing lit is seen, and what is left is
-    /// the rounding of a cosine that should be 0.
+    /// `None` where B is not above 1e-12 m² sr⁻¹ (33 mag at 1000 km): nothing is lit, or nothing lit is seen, and
+    /// what is left is the rounding of a cosine that should be 0.
     pub fn from_reflection(b_total_m2_sr: f64, sun_magnitude: f64) -> Option<Self> {
         // m(1000 km) = -2.5 log10(B_total / d²) + m_sun, d = 10⁶ m       Lu (2024), eqs. 19-21
         let range_m = STANDARD_RANGE_KM * 1000.0;

@@ -7,6 +7,7 @@ mod brightness;
 mod library;
 mod magnitude;
 mod model;
+mod model_check;
 mod model_file;
 mod panel;
 mod phase;

@@ -13,8 +13,9 @@ use super::phase::PhaseFunction;
 use super::satellite::SatelliteModel;
 use super::sphere::DiffuseSphere;
 
-/// Added in quadrature where a magnitude crosses from the model's band to another with the Sun's colour, mag. Assumed: satellites
-/// are measured up to a few tenths redder or bluer than the Sun, and no survey of theirs by type is public.
+/// Added in quadrature where a magnitude crosses from the model's band to another with the Sun's colour, mag.
+/// Assumed: satellites are measured up to a few tenths redder or bluer than the Sun, and no survey of theirs by type
+/// is public.
 pub const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 
 /// One sigma of a diffuse sphere scaled to a standard magnitude, mag. Assumed: shapes that are no spheres, aspects, and
@@ -33,12 +34,13 @@ pub struct FittedRange {
     pub observer_latitude_rad: [f64; 2],
     /// Angle Sun-satellite-observer.
     pub phase_angle_rad: [f64; 2],
-    /// Cosines of the greatest and least phase angle, with slack: where the phase is asked for by every point of a track, no arc
-    /// need be taken.
+    /// Cosines of the greatest and least phase angle, with slack: where the phase is asked for by every point of a
+    /// track, no arc need be taken.
     cos_phase: [f64; 2],
 }
 
-/// Slack at the ends of a fitted range, radians (and in cosines): a bound typed in degrees is met by the same number of degrees.
+/// Slack at the ends of a fitted range, radians (and in cosines): a bound typed in degrees is met by the same number
+/// of degrees.
 const RANGE_SLACK: f64 = 1e-9;
 
 impl FittedRange {
@@ -175,8 +177,8 @@ impl BrightnessModel {
 
     /// Apparent magnitude with its sigma, source and range flag.
     ///
-    /// `lit_fraction` is the share of the Sun's disk that the satellite sees. `None` where that is 0 (or no number), where nothing
-    /// lit is seen, and, with extinction, where the satellite stands at or below the observer's horizon.
+    /// `lit_fraction` is the share of the Sun's disk that the satellite sees. `None` where that is 0 (or no number),
+    /// where nothing lit is seen, and, with extinction, where the satellite stands at or below the observer's horizon.
     pub fn brightness(
         &self,
         geometry: &ViewingGeometry,
@@ -209,7 +211,8 @@ impl BrightnessModel {
         })
     }
 
-    /// True where the geometry lies within the points that the model rests on, or where it rests on no points of its own.
+    /// True where the geometry lies within the points that the model rests on, or where it rests on no points of its
+    /// own.
     pub fn covers(&self, geometry: &ViewingGeometry) -> bool {
         self.covers_phase(geometry, geometry.to_sun().cosine(&geometry.to_observer()))
     }

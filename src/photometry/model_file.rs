@@ -1,7 +1,8 @@
 //! Model files: what they hold, and what is allowed in them.
 //!
-//! A model is data. Files are JSON, one model each; the schema for editors and other programs stands beside the shipped ones
-//! (`models/model.schema.json`). Unknown keys are errors, so that a misspelt option is never silently ignored.
+//! A model is data. Files are JSON, one model each; the schema for editors and other programs stands beside the
+//! shipped ones (`models/model.schema.json`). Unknown keys are errors, so that a misspelt option is never silently
+//! ignored.
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -215,7 +216,8 @@ pub enum ModelFileError {
     },
     /// The covariance is not a symmetric 7 x 7 matrix with a diagonal that is not negative.
     #[error(
-        "model file {origin}: covariance must be 7 x 7 (c1, c2, c3, c4, c5, n_sail, n_base), finite and symmetric, with a diagonal of at least 0: {problem}"
+        "model file {origin}: covariance must be 7 x 7 (c1, c2, c3, c4, c5, n_sail, n_base), finite and \
+         symmetric, with a diagonal of at least 0: {problem}"
     )]
     Covariance {
         /// The file.
@@ -241,8 +243,8 @@ impl ModelFile {
     /// Reads and validates one model; `origin` (a file name) is what errors call it.
     ///
     /// # Errors
-    /// [`ModelFileError`]: text that is not JSON, unknown or missing keys, another schema version, values out of range, keys that do
-    /// not fit the kind, a covariance that is none.
+    /// [`ModelFileError`]: text that is not JSON, unknown or missing keys, another schema version, values out of
+    /// range, keys that do not fit the kind, a covariance that is none.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, ModelFileError> {
         let file: Self =
             serde_json::from_str(text).map_err(|source| ModelFileError::Json { origin: origin.to_owned(), source })?;
@@ -259,187 +261,5 @@ impl ModelFile {
     /// The band and system of its magnitudes, if they are known ones.
     pub fn band_and_system(&self) -> Option<(Band, MagSystem)> {
         Some((self.band.parse().ok()?, self.mag_system.parse().ok()?))
-    }
-
-    /// Holds every value to its range and every key to the kind.
-    ///
-    /// # Errors
-    /// The first [`ModelFileError`] that is found.
-    pub fn validate(&self, origin: &str) -> Result<(), ModelFileError> {
-        let check = Check { origin };
-        if self.schema != SCHEMA_VERSION {
-            return Err(ModelFileError::Schema { origin: origin.to_owned(), given: self.schema });
-        }
-        check.name("name", &self.name)?;
-        self.aliases.iter().try_for_each(|alias| check.name("aliases", alias))?;
-        check.filled("title", &self.title)?;
-        if self.band.parse::<Band>().is_err() {
-            return Err(check.text("band", &self.band, "B V R I u g r i z y G"));
-        }
-        if self.mag_system.parse::<MagSystem>().is_err() {
-            return Err(check.text("mag_system", &self.mag_system, "Vega or AB"));
-        }
-        check.range("size_m", self.size_m, 0.0, 200.0)?;
-        if let Some(rms_mag) = self.rms_mag {
-            check.range("rms_mag", rms_mag, 0.0, 5.0)?;
-        }
-        check.range("sigma_mag", self.sigma_mag, 0.01, 5.0)?;
-        check.range("sigma_outside_mag", self.sigma_outside_mag, self.sigma_mag, 5.0)?;
-        check.filled("sigma_origin", &self.sigma_origin)?;
-        check.filled("provenance.source", &self.provenance.source)?;
-        check.filled("provenance.data", &self.provenance.data)?;
-        check.filled("provenance.date", &self.provenance.date)?;
-        self.validate_keys(&check)?;
-        if let Some(shape) = &self.shape {
-            shape.validate(&check)?;
-        }
-        if let Some(coefficients) = &self.coefficients {
-            coefficients.validate(&check)?;
-        }
-        if let Some(covariance) = &self.covariance {
-            check.covariance(covariance)?;
-        }
-        if let Some(phase) = &self.phase_function {
-            phase.validate(&check)?;
-        }
-        if let Some(mean_mag) = self.mean_mag {
-            check.range("mean_mag", mean_mag, -10.0, 30.0)?;
-        }
-        self.geometry_range.map_or(Ok(()), |range| range.validate(&check))
-    }
-
-    /// Which optional keys the kind needs and which it has no use for.
-    fn validate_keys(&self, check: &Check) -> Result<(), ModelFileError> {
-        let panels = self.kind == ModelKind::TwoPanel;
-        let phase = self.kind == ModelKind::PhaseFunction;
-        let mean = matches!(self.kind, ModelKind::Mean | ModelKind::Prior);
-        let keys = [
-            ("shape", self.shape.is_some(), panels),
-            ("coefficients", self.coefficients.is_some(), panels),
-            ("phase_function", self.phase_function.is_some(), phase),
-            ("mean_mag", self.mean_mag.is_some(), mean),
-        ];
-        let key_error = |problem, key| ModelFileError::Key {
-            origin: check.origin.to_owned(),
-            kind: self.kind.name(),
-            problem,
-            key,
-        };
-        for (key, present, needed) in keys {
-            match (present, needed) {
-                (false, true) => return Err(key_error("needs", key)),
-                (true, false) => return Err(key_error("has no use for", key)),
-                _ => {}
-            }
-        }
-        if self.covariance.is_some() && !panels {
-            return Err(key_error("has no use for", "covariance"));
-        }
-        Ok(())
-    }
-}
-
-impl SatelliteShape {
-    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
-        check.range("shape.sail_length_m", self.sail_length_m, 0.01, 200.0)?;
-        check.range("shape.sail_width_m", self.sail_width_m, 0.01, 200.0)?;
-        check.range("shape.base_length_m", self.base_length_m, 0.01, 200.0)?;
-        check.range("shape.base_width_m", self.base_width_m, 0.01, 200.0)?;
-        check.range("shape.panel_offset_deg", self.panel_offset_deg, -60.0, 60.0)
-    }
-}
-
-impl Coefficients {
-    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
-        let weights = [("c1", self.c1), ("c2", self.c2), ("c3", self.c3), ("c4", self.c4), ("c5", self.c5)];
-        for (key, value) in weights {
-            check.range(&format!("coefficients.{key}"), value, 0.0, 10.0)?;
-        }
-        for (key, value) in [("n_sail", self.n_sail), ("n_base", self.n_base)] {
-            check.range(&format!("coefficients.{key}"), value, 0.0, 10_000.0)?;
-        }
-        Ok(())
-    }
-}
-
-impl PhasePolynomial {
-    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
-        check.range("phase_function.coefficients (their number)", self.coefficients.len() as f64, 1.0, 8.0)?;
-        for (i, &value) in self.coefficients.iter().enumerate() {
-            check.range(&format!("phase_function.coefficients[{i}]"), value, -100.0, 100.0)?;
-        }
-        check.range("phase_function.max_phase_deg", self.max_phase_deg, 0.0, 180.0)?;
-        // Written so that equal ends are refused too.
-        let below = self.max_phase_deg - 1e-6;
-        check.range("phase_function.min_phase_deg", self.min_phase_deg, 0.0, below)
-    }
-}
-
-impl GeometryRange {
-    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
-        let ranges = [
-            ("sun_latitude_deg", self.sun_latitude_deg, -90.0, 90.0),
-            ("observer_latitude_deg", self.observer_latitude_deg, -90.0, 90.0),
-            ("phase_angle_deg", self.phase_angle_deg, 0.0, 180.0),
-        ];
-        for (key, range, least, greatest) in ranges {
-            if let Some([from, to]) = range {
-                check.range(&format!("geometry_range.{key}[0]"), from, least, greatest)?;
-                check.range(&format!("geometry_range.{key}[1]"), to, from, greatest)?;
-            }
-        }
-        Ok(())
-    }
-}
-
-/// Checks that know whose file they speak of.
-struct Check<'a> {
-    origin: &'a str,
-}
-
-impl Check<'_> {
-    fn range(&self, key: &str, given: f64, least: f64, greatest: f64) -> Result<(), ModelFileError> {
-        // Not a number is in no range.
-        if (least..=greatest).contains(&given) {
-            return Ok(());
-        }
-        Err(ModelFileError::OutOfRange { origin: self.origin.to_owned(), key: key.to_owned(), given, least, greatest })
-    }
-
-    fn text(&self, key: &'static str, given: &str, allowed: &'static str) -> ModelFileError {
-        ModelFileError::Text { origin: self.origin.to_owned(), key, given: given.to_owned(), allowed }
-    }
-
-    fn filled(&self, key: &'static str, given: &str) -> Result<(), ModelFileError> {
-        if given.trim().is_empty() { Err(self.text(key, given, "any text that is not empty")) } else { Ok(()) }
-    }
-
-    fn name(&self, key: &'static str, given: &str) -> Result<(), ModelFileError> {
-        let letter = |c: char| c.is_ascii_lowercase() || c.is_ascii_digit() || c == '.' || c == '-';
-        if (1..=64).contains(&given.len()) && given.chars().all(letter) {
-            return Ok(());
-        }
-        Err(self.text(key, given, "1 to 64 lower-case letters, digits, '.' and '-'"))
-    }
-
-    fn covariance(&self, matrix: &[Vec<f64>]) -> Result<(), ModelFileError> {
-        let error = |problem: String| ModelFileError::Covariance { origin: self.origin.to_owned(), problem };
-        if matrix.len() != 7 {
-            return Err(error(format!("it has {} rows", matrix.len())));
-        }
-        if let Some((i, row)) = matrix.iter().enumerate().find(|(_, row)| row.len() != 7) {
-            return Err(error(format!("row {i} has {} columns", row.len())));
-        }
-        for (i, row) in matrix.iter().enumerate() {
-            for (j, (&value, mirrored)) in row.iter().zip(matrix.iter().map(|row| row[i])).enumerate() {
-                if !value.is_finite() || (i == j && value < 0.0) {
-                    return Err(error(format!("element [{i}][{j}] is {value}")));
-                }
-                if (value - mirrored).abs() > 1e-9 * value.abs().max(mirrored.abs()) {
-                    return Err(error(format!("element [{i}][{j}] is {value}, [{j}][{i}] is {mirrored}")));
-                }
-            }
-        }
-        Ok(())
     }
 }

@@ -1,7 +1,8 @@
 //! Phase functions: the magnitude at 1000 km as a polynomial of the angle Sun-satellite-observer.
 //!
-//! m(1000 km) = a0 + a1 φ + a2 φ² + …, φ in degrees. Such fits turn absurd outside the phases they were made on (that of
-//! V1.5 gives 3.9 mag at 0° and 3.1 at 180°), so φ is clamped to the fitted range and the answer marked as outside it.
+//! m(1000 km) = a0 + a1 φ + a2 φ² + …, φ in degrees. Such fits turn absurd outside the phases they were made on
+//! (that of V1.5 gives 3.9 mag at 0° and 3.1 at 180°), so φ is clamped to the fitted range and the answer marked as
+//! outside it.
 
 use std::sync::Arc;
 

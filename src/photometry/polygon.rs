@@ -69,7 +69,8 @@ mod tests {
 
     #[test]
     fn verif_triangle_cut_by_a_square() {
-        // The triangle (0,0) (2,0) (0,2) within the unit square is the whole square; within (0..1, 0..0.5) a half of it.
+        // The triangle (0,0) (2,0) (0,2) within the unit square is the whole square; within (0..1, 0..0.5) a half of
+        // it.
         let triangle = SailPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
         assert!((triangle.area_m2() - 2.0).abs() < 1e-15);
         assert!((triangle.clipped_to_rectangle(0.0, 1.0, 0.0, 1.0).area_m2() - 1.0).abs() < 1e-15);

@@ -1,8 +1,8 @@
 //! The paper's satellite: a chassis and a sail, five terms of reflected light, each to be had apart.
 //!
 //! B_total = glossy + diffuse of the sail's front, light leaking through its back, glossy + diffuse of the chassis
-//! (Lu 2024, section 2.1). The sail is kept turned to the Sun about the zenith and stands on the chassis, leaning by the panel
-//! offset angle; the chassis looks straight down. Earthshine on the chassis is not in these terms.
+//! (Lu 2024, section 2.1). The sail is kept turned to the Sun about the zenith and stands on the chassis, leaning by
+//! the panel offset angle; the chassis looks straight down. Earthshine on the chassis is not in these terms.
 
 use nalgebra::Vector3;
 

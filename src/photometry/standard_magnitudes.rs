@@ -1,9 +1,9 @@
 //! Standard magnitudes by object, from the table that amateurs keep for QuickSat (`qs.mag`).
 //!
 //! Mike McCants' intrinsic magnitude is stated for 1000 km, *full* phase, and the brightest aspect that is likely. We
-//! want the mean at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase and about 0.7 mag
-//! from brightest to average, together 1.45 mag fainter. (Other programs read the column as half phase; merged
-//! lists in circulation add a round 1.0.) Rows without a magnitude are passed over.
+//! want the mean at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase and
+//! about 0.7 mag from brightest to average, together 1.45 mag fainter. (Other programs read the column as half
+//! phase; merged lists in circulation add a round 1.0.) Rows without a magnitude are passed over.
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
@@ -13,7 +13,8 @@ use thiserror::Error;
 
 use super::magnitude::StandardMagnitude;
 
-/// Full phase, brightest likely, to half phase, average: 2.5 log10 2 + 0.7 mag (McCants, "Intrinsic magnitude definitions").
+/// Full phase, brightest likely, to half phase, average: 2.5 log10 2 + 0.7 mag (McCants, "Intrinsic magnitude
+/// definitions").
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
 
 /// Why a table of standard magnitudes cannot be read.
@@ -47,7 +48,8 @@ impl StandardMagnitudes {
                 let id: u32 = line.get(0..5)?.trim().parse().ok()?;
                 let end = line.len().min(37);
                 let intrinsic: f64 = line.get(33..end)?.trim().parse().ok()?;
-                // The table's first and last lines are a header that begins with 00001 and 99999, and have no number here.
+                // The table's first and last lines are a header that begins with 00001 and 99999, and have no number
+                // here.
                 (id > 0 && intrinsic.is_finite())
                     .then_some((id, StandardMagnitude(intrinsic + QUICKSAT_TO_HALF_LIT_MAG)))
             })

@@ -5,12 +5,15 @@ use crate::passes::{Exposure, FieldPass};
 use super::exposure_flag::{ExposureFlag, Verdict};
 use super::policy::Policy;
 
+/// Satellites named in the reasons; under many shells there are dozens.
+const NAMED_REASONS: usize = 5;
+
 /// What a verdict needs to know besides the passes.
 pub struct Rules<'a> {
     /// The limits.
     pub policy: &'a Policy,
     /// Share of the field's pixels that a pass costs if it comes, [0, 1]; `None` where no telescope says how wide a streak is.
-    pub lost_fraction: &'a dyn Fn(&FieldPass) -> Option<f64>,
+    pub lost_fraction: Option<&'a dyn Fn(&FieldPass) -> f64>,
 }
 
 /// Judges an exposure by the passes that cross it, or nearly cross it.
@@ -26,6 +29,7 @@ pub fn flag(exposure: &Exposure, band: Option<&str>, passes: &[FieldPass], rules
     let nominal = || counted.iter().filter(|pass| pass.is_crossing());
 
     let mut reasons = Vec::new();
+    let mut more_reasons = 0;
     let limits = [
         ("limit", policy.limit_mag.as_ref()),
         ("saturation limit", policy.saturation_mag.as_ref()),
@@ -37,6 +41,10 @@ pub fn flag(exposure: &Exposure, band: Option<&str>, passes: &[FieldPass], rules
         for (name, limit) in limits {
             if let Some(limit) = limit.and_then(|limit| limit.of(band)).filter(|limit| magnitude < *limit) {
                 avoid = true;
+                if reasons.len() == NAMED_REASONS {
+                    more_reasons += 1;
+                    continue;
+                }
                 reasons.push(format!(
                     "{} reaches mag {magnitude:.2}, brighter than the {name} {limit} (probability {:.2})",
                     pass.norad_id, pass.probability
@@ -44,10 +52,12 @@ pub fn flag(exposure: &Exposure, band: Option<&str>, passes: &[FieldPass], rules
             }
         }
     }
-    let losses: Vec<Option<f64>> = lit().map(|pass| Some((rules.lost_fraction)(pass)? * pass.probability)).collect();
-    // Without a telescope nothing is known of the loss, except that no streak loses nothing.
-    let lost: Option<f64> =
-        losses.into_iter().collect::<Option<Vec<f64>>>().map(|all| all.iter().sum::<f64>().min(1.0));
+    if more_reasons > 0 {
+        reasons.push(format!("and {more_reasons} more"));
+    }
+    let lost = rules
+        .lost_fraction
+        .map(|lost_fraction| lit().map(|pass| lost_fraction(pass) * pass.probability).sum::<f64>().min(1.0));
     if let (Some(lost), Some(most)) = (lost, policy.max_lost_fraction)
         && lost > most
     {

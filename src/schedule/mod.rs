@@ -4,8 +4,10 @@
 //! cross it and a [`Policy`], [`flag_exposures`] all of them; [`next_clear_start`] is the arithmetic of waiting; [`annotate`]
 //! writes the answer beside every original cell. A row that cannot be judged stays in its place with its reason.
 
+mod annotate;
 mod error;
 mod exposure_flag;
+mod exposure_table;
 mod flag_table;
 mod formats;
 mod horizon;
@@ -18,13 +20,16 @@ mod scheduled;
 mod shift;
 mod streak_table;
 
+pub use annotate::{AnnotateError, Annotation, annotate};
 pub use error::ScheduleError;
 pub use exposure_flag::{ExposureFlag, Verdict};
+pub use exposure_table::exposure_table;
 pub use flag_table::flag_table;
 pub use formats::ScheduleFormat;
 pub use horizon::lowest_altitudes_rad;
 pub use instant::{InstantError, is_covered, parse_instant};
 pub use judge::{Rules, flag};
+pub(crate) use policy::one_line as toml_error_on_one_line;
 pub use policy::{MagnitudeLimit, Policy, PolicyError};
 pub use report::{FlagReport, FlagRequest, flag_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};

@@ -47,6 +47,21 @@ pub struct FlagReport {
     pub left_out: Vec<LeftOut>,
 }
 
+impl FlagReport {
+    /// Puts the report of the rows that follow behind this one.
+    pub fn append(&mut self, next: FlagReport) {
+        self.flags.extend(next.flags);
+        self.passes.extend(next.passes);
+        self.left_out.extend(next.left_out);
+        self.name_each_once();
+    }
+
+    fn name_each_once(&mut self) {
+        self.left_out.sort_by_key(|left_out| left_out.element_index);
+        self.left_out.dedup_by_key(|left_out| left_out.element_index);
+    }
+}
+
 /// Judges every row. Rows that cannot be judged get the verdict `invalid`; the rest goes on.
 ///
 /// `margin_s` of the policy counts at both ends: an exposure whose own time is clear but not its margin is `streaked`.
@@ -65,14 +80,18 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
     let mut answer = request.sky.field_passes(&exposures, request.field, &options)?;
     report.left_out.append(&mut answer.left_out);
 
-    let rules = Rules { policy: request.policy, lost_fraction: &|pass| lost_fraction(pass, request) };
+    let lost_fraction =
+        request.telescope.map(|telescope| move |pass: &FieldPass| lost_fraction(pass, telescope, request));
+    let rules = Rules {
+        policy: request.policy,
+        lost_fraction: lost_fraction.as_ref().map(|lost_fraction| lost_fraction as &dyn Fn(&FieldPass) -> f64),
+    };
     for ((row, exposure), passes) in judged.iter().zip(answer.by_exposure) {
         flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &rules));
         report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
     shift(&judged, request, &mut flags, &mut report)?;
-    report.left_out.sort_by_key(|left_out| left_out.element_index);
-    report.left_out.dedup_by_key(|left_out| left_out.element_index);
+    report.name_each_once();
     // Every row has one by now: those above the horizon were judged, the others are invalid.
     report.flags = flags.into_iter().flatten().collect();
     Ok(report)
@@ -105,10 +124,9 @@ fn above_the_horizon<'a>(
     judged
 }
 
-fn lost_fraction(pass: &FieldPass, request: &FlagRequest<'_>) -> Option<f64> {
-    let telescope = request.telescope?;
+fn lost_fraction(pass: &FieldPass, telescope: &Telescope, request: &FlagRequest<'_>) -> f64 {
     let width_arcsec = telescope.width_arcsec(pass.mid.range_km, request.sky.model(pass.element_index).size_m());
-    Some(telescope.lost_pixel_fraction(pass.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2()))
+    telescope.lost_pixel_fraction(pass.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
 }
 
 /// Looks for the next clear start of all exposures that are not clear, or whose margins may not be.

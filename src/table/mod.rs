@@ -3,6 +3,7 @@
 //! The room knows nothing of satellites. A table of any room is a list of [`Column`]s and rows of [`Value`]s; the same
 //! rows go to CSV, ECSV, JSON and JSON lines with the same digits.
 
+mod atomic;
 mod column;
 mod csv;
 mod ecsv;
@@ -12,6 +13,7 @@ mod provenance;
 mod value;
 
 pub use self::csv::write_csv;
+pub use atomic::{AtomicFile, write_atomically};
 pub use column::{Column, Kind};
 pub use ecsv::write_ecsv;
 pub use instant::format_utc;

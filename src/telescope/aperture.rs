@@ -24,7 +24,8 @@ pub struct Telescope {
     pub pixel_scale_arcsec: f64,
     /// The field that is taken where none is given.
     pub field: FieldOfView,
-    /// How many streak widths wide a mask must be. Two hold 98 % of the light of a Gaussian profile whose FWHM is the width.
+    /// How many streak widths wide a mask must be. Two hold 98 % of the light of a Gaussian profile whose FWHM is
+    /// the width.
     #[serde(default = "default_mask_widths")]
     pub mask_widths: f64,
     /// Brightest streaks that the detector bears, by band name.
@@ -39,7 +40,8 @@ fn default_mask_widths() -> f64 {
     2.0
 }
 
-/// Magnitudes that a satellite must be fainter than; those of a satellite standing still at 550 km overhead for streaks.
+/// Magnitudes that a satellite must be fainter than; those of a satellite standing still at 550 km overhead for
+/// streaks.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BandLimits {

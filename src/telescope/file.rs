@@ -84,7 +84,8 @@ impl Telescope {
     /// From the text of a TOML file with the keys of [`Telescope`]; `origin` (its name) is what errors call it.
     ///
     /// # Errors
-    /// [`TelescopeError`]: text that is not TOML, unknown or missing keys, values out of range, limits for unknown bands.
+    /// [`TelescopeError`]: text that is not TOML, unknown or missing keys, values out of range, limits for unknown
+    /// bands.
     pub fn from_toml(text: &str, origin: &str) -> Result<Self, TelescopeError> {
         let telescope: Self = toml::from_str(text).map_err(|error| TelescopeError::Toml {
             origin: origin.to_owned(),

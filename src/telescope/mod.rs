@@ -1,8 +1,8 @@
 //! Telescopes as streaks see them: aperture, seeing, pixels, field, and the limits of their detectors.
 //!
-//! A satellite is near enough to be out of focus: seen from it the mirror is a disk with a hole, and the image of a point
-//! is that disk. Widths follow Tyson et al. (2020, AJ 160, 226) and Ragazzoni (2020, PASP 132, 114502). Angles at this room's
-//! face are arcseconds and degrees, since they are what people type.
+//! A satellite is near enough to be out of focus: seen from it the mirror is a disk with a hole, and the image of a
+//! point is that disk. Widths follow Tyson et al. (2020, AJ 160, 226) and Ragazzoni (2020, PASP 132, 114502). Angles
+//! at this room's face are arcseconds and degrees, since they are what people type.
 
 mod aperture;
 mod file;
@@ -10,4 +10,7 @@ mod streak;
 
 pub use aperture::{BandLimits, FieldOfView, Telescope};
 pub use file::TelescopeError;
-pub use streak::{effective_magnitude, expected_lost_pixel_fraction, surface_brightness_mag_arcsec2, time_on_pixel_s};
+pub use streak::{
+    effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag, surface_brightness_mag_arcsec2,
+    time_on_pixel_s,
+};

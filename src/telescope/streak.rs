@@ -5,9 +5,9 @@ pub(super) const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 /// Magnitude of the star whose image would be as bright per area as the streak, in the same exposure.
 ///
-/// `magnitude` is that of the satellite as if it stood still, `width_arcsec` its streak's width, `angular_rate_arcsec_s` its speed,
-/// `exposure_s` the time that the shutter is open. A satellite too slow to draw a streak longer than its
-/// width keeps its own magnitude.
+/// `magnitude` is that of the satellite as if it stood still, `width_arcsec` its streak's width,
+/// `angular_rate_arcsec_s` its speed, `exposure_s` the time that the shutter is open. A satellite too slow to draw a
+/// streak longer than its width keeps its own magnitude.
 pub fn effective_magnitude(magnitude: f64, width_arcsec: f64, angular_rate_arcsec_s: f64, exposure_s: f64) -> f64 {
     // m_eff = m - 2.5 log10(θ / (ω t))
     let length_arcsec = (angular_rate_arcsec_s * exposure_s).max(width_arcsec);
@@ -39,6 +39,14 @@ pub fn time_on_pixel_s(pixel_scale_arcsec: f64, angular_rate_arcsec_s: f64) -> f
 /// counts crossings twice, and cut at 1.
 pub fn expected_lost_pixel_fraction(streak_length_deg: f64, masked_width_arcsec: f64, field_area_deg2: f64) -> f64 {
     (streak_length_deg * masked_width_arcsec / 3600.0 / field_area_deg2).clamp(0.0, 1.0)
+}
+
+/// Magnitude that satellites should be fainter than (V, overhead, on station), by the advice of SATCON1 (2020,
+/// recommendation 5).
+///
+/// 7 mag up to 550 km; above, 7 + 2.5 log10(h / 550 km), since a higher satellite moves more slowly over the pixels.
+pub fn satcon1_limit_mag(height_km: f64) -> f64 {
+    7.0 + 2.5 * (height_km / 550.0).max(1.0).log10()
 }
 
 #[cfg(test)]
@@ -78,6 +86,14 @@ mod tests {
         // A satellite that hardly moves keeps its own magnitude.
         assert_eq!(effective_magnitude(11.0, 2.0, 0.0, 30.0), 11.0);
         assert_eq!(effective_magnitude(11.0, 2.0, 1e-3, 30.0), 11.0);
+    }
+
+    #[test]
+    fn valid_satcon1_limits() {
+        assert_eq!(satcon1_limit_mag(340.0), 7.0);
+        assert_eq!(satcon1_limit_mag(550.0), 7.0);
+        // OneWeb at 1200 km: 7.85 mag.
+        assert!((satcon1_limit_mag(1200.0) - 7.85).abs() < 0.005);
     }
 
     #[test]

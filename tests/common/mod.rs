@@ -1,6 +1,7 @@
 //! What the integration tests share: where the folder of real data is, and a loud word when it is not there.
 #![allow(dead_code)]
 
+use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The folder of real data: `STREAKCAST_DATA`, else `../shared/data` beside the project.
@@ -19,7 +20,12 @@ pub fn data_dir() -> Option<PathBuf> {
         return Some(folder);
     }
     let test = std::thread::current().name().unwrap_or("a test").to_string();
-    eprintln!("\n*** SKIPPED {test}: no real data at {} (set STREAKCAST_DATA) ***\n", folder.display());
+    // The handle itself: what goes through `eprintln!` is kept back when a test passes.
+    let _ = writeln!(
+        std::io::stderr(),
+        "\n*** SKIPPED {test}: no real data at {} (set STREAKCAST_DATA) ***\n",
+        folder.display()
+    );
     None
 }
 

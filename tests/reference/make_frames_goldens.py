@@ -97,6 +97,16 @@ def main(finals, ephemeris, target):
         row |= dict(zip(["de421_sun_x_km", "de421_sun_y_km", "de421_sun_z_km"], their_sun))
         row |= dict(zip(["de421_earth_vx_km_s", "de421_earth_vy_km_s", "de421_earth_vz_km_s"], planets["earth"].at(when).velocity.km_per_s))
 
+        # A star 30 degrees from the Sun or more (deflection of light below 0.02"): its geocentric apparent place of date.
+        towards_sun = (sun - earth).xyz.to_value(u.km)
+        while True:
+            star_ra, star_dec = rng.uniform(0, 2 * np.pi), np.arcsin(rng.uniform(-1, 1))
+            star = erfa.s2c(star_ra, star_dec)
+            if np.dot(star, towards_sun) / np.linalg.norm(towards_sun) < np.cos(np.radians(30)):
+                break
+        ri, di, eo = erfa.atci13(star_ra, star_dec, 0.0, 0.0, 0.0, 0.0, t.tdb.jd1, t.tdb.jd2)
+        row |= {"star_ra_rad": star_ra, "star_dec_rad": star_dec, "apparent_ra_rad": erfa.anp(ri - eo), "apparent_dec_rad": di}
+
         columns = columns or list(row)
         lines.append(",".join(value if isinstance(value, str) else repr(float(value)) for value in row.values()))
 

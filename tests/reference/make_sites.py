@@ -91,7 +91,7 @@ SITES = [
     ("", "HET", "Hobby-Eberly Telescope|Hobby Eberly Telescope", (30.681389, -104.014722, 2026)),  # HET
     ("V37", "LCO McDonald", "ELP|LCOGT ELP", None),
     ("H06", "New Mexico Skies", "Mayhill|iTelescope Mayhill", None),
-    ("658", "DAO", "Dominion Astrophysical Observatory|Plaskett|Victoria|Plaskett Telescope", (48.520031, -123.417137, 244.14)),  # as JPL Horizons has it
+    ("658", "DAO", "Dominion Astrophysical Observatory|Plaskett|Victoria|Plaskett Telescope", (48.519974, -123.417006, 244.2)),  # the place in JPL Horizons' rows of 2021 once polar motion is applied: the MPC's longitude, 10 m higher
     ("", "DRAO", "Dominion Radio Astrophysical Observatory|Penticton", (49.3210230556, -119.6189802778, 546.566)),  # Galt, by astropy
     ("", "Mont Megantic", "OMM|Observatoire du Mont Megantic|Mont Mégantic Observatory", (45.4557111, -71.1525, 1108)),  # by astropy
     ("", "Green Bank", "GBT|Green Bank Telescope|Green Bank Observatory", (38.433056, -79.839722, 807)),  # by astropy

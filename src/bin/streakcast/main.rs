@@ -1,3 +1,30 @@
 //! The command line: it translates what was typed and prints what the library answers.
 
-fn main() {}
+mod arguments;
+mod failure;
+mod notices;
+mod output;
+mod screen;
+mod verbs;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use arguments::{Arguments, Verb};
+use failure::{exit_code, report_usage};
+
+fn main() -> ExitCode {
+    let arguments = match Arguments::try_parse() {
+        Ok(arguments) => arguments,
+        Err(error) => return report_usage(&error),
+    };
+    exit_code(match arguments.verb {
+        Verb::Passes(typed) => verbs::passes::run(*typed),
+        Verb::Flag(typed) => verbs::flag::run(*typed),
+        Verb::Annotate(typed) => verbs::annotate::run(*typed),
+        Verb::Model(typed) => verbs::model::run(typed),
+        Verb::Sites(typed) => verbs::sites::run(&typed),
+        Verb::Shells(typed) => verbs::shells::run(&typed),
+    })
+}

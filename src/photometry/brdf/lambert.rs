@@ -4,8 +4,9 @@
 //! |---|---|---|---|
 //! | `albedo` | 1 | 0 and up, at most 1 where energy is conserved | share of the incident power that leaves again |
 //!
-//! A rough surface that scatters many times forgets where the light came from. The paper uses it for the diffuse part of
-//! both panels and for the light that leaks through the sail's gaps. It is not a good law near grazing incidence.
+//! A rough surface that scatters many times forgets where the light came from. The paper uses it for the diffuse
+//! part of both panels and for the light that leaks through the sail's gaps. It is not a good law near grazing
+//! incidence.
 //!
 //! Reference: Lu (2024), eqs. 3, 4 and 6; Lambert, *Photometria* (1760).
 

@@ -5,10 +5,10 @@
 //! | `weight` | 1 | 0 and up | share of the incident power in the lobe, for light along the normal |
 //! | `exponent` | 1 | 0 and up | narrowness: the lobe is down to half at acos(2^(-1/n)), 14.3° for n = 22 |
 //!
-//! θ is the angle between the mirror direction of the incident light and the observer; where it exceeds 90° the lobe is 0.
-//! With (n+2)/2π the power that leaves under light along the normal is `weight` (the projection's cosine is part of the
-//! integral); at slant incidence part of the lobe lies below the surface and less leaves. The law is reciprocal, since θ does not
-//! change when light and eye change places.
+//! θ is the angle between the mirror direction of the incident light and the observer; where it exceeds 90° the lobe
+//! is 0. With (n+2)/2π the power that leaves under light along the normal is `weight` (the projection's cosine is
+//! part of the integral); at slant incidence part of the lobe lies below the surface and less leaves. The law is
+//! reciprocal, since θ does not change when light and eye change places.
 //!
 //! It is empirical: no Fresnel rise towards grazing, no masking, and no microscopic picture behind the exponent.
 //!

@@ -1,0 +1,280 @@
+//! What can be typed.
+
+use std::path::{Path, PathBuf};
+
+use clap::{Args, Parser, Subcommand, ValueEnum};
+use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
+
+/// Satellites crossing astronomers' exposures: which, when, where and how bright.
+#[derive(Parser)]
+#[command(name = "streakcast", version, arg_required_else_help = true, propagate_version = true)]
+pub struct Arguments {
+    #[command(subcommand)]
+    pub verb: Verb,
+}
+
+#[derive(Subcommand)]
+pub enum Verb {
+    /// Every satellite that crosses the field during one exposure, with times, track and magnitude
+    Passes(Box<PassesArguments>),
+    /// One verdict for each exposure of a schedule, with reasons and the next clear start
+    Flag(Box<FlagArguments>),
+    /// The schedule file again, every cell as it was, with flags and streaks beside
+    Annotate(Box<AnnotateArguments>),
+    /// The brightness models: list, show, check
+    Model(ModelArguments),
+    /// The observatories known by name and MPC code
+    Sites(ListArguments),
+    /// The synthetic constellations for --shells
+    Shells(ListArguments),
+}
+
+/// Satellites, site, camera and output: the same for every verb.
+#[derive(Args)]
+pub struct SharedArguments {
+    /// Element sets: TLE, 2LE, 3LE, OMM as JSON, CSV, XML or KVN, plain or gzipped
+    #[arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites")]
+    pub elements: Vec<PathBuf>,
+    /// Synthetic constellations (streakcast shells lists them), or a TOML file of one's own
+    #[arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',', help_heading = "Satellites")]
+    pub shells: Vec<String>,
+    /// Take element sets with a wrong checksum
+    #[arg(long, help_heading = "Satellites")]
+    pub accept_bad_checksums: bool,
+    /// Standard magnitudes in the form of McCants' qs.mag
+    #[arg(long, value_name = "FILE", help_heading = "Satellites")]
+    pub qs_mag: Option<PathBuf>,
+    /// Observatory by name (streakcast sites lists them)
+    #[arg(long, value_name = "NAME", help_heading = "Site")]
+    pub site: Option<String>,
+    /// Observatory by MPC code
+    #[arg(long, value_name = "CODE", help_heading = "Site")]
+    pub mpc: Option<String>,
+    /// Latitude, degrees north (WGS84)
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
+    pub lat: Option<f64>,
+    /// Longitude, degrees east
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
+    pub lon: Option<f64>,
+    /// Height above the ellipsoid, metres
+    #[arg(long, value_name = "M", allow_hyphen_values = true, help_heading = "Site")]
+    pub height: Option<f64>,
+    /// Full diameter of a circular field with its unit, as 3.5deg or 40arcmin
+    #[arg(long, value_name = "ANGLE", help_heading = "Camera")]
+    pub fov: Option<String>,
+    /// Field of any shape: a JSON file of circles, rectangles and polygons
+    #[arg(long, value_name = "FILE", help_heading = "Camera")]
+    pub field: Option<PathBuf>,
+    /// Position angle of the field's y axis, degrees from north through east
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Camera")]
+    pub rotation: Option<f64>,
+    /// Telescope: atlas, decam, pan-starrs, rubin, small, vst, ztf, or a TOML file
+    #[arg(long, value_name = "NAME", help_heading = "Camera")]
+    pub telescope: Option<String>,
+    /// Passband of the magnitudes: B V R I u g r i z y G
+    #[arg(long, value_name = "BAND", help_heading = "Camera")]
+    pub band: Option<String>,
+    /// Zero point of the magnitudes: Vega or AB; each band has its usual one
+    #[arg(long, value_name = "SYSTEM", help_heading = "Camera")]
+    pub mag_system: Option<String>,
+    /// Crossings brighter than this, in that band, make an exposure one to avoid
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Camera")]
+    pub limit_mag: Option<f64>,
+    /// Near misses count too where they are at least this probable
+    #[arg(long, value_name = "P", help_heading = "Camera")]
+    pub min_probability: Option<f64>,
+    /// Scale of times that name none: utc, tai or tt
+    #[arg(long, value_name = "SCALE", help_heading = "Time")]
+    pub time_scale: Option<String>,
+    /// UT1 and polar motion: an IERS finals2000A file
+    #[arg(long, value_name = "FILE", help_heading = "Time")]
+    pub eop: Option<PathBuf>,
+    /// Configuration file: these flags by name; flags that are typed win
+    #[arg(long, value_name = "FILE", help_heading = "Run")]
+    pub config: Option<PathBuf>,
+    /// Threads; all cores where unsaid
+    #[arg(long, value_name = "N", help_heading = "Run")]
+    pub threads: Option<usize>,
+    /// No warnings, no progress
+    #[arg(long, short, help_heading = "Run")]
+    pub quiet: bool,
+}
+
+#[derive(Args)]
+pub struct OutputArguments {
+    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl
+    #[arg(long, value_name = "FORMAT", help_heading = "Output")]
+    pub format: Option<String>,
+    /// File to write, whole or not at all; standard output where unsaid
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
+    pub output: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct PassesArguments {
+    /// Shutter opening, as 2024-08-14T00:30:00.000Z
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub start: Option<String>,
+    /// Length of the exposure with its unit, as 30s or 2min
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
+    pub exposure: Option<String>,
+    /// Right ascension of the field's centre (ICRS): 188.5 (degrees) or 12h34m
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
+    pub ra: Option<String>,
+    /// Declination of the field's centre (ICRS): -30.5 or -30d30m
+    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
+    pub dec: Option<String>,
+    /// Crossings of satellites in the Earth's shadow too
+    #[arg(long)]
+    pub include_dark: bool,
+    /// Points along each track
+    #[arg(long, value_name = "N")]
+    pub samples: Option<usize>,
+    #[command(flatten)]
+    pub shared: SharedArguments,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+/// What makes an exposure bad.
+#[derive(Args)]
+pub struct RulesArguments {
+    /// The schedule: opsim SQLite, CSV, ECSV or JSON
+    #[arg(long, value_name = "FILE")]
+    pub schedule: PathBuf,
+    /// Policy file (TOML)
+    #[arg(long, value_name = "FILE")]
+    pub policy: Option<PathBuf>,
+    /// The longest wait for a clear field with its unit, as 10min
+    #[arg(long, value_name = "TIME")]
+    pub max_delay: Option<String>,
+}
+
+#[derive(Args)]
+pub struct FlagArguments {
+    #[command(flatten)]
+    pub rules: RulesArguments,
+    /// End with exit code 1 where any exposure is streaked (or worse), or one to avoid
+    #[arg(long, value_name = "VERDICT")]
+    pub fail_on: Option<FailOn>,
+    #[command(flatten)]
+    pub shared: SharedArguments,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+#[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
+pub enum FailOn {
+    Streaked,
+    Avoid,
+}
+
+#[derive(Args)]
+pub struct AnnotateArguments {
+    #[command(flatten)]
+    pub rules: RulesArguments,
+    /// File to write; it may be the schedule itself
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Take the place of an earlier annotation
+    #[arg(long)]
+    pub replace: bool,
+    #[command(flatten)]
+    pub shared: SharedArguments,
+}
+
+#[derive(Args)]
+pub struct ModelArguments {
+    #[command(subcommand)]
+    pub verb: ModelVerb,
+}
+
+#[derive(Subcommand)]
+pub enum ModelVerb {
+    /// All models by name
+    List(ModelListArguments),
+    /// One model: its file, with coefficients, covariance and provenance
+    Show(ModelShowArguments),
+    /// Holds model files to the rules: those shipped, or those named
+    Check {
+        /// Model files
+        files: Vec<PathBuf>,
+    },
+}
+
+#[derive(Args)]
+pub struct ModelListArguments {
+    /// Configuration file with models of one's own
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+#[derive(Args)]
+pub struct ModelShowArguments {
+    /// Name or alias
+    pub name: String,
+    #[command(flatten)]
+    pub list: ModelListArguments,
+}
+
+#[derive(Args)]
+pub struct ListArguments {
+    /// Only those whose name or code holds this
+    pub search: Option<String>,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+impl SharedArguments {
+    /// What was typed, over what the configuration file says.
+    pub fn setup(&self, typed: Setup) -> anyhow::Result<Setup> {
+        let many = |paths: &[PathBuf]| (!paths.is_empty()).then(|| OneOrMany::Many(paths.to_vec()));
+        let shared = Setup {
+            elements: many(&self.elements),
+            shells: (!self.shells.is_empty()).then(|| OneOrMany::Many(self.shells.clone())),
+            accept_bad_checksums: self.accept_bad_checksums.then_some(true),
+            qs_mag: self.qs_mag.clone(),
+            site: self.site.clone().map(SiteSetup::Name),
+            mpc: self.mpc.clone(),
+            lat: self.lat,
+            lon: self.lon,
+            height: self.height,
+            fov: self.fov.clone().map(Quantity::Text),
+            field: self.field.clone().map(FieldSetup::File),
+            rotation: self.rotation,
+            telescope: self.telescope.clone().map(TelescopeSetup::Name),
+            band: self.band.clone(),
+            mag_system: self.mag_system.clone(),
+            limit_mag: self.limit_mag,
+            min_probability: self.min_probability,
+            time_scale: self.time_scale.clone(),
+            eop: self.eop.clone(),
+            threads: self.threads,
+            quiet: self.quiet.then_some(true),
+            ..Setup::default()
+        };
+        let said = typed.over(shared);
+        Ok(match &self.config {
+            Some(path) => said.over(Setup::read(path)?),
+            None => said,
+        })
+    }
+}
+
+impl RulesArguments {
+    /// What of them a setup holds.
+    pub fn setup(&self) -> Setup {
+        Setup {
+            policy: self.policy.clone().map(PolicySetup::File),
+            max_delay: self.max_delay.clone().map(Quantity::Text),
+            ..Setup::default()
+        }
+    }
+}
+
+/// A configuration file, or nothing said.
+pub fn setup_of(config: Option<&Path>) -> anyhow::Result<Setup> {
+    Ok(config.map(Setup::read).transpose()?.unwrap_or_default())
+}

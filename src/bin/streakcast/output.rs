@@ -1,0 +1,114 @@
+//! Where the data goes, and in which format.
+
+use std::ffi::OsStr;
+use std::io::{self, BufWriter, IsTerminal, Write, stdout};
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use streakcast::table::{
+    Provenance, Section, Table, write_atomically, write_csv, write_ecsv, write_json, write_json_lines,
+};
+
+use crate::screen::{Style, render};
+
+/// Format of the data.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Format {
+    Table,
+    Csv,
+    Ecsv,
+    Json,
+    JsonLines,
+}
+
+const FORMATS: &str = "table, csv, ecsv, json, jsonl";
+
+impl Format {
+    fn by_name(name: &str) -> anyhow::Result<Self> {
+        match name {
+            "table" => Ok(Format::Table),
+            "csv" => Ok(Format::Csv),
+            "ecsv" => Ok(Format::Ecsv),
+            "json" => Ok(Format::Json),
+            "jsonl" => Ok(Format::JsonLines),
+            _ => Err(anyhow!("format '{name}' is not known; allowed: {FORMATS}")),
+        }
+    }
+
+    /// By the end of a file's name.
+    fn by_extension(path: &Path) -> Option<Self> {
+        path.extension().and_then(OsStr::to_str).and_then(|name| Self::by_name(name).ok())
+    }
+}
+
+/// An answer: its main table, what JSON has beside it, and what a screen shows of it.
+pub struct Answer<'a> {
+    /// The arrays of a JSON document in order; the main table among them.
+    pub sections: Vec<Section<'a>>,
+    /// The rows of all other formats.
+    pub main: &'a Table,
+    /// What it rests on.
+    pub provenance: &'a Provenance,
+    /// Columns and colours on a screen.
+    pub style: Style<'a>,
+}
+
+/// Where an answer goes.
+#[derive(Clone, Debug)]
+pub struct Output {
+    format: Format,
+    path: Option<PathBuf>,
+}
+
+impl Output {
+    /// The format said; else that of the file's name; else a table on a terminal and CSV anywhere else.
+    pub fn new(format: Option<&str>, path: Option<PathBuf>) -> anyhow::Result<Self> {
+        let unsaid = || match &path {
+            Some(path) => Format::by_extension(path).unwrap_or(Format::Csv),
+            None if stdout().is_terminal() => Format::Table,
+            None => Format::Csv,
+        };
+        let format = format.map(Format::by_name).transpose()?.unwrap_or_else(unsaid);
+        if let Some(path) = path.as_deref().filter(|path| path.is_dir()) {
+            return Err(anyhow!("output {} is a directory; a file is needed", path.display()));
+        }
+        Ok(Self { format, path })
+    }
+
+    /// True where the rows may hold rows.
+    pub fn is_json(&self) -> bool {
+        matches!(self.format, Format::Json | Format::JsonLines)
+    }
+
+    /// Writes an answer: a file whole or not at all, standard output as it comes.
+    pub fn write(&self, answer: &Answer<'_>) -> anyhow::Result<()> {
+        let styled = self.path.is_none()
+            && stdout().is_terminal()
+            && std::env::var_os("NO_COLOR").is_none_or(|no| no.is_empty());
+        self.put(|out| match self.format {
+            Format::Table => out.write_all(render(answer.main, &answer.style, styled).as_bytes()),
+            Format::Csv => write_csv(out, answer.main, answer.provenance),
+            Format::Ecsv => write_ecsv(out, answer.main, answer.provenance),
+            Format::Json => write_json(out, &answer.sections, answer.provenance),
+            Format::JsonLines => write_json_lines(out, answer.main, answer.provenance),
+        })
+    }
+
+    /// Writes text as it is.
+    pub fn write_text(&self, text: &str) -> anyhow::Result<()> {
+        self.put(|out| out.write_all(text.as_bytes()))
+    }
+
+    fn put(&self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
+        match &self.path {
+            Some(path) => {
+                write_atomically(path, write).map_err(|error| anyhow!("cannot write {}: {error}", path.display()))
+            }
+            None => {
+                let mut out = BufWriter::new(stdout().lock());
+                write(&mut out)?;
+                Ok(out.flush()?)
+            }
+        }
+    }
+}

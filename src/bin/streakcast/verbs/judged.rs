@@ -1,0 +1,151 @@
+//! What `flag` and `annotate` share: a schedule read, judged, and its tables.
+
+use std::path::Path;
+
+use anyhow::anyhow;
+use hifitime::Epoch;
+use serde_json::{Value, json};
+use streakcast::frames::seconds_after;
+use streakcast::passes::Exposure;
+use streakcast::schedule::{
+    FlagReport, FlagRequest, Policy, Schedule, StreakRow, Verdict, flag_exposures, streak_table,
+};
+use streakcast::setup::{FieldSetup, Prepared, Setup};
+use streakcast::table::{Table, format_utc};
+
+use crate::notices::Notices;
+
+/// Rows judged at a time: often enough for a progress bar, and a night shares its preparation.
+const ROWS_AT_A_TIME: usize = 1000;
+
+/// A schedule with its verdicts.
+pub struct Judged {
+    pub schedule: Schedule,
+    pub report: FlagReport,
+    pub prepared: Prepared,
+    pub notices: Notices,
+    /// One row for each exposure and satellite.
+    pub streaks: Table,
+}
+
+/// Sets the threads, and says how loud the run is.
+pub fn begin(setup: &Setup) -> anyhow::Result<Notices> {
+    if let Some(threads) = setup.threads {
+        if threads == 0 {
+            return Err(anyhow!("threads 0; allowed: 1 or more"));
+        }
+        rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
+    }
+    Ok(Notices::new(setup.quiet.unwrap_or(false)))
+}
+
+/// Reads and judges a schedule.
+pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
+    let notices = begin(setup)?;
+    let field = setup.field_of_view()?;
+    let telescope = setup.telescope()?;
+    let policy = setup.policy()?;
+    let photometry = setup.photometry()?;
+    let schedule = Schedule::read(path, &setup.schedule_options()?)?;
+    let (first, last) = span(&schedule, path)?;
+    let mut prepared = setup.prepare(first, last)?;
+    notices.warn(&prepared.warnings);
+
+    let request = FlagRequest {
+        sky: &prepared.sky,
+        field: &field,
+        policy: &policy,
+        telescope: telescope.as_ref(),
+        photometry: &photometry,
+        eop: &prepared.eop,
+    };
+    let rows: Vec<_> = schedule.exposures.iter().collect();
+    let mut report = FlagReport::default();
+    let bar = notices.progress(rows.len());
+    for rows in rows.chunks(ROWS_AT_A_TIME) {
+        report.append(flag_exposures(rows, &request)?);
+        bar.inc(rows.len() as u64);
+    }
+    bar.finish_and_clear();
+    notices.warn(&prepared.left_out_warning(&report.left_out, first)?);
+
+    let judged: Vec<(&Exposure, &Vec<_>)> = schedule
+        .exposures
+        .iter()
+        .zip(&report.passes)
+        .filter_map(|(row, passes)| row.exposure.as_ref().ok().map(|exposure| (exposure, passes)))
+        .collect();
+    let streaks = streak_table(
+        judged.iter().flat_map(|(exposure, passes)| {
+            passes.iter().map(|pass| StreakRow {
+                exposure,
+                pass,
+                elements: &prepared.sky.elements()[pass.element_index],
+                satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
+                telescope: telescope.as_ref(),
+                photometry: &photometry,
+            })
+        }),
+        false,
+        false,
+    );
+    let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
+    let provenance = &mut prepared.provenance;
+    provenance.state("time_scale", schedule.time_scale.to_string().to_ascii_lowercase());
+    provenance.state("band", photometry.band.name());
+    provenance.state("mag_system", photometry.system.to_string());
+    provenance.state(
+        "schedule",
+        json!({
+            "file": path.display().to_string(),
+            "format": schedule.format.to_string(),
+            "exposures": schedule.exposures.len(),
+            "start_column": schedule.start_column,
+            "first_start_utc": format_utc(first, 3),
+        }),
+    );
+    provenance.state("options", options_json(setup, &policy, telescope));
+    summary(&notices, &report);
+    Ok(Judged { schedule, report, prepared, notices, streaks })
+}
+
+/// From the first opening to the last closing of the rows that can be judged.
+fn span(schedule: &Schedule, path: &Path) -> anyhow::Result<(Epoch, Epoch)> {
+    let exposures = || schedule.judged().map(|(_, exposure)| exposure);
+    let first = exposures().map(|exposure| exposure.start).min();
+    let last = exposures().map(|exposure| seconds_after(exposure.start, exposure.duration_s)).max();
+    first.zip(last).ok_or_else(|| {
+        let why = schedule.exposures.iter().find_map(|row| row.exposure.as_ref().err().map(|reason| (row, reason)));
+        let example = why.map(|(row, reason)| format!("; row {}: {reason}", row.row + 1)).unwrap_or_default();
+        anyhow!("schedule {}: none of its {} rows can be judged{example}", path.display(), schedule.exposures.len())
+    })
+}
+
+fn options_json(setup: &Setup, policy: &Policy, telescope: Option<&str>) -> Value {
+    json!({
+        "field": field_said(setup),
+        "default_rotation_deg": setup.rotation.unwrap_or(0.0),
+        "telescope": telescope,
+        "policy": policy,
+    })
+}
+
+/// The field as it was said, for the provenance.
+pub fn field_said(setup: &Setup) -> Value {
+    match (&setup.fov, &setup.field) {
+        (Some(diameter), _) => json!({ "circle": diameter.text() }),
+        (None, Some(FieldSetup::File(path))) => json!({ "file": path.display().to_string() }),
+        (None, Some(FieldSetup::Table(table))) => json!(table),
+        (None, None) => json!("of the telescope"),
+    }
+}
+
+fn summary(notices: &Notices, report: &FlagReport) {
+    let count = |verdict| report.flags.iter().filter(|flag| flag.verdict == verdict).count();
+    let words: Vec<String> = [Verdict::Clear, Verdict::Streaked, Verdict::Avoid, Verdict::Invalid]
+        .into_iter()
+        .filter(|verdict| count(*verdict) > 0)
+        .map(|verdict| format!("{} {verdict}", count(verdict)))
+        .collect();
+    notices.say(&format!("{} exposures: {}", report.flags.len(), words.join(", ")));
+}

@@ -1,0 +1,9 @@
+//! One verb, one file.
+
+pub mod annotate;
+pub mod flag;
+mod judged;
+pub mod model;
+pub mod passes;
+pub mod shells;
+pub mod sites;

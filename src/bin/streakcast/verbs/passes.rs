@@ -1,0 +1,165 @@
+//! `passes`: every satellite that crosses the field during one exposure.
+
+use anyhow::anyhow;
+use serde_json::json;
+use streakcast::frames::seconds_after;
+use streakcast::passes::{Exposure, PassOptions};
+use streakcast::schedule::{StreakRow, exposure_table, lowest_altitudes_rad, streak_table};
+use streakcast::setup::{Prepared, Quantity, Setup};
+use streakcast::table::{Column, Kind, Section, Table, format_utc};
+
+use crate::arguments::PassesArguments;
+use crate::failure::Outcome;
+use crate::notices::Notices;
+use crate::output::{Answer, Output};
+use crate::screen::{Shown, Style, rounded, shown};
+
+const ON_SCREEN: &[Shown] = &[
+    shown("name", "name"),
+    shown("norad_id", "norad"),
+    rounded("enter_utc", "enter (UTC)", 2),
+    rounded("exit_utc", "exit (UTC)", 2),
+    rounded("magnitude_peak", "peak mag", 1),
+    rounded("magnitude_sigma", "sigma", 1),
+    shown("mag_source", "source"),
+    shown("illumination", "light"),
+    rounded("effective_magnitude", "eff. mag", 1),
+    rounded("streak_length_deg", "length deg", 3),
+    rounded("min_separation_deg", "off centre deg", 3),
+    rounded("position_angle_deg", "PA deg", 0),
+    rounded("angular_rate_deg_s", "deg/s", 3),
+    rounded("altitude_deg", "alt deg", 0),
+    rounded("azimuth_deg", "az deg", 0),
+    rounded("range_km", "range km", 0),
+    rounded("element_age_days", "age d", 1),
+    rounded("probability", "P", 2),
+];
+
+pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
+    let text = |value: Option<String>| value.map(Quantity::Text);
+    let setup = typed.shared.setup(Setup {
+        start: text(typed.start),
+        exposure: text(typed.exposure),
+        ra: text(typed.ra),
+        dec: text(typed.dec),
+        include_dark: typed.include_dark.then_some(true),
+        samples: typed.samples,
+        ..Setup::default()
+    })?;
+    let output = Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output)?;
+    let notices = super::judged::begin(&setup)?;
+
+    let exposure = setup.one_exposure()?;
+    let field = setup.field_of_view()?;
+    let telescope = setup.telescope()?;
+    let options = PassOptions {
+        include_dark: setup.include_dark.unwrap_or(false),
+        min_probability: setup.policy()?.min_probability,
+        samples: setup.samples.unwrap_or(0),
+        photometry: setup.photometry()?,
+    };
+    let mut prepared = setup.prepare(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
+    above_the_horizon(&exposure, &prepared)?;
+    notices.warn(&prepared.warnings);
+
+    let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &field, &options)?;
+    notices.warn(&prepared.left_out_warning(&answer.left_out, exposure.start)?);
+    let found = answer.by_exposure.into_iter().next().unwrap_or_default();
+    let rows = found.iter().map(|pass| StreakRow {
+        exposure: &exposure,
+        pass,
+        elements: &prepared.sky.elements()[pass.element_index],
+        satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
+        telescope: telescope.as_ref(),
+        photometry: &options.photometry,
+    });
+    let passes = streak_table(rows, output.is_json(), options.samples > 0);
+    state(&mut prepared, &setup, &exposure, &options, telescope.as_ref().map(|telescope| telescope.name.as_str()));
+
+    let left_out = left_out_table(&answer.left_out);
+    let exposures = exposure_table([&exposure]);
+    let brightest = |pass: &streakcast::passes::FieldPass| {
+        pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref()).map(|brightness| brightness.magnitude.0)
+    };
+    let bold_row = (0..found.len())
+        .filter(|&row| brightest(&found[row]).is_some())
+        .min_by(|&a, &b| brightest(&found[a]).partial_cmp(&brightest(&found[b])).unwrap_or(std::cmp::Ordering::Equal));
+    output.write(&Answer {
+        sections: vec![
+            Section { name: "exposures", table: &exposures },
+            Section { name: "passes", table: &passes },
+            Section { name: "left_out", table: &left_out },
+        ],
+        main: &passes,
+        provenance: &prepared.provenance,
+        style: Style { columns: ON_SCREEN, bold_row },
+    })?;
+    summary(&notices, &setup, found.len(), found.iter().filter_map(brightest));
+    Ok(if found.is_empty() { Outcome::No } else { Outcome::Done })
+}
+
+fn above_the_horizon(exposure: &Exposure, prepared: &Prepared) -> anyhow::Result<()> {
+    let altitudes_rad = lowest_altitudes_rad(&[exposure], prepared.sky.observer(), &prepared.eop);
+    match altitudes_rad.first() {
+        Some(altitude_rad) if *altitude_rad < 0.0 => Err(anyhow!(
+            "the pointing is below the horizon of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
+            prepared.sky.observer().site().name,
+            format_utc(exposure.start, 0),
+            altitude_rad.to_degrees()
+        )),
+        _ => Ok(()),
+    }
+}
+
+fn state(prepared: &mut Prepared, setup: &Setup, exposure: &Exposure, options: &PassOptions, telescope: Option<&str>) {
+    let scale = setup.time_scale.as_deref().unwrap_or("utc").to_ascii_lowercase();
+    prepared.provenance.state("time_scale", scale);
+    prepared.provenance.state("band", options.photometry.band.name());
+    prepared.provenance.state("mag_system", options.photometry.system.to_string());
+    prepared.provenance.state(
+        "options",
+        json!({
+            "start_utc": format_utc(exposure.start, 6),
+            "exposure_s": exposure.duration_s,
+            "ra_deg": round_deg(exposure.pointing.longitude_rad()),
+            "dec_deg": round_deg(exposure.pointing.latitude_rad()),
+            "rotation_deg": round_deg(exposure.rotation_rad),
+            "field": super::judged::field_said(setup),
+            "telescope": telescope,
+            "include_dark": options.include_dark,
+            "min_probability": options.min_probability,
+            "samples": options.samples,
+        }),
+    );
+}
+
+/// Degrees without the rounding of the way through radians.
+fn round_deg(radians: f64) -> f64 {
+    (radians.to_degrees() * 1e9).round() / 1e9
+}
+
+/// Satellites left out, as a table.
+pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
+    Table {
+        columns: vec![
+            Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
+            Column::new("reason", Kind::Text, "Why the satellite was left out."),
+        ],
+        rows: left_out
+            .iter()
+            .map(|one| vec![i64::from(one.norad_id.0).into(), one.reason.to_string().into()])
+            .collect(),
+    }
+}
+
+fn summary(notices: &Notices, setup: &Setup, count: usize, magnitudes: impl Iterator<Item = f64>) {
+    let crossings = if count == 1 { "1 pass".to_owned() } else { format!("{count} passes") };
+    match setup.limit_mag {
+        Some(limit) => {
+            let bright = magnitudes.filter(|magnitude| *magnitude < limit).count();
+            notices.say(&format!("{crossings}, {bright} brighter than mag {limit}"));
+        }
+        None if count == 0 => notices.say("no passes"),
+        None => {}
+    }
+}

@@ -1,0 +1,194 @@
+//! A copy of an opsim database with three more tables.
+
+use std::path::{Path, PathBuf};
+use std::time::Duration;
+
+use rusqlite::backup::Backup;
+use rusqlite::types::Value as SqlValue;
+use rusqlite::{Connection, params, params_from_iter};
+
+use crate::table::{AtomicFile, Column, Kind, Provenance, Table, Value};
+
+use super::super::formats::{display, open_read_only};
+use super::error::AnnotateError;
+use super::write::Annotation;
+
+const STREAKS: &str = "streaks";
+const FLAGS: &str = "streak_flags";
+const PROVENANCE: &str = "streak_provenance";
+/// Pages copied at a time; the whole file where it is not huge.
+const PAGES_PER_STEP: i32 = 16_384;
+
+pub(super) fn annotate(
+    input: &Path,
+    output: &Path,
+    annotation: &Annotation<'_>,
+) -> Result<Vec<PathBuf>, AnnotateError> {
+    let source = open_read_only(input)?;
+    let sqlite = |source| AnnotateError::Sqlite { path: display(output), source };
+    let earlier = earlier_tables(&source).map_err(sqlite)?;
+    if !annotation.replace && !earlier.is_empty() {
+        let names: Vec<&str> = earlier.iter().map(|(_, name)| name.as_str()).collect();
+        let what = format!("tables {}", names.join(", "));
+        return Err(AnnotateError::AlreadyThere { path: display(input), what });
+    }
+    let rows: i64 = source.query_row("SELECT count(*) FROM observations", [], |row| row.get(0)).map_err(sqlite)?;
+    let (rows, flags) = (usize::try_from(rows).unwrap_or(0), annotation.flags.rows.len());
+    if rows != flags {
+        return Err(AnnotateError::Changed { path: display(input), rows, flags });
+    }
+    let write_error = |source| AnnotateError::Write { path: display(output), source };
+    let file = AtomicFile::new(output).map_err(write_error)?;
+    write_copy(&source, file.path(), &earlier, annotation).map_err(sqlite)?;
+    drop(source);
+    file.finish().map_err(write_error)?;
+    Ok(vec![output.to_owned()])
+}
+
+/// Tables and views of an earlier annotation: kind and name.
+fn earlier_tables(connection: &Connection) -> Result<Vec<(String, String)>, rusqlite::Error> {
+    let mut statement = connection.prepare(
+        "SELECT type, name FROM sqlite_master WHERE type IN ('table', 'view') AND name IN (?1, ?2, ?3) ORDER BY name",
+    )?;
+    statement.query_map(params![STREAKS, FLAGS, PROVENANCE], |row| Ok((row.get(0)?, row.get(1)?)))?.collect()
+}
+
+fn write_copy(
+    source: &Connection,
+    target: &Path,
+    earlier: &[(String, String)],
+    annotation: &Annotation<'_>,
+) -> Result<(), rusqlite::Error> {
+    let mut copy = Connection::open(target)?;
+    Backup::new(source, &mut copy)?.run_to_completion(PAGES_PER_STEP, Duration::ZERO, None)?;
+    // One file is what gets renamed: no journal may stay beside it.
+    copy.pragma_update(None, "journal_mode", "DELETE")?;
+    let transaction = copy.transaction()?;
+    for (kind, name) in earlier {
+        transaction.execute(&format!("DROP {kind} {name}"), [])?;
+    }
+    write_table(&transaction, STREAKS, annotation.streaks)?;
+    write_table(&transaction, FLAGS, annotation.flags)?;
+    write_provenance(&transaction, annotation.provenance)?;
+    transaction.commit()?;
+    copy.close().map_err(|(_, error)| error)
+}
+
+fn write_table(connection: &Connection, name: &str, table: &Table) -> Result<(), rusqlite::Error> {
+    let columns: Vec<String> =
+        table.columns.iter().map(|column| format!("\"{}\" {}", column.name, affinity(column))).collect();
+    connection.execute(&format!("CREATE TABLE {name} ({})", columns.join(", ")), [])?;
+    let places = vec!["?"; table.columns.len()].join(", ");
+    let mut insert = connection.prepare(&format!("INSERT INTO {name} VALUES ({places})"))?;
+    for row in &table.rows {
+        insert.execute(params_from_iter(table.columns.iter().zip(row).map(|(column, value)| cell(column, value))))?;
+    }
+    if table.columns.iter().any(|column| column.name == "exposure_id") {
+        connection.execute(&format!("CREATE INDEX {name}_exposure_id ON {name} (exposure_id)"), [])?;
+    }
+    Ok(())
+}
+
+/// Exposure ids that are whole numbers become whole numbers, so that they join with `observationId`.
+fn affinity(column: &Column) -> &'static str {
+    match column.kind {
+        Kind::Integer | Kind::Boolean => "INTEGER",
+        Kind::Real { .. } => "REAL",
+        Kind::Text if column.name == "exposure_id" => "INTEGER",
+        Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => "TEXT",
+    }
+}
+
+fn cell(column: &Column, value: &Value) -> SqlValue {
+    let text = column.text(value);
+    match value {
+        Value::Null => SqlValue::Null,
+        Value::Integer(number) => SqlValue::Integer(*number),
+        Value::Boolean(truth) => SqlValue::Integer(i64::from(*truth)),
+        // The digits of the other formats, as a number again; nothing where it is not finite.
+        Value::Real(_) => text.parse().map_or(SqlValue::Null, SqlValue::Real),
+        Value::Text(_) | Value::Time(_) | Value::List(_) | Value::Integers(_) | Value::Rows(_) => SqlValue::Text(text),
+    }
+}
+
+fn write_provenance(connection: &Connection, provenance: &Provenance) -> Result<(), rusqlite::Error> {
+    connection.execute(&format!("CREATE TABLE {PROVENANCE} (name TEXT, value TEXT)"), [])?;
+    let mut insert = connection.prepare(&format!("INSERT INTO {PROVENANCE} VALUES (?, ?)"))?;
+    for (name, value) in provenance.entries() {
+        insert.execute(params![name, value.to_string()])?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tables(exposure_ids: &[&str]) -> (Table, Table) {
+        let column = Column::new("exposure_id", Kind::Text, "");
+        let flags = Table {
+            columns: vec![column, Column::real("p_any", "", 2, "")],
+            rows: exposure_ids.iter().map(|id| vec![(*id).into(), 0.5.into()]).collect(),
+        };
+        let streaks = Table {
+            columns: vec![column, Column::new("norad_id", Kind::Integer, ""), Column::real("magnitude", "mag", 1, "")],
+            rows: vec![vec!["7".into(), 44713_i64.into(), f64::NAN.into()]],
+        };
+        (flags, streaks)
+    }
+
+    fn dump(path: &Path) -> Vec<(i64, Vec<SqlValue>)> {
+        let connection = open_read_only(path).unwrap();
+        let mut statement = connection.prepare("SELECT rowid, * FROM observations ORDER BY rowid").unwrap();
+        let rows = statement.query_map([], |row| {
+            Ok((row.get(0)?, (1..5).map(|index| row.get(index)).collect::<Result<Vec<SqlValue>, _>>()?))
+        });
+        rows.unwrap().collect::<Result<_, _>>().unwrap()
+    }
+
+    #[test]
+    fn every_cell_stays_and_the_tables_join() {
+        let folder = tempfile::tempdir().unwrap();
+        let (input, output) = (folder.path().join("in.db"), folder.path().join("out.db"));
+        let connection = Connection::open(&input).unwrap();
+        // Cells of every storage class, a gap in the row numbers, and a journal that holds the last rows.
+        connection
+            .execute_batch(
+                "PRAGMA journal_mode = WAL;
+                 CREATE TABLE observations (observationId INTEGER, a REAL, b TEXT, c);
+                 INSERT INTO observations VALUES (7, 0.1, 'x', x'00ff'), (8, 1e300, NULL, 3), (9, -0.0, '', 'tail');
+                 DELETE FROM observations WHERE observationId = 8;
+                 CREATE TABLE other (x); INSERT INTO other VALUES (1);",
+            )
+            .unwrap();
+        let (flags, streaks) = tables(&["7", "9"]);
+        let mut provenance = Provenance::default();
+        provenance.state("version", "0");
+        let annotation = |replace| Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace };
+        annotate(&input, &output, &annotation(false)).unwrap();
+        assert_eq!(dump(&input), dump(&output));
+        let beside = |entry: &std::fs::DirEntry| entry.file_name().to_string_lossy().contains("out");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().flatten().filter(beside).count(), 1);
+        let copy = Connection::open(&output).unwrap();
+        let joined: (i64, Option<f64>, f64) = copy
+            .query_row(
+                "SELECT norad_id, magnitude, p_any FROM observations
+                 JOIN streaks ON streaks.exposure_id = observationId
+                 JOIN streak_flags ON streak_flags.exposure_id = observationId",
+                [],
+                |row| Ok((row.get(0)?, row.get(1)?, row.get(2)?)),
+            )
+            .unwrap();
+        assert_eq!(joined, (44713, None, 0.5));
+        drop(copy);
+
+        // A second time only when told, and in place too.
+        let error = annotate(&output, &output, &annotation(false)).unwrap_err().to_string();
+        assert!(error.contains("already has tables streak_flags, streak_provenance, streaks"), "{error}");
+        annotate(&output, &output, &annotation(true)).unwrap();
+        assert_eq!(dump(&input), dump(&output));
+        let copy = Connection::open(&output).unwrap();
+        let rows: i64 = copy.query_row("SELECT count(*) FROM streak_flags", [], |row| row.get(0)).unwrap();
+        assert_eq!(rows, 2);
+    }
+}

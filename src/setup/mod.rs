@@ -1,0 +1,18 @@
+//! One document that names site, elements, models, camera and policy, and what it takes to make a sky of it.
+//!
+//! Every face fills the same [`Setup`]: the command line from its flags, a configuration file (TOML) from its keys, a
+//! plugin from its arguments. Laid over each other ([`Setup::over`]) they are resolved here and nowhere else.
+
+mod choices;
+mod document;
+mod error;
+mod prepared;
+mod resolve;
+mod units;
+
+pub use choices::{FieldSetup, ModelsSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, SiteTable, TelescopeSetup};
+pub use document::Setup;
+pub use error::SetupError;
+pub use prepared::Prepared;
+pub use resolve::OLD_ELEMENTS_DAYS;
+pub use units::{parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};

@@ -1,0 +1,298 @@
+//! A setup made ready: the sky of its elements over its site, what it rests on, and what the user should know.
+
+use std::collections::BTreeSet;
+
+use hifitime::{Epoch, TimeScale, Unit};
+use serde_json::json;
+
+use crate::catalogue::{Catalogue, Constellation, ElementSet, Generation, SourceFile};
+use crate::frames::{EopStatus, EopTable, seconds_after, seconds_between};
+use crate::geometry::{Observer, Site};
+use crate::orbit::LeftOut;
+use crate::passes::{ModelChoice, Sky};
+use crate::photometry::{ModelLibrary, StandardMagnitudes};
+use crate::table::{Provenance, format_utc};
+
+use super::document::Setup;
+use super::error::SetupError;
+use super::resolve::{OLD_ELEMENTS_DAYS, read_text, synthetic};
+
+/// How many of many are named in a warning.
+const NAMED: usize = 3;
+
+/// Everything that a question needs besides the question.
+#[derive(Debug)]
+pub struct Prepared {
+    /// Satellites over the site.
+    pub sky: Sky,
+    /// The Earth's orientation that the sky turns with.
+    pub eop: EopTable,
+    /// What the answers rest on; the question's own statements come behind.
+    pub provenance: Provenance,
+    /// What the user should know, each counted.
+    pub warnings: Vec<String>,
+}
+
+impl Setup {
+    /// Reads all that was named and makes the sky ready for questions from `first` to `last`.
+    ///
+    /// Of several element sets of one object the one nearest to the middle is taken.
+    ///
+    /// # Errors
+    /// Neither elements nor shells were said, or whatever is wrong with what was.
+    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<Prepared, SetupError> {
+        let middle = seconds_after(first, 0.5 * seconds_between(first, last));
+        let site = self.site()?;
+        let eop = self.eop_table()?;
+        let constellations = self.constellations()?;
+        let catalogue = self.catalogue(middle)?;
+        if catalogue.is_none() && constellations.is_empty() {
+            let allowed = "--elements FILE..., or, without any download, --shells starlink-gen1 (synthetic; see streakcast shells)";
+            return Err(SetupError::Missing { what: "satellites", allowed });
+        }
+        let mut warnings = Vec::new();
+        let mut provenance = Provenance::new();
+        let mut elements: Vec<ElementSet> = Vec::new();
+        if let Some(catalogue) = catalogue {
+            provenance.state("elements", catalogue.sources.iter().map(source_json).collect::<Vec<_>>());
+            warnings.extend(catalogue_warnings(&catalogue));
+            warnings.extend(age_warning(&catalogue.element_sets, first, last));
+            elements = catalogue.element_sets;
+        }
+        if !constellations.is_empty() {
+            let stated: Vec<_> = constellations.iter().map(constellation_json).collect();
+            provenance.state("shells", stated);
+            let satellites = synthetic(&constellations, middle);
+            let names: Vec<&str> = constellations.iter().map(|constellation| constellation.name.as_str()).collect();
+            warnings.push(format!(
+                "{} satellites are synthetic (shells {}): none of them is claimed to be there",
+                satellites.len(),
+                names.join(", ")
+            ));
+            elements.extend(satellites);
+        }
+        warnings.extend(eop_warning(&eop, first, last));
+        provenance.state("satellites", elements.len());
+        provenance.state("earth_orientation", eop.describe());
+        provenance.state("site", site_json(&site));
+        provenance.state("frame", "ICRS astrometric topocentric");
+
+        let choice = self.model_choice()?;
+        let sky = Sky::new(elements, Observer::new(site), eop.clone(), &choice);
+        if sky.left_out().len() == sky.elements().len() {
+            return Err(nothing_propagates(&sky, sky.left_out(), middle));
+        }
+        let models: BTreeSet<String> =
+            (0..sky.elements().len()).map(|index| sky.model(index).source().to_string()).collect();
+        provenance.state("models", models.into_iter().collect::<Vec<_>>());
+        Ok(Prepared { sky, eop, provenance, warnings })
+    }
+
+    /// The shipped models and those of the setup's own files, by name.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is no model.
+    pub fn model_library(&self) -> Result<ModelLibrary, SetupError> {
+        let mut library = ModelLibrary::embedded();
+        for path in self.models.iter().flat_map(|models| &models.files) {
+            library.add_json(&read_text("model", path)?, &path.display().to_string())?;
+        }
+        Ok(library)
+    }
+
+    /// Which model goes with which satellite.
+    ///
+    /// # Errors
+    /// As [`Setup::model_library`]; a generation or model that is not known; a table of standard magnitudes that is none.
+    pub fn model_choice(&self) -> Result<ModelChoice, SetupError> {
+        let library = self.model_library()?;
+        let mut choice = ModelChoice::new(&library)?;
+        for (generation, model) in self.models.iter().flat_map(|models| &models.generations) {
+            let generation = Generation::by_name(generation).ok_or_else(|| SetupError::UnknownGeneration {
+                given: generation.clone(),
+                known: Generation::ALL.map(Generation::name).join(", "),
+            })?;
+            choice = choice.with_model(generation, model, &library)?;
+        }
+        if let Some(path) = self.qs_mag.as_deref().or(self.models.as_ref().and_then(|models| models.qs_mag.as_deref()))
+        {
+            let magnitudes = StandardMagnitudes::from_qs_mag(&read_text("standard magnitudes", path)?)?;
+            choice = choice.with_standard_magnitudes(magnitudes);
+        }
+        Ok(choice)
+    }
+}
+
+impl Prepared {
+    /// A warning that names satellites left out, where there are any.
+    ///
+    /// # Errors
+    /// All of them were: no answer is better than a sky called clear.
+    pub fn left_out_warning(&self, left_out: &[LeftOut], moment: Epoch) -> Result<Option<String>, SetupError> {
+        let Some(first) = left_out.first() else { return Ok(None) };
+        if left_out.len() == self.sky.elements().len() {
+            return Err(nothing_propagates(&self.sky, left_out, moment));
+        }
+        let named: Vec<String> = left_out.iter().take(NAMED).map(|one| one.norad_id.to_string()).collect();
+        let more = if left_out.len() > NAMED { ", ..." } else { "" };
+        Ok(Some(format!(
+            "{} of {} satellites left out ({}{more}); the first: {}",
+            left_out.len(),
+            self.sky.elements().len(),
+            named.join(", "),
+            first.reason
+        )))
+    }
+}
+
+fn nothing_propagates(sky: &Sky, left_out: &[LeftOut], moment: Epoch) -> SetupError {
+    SetupError::NothingPropagates {
+        satellites: sky.elements().len(),
+        moment: format_utc(moment, 0),
+        first: left_out.first().map(|one| one.reason.to_string()).unwrap_or_default(),
+    }
+}
+
+fn source_json(source: &SourceFile) -> serde_json::Value {
+    json!({
+        "file": source.name.as_ref(),
+        "sha256": source.sha256,
+        "format": source.format.to_string(),
+        "records": source.records,
+        "rejected": source.rejected,
+        "bad_checksums_accepted": source.bad_checksums_accepted,
+        "first_epoch_utc": format_utc(source.first_epoch, 3),
+        "last_epoch_utc": format_utc(source.last_epoch, 3),
+    })
+}
+
+fn constellation_json(constellation: &Constellation) -> serde_json::Value {
+    json!({
+        "name": constellation.name,
+        "satellites": constellation.satellites(),
+        "synthetic": true,
+        "source": constellation.source,
+    })
+}
+
+fn site_json(site: &Site) -> serde_json::Value {
+    let round = |value: f64, digits: i32| (value * 10_f64.powi(digits)).round() / 10_f64.powi(digits);
+    json!({
+        "name": site.name,
+        "mpc_code": site.mpc_code,
+        "latitude_deg": round(site.latitude_rad.to_degrees(), 7),
+        "longitude_deg": round(site.longitude_rad.to_degrees(), 7),
+        "height_m": round(site.height_m, 3),
+    })
+}
+
+fn catalogue_warnings(catalogue: &Catalogue) -> Vec<String> {
+    let mut warnings = Vec::new();
+    if !catalogue.rejected.is_empty() {
+        let named: Vec<String> = catalogue.rejected.iter().take(NAMED).map(ToString::to_string).collect();
+        let more = if catalogue.rejected.len() > NAMED { "; ..." } else { "" };
+        warnings.push(format!("{} records rejected: {}{more}", catalogue.rejected.len(), named.join("; ")));
+    }
+    let accepted: usize = catalogue.sources.iter().map(|source| source.bad_checksums_accepted).sum();
+    if accepted > 0 {
+        warnings.push(format!("{accepted} records taken in spite of a wrong checksum"));
+    }
+    warnings
+}
+
+/// Element sets further than two weeks from the time asked about, either way.
+fn age_warning(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<String> {
+    let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
+    let mut old: Vec<f64> = elements
+        .iter()
+        .filter_map(|set| {
+            // Later than the elements: positive. Within the time asked about: no age at all.
+            let age_days = days(set.epoch, first).max(0.0) - days(last, set.epoch).max(0.0);
+            (age_days.abs() > OLD_ELEMENTS_DAYS).then_some(age_days)
+        })
+        .collect();
+    old.sort_by(f64::total_cmp);
+    let median = old.get(old.len() / 2)?;
+    let word = if *median < 0.0 { "newer" } else { "older" };
+    Some(format!(
+        "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (median {:.1} days {word}): \
+         places and probabilities are uncertain to match",
+        old.len(),
+        elements.len(),
+        median.abs()
+    ))
+}
+
+fn eop_warning(eop: &EopTable, first: Epoch, last: Epoch) -> Option<String> {
+    let uncovered = [first, last].map(|epoch| eop.status(epoch)).into_iter().find(|status| !status.is_covered())?;
+    let why = match uncovered {
+        EopStatus::Expired { last } => format!("the Earth orientation table ended {}", day(last)),
+        EopStatus::TooEarly { first } => format!("the Earth orientation table begins {}", day(first)),
+        _ => "there is no Earth orientation table".to_owned(),
+    };
+    Some(format!("{why}: UT1 = UTC was taken (0.1 s of UT1 is 46 m at the equator); give a newer one with --eop"))
+}
+
+fn day(epoch: Epoch) -> String {
+    format_utc(epoch.to_time_scale(TimeScale::UTC), 0).chars().take(10).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::parse_instant;
+
+    fn utc(text: &str) -> Epoch {
+        parse_instant(text, None).unwrap()
+    }
+
+    fn shells(more: &str) -> Setup {
+        Setup::from_toml(&format!("shells = 'oneweb'\nmpc = 'X05'\n{more}"), "t.toml").unwrap()
+    }
+
+    #[test]
+    fn synthetic_satellites_are_said_to_be_so() {
+        let start = utc("2024-08-14T00:30:00Z");
+        let prepared = shells("").prepare(start, start).unwrap();
+        assert_eq!(prepared.sky.elements().len(), 6372);
+        assert!(
+            prepared.warnings[0].starts_with("6372 satellites are synthetic (shells oneweb)"),
+            "{:?}",
+            prepared.warnings
+        );
+        let shells = prepared.provenance.get("shells").unwrap();
+        assert_eq!(shells[0]["synthetic"], true);
+        assert_eq!(prepared.provenance.get("site").unwrap()["mpc_code"], "X05");
+    }
+
+    #[test]
+    fn no_satellites_is_an_error_that_shows_the_way() {
+        let start = utc("2024-08-14T00:30:00Z");
+        let setup = Setup::from_toml("mpc = 'X05'", "t.toml").unwrap();
+        let message = setup.prepare(start, start).unwrap_err().to_string();
+        assert!(message.contains("--elements") && message.contains("--shells starlink-gen1"), "{message}");
+    }
+
+    #[test]
+    fn ages_count_to_both_sides_and_only_outside_the_night() {
+        let sets = Constellation::by_name("kuiper").unwrap().element_sets(utc("2024-08-14T00:00:00Z"));
+        let warning = |first: &str, last: &str| age_warning(&sets[..10], utc(first), utc(last));
+        assert_eq!(warning("2024-08-01T00:00:00Z", "2024-08-27T00:00:00Z"), None);
+        assert_eq!(warning("2024-08-27T00:00:00Z", "2024-08-28T00:00:00Z"), None);
+        let older = warning("2024-09-03T00:00:00Z", "2024-09-03T06:00:00Z").unwrap();
+        assert!(
+            older.starts_with("10 of 10 element sets are more than 14 days")
+                && older.contains("median 20.0 days older"),
+            "{older}"
+        );
+        let newer = warning("2024-07-01T00:00:00Z", "2024-07-15T00:00:00Z").unwrap();
+        assert!(newer.contains("median 30.0 days newer"), "{newer}");
+    }
+
+    #[test]
+    fn an_expired_table_says_so() {
+        let start = utc("2034-08-14T00:30:00Z");
+        let prepared = shells("").prepare(start, start).unwrap();
+        assert!(prepared.warnings.iter().any(|warning| warning.contains("table ended") && warning.contains("--eop")));
+    }
+}

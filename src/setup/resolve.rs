@@ -1,0 +1,326 @@
+//! From what was said to what it means: site, field, telescope, policy, elements, times.
+
+use std::path::Path;
+
+use hifitime::{Epoch, TimeScale};
+
+use crate::catalogue::{Catalogue, Constellation, ElementSet, Keep, ReadOptions};
+use crate::frames::{Direction, EopTable, parse_declination_deg, parse_right_ascension_deg};
+use crate::geometry::Site;
+use crate::passes::{Exposure, Field, SkyError};
+use crate::photometry::{Band, PhotometryOptions};
+use crate::schedule::{MagnitudeLimit, Policy, ScheduleOptions, is_covered};
+use crate::telescope::{FieldOfView, Telescope};
+
+use super::choices::{
+    FieldSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, SiteTable, TelescopeSetup, is_file_name,
+};
+use super::document::Setup;
+use super::error::SetupError;
+use super::units::{parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};
+
+/// Beyond this age, either way, element sets draw a warning, days.
+pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
+
+const SITES: &str = "--site NAME, --mpc CODE, or --lat, --lon and --height";
+const FIELDS: &str = "--fov 3.5deg, --field FILE, or a telescope with --telescope";
+
+/// The text of a file, with what it is for in the error.
+pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, SetupError> {
+    let error = |source| SetupError::Io { what, path: path.display().to_string(), source };
+    if path.is_dir() {
+        return Err(error(std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a directory; a file is needed")));
+    }
+    std::fs::read_to_string(path).map_err(error)
+}
+
+impl Setup {
+    /// The site.
+    ///
+    /// # Errors
+    /// None was said, two were, it is not known, or a coordinate is out of range.
+    pub fn site(&self) -> Result<Site, SetupError> {
+        let flags = SiteTable {
+            name: None,
+            mpc: self.mpc.clone(),
+            latitude_deg: self.lat,
+            longitude_deg: self.lon,
+            height_m: self.height,
+        };
+        let has_flags = flags != SiteTable::default();
+        match &self.site {
+            Some(_) if has_flags => Err(SetupError::Both { first: "--site", second: "--mpc, --lat, --lon, --height" }),
+            Some(SiteSetup::Name(name)) => Ok(Site::by_name(name)?),
+            Some(SiteSetup::Table(table)) => site_of(table),
+            None => site_of(&flags),
+        }
+    }
+
+    /// The field of view: as said, else that of the telescope.
+    ///
+    /// # Errors
+    /// None was said, two were, or it is no field.
+    pub fn field_of_view(&self) -> Result<Field, SetupError> {
+        match (&self.fov, &self.field) {
+            (Some(_), Some(_)) => Err(SetupError::Both { first: "--fov", second: "--field" }),
+            (Some(diameter), None) => Ok(Field::circle(parse_angle_deg("fov", &diameter.text())?.to_radians())?),
+            (None, Some(FieldSetup::File(path))) => Ok(Field::from_json(&read_text("field", path)?)?),
+            (None, Some(FieldSetup::Table(table))) => field_of_table(table),
+            (None, None) => match self.telescope()? {
+                Some(telescope) => field_of_telescope(&telescope),
+                None => Err(SetupError::Missing { what: "field of view", allowed: FIELDS }),
+            },
+        }
+    }
+
+    /// The telescope, where one was said.
+    ///
+    /// # Errors
+    /// It is not known, or its file is none.
+    pub fn telescope(&self) -> Result<Option<Telescope>, SetupError> {
+        Ok(match &self.telescope {
+            None => None,
+            Some(TelescopeSetup::Name(name)) if is_file_name(name) => {
+                Some(Telescope::from_toml(&read_text("telescope", Path::new(name))?, name)?)
+            }
+            Some(TelescopeSetup::Name(name)) => Some(Telescope::by_name(name)?),
+            Some(TelescopeSetup::Table(telescope)) => Some(telescope.as_ref().clone()),
+        })
+    }
+
+    /// The policy: a file or table, and over it the limits that were said by themselves.
+    ///
+    /// # Errors
+    /// The file is no policy, or a number is out of range.
+    pub fn policy(&self) -> Result<Policy, SetupError> {
+        let mut policy = match &self.policy {
+            None => Policy::default(),
+            Some(PolicySetup::File(path)) => Policy::from_toml(&read_text("policy", path)?)?,
+            Some(PolicySetup::Table(policy)) => policy.clone(),
+        };
+        if let Some(limit) = self.limit_mag {
+            policy.limit_mag = Some(MagnitudeLimit::All(limit));
+        }
+        policy.min_probability = self.min_probability.or(policy.min_probability);
+        if let Some(delay) = &self.max_delay {
+            policy.max_delay_s = Some(parse_duration_s("max-delay", &delay.text())?);
+        }
+        policy.validate()?;
+        Ok(policy)
+    }
+
+    /// Band and zero point of the magnitudes; V (Vega) where nothing was said.
+    ///
+    /// # Errors
+    /// A band or system that is not known.
+    pub fn photometry(&self) -> Result<PhotometryOptions, SetupError> {
+        let band: Band = self.band.as_deref().unwrap_or("V").parse()?;
+        let system = self.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
+        Ok(PhotometryOptions::in_band(band, system))
+    }
+
+    /// The scale of times that name none.
+    ///
+    /// # Errors
+    /// A scale that is not known.
+    pub fn time_scale(&self) -> Result<Option<TimeScale>, SetupError> {
+        self.time_scale.as_deref().map(parse_time_scale).transpose()
+    }
+
+    /// How schedules are to be read.
+    ///
+    /// # Errors
+    /// A scale that is not known.
+    pub fn schedule_options(&self) -> Result<ScheduleOptions, SetupError> {
+        let default_rotation_rad = self.rotation.unwrap_or(0.0).to_radians();
+        Ok(ScheduleOptions { time_scale: self.time_scale()?, default_rotation_rad })
+    }
+
+    /// The table of the Earth's orientation: the file said, else the bundled one.
+    ///
+    /// # Errors
+    /// The file cannot be read or is none.
+    pub fn eop_table(&self) -> Result<EopTable, SetupError> {
+        match &self.eop {
+            Some(path) => Ok(EopTable::from_finals2000a(&read_text("Earth orientation", path)?)?),
+            None => Ok(EopTable::embedded()),
+        }
+    }
+
+    /// The one exposure that was said, called `1`.
+    ///
+    /// # Errors
+    /// Start, length, right ascension or declination is missing or out of range; the start lies where no ephemeris reaches.
+    pub fn one_exposure(&self) -> Result<Exposure, SetupError> {
+        let said = |value: &Option<Quantity>, what, allowed| {
+            value.as_ref().map(Quantity::text).ok_or(SetupError::Missing { what, allowed })
+        };
+        let start = said(&self.start, "start of the exposure", "--start 2024-08-14T00:30:00.000Z")?;
+        let duration = said(&self.exposure, "length of the exposure", "--exposure 30s")?;
+        let right_ascension = said(&self.ra, "right ascension", "--ra 188.5 or --ra 12h34m")?;
+        let declination = said(&self.dec, "declination", "--dec -30.5 or --dec -30d30m")?;
+        let start = parse_moment(&start, self.time_scale()?)?;
+        if !is_covered(start) {
+            return Err(SkyError::NoEphemeris { epoch: start.to_time_scale(TimeScale::UTC) }.into());
+        }
+        Ok(Exposure {
+            id: "1".to_owned(),
+            start,
+            duration_s: parse_duration_s("exposure", &duration)?,
+            pointing: Direction::from_lon_lat_rad(
+                parse_right_ascension_deg(&right_ascension)?.to_radians(),
+                parse_declination_deg(&declination)?.to_radians(),
+            ),
+            rotation_rad: self.rotation.unwrap_or(0.0).to_radians(),
+        })
+    }
+
+    /// The files of element sets, each object with the set nearest to `moment`; `None` where no file was said.
+    ///
+    /// # Errors
+    /// A file that cannot be read or holds none.
+    pub fn catalogue(&self, moment: Epoch) -> Result<Option<Catalogue>, SetupError> {
+        let Some(paths) = self.elements.as_ref().map(OneOrMany::as_slice).filter(|paths| !paths.is_empty()) else {
+            return Ok(None);
+        };
+        let options = ReadOptions {
+            accept_bad_checksums: self.accept_bad_checksums.unwrap_or(false),
+            keep: Keep::Nearest(moment),
+        };
+        Ok(Some(Catalogue::read(paths, &options)?))
+    }
+
+    /// The synthetic constellations that were said.
+    ///
+    /// # Errors
+    /// A name that is not known, or a file that is none.
+    pub fn constellations(&self) -> Result<Vec<Constellation>, SetupError> {
+        let mut all = Vec::new();
+        for name in self.shells.as_ref().map_or(&[][..], OneOrMany::as_slice) {
+            if is_file_name(name) {
+                all.extend(Constellation::from_toml(&read_text("shells", Path::new(name))?)?);
+            } else {
+                all.push(Constellation::by_name(name)?);
+            }
+        }
+        Ok(all)
+    }
+}
+
+/// The element sets of several constellations for one epoch.
+pub(super) fn synthetic(constellations: &[Constellation], epoch: Epoch) -> Vec<ElementSet> {
+    constellations.iter().flat_map(|constellation| constellation.element_sets(epoch)).collect()
+}
+
+fn site_of(table: &SiteTable) -> Result<Site, SetupError> {
+    match (&table.mpc, table.latitude_deg, table.longitude_deg) {
+        (Some(_), Some(_), _) | (Some(_), _, Some(_)) => {
+            Err(SetupError::Both { first: "an MPC code", second: "coordinates" })
+        }
+        (Some(code), None, None) => Ok(Site::by_mpc_code(code)?),
+        (None, Some(latitude), Some(longitude)) => {
+            let name = table.name.as_deref().unwrap_or("site");
+            Ok(Site::new_deg(name, latitude, longitude, table.height_m.unwrap_or(0.0))?)
+        }
+        (None, None, None) => match &table.name {
+            Some(name) => Ok(Site::by_name(name)?),
+            None => Err(SetupError::Missing { what: "site", allowed: SITES }),
+        },
+        (None, _, _) => Err(SetupError::Missing { what: "complete coordinates of the site", allowed: SITES }),
+    }
+}
+
+/// A table of one shape by its own key, or of shapes as in a field file.
+fn field_of_table(table: &toml::Table) -> Result<Field, SetupError> {
+    let text = serde_json::to_string(table).unwrap_or_default();
+    if table.contains_key("shapes") {
+        return Ok(Field::from_json(&text)?);
+    }
+    if let Some(path) = table.get("file").and_then(toml::Value::as_str).filter(|_| table.len() == 1) {
+        return Ok(Field::from_json(&read_text("field", Path::new(path))?)?);
+    }
+    Ok(Field::from_json(&format!("{{\"shapes\": [{text}]}}"))?)
+}
+
+fn field_of_telescope(telescope: &Telescope) -> Result<Field, SetupError> {
+    Ok(match &telescope.field {
+        FieldOfView::CircleDeg(diameter) => Field::circle(diameter.to_radians())?,
+        FieldOfView::RectangleDeg([width, height]) => Field::rectangle_deg(*width, *height)?,
+        FieldOfView::PolygonDeg(corners) => Field::polygon_deg(corners)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn setup(text: &str) -> Setup {
+        Setup::from_toml(text, "t.toml").unwrap()
+    }
+
+    fn message<T: std::fmt::Debug>(answer: Result<T, SetupError>) -> String {
+        answer.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn sites_by_name_code_and_numbers() {
+        assert_eq!(setup("site = 'Rubin Observatory'").site().unwrap().mpc_code.as_deref(), Some("X05"));
+        assert_eq!(setup("[site]\nmpc = 'X05'").site().unwrap().mpc_code.as_deref(), Some("X05"));
+        assert!((setup("lat = -30.5\nlon = -70\nheight = 2000").site().unwrap().height_m - 2000.0).abs() < 1e-9);
+        assert!(message(setup("").site()).contains("say --site NAME, --mpc CODE"));
+        assert!(message(setup("lat = 3").site()).contains("complete coordinates"));
+        assert!(message(setup("mpc = 'X05'\nlat = 3").site()).contains("exclude each other"));
+        assert!(message(setup("site = 'Nowhere at all'").site()).contains("unknown site"));
+    }
+
+    #[test]
+    fn fields_by_diameter_table_and_telescope() {
+        let area = |text: &str| setup(text).field_of_view().unwrap().area_deg2();
+        assert!((area("fov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
+        assert!((area("[field]\nrectangle_deg = [2.0, 1.0]") - 2.0).abs() < 1e-9);
+        assert!(
+            (area("[field]\nshapes = [{circle_deg = 2.0}, {circle_deg = 2.0, center_deg = [3.0, 0.0]}]") - 6.282).abs()
+                < 2e-3
+        );
+        assert!((area("telescope = 'rubin'") - 9.62).abs() < 0.01);
+        assert!((area("telescope = 'rubin'\nfov = '2deg'") - 3.1416).abs() < 1e-3);
+        assert!(message(setup("").field_of_view()).contains("no field of view; say --fov 3.5deg"));
+        assert!(message(setup("fov = 3.5").field_of_view()).contains("has no unit"));
+    }
+
+    #[test]
+    fn limits_said_by_themselves_lie_over_the_policy() {
+        let policy =
+            setup("limit_mag = 6\nmax_delay = '2min'\n[policy]\nlimit_mag = 7\nmargin_s = 3").policy().unwrap();
+        assert_eq!(
+            (policy.limit_mag.unwrap().of(None), policy.margin_s, policy.max_delay_s),
+            (Some(6.0), Some(3.0), Some(120.0))
+        );
+        assert!(message(setup("min_probability = 2").policy()).contains("min_probability is 2, allowed"));
+    }
+
+    #[test]
+    fn an_exposure_needs_all_its_parts() {
+        let all = ["start = '2024-08-14T00:30:00Z'", "exposure = '30s'", "ra = '12h34m'", "dec = -30.5"];
+        let exposure = setup(&all.join("\n")).one_exposure().unwrap();
+        assert!((exposure.pointing.longitude_rad().to_degrees() - 188.5).abs() < 1e-9);
+        assert!((exposure.pointing.latitude_rad().to_degrees() + 30.5).abs() < 1e-9);
+        for missing in 0..4 {
+            let rest: Vec<&str> = (0..4).filter(|&index| index != missing).map(|index| all[index]).collect();
+            let message = message(setup(&rest.join("\n")).one_exposure());
+            assert!(message.starts_with("no ") && message.contains("; say --"), "{message}");
+        }
+        let early = all.join("\n").replace("2024", "1924");
+        assert!(message(setup(&early).one_exposure()).contains("1957 to 2099"));
+    }
+
+    #[test]
+    fn bands_come_with_their_usual_system() {
+        let system = |text: &str| setup(text).photometry().unwrap().system.to_string();
+        assert_eq!(
+            (system("").as_str(), system("band = 'g'").as_str(), system("band = 'g'\nmag_system = 'vega'").as_str()),
+            ("Vega", "AB", "Vega")
+        );
+        assert!(setup("band = 'q'").photometry().is_err());
+    }
+}

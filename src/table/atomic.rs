@@ -1,0 +1,96 @@
+//! Files that are there whole or not at all: written beside their target and renamed.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use tempfile::{Builder, NamedTempFile};
+
+/// A file in the making. Dropped without [`finish`](AtomicFile::finish), it leaves nothing behind.
+#[derive(Debug)]
+pub struct AtomicFile {
+    temporary: NamedTempFile,
+    target: PathBuf,
+}
+
+impl AtomicFile {
+    /// Begins a file that will stand at `target`, in the same folder so that the rename is one step.
+    ///
+    /// # Errors
+    /// The folder is missing or cannot be written to, or the target is a directory.
+    pub fn new(target: &Path) -> io::Result<Self> {
+        if target.is_dir() {
+            return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory"));
+        }
+        let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let mut builder = Builder::new();
+        builder.prefix(".streakcast-").suffix(".part");
+        // What the process would give any new file; a temporary one is for its owner only.
+        #[cfg(unix)]
+        builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+        Ok(Self { temporary: builder.tempfile_in(folder)?, target: target.to_owned() })
+    }
+
+    /// The file as it is being made.
+    pub fn file(&self) -> &File {
+        self.temporary.as_file()
+    }
+
+    /// Where it is being made.
+    pub fn path(&self) -> &Path {
+        self.temporary.path()
+    }
+
+    /// Puts the file in its place, over whatever stood there.
+    ///
+    /// # Errors
+    /// Whatever the system reports; the old file then stands as it was.
+    pub fn finish(self) -> io::Result<()> {
+        self.temporary.as_file().sync_all()?;
+        self.temporary.persist(&self.target).map(drop).map_err(|error| error.error)
+    }
+}
+
+/// Writes a file in one step. What is no ordinary file (a pipe, a terminal) is written to as it is.
+///
+/// # Errors
+/// Whatever the writer or the system reports; nothing half-written stays.
+pub fn write_atomically(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let is_special = target.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
+    if is_special {
+        let mut out = BufWriter::new(File::options().write(true).open(target)?);
+        write(&mut out)?;
+        return out.flush();
+    }
+    let file = AtomicFile::new(target)?;
+    let mut out = BufWriter::new(file.file());
+    write(&mut out)?;
+    out.flush()?;
+    drop(out);
+    file.finish()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_file_that_fails_leaves_the_old_one_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.csv");
+        write_atomically(&path, |out| out.write_all(b"one")).unwrap();
+        let failed = write_atomically(&path, |out| {
+            out.write_all(b"two")?;
+            Err(io::Error::other("no"))
+        });
+        assert!(failed.is_err());
+        assert_eq!(std::fs::read(&path).unwrap(), b"one");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_directory_is_no_target() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(write_atomically(folder.path(), |_| Ok(())).is_err());
+    }
+}

@@ -1,0 +1,83 @@
+//! What the frames and the Sun cost: exact, by table, and the shadow; aims beside each.
+
+use divan::{Bencher, black_box};
+use hifitime::Epoch;
+use streakcast::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, seconds_after};
+use streakcast::geometry::{Observer, Site, SunState, SunTable, aspect, illumination};
+
+fn main() {
+    divan::main();
+}
+
+fn dusk() -> Epoch {
+    Epoch::from_gregorian_utc_hms(2026, 4, 25, 23, 0, 0)
+}
+
+#[divan::bench]
+fn orientation_exact(bencher: Bencher) {
+    let eop = EopTable::embedded();
+    bencher.bench(|| Orientation::at(black_box(dusk()), &eop));
+}
+
+/// A night; 1 ms at most.
+#[divan::bench]
+fn orientation_table_of_a_night(bencher: Bencher) {
+    let eop = EopTable::embedded();
+    bencher.bench(|| OrientationTable::new(dusk(), seconds_after(dusk(), 36_000.0), &eop));
+}
+
+/// A year; a tenth of a second at most.
+#[divan::bench(sample_count = 10)]
+fn orientation_table_of_a_year(bencher: Bencher) {
+    let eop = EopTable::embedded();
+    bencher.bench(|| OrientationTable::new(dusk(), seconds_after(dusk(), 365.0 * 86_400.0), &eop));
+}
+
+/// 0.3 µs at most.
+#[divan::bench]
+fn orientation_from_table(bencher: Bencher) {
+    let table = OrientationTable::new(dusk(), seconds_after(dusk(), 36_000.0), &EopTable::embedded());
+    bencher.bench(|| table.at_s(black_box(12_345.6)));
+}
+
+#[divan::bench]
+fn sun_exact() -> SunState {
+    SunState::at(black_box(dusk()))
+}
+
+/// 0.2 µs at most.
+#[divan::bench]
+fn sun_from_table(bencher: Bencher) {
+    let table = SunTable::new(dusk(), seconds_after(dusk(), 36_000.0));
+    bencher.bench(|| table.at_s(black_box(12_345.6)));
+}
+
+#[divan::bench]
+fn observer_state(bencher: Bencher) {
+    let observer = Observer::new(Site::by_name("rubin").expect("the site"));
+    let orientation = Orientation::at(dusk(), &EopTable::embedded());
+    bencher.bench(|| observer.state(black_box(&orientation)));
+}
+
+#[divan::bench]
+fn aspect_of_a_satellite(bencher: Bencher) {
+    let satellite = Position::<Gcrs>::new(6900.0, 300.0, 100.0);
+    let observer = Position::<Gcrs>::new(6370.0, 10.0, 20.0);
+    let sun = SunState::at(dusk());
+    bencher.bench(|| aspect(black_box(&satellite), &sun.earth_velocity, &observer, &sun.earth_velocity));
+}
+
+/// 0.2 µs at most where the shadow is far; behind the Earth and in the penumbra the inverse functions come in.
+#[divan::bench(args = [0.0, 0.5, 1.168, 2.0])]
+fn shadow(bencher: Bencher, angle_from_antisun_rad: f64) {
+    let sun = Position::<Gcrs>::new(1.5e8, 0.0, 0.0);
+    let (sin, cos) = angle_from_antisun_rad.sin_cos();
+    let satellite = Position::<Gcrs>::new(-6928.0 * cos, 6928.0 * sin, 0.0);
+    bencher.bench(|| illumination(black_box(&satellite), black_box(&sun)));
+}
+
+/// Reading a whole finals2000A file is the face's job; this is the embedded one, cloned after the first time.
+#[divan::bench]
+fn embedded_table() -> EopTable {
+    EopTable::embedded()
+}

@@ -1,0 +1,276 @@
+//! What the command line says to input that is none: one line, exit code 2, nothing half-written.
+
+mod common;
+
+use std::fs;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Command as Process, Stdio};
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
+const POINTING: &[&str] = &[
+    "passes",
+    "--start",
+    "2024-08-14T03:30:00Z",
+    "--exposure",
+    "30s",
+    "--ra",
+    "280",
+    "--dec",
+    "-30",
+    "--fov",
+    "3.5deg",
+];
+const SITE: &[&str] = &["--mpc", "X05"];
+const SHELLS: &[&str] = &["--shells", "oneweb"];
+const HEADER: &str = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n";
+
+fn run(arguments: &[&[&str]]) -> (i32, String, String) {
+    let output = Command::new(STREAKCAST).args(arguments.concat()).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+/// One line of error that holds every part, nothing on standard output, exit code 2.
+#[track_caller]
+fn fails(arguments: &[&[&str]], parts: &[&str]) {
+    let (code, stdout, stderr) = run(arguments);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    let errors: Vec<&str> = stderr.lines().filter(|line| !line.starts_with("warning: ")).collect();
+    assert_eq!(errors.len(), 1, "{stderr}");
+    assert!(errors[0].starts_with("error: "), "{stderr}");
+    for part in parts {
+        assert!(errors[0].contains(part), "'{part}' is not in: {}", errors[0]);
+    }
+}
+
+fn file(folder: &TempDir, name: &str, bytes: &[u8]) -> String {
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).unwrap();
+    path.display().to_string()
+}
+
+fn flag<'a>(schedule: &'a str) -> Vec<&'a str> {
+    [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
+}
+
+#[test]
+fn sites_and_satellites_that_are_not_there() {
+    fails(&[POINTING, SHELLS, &["--site", "Rubin Observatry at Mars"]], &["unknown site", "near it"]);
+    fails(&[POINTING, SHELLS, &["--mpc", "ZZZ"]], &["unknown MPC observatory code \"ZZZ\""]);
+    fails(&[POINTING, SHELLS], &["no site; say --site NAME, --mpc CODE"]);
+    fails(&[POINTING, SHELLS, &["--lat", "95", "--lon", "0"]], &["95", "-90"]);
+    fails(&[POINTING, SITE], &["no satellites", "--elements FILE", "--shells starlink-gen1"]);
+    fails(&[POINTING, SITE, &["--shells", "starlnk"]], &["starlnk", "starlink-gen1"]);
+}
+
+#[test]
+fn element_files_that_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let elements = |path: &str, parts: &[&str]| fails(&[POINTING, SITE, &["--elements", path]], parts);
+    elements(&file(&folder, "empty.tle", b""), &["empty.tle", "is empty"]);
+    elements(&folder.path().display().to_string(), &["is a directory"]);
+    elements("/nowhere/at/all.tle", &["/nowhere/at/all.tle"]);
+    elements(&file(&folder, "noise.tle", b"this is not\nan element set\n"), &["noise.tle", "TLE"]);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    packed.write_all(&b"1 25544U 98067A\n".repeat(400)).unwrap();
+    let packed = packed.finish().unwrap();
+    elements(&file(&folder, "cut.tle.gz", &packed[..packed.len() / 2]), &["cut.tle.gz", "broken gzip"]);
+}
+
+#[test]
+fn times_and_angles_that_are_none() {
+    let with = |change: &[&str], parts: &[&str]| {
+        let others = POINTING[1..].chunks(2).filter(|pair| pair[0] != change[0]).flatten();
+        let arguments: Vec<&str> = POINTING[..1].iter().chain(others).chain(change).copied().collect();
+        fails(&[&arguments, SITE, SHELLS], parts);
+    };
+    with(&["--start", "2024-08-14T03:30:00"], &["names no time scale", "37 s", "--time-scale"]);
+    with(&["--start", "60536.1"], &["names no time scale", "37 s"]);
+    with(&["--start", "1850-01-01T00:00:00Z"], &["1957", "2099"]);
+    with(&["--start", "3000-01-01T00:00:00Z"], &["1957", "2099"]);
+    with(&["--start", "2024-08-14T23:59:60Z"], &["no leap second"]);
+    with(&["--start", "yesterday"], &["'yesterday' is not a time", "ISO 8601"]);
+    with(&["--exposure", "30"], &["exposure 30 has no unit", "30s"]);
+    with(&["--exposure", "-30s"], &["'-30s'"]);
+    with(&["--fov", "3.5"], &["fov 3.5 has no unit", "3.5deg"]);
+    with(&["--ra", "25h"], &["25h", "right ascension"]);
+    with(&["--dec", "-91"], &["-91", "declination"]);
+    with(&["--dec", "85"], &["below the horizon", "allowed: 0 deg or more"]);
+    fails(
+        &[&["passes", "--exposure", "30s", "--ra", "0", "--dec", "0", "--fov", "1deg"], SITE, SHELLS],
+        &["no start", "--start"],
+    );
+    fails(
+        &[&["passes", "--start", "2024-08-14T03:30:00Z", "--ra", "0", "--dec", "0"], SITE, SHELLS],
+        &["no length of the exposure"],
+    );
+}
+
+#[test]
+fn schedules_that_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = |name: &str, bytes: &[u8], parts: &[&str]| fails(&[&flag(&file(&folder, name, bytes))], parts);
+    schedule("empty.csv", b"", &["empty.csv is empty"]);
+    schedule("blank.csv", b"\n \n", &["blank.csv is empty"]);
+    schedule("header.csv", HEADER.as_bytes(), &["columns but no exposures"]);
+    schedule(
+        "short.csv",
+        b"exposure_id,start_utc\n1,2024-08-14T03:30:00Z\n",
+        &["missing duration_s, ra_deg, dec_deg", "found exposure_id, start_utc", "allowed: exposure_id"],
+    );
+    schedule("noise.bin", &[0xff, 0x00, 0x81, 0x7f], &["noise.bin"]);
+    schedule("rows.json", b"{\"visits\": []}", &["without an array 'exposures'"]);
+    schedule("cut.json", b"[{\"exposure_id\": ", &["cut.json, line 1"]);
+    schedule("none.json", b"[]", &["none.json is empty"]);
+    schedule("page.html", b"<html></html>", &["XML or HTML", "allowed: opsim SQLite"]);
+    schedule("cut.db", b"SQLite format 3\0 and then nothing", &["cut.db"]);
+    fails(&[&flag(&folder.path().display().to_string())], &["is a directory"]);
+    fails(&[&flag("/nowhere.csv")], &["/nowhere.csv"]);
+    let mjd = b"exposure_id,start_mjd,duration_s,ra_deg,dec_deg\n1,60536.14,30,280,-30\n";
+    schedule("mjd.csv", mjd, &["start_mjd names no time scale", "--time-scale utc, tai or tt", "37 s"]);
+    let early = format!("{HEADER}1,1850-08-14T03:30:00Z,30,280,-30\n");
+    schedule("early.csv", early.as_bytes(), &["none of its 1 rows can be judged", "no ephemeris", "1957 to 2099"]);
+}
+
+#[test]
+fn words_that_mean_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    fails(&[POINTING, SITE, SHELLS, &["--format", "xlsx"]], &["'xlsx'", "table, csv, ecsv, json, jsonl"]);
+    fails(&[POINTING, SITE, SHELLS, &["--band", "q"]], &["unknown band \"q\""]);
+    fails(&[POINTING, SITE, SHELLS, &["--telescope", "hubble"]], &["unknown telescope \"hubble\"", "rubin"]);
+    fails(&[POINTING, SITE, SHELLS, &["--time-scale", "ut"]], &["time scale 'ut'", "utc, tai, tt"]);
+    fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["threads 0"]);
+    fails(&[POINTING, SITE, SHELLS, &["--min-probability", "1.5"]], &["min_probability is 1.5"]);
+    fails(&[POINTING, SITE, SHELLS, &["--field", "x.json"]], &["--fov and --field exclude each other"]);
+    fails(&[POINTING, SITE, SHELLS, &["--nonsense"]], &["--nonsense"]);
+    fails(&[&["passses"]], &["passses", "passes"]);
+    let config = file(&folder, "c.toml", b"limitmag = 7\n");
+    fails(&[POINTING, SITE, SHELLS, &["--config", &config]], &["c.toml", "limitmag"]);
+    let policy = file(&folder, "p.toml", b"limit = 7\n");
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["policy", "unknown field `limit`", "limit_mag"]);
+    fails(&[&flag(&schedule), &["--fail-on", "clear"]], &["clear", "streaked", "avoid"]);
+    fails(&[&["model", "show", "nonsense"]], &["unknown model 'nonsense'", "starlink-v1.5"]);
+    fails(&[&["model", "check", &config]], &["c.toml"]);
+}
+
+#[test]
+fn a_failure_leaves_no_file_and_the_old_one_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,nan,30,280,-30\n").as_bytes());
+    let new = folder.path().join("new.csv").display().to_string();
+    fails(&[&flag(&schedule), &["-o", &new]], &["none of its 1 rows"]);
+    assert!(!Path::new(&new).exists());
+    let old = file(&folder, "old.csv", b"mine");
+    fails(&[&flag(&schedule), &["-o", &old]], &["none of its 1 rows"]);
+    assert_eq!(fs::read(&old).unwrap(), b"mine");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    fails(&[POINTING, SITE, SHELLS, &["-o", &folder.path().display().to_string()]], &["is a directory"]);
+    fails(&[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]], &["cannot write /nowhere/at/all.csv"]);
+}
+
+#[test]
+fn rows_that_cannot_be_judged_stay_with_their_reason_and_the_rest_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = [
+        ("ok", "2024-08-14T03:30:00Z", "30", "280", "-30", ""),
+        ("nan", "2024-08-14T03:30:00Z", "30", "NaN", "-30", "right ascension is NaN"),
+        ("below", "2024-08-14T03:30:00Z", "30", "280", "80", "below the horizon"),
+        ("dec", "2024-08-14T03:30:00Z", "30", "280", "-91", "declination is -91, allowed -90 to 90"),
+        ("ra", "2024-08-14T03:30:00Z", "30", "361", "-30", "right ascension is 361"),
+        ("long", "2024-08-14T03:30:00Z", "1e9", "280", "-30", "duration is 1000000000"),
+        ("negative", "2024-08-14T03:30:00Z", "-1", "280", "-30", "duration is -1"),
+        ("text", "2024-08-14T03:30:00Z", "thirty", "280", "-30", "duration 'thirty' is not a number"),
+        ("gap", "", "30", "280", "-30", "start is missing"),
+        ("early", "1850-01-01T00:00:00Z", "30", "280", "-30", "no ephemeris"),
+        ("", "2024-08-14T03:30:00Z", "30", "280", "-30", ""),
+    ];
+    let mut text = HEADER.to_owned();
+    for (id, start, duration, ra, dec, _) in rows {
+        text += &format!("{id},{start},{duration},{ra},{dec}\n");
+    }
+    text += "short,2024-08-14T03:30:00Z\n";
+    let schedule = file(&folder, "s.csv", text.as_bytes());
+    let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json"]]);
+    assert_eq!(code, 0, "{stderr}");
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let flags = answer["flags"].as_array().unwrap();
+    assert_eq!(flags.len(), rows.len() + 1);
+    for (flag, (id, .., reason)) in flags.iter().zip(rows) {
+        let judged = reason.is_empty();
+        assert_eq!(flag["verdict"] == "invalid", !judged, "{flag}");
+        assert_eq!(flag["exposure_id"], if id.is_empty() { "11" } else { id });
+        if !judged {
+            assert!(flag["reasons"][0].as_str().unwrap().contains(reason), "{flag}");
+            assert!(flag["p_any"].is_null() && flag["next_clear_start_utc"].is_null(), "{flag}");
+        }
+    }
+    assert_eq!(flags[rows.len()]["verdict"], "invalid");
+    assert!(flags[rows.len()]["reasons"][0].as_str().unwrap().contains("2 cells, the header 5"));
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_is_no_failure() {
+    let mut child = Process::new(STREAKCAST)
+        .args(["sites", "--format", "csv"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Closed before anything is read: the first write already fails.
+    drop(child.stdout.take());
+    let mut stderr = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+    assert_eq!((child.wait().unwrap().code(), stderr.as_str()), (Some(0), ""));
+}
+
+#[test]
+fn elements_a_year_old_are_a_warning_and_a_wide_sigma() {
+    let Some(data) = common::data_dir() else { return };
+    let elements = data.join("tle/active/starlink_2023-10-16.txt").display().to_string();
+    let year_later = [
+        "passes",
+        "--start",
+        "2024-10-16T00:30:00Z",
+        "--exposure",
+        "60s",
+        "--ra",
+        "300",
+        "--dec",
+        "-30",
+        "--fov",
+        "40deg",
+    ];
+    let (code, stdout, stderr) =
+        run(&[&year_later, SITE, &["--elements", &elements, "--format", "json", "--include-dark"]]);
+    assert!(code < 2, "{stderr}");
+    let warning = stderr.lines().find(|line| line.contains("more than 14 days")).unwrap_or_default();
+    assert!(
+        warning.starts_with("warning: ") && warning.contains("of 4870 element sets") && warning.contains("days older"),
+        "{stderr}"
+    );
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let passes = answer["passes"].as_array().unwrap();
+    assert!(!passes.is_empty());
+    for pass in passes {
+        assert!(
+            pass["element_age_days"].as_f64().unwrap() > 300.0 && pass["along_track_sigma_s"].as_f64().unwrap() > 10.0,
+            "{pass}"
+        );
+    }
+}
+
+#[test]
+fn messy_element_files_are_read_with_their_rejects_counted() {
+    let Some(data) = common::data_dir() else { return };
+    for entry in fs::read_dir(data.join("tle/messy")).unwrap() {
+        let path = entry.unwrap().path().display().to_string();
+        let (code, _, stderr) = run(&[POINTING, SITE, &["--elements", &path]]);
+        assert!(code < 2, "{path}: {stderr}");
+        assert!(stderr.lines().all(|line| line.starts_with("warning: ") || line == "no passes"), "{path}: {stderr}");
+    }
+}
