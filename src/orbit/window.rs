@@ -429,15 +429,17 @@ impl Question<'_> {
 }
 
 impl Chunk {
+    /// The interpolated normal. A chord of the arc it runs over, it is short by 1e-4 at most: 0.7 km, part of the margin.
     fn normal_at(&self, lane: usize, fraction: f64) -> Vector3<f64> {
         let component =
             |axis: usize| f64::from(self.normal[axis][lane]) + fraction * f64::from(self.normal_change[axis][lane]);
-        Vector3::new(component(0), component(1), component(2)).normalize()
+        Vector3::new(component(0), component(1), component(2))
     }
 }
 
 impl Phase {
-    /// Interpolated position and velocity in TEME, km and km/s.
+    /// Interpolated position and velocity in TEME, km and km/s. The reference turns with the plane by a degree or two, and is
+    /// not made a unit vector again for that.
     fn place(&self, normal: &Vector3<f64>, time_s: f64, fraction: f64) -> (Vector3<f64>, Vector3<f64>) {
         let [rx, ry, rz] = self.reference;
         let x_axis = plane_axis(&Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz)), normal);
