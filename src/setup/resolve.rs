@@ -283,7 +283,7 @@ mod tests {
                 < 2e-3
         );
         assert!((area("telescope = 'rubin'") - 9.62).abs() < 0.01);
-        assert!((area("telescope = 'rubin'\nfov = '2deg'") - 3.1416).abs() < 1e-3);
+        assert!((area("telescope = 'rubin'\nfov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
         assert!(message(setup("").field_of_view()).contains("no field of view; say --fov 3.5deg"));
         assert!(message(setup("fov = 3.5").field_of_view()).contains("has no unit"));
     }

@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# All checks of the project, one line a step. `tests/run.sh --quick` is for before a commit, `tests/run.sh` for before a merge.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+usage="usage: tests/run.sh [--quick]"
+mode=full
+for argument in "$@"; do
+    case "$argument" in
+        --quick) mode=quick ;;
+        -h | --help) echo "$usage"; exit 0 ;;
+        *) echo "$usage" >&2; exit 2 ;;
+    esac
+done
+
+command -v cargo >/dev/null || { echo "tests/run.sh: cargo is not installed (see https://rustup.rs)" >&2; exit 2; }
+
+log=$(mktemp -d)
+trap 'rm -rf "$log"' EXIT
+begin=$SECONDS
+
+# step NAME COMMAND...: runs it, says how long it took, and shows what it wrote only where it failed.
+step() {
+    local name=$1 start=$SECONDS
+    shift
+    if "$@" >"$log/step" 2>&1; then
+        printf 'ok    %4d s  %s\n' $((SECONDS - start)) "$name"
+    else
+        local code=$?
+        printf 'FAIL  %4d s  %s\n' $((SECONDS - start)) "$name"
+        cat "$log/step"
+        exit "$code"
+    fi
+    cat "$log/step" >>"$log/all"
+}
+
+# Test names that were left out for want of data, and the sum of all "test result" lines.
+counts() {
+    grep -ahoE '\*\*\* SKIPPED [^ ]+' "$log/all" | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/:$//' | sort -u || true
+    awk '/^test result:/ { passed += $4; failed += $6; ignored += $8; suites += 1 }
+         END { printf "%d tests passed, %d failed, %d ignored, in %d suites\n", passed, failed, ignored, suites }' "$log/all"
+}
+
+lint=(-- -D warnings)
+step "cargo fmt --check" cargo fmt --check
+if [ "$mode" = quick ]; then
+    step "cargo clippy (library and command line)" cargo clippy --quiet --lib --bins "${lint[@]}"
+    step "cargo test --lib, import rules" cargo test --lib --test imports
+else
+    step "cargo clippy --all-targets" cargo clippy --quiet --all-targets "${lint[@]}"
+    step "cargo test" cargo test
+    step "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps
+    step "without features" cargo check --quiet --no-default-features
+    step "cli alone" cargo check --quiet --no-default-features --features cli
+    step "sqlite alone" cargo check --quiet --no-default-features --features sqlite
+    step "example flag_exposures" cargo run --quiet --example flag_exposures
+    # The README's main job; it must find both kinds of exposure.
+    main_job() {
+        cargo run --quiet -- flag --shells starlink-gen1 --schedule examples/night.csv --mpc X05 --fov 3.5deg \
+            --limit-mag 7 --telescope rubin --format csv --quiet >"$log/night.csv"
+        grep -q ',clear,' "$log/night.csv" && grep -q ',streaked,' "$log/night.csv" && grep -q ',avoid,' "$log/night.csv"
+    }
+    step "the README's main job" main_job
+fi
+counts
+echo "all passed in $((SECONDS - begin)) s"
