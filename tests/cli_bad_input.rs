@@ -53,7 +53,7 @@ fn file(folder: &TempDir, name: &str, bytes: &[u8]) -> String {
     path.display().to_string()
 }
 
-fn flag<'a>(schedule: &'a str) -> Vec<&'a str> {
+fn flag(schedule: &str) -> Vec<&str> {
     [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
 }
 

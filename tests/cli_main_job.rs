@@ -109,8 +109,8 @@ fn rows_are_consistent_in_themselves() {
         let text = |name: &str| pass[name].as_str().unwrap().to_owned();
         // ISO texts of one length compare as their times do.
         assert!(text("enter_utc") <= text("mid_utc") && text("mid_utc") <= text("exit_utc"), "{pass}");
-        assert!(text("enter_utc") >= "2024-08-14T23:30:00.000000Z".to_owned());
-        assert!(text("exit_utc") <= "2024-08-14T23:32:00.000000Z".to_owned());
+        assert!(text("enter_utc").as_str() >= "2024-08-14T23:30:00.000000Z");
+        assert!(text("exit_utc").as_str() <= "2024-08-14T23:32:00.000000Z");
         assert!(number("min_separation_deg") <= 10.0 && number("streak_length_deg") <= 20.1, "{pass}");
         assert!((0.0..=1.0).contains(&number("probability")) && number("probability") > 0.01);
         assert!(number("range_km") > 500.0 && (530.0..600.0).contains(&number("height_km")), "{pass}");

@@ -179,7 +179,7 @@ impl Propagator {
             })?;
         let [x, y, z] = prediction.position;
         let radius_km = (x * x + y * y + z * z).sqrt();
-        // Not `radius < limit`: a position that is not a number has decayed too.
+        // A position that is not a number has decayed too.
         if radius_km.is_nan() || radius_km < DECAYED_RADIUS_KM {
             return Err(OrbitError::Decayed { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0, radius_km });
         }
