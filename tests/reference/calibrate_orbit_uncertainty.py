@@ -30,7 +30,7 @@ from scipy.optimize import minimize
 from sgp4 import omm
 from sgp4.api import WGS72, Satrec
 
-DATA = Path(os.environ.get("STREAKCAST_DATA", "../shared/data"))
+DATA = Path(os.environ.get("STREAKCAST_DATA") or Path(__file__).resolve().parents[3] / "shared/data")
 SOURCES = {
     "72 Starlink, daily, 2026": ["derived/starlink_tle_history_2026-05-29_2026-08-21_sel.tle"],
     "Starlink 2026-05-29, 08-21": ["tle/daily/starlink_2026-05-29.tle", "tle/daily/starlink_2026-08-21.tle"],

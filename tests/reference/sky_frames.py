@@ -13,7 +13,7 @@ from astropy.utils import iers
 from jplephem.spk import SPK
 
 iers.conf.auto_download = False
-DATA = Path(os.environ.get("STREAKCAST_DATA", "../shared/data"))
+DATA = Path(os.environ.get("STREAKCAST_DATA") or Path(__file__).resolve().parents[3] / "shared/data")
 SPEED_OF_LIGHT_KM_S = 299_792.458
 DAY_S = 86_400.0
 
