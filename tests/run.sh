@@ -54,13 +54,23 @@ else
     step "cli alone" cargo check --quiet --no-default-features --features cli
     step "sqlite alone" cargo check --quiet --no-default-features --features sqlite
     step "example flag_exposures" cargo run --quiet --example flag_exposures
-    # The README's main job; it must find both kinds of exposure.
-    main_job() {
-        cargo run --quiet -- flag --shells starlink-gen1 --schedule examples/night.csv --mpc X05 --fov 3.5deg \
-            --limit-mag 7 --telescope rubin --format csv --quiet >"$log/night.csv"
-        grep -q ',clear,' "$log/night.csv" && grep -q ',streaked,' "$log/night.csv" && grep -q ',avoid,' "$log/night.csv"
+    # What the pages show is what comes out: every line of the answer stands in them.
+    transcript() {
+        local page=$1
+        shift
+        NO_COLOR=1 cargo run --quiet -- "$@" --format table 2>&1 | sed 's/[ ]*$//' >"$log/answer"
+        if ! [ -s "$log/answer" ] || grep -vxFf "$page" "$log/answer"; then
+            echo "$page does not show these lines of: streakcast $*"
+            return 1
+        fi
     }
-    step "the README's main job" main_job
+    first=(--shells starlink-gen1 --mpc X05 --telescope rubin --fov 3.5deg)
+    step "the README's main job" transcript README.md flag "${first[@]}" --schedule examples/night.csv --limit-mag 7
+    step "the README's passes" transcript README.md passes "${first[@]}" --start 2026-08-14T23:29:05Z \
+        --exposure 30s --ra 198.9 --dec 7.7
+    step "docs/policy.md" transcript docs/policy.md flag --config examples/streakcast.toml --schedule examples/night.csv
+    step "examples/field.json" cargo run --quiet -- flag "${first[@]:0:4}" --field examples/field.json \
+        --schedule examples/night.csv
 fi
 counts
 echo "all passed in $((SECONDS - begin)) s"
