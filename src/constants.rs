@@ -11,6 +11,6 @@ pub const EARTH_FLATTENING: f64 = 1.0 / 298.257_223_563;
 /// Sun's nominal radius, km (IAU 2015 Resolution B3).
 pub const SUN_RADIUS_KM: f64 = 695_700.0;
 /// Earth's rate of rotation with respect to the stars, rad/s (IERS Conventions 2010, eq. 5.15: 1.00273781191135448 turns a UT1 day).
-pub const EARTH_ROTATION_RAD_S: f64 = 1.002_737_811_911_354_48 * std::f64::consts::TAU / 86_400.0;
+pub const EARTH_ROTATION_RAD_S: f64 = 1.002_737_811_911_354_5 * std::f64::consts::TAU / 86_400.0;
 /// Seconds in a day.
 pub const DAY_S: f64 = 86_400.0;

@@ -41,20 +41,19 @@ fn check(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), 
                 }
             }
             "minimum" | "maximum" => {
-                if let (Some(x), Some(bound)) = (value.as_f64(), rule.as_f64()) {
-                    if (keyword == "minimum" && x < bound) || (keyword == "maximum" && x > bound) {
-                        return fail(format!("{x} against {keyword} {bound}"));
-                    }
+                if let (Some(x), Some(bound)) = (value.as_f64(), rule.as_f64())
+                    && ((keyword == "minimum" && x < bound) || (keyword == "maximum" && x > bound))
+                {
+                    return fail(format!("{x} against {keyword} {bound}"));
                 }
             }
             "minLength" | "maxLength" | "minItems" | "maxItems" => {
                 let len = value.as_str().map(|s| s.chars().count()).or_else(|| value.as_array().map(Vec::len));
-                if let (Some(len), Some(bound)) = (len, rule.as_u64()) {
-                    if (keyword.starts_with("min") && (len as u64) < bound)
-                        || (keyword.starts_with("max") && len as u64 > bound)
-                    {
-                        return fail(format!("length {len} against {keyword} {bound}"));
-                    }
+                if let (Some(len), Some(bound)) = (len, rule.as_u64())
+                    && ((keyword.starts_with("min") && (len as u64) < bound)
+                        || (keyword.starts_with("max") && len as u64 > bound))
+                {
+                    return fail(format!("length {len} against {keyword} {bound}"));
                 }
             }
             "pattern" => {

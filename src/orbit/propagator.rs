@@ -195,8 +195,8 @@ impl Propagator {
                 ),
             });
         }
-        // Not `radius < limit`: a position that is not a number has decayed too.
-        if !(radius_km >= DECAYED_RADIUS_KM) {
+        // A position that is not a number has decayed too.
+        if radius_km.is_nan() || radius_km < DECAYED_RADIUS_KM {
             return Err(OrbitError::Decayed { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0, radius_km });
         }
         Ok((prediction.position, prediction.velocity))

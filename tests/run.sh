@@ -1,0 +1,76 @@
+#!/usr/bin/env bash
+# All checks of the project, one line a step. `tests/run.sh --quick` is for before a commit, `tests/run.sh` for before a merge.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+usage="usage: tests/run.sh [--quick]"
+mode=full
+for argument in "$@"; do
+    case "$argument" in
+        --quick) mode=quick ;;
+        -h | --help) echo "$usage"; exit 0 ;;
+        *) echo "$usage" >&2; exit 2 ;;
+    esac
+done
+
+command -v cargo >/dev/null || { echo "tests/run.sh: cargo is not installed (see https://rustup.rs)" >&2; exit 2; }
+
+log=$(mktemp -d)
+trap 'rm -rf "$log"' EXIT
+begin=$SECONDS
+
+# step NAME COMMAND...: runs it, says how long it took, and shows what it wrote only where it failed.
+step() {
+    local name=$1 start=$SECONDS
+    shift
+    if "$@" >"$log/step" 2>&1; then
+        printf 'ok    %4d s  %s\n' $((SECONDS - start)) "$name"
+    else
+        local code=$?
+        printf 'FAIL  %4d s  %s\n' $((SECONDS - start)) "$name"
+        cat "$log/step"
+        exit "$code"
+    fi
+    cat "$log/step" >>"$log/all"
+}
+
+# Test names that were left out for want of data, and the sum of all "test result" lines.
+counts() {
+    grep -ahoE '\*\*\* SKIPPED [^ ]+' "$log/all" | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/:$//' | sort -u || true
+    awk '/^test result:/ { passed += $4; failed += $6; ignored += $8; suites += 1 }
+         END { printf "%d tests passed, %d failed, %d ignored, in %d suites\n", passed, failed, ignored, suites }' "$log/all"
+}
+
+lint=(-- -D warnings)
+step "cargo fmt --check" cargo fmt --check
+if [ "$mode" = quick ]; then
+    step "cargo clippy (library and command line)" cargo clippy --quiet --lib --bins "${lint[@]}"
+    step "cargo test --lib, import rules" cargo test --lib --test imports
+else
+    step "cargo clippy --all-targets" cargo clippy --quiet --all-targets "${lint[@]}"
+    step "cargo test" cargo test
+    step "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps
+    step "without features" cargo check --quiet --no-default-features
+    step "cli alone" cargo check --quiet --no-default-features --features cli
+    step "sqlite alone" cargo check --quiet --no-default-features --features sqlite
+    step "example flag_exposures" cargo run --quiet --example flag_exposures
+    # What the pages show is what comes out: every line of the answer stands in them.
+    transcript() {
+        local page=$1
+        shift
+        NO_COLOR=1 cargo run --quiet -- "$@" --format table 2>&1 | sed 's/[ ]*$//' >"$log/answer"
+        if ! [ -s "$log/answer" ] || grep -vxFf "$page" "$log/answer"; then
+            echo "$page does not show these lines of: streakcast $*"
+            return 1
+        fi
+    }
+    first=(--shells starlink-gen1 --mpc X05 --telescope rubin --fov 3.5deg)
+    step "the README's main job" transcript README.md flag "${first[@]}" --schedule examples/night.csv --limit-mag 7
+    step "the README's passes" transcript README.md passes "${first[@]}" --start 2026-08-14T23:29:05Z \
+        --exposure 30s --ra 198.9 --dec 7.7
+    step "docs/policy.md" transcript docs/policy.md flag --config examples/streakcast.toml --schedule examples/night.csv
+    step "examples/field.json" cargo run --quiet -- flag "${first[@]:0:4}" --field examples/field.json \
+        --schedule examples/night.csv
+fi
+counts
+echo "all passed in $((SECONDS - begin)) s"
