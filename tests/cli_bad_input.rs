@@ -53,7 +53,7 @@ fn file(folder: &TempDir, name: &str, bytes: &[u8]) -> String {
     path.display().to_string()
 }
 
-fn flag<'a>(schedule: &'a str) -> Vec<&'a str> {
+fn flag(schedule: &str) -> Vec<&str> {
     [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
 }
 
@@ -146,6 +146,7 @@ fn words_that_mean_nothing() {
     fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["threads 0"]);
     fails(&[POINTING, SITE, SHELLS, &["--min-probability", "1.5"]], &["min_probability is 1.5"]);
     fails(&[POINTING, SITE, SHELLS, &["--field", "x.json"]], &["--fov and --field exclude each other"]);
+    fails(&[POINTING, SITE, SHELLS, &["--samples", "100001"]], &["samples '100001'", "0 to 100000"]);
     fails(&[POINTING, SITE, SHELLS, &["--nonsense"]], &["--nonsense"]);
     fails(&[&["passses"]], &["passses", "passes"]);
     let config = file(&folder, "c.toml", b"limitmag = 7\n");
@@ -211,6 +212,24 @@ fn rows_that_cannot_be_judged_stay_with_their_reason_and_the_rest_goes_on() {
     }
     assert_eq!(flags[rows.len()]["verdict"], "invalid");
     assert!(flags[rows.len()]["reasons"][0].as_str().unwrap().contains("2 cells, the header 5"));
+}
+
+#[test]
+fn what_may_go_unnoticed_in_a_schedule_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n";
+    let rows = "a,2024-08-14T03:30:00Z,30,280,-30,g\na,2024-08-14T03:31:00Z,30,280,-30,q\nb,2024-08-14T03:32:00Z,30,280,-30,\n";
+    let schedule = file(&folder, "s.csv", format!("{header}{rows}").as_bytes());
+    let policy = file(&folder, "p.toml", b"limit_mag = {g = 7.0}\n");
+    let (code, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("warning: 1 exposures carry the id of an earlier one"), "{stderr}");
+    assert!(
+        stderr.contains("warning: the policy's limit_mag has no number for band none, q and no default"),
+        "{stderr}"
+    );
+    let (_, _, quiet) = run(&[&flag(&schedule), &["--policy", &policy, "--quiet"]]);
+    assert_eq!(quiet, "");
 }
 
 #[test]

@@ -109,8 +109,8 @@ fn rows_are_consistent_in_themselves() {
         let text = |name: &str| pass[name].as_str().unwrap().to_owned();
         // ISO texts of one length compare as their times do.
         assert!(text("enter_utc") <= text("mid_utc") && text("mid_utc") <= text("exit_utc"), "{pass}");
-        assert!(text("enter_utc") >= "2024-08-14T23:30:00.000000Z".to_owned());
-        assert!(text("exit_utc") <= "2024-08-14T23:32:00.000000Z".to_owned());
+        assert!(text("enter_utc").as_str() >= "2024-08-14T23:30:00.000000Z");
+        assert!(text("exit_utc").as_str() <= "2024-08-14T23:32:00.000000Z");
         assert!(number("min_separation_deg") <= 10.0 && number("streak_length_deg") <= 20.1, "{pass}");
         assert!((0.0..=1.0).contains(&number("probability")) && number("probability") > 0.01);
         assert!(number("range_km") > 500.0 && (530.0..600.0).contains(&number("height_km")), "{pass}");
@@ -169,13 +169,6 @@ fn spellings_of_one_question() {
 
 #[test]
 fn nothing_found_is_exit_code_one() {
-    let (code, stdout, stderr) = run(&[
-        PASSES,
-        &["--shells", "qianfan", "--mpc", "X05", "--exposure"],
-        &["0.001s", "--fov", "1arcsec", "--format", "json"],
-    ]);
-    // The last word on a flag is one too many.
-    assert_eq!(code, 2, "{stdout}{stderr}");
     let narrow = [
         "passes",
         "--start",
@@ -225,9 +218,11 @@ fn schedules_in_four_formats_give_the_same_flags() {
 
 #[test]
 fn a_next_clear_start_is_clear_and_nothing_earlier_is() {
+    /// Ten degrees across: enough to wait for.
+    const WIDE: &[&str] = &["--fov", "10deg"];
     let folder = tempfile::tempdir().unwrap();
     fs::write(path(&folder, "s.csv"), evening()).unwrap();
-    let flags = json(&[&["flag", "--schedule", &path(&folder, "s.csv")], FLAG, SKY])["flags"].clone();
+    let flags = json(&[&["flag", "--schedule", &path(&folder, "s.csv")], WIDE, SKY])["flags"].clone();
     let mut later = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n".to_owned();
     let mut earlier = later.clone();
     let mut waiting = 0;
@@ -248,10 +243,10 @@ fn a_next_clear_start_is_clear_and_nothing_earlier_is() {
     assert!(waiting > 3, "{waiting} exposures wait");
     fs::write(path(&folder, "later.csv"), later).unwrap();
     fs::write(path(&folder, "earlier.csv"), earlier).unwrap();
-    for flag in json(&[&["flag", "--schedule", &path(&folder, "later.csv")], FLAG, SKY])["flags"].as_array().unwrap() {
+    for flag in json(&[&["flag", "--schedule", &path(&folder, "later.csv")], WIDE, SKY])["flags"].as_array().unwrap() {
         assert_eq!(flag["verdict"], "clear", "{flag}");
     }
-    for flag in json(&[&["flag", "--schedule", &path(&folder, "earlier.csv")], FLAG, SKY])["flags"].as_array().unwrap()
+    for flag in json(&[&["flag", "--schedule", &path(&folder, "earlier.csv")], WIDE, SKY])["flags"].as_array().unwrap()
     {
         assert_ne!(flag["verdict"], "clear", "{flag}");
     }
@@ -370,7 +365,7 @@ fn a_configuration_says_what_flags_would_and_flags_win() {
     fs::write(&config, "shells = ['starlink-gen1']\nquiet = true\nexposure = '120s'\nstart = 2024\n[site]\nmpc = 'X05'\n[field]\ncircle_deg = 20.0\n").unwrap();
     let words = ["passes", "--start", "2024-08-14T23:30:00Z", "--ra", "217.5", "--dec", "-30", "--config", &config];
     assert_eq!(json(&[&words])["passes"], json(&[PASSES, SKY])["passes"]);
-    let wider = json(&[&words, &["--fov", "30deg"]]);
+    let wider = json(&[&words, &["--fov", "60deg"]]);
     assert!(wider["passes"].as_array().unwrap().len() > json(&[&words])["passes"].as_array().unwrap().len());
 }
 

@@ -1,14 +1,15 @@
 //! SGP4 made ready for one satellite. TEME never leaves this room.
 
-use hifitime::Epoch;
+use hifitime::{Epoch, Unit};
 use sgp4::{Constants, MinutesSinceEpoch, Orbit, ResonanceState, WGS72, afspc_epoch_to_sidereal_time};
-use std::f64::consts::PI;
+use std::f64::consts::{PI, TAU};
 use std::fmt;
 use thiserror::Error;
 
+use super::kepler::MU_KM3_S2;
 use crate::catalogue::{ElementSet, NoradId};
 use crate::constants::DAY_S;
-use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity, seconds_between};
+use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
 /// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).
 pub const DECAYED_RADIUS_KM: f64 = 6378.135;
@@ -64,6 +65,8 @@ pub struct Propagator {
     epoch: Epoch,
     norad_id: NoradId,
     period_s: f64,
+    /// Beyond this distance from the Earth's centre the prediction is nonsense.
+    farthest_km: f64,
     /// Where the integration of a resonant deep-space orbit starts; none for all other orbits.
     resonance: Option<ResonanceState>,
 }
@@ -98,8 +101,10 @@ impl Propagator {
             Constants::new(WGS72, afspc_epoch_to_sidereal_time, years, elements.bstar_per_earth_radius, orbit)
                 .map_err(|error| fail(error.to_string()))?;
         let period_s = DAY_S / elements.mean_motion_rev_day;
+        // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for what Moon and Sun may add.
+        let farthest_km = 2.2 * (MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
         let resonance = constants.initial_state();
-        Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id, period_s, resonance })
+        Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id, period_s, farthest_km, resonance })
     }
 
     /// The same orbit, made quick for times from `epoch` on, away from its element epoch; `None` where there is nothing to gain.
@@ -125,10 +130,10 @@ impl Propagator {
         self.epoch
     }
 
-    /// Minutes from the element epoch to `epoch`, as SI time elapsed: leap seconds in between are counted.
+    /// Minutes from the element epoch to `epoch` by the clock of UTC, in whatever scale `epoch` is given: leap seconds in between are not
+    /// counted, as in the AFSPC code and in python-sgp4. The last one was inserted at the end of 2016.
     pub fn minutes_since_epoch(&self, epoch: Epoch) -> f64 {
-        // Not `epoch - self.epoch`: between two UTC epochs hifitime leaves the leap seconds out.
-        seconds_between(self.epoch, epoch) / 60.0
+        (epoch.to_utc_duration() - self.epoch.to_utc_duration()).to_unit(Unit::Minute)
     }
 
     /// Geocentric state at `epoch`.
@@ -179,6 +184,17 @@ impl Propagator {
             })?;
         let [x, y, z] = prediction.position;
         let radius_km = (x * x + y * y + z * z).sqrt();
+        // No orbit of this energy reaches farther than twice its semi-major axis: drag terms have run away.
+        if radius_km > self.farthest_km {
+            return Err(OrbitError::Diverged {
+                norad_id: self.norad_id,
+                days_since_epoch: minutes / 1440.0,
+                reason: format!(
+                    "it predicts {radius_km:.0} km from the Earth's centre, where the orbit reaches {:.0} km at most",
+                    self.farthest_km
+                ),
+            });
+        }
         // Not `radius < limit`: a position that is not a number has decayed too.
         if !(radius_km >= DECAYED_RADIUS_KM) {
             return Err(OrbitError::Decayed { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0, radius_km });

@@ -48,6 +48,10 @@ const DRAGGED_PERIGEE_KM: f64 = DECAYED_RADIUS_KM + 230.0;
 /// Above this eccentricity the interpolated place is no longer good enough near perigee: only the plane is trusted.
 const TOO_ECCENTRIC: f64 = 0.9;
 
+/// Short-period terms in the difference of two osculating mean longitudes, and in a rate from two osculating axes.
+const LONGITUDE_NOISE_RAD: f64 = 0.02;
+const RATE_NOISE: f64 = 0.01;
+
 /// Fields wider than this are no longer narrow cones: the phase test falls back to balls, radians.
 const WIDE_RAD: f64 = 0.5;
 
@@ -263,7 +267,7 @@ fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }
 
-/// Slow elements of one satellite from its states at both ends; `None` where they do not describe it well enough.
+/// Slow elements of one satellite from its states at both ends; `None` where they do not describe it: SGP4 is then always asked.
 fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: f64, reach: Reach) -> Option<Entry> {
     let reference = first.position.vector().normalize();
     let (begin, end) = (SlowElements::of(first, &reference)?, SlowElements::of(last, &reference)?);
@@ -280,6 +284,11 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
     let expected = begin.mean_longitude_rad + 0.5 * (begin.mean_motion_rad_s() + end.mean_motion_rad_s()) * span_s;
     let turns = ((expected - end.mean_longitude_rad) / std::f64::consts::TAU).round();
     let change = end.mean_longitude_rad + turns * std::f64::consts::TAU - begin.mean_longitude_rad;
+    // Where drag terms run away, velocity no longer is the rate of position, and nothing here holds.
+    let drift = (change - (expected - begin.mean_longitude_rad)).abs();
+    if drift > LONGITUDE_NOISE_RAD + RATE_NOISE * (expected - begin.mean_longitude_rad).abs() {
+        return None;
+    }
     let semi_major_axis_km = begin.semi_major_axis_km;
     let eccentric = eccentricity(&begin).max(eccentricity(&end));
     // J₂ terms scale as a (R/a)² / (1 - e)³ at perigee.

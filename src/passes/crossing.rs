@@ -41,6 +41,8 @@ pub(super) struct Crossing {
     pub chords: Vec<Chord>,
     /// Least angle to the centre of the field, radians.
     pub min_separation_rad: f64,
+    /// When that is, seconds.
+    pub closest_s: f64,
 }
 
 /// Steps are at most this long, seconds, whatever the speed: a distant satellite's parallax turns its track within hours.
@@ -56,8 +58,10 @@ const POLYGON_TURN_RAD: f64 = 5e-4;
 pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, field: &FieldOnSky) -> Crossing {
     let samples = sample(track, start_s, end_s);
     let with_extremes = extremes(track, &samples, field.centre());
-    let min_separation_rad =
-        with_extremes.iter().map(|(_, sight)| sight.angle_rad(field.centre())).fold(f64::INFINITY, f64::min);
+    let (closest_s, min_separation_rad) = with_extremes
+        .iter()
+        .map(|(time_s, sight)| (*time_s, sight.angle_rad(field.centre())))
+        .fold((start_s, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
     let mut chords = Vec::new();
     if min_separation_rad <= field.bounding_radius_rad() {
         let mut near = None;
@@ -78,7 +82,7 @@ pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, fie
             }
         }
     }
-    Crossing { chords: merge(chords), min_separation_rad }
+    Crossing { chords: merge(chords), min_separation_rad, closest_s }
 }
 
 /// Times and sights from start to end, at steps short enough for one extreme each.

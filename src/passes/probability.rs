@@ -7,8 +7,8 @@
 //!
 //! P = ∫ dx N(x; σ_c) Σ_chords [Φ((T - a)/σ_t) - Φ(-b/σ_t)]
 //!
-//! The integral over x is a Gauss-Hermite sum, that over δ is exact. The Earth's turn during δ is left out (15" a second of δ,
-//! across the track by less).
+//! The integral over x is a Gauss-Hermite sum, that over δ is exact. Before the shutter opens and after it closes the site
+//! stands still, so that a satellite brought in by its delay is seen from the right place.
 
 use super::crossing::{Sight, cross};
 use super::field::FieldOnSky;
@@ -35,15 +35,16 @@ pub(super) fn reach_s(along_track_sigma_s: f64) -> f64 {
 
 /// Probability that the satellite is inside the field at any time of [`start_s`, `end_s`].
 ///
-/// `track` must be good over the exposure widened by [`reach_s`] on both sides.
+/// `track` is that of the prediction over `searched_s`: the part of the exposure in which it may matter, widened by
+/// [`reach_s`] on both sides.
 pub(super) fn crossing_probability(
     track: &impl Fn(f64) -> Sight,
+    searched_s: (f64, f64),
     (start_s, end_s): (f64, f64),
     field: &FieldOnSky,
     along_track_sigma_s: f64,
     cross_track_sigma_rad: f64,
 ) -> f64 {
-    let reach_s = reach_s(along_track_sigma_s);
     let chance = |shift_rad: f64| {
         let shifted = |time_s: f64| {
             let sight = track(time_s);
@@ -53,7 +54,7 @@ pub(super) fn crossing_probability(
             let vector = if norm > 0.0 { unit + across * (shift_rad / norm) } else { unit };
             Sight { vector, rate_s: sight.rate_s }
         };
-        let chords = cross(&shifted, start_s - reach_s, end_s + reach_s, field).chords;
+        let chords = cross(&shifted, searched_s.0, searched_s.1, field).chords;
         delay_probability(&chords, start_s, end_s, along_track_sigma_s)
     };
     let total: f64 = if cross_track_sigma_rad > 0.0 {

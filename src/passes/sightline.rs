@@ -19,6 +19,8 @@ pub(super) struct SiteMotion {
     ahead: Vector3<f64>,
     /// Earth's barycentric velocity, for the aspect.
     earth_velocity: Velocity<Gcrs>,
+    /// Times before and after which it stands still, seconds.
+    moving_s: (f64, f64),
 }
 
 impl SiteMotion {
@@ -26,16 +28,33 @@ impl SiteMotion {
         let place = *observer.position(orientation).vector();
         let pole: Vector3<f64> = orientation.teme_to_gcrs.matrix().column(2).into_owned();
         let fixed = pole * pole.dot(&place);
-        Self { at_s, fixed, turning: place - fixed, ahead: pole.cross(&place), earth_velocity }
+        Self {
+            at_s,
+            fixed,
+            turning: place - fixed,
+            ahead: pole.cross(&place),
+            earth_velocity,
+            moving_s: (f64::NEG_INFINITY, f64::INFINITY),
+        }
+    }
+
+    /// The same site, standing still before the first and after the second of two times.
+    pub fn still_outside(self, from_s: f64, to_s: f64) -> Self {
+        Self { moving_s: (from_s, to_s), ..self }
+    }
+
+    /// How far the Earth has turned since the moment of reference, radians.
+    fn turn_rad(&self, time_s: f64) -> f64 {
+        EARTH_ROTATION_RAD_S * (time_s.max(self.moving_s.0).min(self.moving_s.1) - self.at_s)
     }
 
     pub fn position(&self, time_s: f64) -> Position<Gcrs> {
-        let (sin, cos) = (EARTH_ROTATION_RAD_S * (time_s - self.at_s)).sin_cos();
+        let (sin, cos) = self.turn_rad(time_s).sin_cos();
         Position::from_vector(self.fixed + self.turning * cos + self.ahead * sin)
     }
 
     fn velocity(&self, time_s: f64) -> Vector3<f64> {
-        let (sin, cos) = (EARTH_ROTATION_RAD_S * (time_s - self.at_s)).sin_cos();
+        let (sin, cos) = self.turn_rad(time_s).sin_cos();
         (self.ahead * cos - self.turning * sin) * EARTH_ROTATION_RAD_S
     }
 

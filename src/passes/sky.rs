@@ -24,6 +24,8 @@ use crate::photometry::{BrightnessModel, PhotometryOptions};
 
 /// The cull asks for at most this long at a time, seconds: by then an observer on the ground has moved 14 km to each side.
 const SLICE_S: f64 = 60.0;
+/// A satellite that is a candidate again within this time is still on the same pass, seconds: nothing comes round so soon.
+const SAME_PASS_S: f64 = 1200.0;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with room, radians.
 const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 /// First and last year for which Sun and Earth are computed.
@@ -89,7 +91,8 @@ pub(super) struct Scene {
     windows: Vec<Window>,
 }
 
-/// One satellite that was a candidate for neighbouring slices of one exposure; seconds of the scene.
+/// The slices of one exposure in which one satellite was a candidate, from the first to the last of one pass; seconds of the
+/// scene.
 struct Run {
     element_index: usize,
     start_s: f64,
@@ -267,7 +270,7 @@ impl Sky {
         (passes, left_out)
     }
 
-    /// Which satellites may be in the field, and when: candidates of neighbouring slices joined.
+    /// Which satellites may be in the field, and when: candidates of slices that belong together joined.
     fn runs(&self, scene: &Scene, exposure: &Exposure, field: &FieldOnSky, candidates: &mut Vec<u32>) -> Vec<Run> {
         let start_s = seconds_between(scene.start, exposure.start);
         let slices = (exposure.duration_s / SLICE_S).ceil().max(1.0);
@@ -291,18 +294,15 @@ impl Sky {
         }
         seen.sort_unstable();
         let mut runs: Vec<Run> = Vec::new();
-        let mut last: Option<(u32, u32)> = None;
         for (element_index, slice) in seen {
-            let end_s = start_s + slice_s * f64::from(slice + 1);
+            let element_index = element_index as usize;
+            let (from_s, end_s) = (start_s + slice_s * f64::from(slice), start_s + slice_s * f64::from(slice + 1));
             match runs.last_mut() {
-                Some(run) if last == Some((element_index, slice.wrapping_sub(1))) => run.end_s = end_s,
-                _ => runs.push(Run {
-                    element_index: element_index as usize,
-                    start_s: start_s + slice_s * f64::from(slice),
-                    end_s,
-                }),
+                Some(run) if run.element_index == element_index && from_s - run.end_s < SAME_PASS_S => {
+                    run.end_s = end_s
+                }
+                _ => runs.push(Run { element_index, start_s: from_s, end_s }),
             }
-            last = Some((element_index, slice));
         }
         runs
     }
@@ -330,8 +330,8 @@ impl Sky {
         if crossing.chords.is_empty() && wanted.is_none() {
             return Ok(None);
         }
-        let enter_s = crossing.chords.first().map_or(run.start_s, |chord| chord.enter_s);
-        let exit_s = crossing.chords.last().map_or(run.end_s, |chord| chord.exit_s);
+        let enter_s = crossing.chords.first().map_or(crossing.closest_s, |chord| chord.enter_s);
+        let exit_s = crossing.chords.last().map_or(crossing.closest_s, |chord| chord.exit_s);
         let look =
             Look { scene, observer: &self.observer, line: &line, model: &self.models[run.element_index], options };
         let lit = look.is_lit(enter_s, exit_s);
@@ -349,13 +349,17 @@ impl Sky {
         };
         let cross_track_sigma_rad = sigma.cross_track_km / mid.range_km;
         let reach_s = reach_s(sigma.along_track_s);
+        let opened_s = seconds_between(scene.start, exposure.start);
         // Elements that break down just outside the exposure say nothing of near misses; the nominal crossing stands.
         let probability = match arc_over(run.start_s - reach_s, run.end_s + reach_s) {
             Ok(wide) => {
-                let line = SightLine { arc: &wide, site };
+                // A satellite that a delay brings into the exposure is seen from where the site is then.
+                let closed_s = opened_s + exposure.duration_s;
+                let line = SightLine { arc: &wide, site: site.still_outside(opened_s, closed_s) };
                 crossing_probability(
                     &|time_s| line.sight(time_s),
-                    (run.start_s, run.end_s),
+                    (run.start_s - reach_s, run.end_s + reach_s),
+                    (opened_s, closed_s),
                     field,
                     sigma.along_track_s,
                     cross_track_sigma_rad,
@@ -366,7 +370,6 @@ impl Sky {
         if crossing.chords.is_empty() && wanted.is_none_or(|least| probability < least) {
             return Ok(None);
         }
-        let opened_s = seconds_between(scene.start, exposure.start);
         let (position_angle_rad, angular_rate_rad_s) = look.motion(middle_s);
         Ok(Some(FieldPass {
             norad_id: propagator.norad_id(),

@@ -46,11 +46,11 @@ pub struct FieldPass {
     pub element_index: usize,
     /// Stretches inside the field in time order, one per chip or arm of the shape; empty for a near miss.
     pub chords: Vec<Chord>,
-    /// Where the first chord begins; for a near miss, where the satellite stands at shutter opening.
+    /// Where the first chord begins; for a near miss, where the satellite comes closest.
     pub enter: TrackPoint,
-    /// Half way in time between `enter` and `exit`.
+    /// Half way in time between `enter` and `exit`; for a near miss, the same point.
     pub mid: TrackPoint,
-    /// Where the last chord ends; for a near miss, where the satellite stands at shutter closing.
+    /// Where the last chord ends; for a near miss, the same point.
     pub exit: TrackPoint,
     /// The brightest point between `enter` and `exit`; `None` where none of it can be seen.
     pub peak: Option<TrackPoint>,

@@ -107,3 +107,148 @@ fn streaked_reason(nominal: usize, counted: usize) -> String {
         _ => format!("{nominal} lit cross, {near} more may"),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::TAU;
+
+    use hifitime::Epoch;
+
+    use super::*;
+    use crate::catalogue::NoradId;
+    use crate::frames::{Direction, Position};
+    use crate::geometry::{Illumination, ViewingGeometry};
+    use crate::passes::{Chord, TrackPoint};
+    use crate::photometry::{Brightness, Magnitude, MagnitudeSource};
+
+    fn exposure() -> Exposure {
+        Exposure {
+            id: "e".into(),
+            start: Epoch::from_gregorian_utc_at_midnight(2024, 8, 14),
+            duration_s: 30.0,
+            pointing: Direction::from_lon_lat_rad(1.0, 0.5),
+            rotation_rad: 0.0,
+        }
+    }
+
+    /// A pass by hand: only what a verdict looks at means anything.
+    fn pass(norad_id: u32, peak_mag: Option<f64>, probability: f64) -> FieldPass {
+        let observer = Position::new(6378.0, 0.0, 0.0);
+        let geometry =
+            ViewingGeometry::new(&Position::new(6928.0, 100.0, 0.0), &observer, &Position::new(0.0, 1.5e8, 0.0));
+        let point = TrackPoint {
+            epoch: exposure().start,
+            direction: exposure().pointing,
+            altitude_rad: Some(1.0),
+            azimuth_rad: Some(0.0),
+            range_km: 559.0,
+            geometry: geometry.expect("a geometry"),
+            illumination: Illumination::Sunlit,
+            brightness: peak_mag.map(|magnitude| Brightness {
+                magnitude: Magnitude(magnitude),
+                sigma_mag: 0.5,
+                source: MagnitudeSource::Prior,
+                in_fitted_range: true,
+                grey_reflectance: false,
+            }),
+        };
+        FieldPass {
+            norad_id: NoradId(norad_id),
+            element_index: 0,
+            chords: vec![Chord { enter_s: 3.0, exit_s: 8.0 }],
+            enter: point.clone(),
+            mid: point.clone(),
+            exit: point.clone(),
+            peak: peak_mag.is_some().then_some(point),
+            min_separation_rad: 0.0,
+            streak_length_rad: TAU / 360.0,
+            position_angle_rad: 0.0,
+            angular_rate_rad_s: 0.01,
+            element_age_days: 0.0,
+            along_track_sigma_s: 0.1,
+            cross_track_sigma_rad: 0.0,
+            probability,
+            lit: true,
+            samples: Vec::new(),
+        }
+    }
+
+    fn judge(passes: &[FieldPass], policy: &str) -> ExposureFlag {
+        let policy = Policy::from_toml(policy).unwrap();
+        let each = |_: &FieldPass| 0.01;
+        flag(&exposure(), Some("r"), passes, &Rules { policy: &policy, lost_fraction: Some(&each) })
+    }
+
+    fn verdict(passes: &[FieldPass], policy: &str) -> Verdict {
+        judge(passes, policy).verdict
+    }
+
+    #[test]
+    fn verdicts_without_a_policy_are_those_of_the_limit() {
+        assert_eq!(verdict(&[], "limit_mag = 7"), Verdict::Clear);
+        assert_eq!(verdict(&[pass(1, Some(6.9), 0.5)], "limit_mag = 7"), Verdict::Avoid);
+        // As faint as the limit, less probable than a half, of no known light, or without a limit: streaked.
+        assert_eq!(verdict(&[pass(1, Some(7.0), 1.0)], "limit_mag = 7"), Verdict::Streaked);
+        assert_eq!(verdict(&[pass(1, Some(2.0), 0.49)], "limit_mag = 7"), Verdict::Streaked);
+        assert_eq!(verdict(&[pass(1, None, 1.0)], "limit_mag = 7"), Verdict::Streaked);
+        assert_eq!(verdict(&[pass(1, Some(2.0), 1.0)], ""), Verdict::Streaked);
+        let dark = FieldPass { lit: false, ..pass(1, None, 1.0) };
+        let flag = judge(&[dark], "limit_mag = 7");
+        assert_eq!((flag.verdict, flag.n_streaks, flag.p_any, flag.norad_ids.len()), (Verdict::Clear, 0, 0.0, 0));
+    }
+
+    #[test]
+    fn numbers_behind_a_verdict() {
+        let flag = judge(&[pass(7, Some(6.5), 0.8), pass(3, Some(5.5), 0.5), pass(9, None, 1.0)], "limit_mag = 6");
+        assert_eq!(flag.n_streaks, 3);
+        assert_eq!(flag.brightest_mag, Some(5.5));
+        assert_eq!(flag.norad_ids, [NoradId(7), NoradId(3), NoradId(9)]);
+        assert!((flag.p_any - 1.0).abs() < 1e-12);
+        assert!((flag.streak_length_deg - 3.0).abs() < 1e-9);
+        assert!((flag.expected_lost_pixel_fraction.unwrap() - 0.023).abs() < 1e-12);
+        assert_eq!(flag.reasons.len(), 1);
+        assert!(flag.reasons[0].contains("3 reaches mag 5.50, brighter than the limit 6"), "{:?}", flag.reasons);
+        let two = judge(&[pass(7, Some(6.5), 0.8), pass(3, Some(5.5), 0.5)], "");
+        assert!((two.p_any - 0.9).abs() < 1e-12);
+        assert_eq!((two.reasons.as_slice(), two.delay_s), (["2 lit satellites cross".to_owned()].as_slice(), None));
+    }
+
+    #[test]
+    fn near_misses_count_where_the_policy_names_a_probability() {
+        let near = FieldPass { chords: Vec::new(), streak_length_rad: 0.0, ..pass(1, Some(5.0), 0.3) };
+        let free = judge(std::slice::from_ref(&near), "limit_mag = 7");
+        assert_eq!((free.verdict, free.n_streaks), (Verdict::Clear, 0));
+        // What a clear exposure may still be hit by stands in its probability.
+        assert!((free.p_any - 0.3).abs() < 1e-12);
+        let counted = judge(std::slice::from_ref(&near), "limit_mag = 7\nmin_probability = 0.2");
+        assert_eq!((counted.verdict, counted.n_streaks, counted.norad_ids.len()), (Verdict::Avoid, 0, 1));
+        assert_eq!(verdict(std::slice::from_ref(&near), "min_probability = 0.2"), Verdict::Streaked);
+        assert_eq!(verdict(&[near], "limit_mag = 7\nmin_probability = 0.4"), Verdict::Clear);
+    }
+
+    #[test]
+    fn every_rule_of_a_policy_can_forbid() {
+        let passes = [pass(1, Some(5.0), 1.0)];
+        for (policy, expected, word) in [
+            ("saturation_mag = 5.1", Verdict::Avoid, "saturation limit 5.1"),
+            ("crosstalk_mag = 5.1", Verdict::Avoid, "crosstalk limit 5.1"),
+            ("saturation_mag = 4.9", Verdict::Streaked, "crosses"),
+            ("limit_mag = {r = 5.1, g = 0}", Verdict::Avoid, "limit 5.1"),
+            ("limit_mag = {g = 9}", Verdict::Streaked, "crosses"),
+            ("limit_mag = {g = 0, default = 9}", Verdict::Avoid, "limit 9"),
+            ("max_lost_fraction = 0.009", Verdict::Avoid, "0.0100 of the pixels expected lost"),
+            ("max_lost_fraction = 0.011", Verdict::Streaked, "crosses"),
+        ] {
+            let flag = judge(&passes, policy);
+            assert_eq!(flag.verdict, expected, "{policy}");
+            assert!(flag.reasons[0].contains(word), "{policy}: {:?}", flag.reasons);
+        }
+    }
+
+    #[test]
+    fn a_crowd_is_counted_and_the_first_are_named() {
+        let crowd: Vec<FieldPass> = (1..=9).map(|id| pass(id, Some(4.0), 1.0)).collect();
+        let flag = judge(&crowd, "limit_mag = 7");
+        assert_eq!((flag.reasons.len(), flag.reasons[5].as_str(), flag.norad_ids.len()), (6, "and 4 more", 9));
+    }
+}

@@ -1,5 +1,6 @@
 //! A schedule: exposures in the order of their rows, judged or not.
 
+use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
 use hifitime::TimeScale;
@@ -8,6 +9,7 @@ use crate::passes::Exposure;
 
 use super::error::ScheduleError;
 use super::formats::{self, ScheduleFormat};
+use super::policy::MagnitudeLimit;
 use super::rows;
 
 /// One row of a schedule.
@@ -65,5 +67,20 @@ impl Schedule {
             .iter()
             .enumerate()
             .filter_map(|(index, scheduled)| scheduled.exposure.as_ref().ok().map(|exposure| (index, exposure)))
+    }
+
+    /// How many rows carry an id that an earlier row has already.
+    pub fn repeated_ids(&self) -> usize {
+        let distinct: HashSet<&str> = self.exposures.iter().map(|row| row.id.as_str()).collect();
+        self.exposures.len() - distinct.len()
+    }
+
+    /// Bands of the rows for which a limit has no number, each once.
+    pub fn bands_without(&self, limit: &MagnitudeLimit) -> BTreeSet<&str> {
+        self.exposures
+            .iter()
+            .filter(|row| limit.of(row.band.as_deref()).is_none())
+            .map(|row| row.band.as_deref().unwrap_or("none"))
+            .collect()
     }
 }

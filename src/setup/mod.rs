@@ -14,5 +14,5 @@ pub use choices::{FieldSetup, ModelsSetup, OneOrMany, PolicySetup, Quantity, Sit
 pub use document::Setup;
 pub use error::SetupError;
 pub use prepared::Prepared;
-pub use resolve::OLD_ELEMENTS_DAYS;
+pub use resolve::{MOST_SAMPLES, OLD_ELEMENTS_DAYS};
 pub use units::{parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};

@@ -22,6 +22,9 @@ use super::units::{parse_angle_deg, parse_duration_s, parse_moment, parse_time_s
 /// Beyond this age, either way, element sets draw a warning, days.
 pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
 
+/// The most points along one track.
+pub const MOST_SAMPLES: usize = 100_000;
+
 const SITES: &str = "--site NAME, --mpc CODE, or --lat, --lon and --height";
 const FIELDS: &str = "--fov 3.5deg, --field FILE, or a telescope with --telescope";
 
@@ -117,6 +120,16 @@ impl Setup {
         let band: Band = self.band.as_deref().unwrap_or("V").parse()?;
         let system = self.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
         Ok(PhotometryOptions::in_band(band, system))
+    }
+
+    /// Points along each track; 0 where nothing was said.
+    ///
+    /// # Errors
+    /// More than [`MOST_SAMPLES`].
+    pub fn samples(&self) -> Result<usize, SetupError> {
+        let samples = self.samples.unwrap_or(0);
+        let too_many = || SetupError::Value { what: "samples", given: samples.to_string(), allowed: "0 to 100000" };
+        if samples > MOST_SAMPLES { Err(too_many()) } else { Ok(samples) }
     }
 
     /// The scale of times that name none.
@@ -283,7 +296,7 @@ mod tests {
                 < 2e-3
         );
         assert!((area("telescope = 'rubin'") - 9.62).abs() < 0.01);
-        assert!((area("telescope = 'rubin'\nfov = '2deg'") - 3.1416).abs() < 1e-3);
+        assert!((area("telescope = 'rubin'\nfov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
         assert!(message(setup("").field_of_view()).contains("no field of view; say --fov 3.5deg"));
         assert!(message(setup("fov = 3.5").field_of_view()).contains("has no unit"));
     }

@@ -50,6 +50,7 @@ pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
     let (first, last) = span(&schedule, path)?;
     let mut prepared = setup.prepare(first, last)?;
     notices.warn(&prepared.warnings);
+    notices.warn(&schedule_warnings(&schedule, &policy));
 
     let request = FlagRequest {
         sky: &prepared.sky,
@@ -107,6 +108,29 @@ pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
     provenance.state("options", options_json(setup, &policy, telescope));
     summary(&notices, &report);
     Ok(Judged { schedule, report, prepared, notices, streaks })
+}
+
+/// What the user may not have noticed about the schedule.
+fn schedule_warnings(schedule: &Schedule, policy: &Policy) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let repeated = schedule.repeated_ids();
+    if repeated > 0 {
+        warnings.push(format!(
+            "{repeated} exposures carry the id of an earlier one: their streaks cannot be told apart by it"
+        ));
+    }
+    for (name, limit) in [
+        ("limit_mag", &policy.limit_mag),
+        ("saturation_mag", &policy.saturation_mag),
+        ("crosstalk_mag", &policy.crosstalk_mag),
+    ] {
+        let bands = limit.as_ref().map(|limit| schedule.bands_without(limit)).unwrap_or_default();
+        if !bands.is_empty() {
+            let bands: Vec<&str> = bands.into_iter().collect();
+            warnings.push(format!("the policy's {name} has no number for band {} and no default", bands.join(", ")));
+        }
+    }
+    warnings
 }
 
 /// From the first opening to the last closing of the rows that can be judged.

@@ -5,7 +5,7 @@ use serde_json::json;
 use streakcast::frames::seconds_after;
 use streakcast::passes::{Exposure, PassOptions};
 use streakcast::schedule::{StreakRow, exposure_table, lowest_altitudes_rad, streak_table};
-use streakcast::setup::{Prepared, Quantity, Setup};
+use streakcast::setup::{Prepared, Quantity, Setup, parse_moment};
 use streakcast::table::{Column, Kind, Section, Table, format_utc};
 
 use crate::arguments::PassesArguments;
@@ -55,7 +55,7 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
     let options = PassOptions {
         include_dark: setup.include_dark.unwrap_or(false),
         min_probability: setup.policy()?.min_probability,
-        samples: setup.samples.unwrap_or(0),
+        samples: setup.samples()?,
         photometry: setup.photometry()?,
     };
     let mut prepared = setup.prepare(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
@@ -112,7 +112,9 @@ fn above_the_horizon(exposure: &Exposure, prepared: &Prepared) -> anyhow::Result
 }
 
 fn state(prepared: &mut Prepared, setup: &Setup, exposure: &Exposure, options: &PassOptions, telescope: Option<&str>) {
-    let scale = setup.time_scale.as_deref().unwrap_or("utc").to_ascii_lowercase();
+    // A start that ends in Z says its scale itself.
+    let names_its_own = setup.start.as_ref().is_some_and(|start| parse_moment(&start.text(), None).is_ok());
+    let scale = setup.time_scale.as_deref().filter(|_| !names_its_own).unwrap_or("utc").to_ascii_lowercase();
     prepared.provenance.state("time_scale", scale);
     prepared.provenance.state("band", options.photometry.band.name());
     prepared.provenance.state("mag_system", options.photometry.system.to_string());
