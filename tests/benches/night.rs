@@ -2,11 +2,11 @@
 //!
 //! ```text
 //! cargo bench --bench night -- ELEMENTS SCHEDULE [FOV_DEG]          medians of cold and warm runs
-//! cargo bench --bench night -- ELEMENTS SCHEDULE FOV_DEG LIMIT      one run as JSON, for tests/benches/peers/compare.py
 //! cargo bench --bench night                                         growth over satellites and exposures, synthetic shells
 //! ```
 //!
-//! The schedule of the published figures is made by `tests/reference/make_bench_exposures.py`.
+//! The schedule of the published figures is made by `tests/reference/make_bench_exposures.py`; `tests/benches/peers` runs others
+//! on the same work.
 
 use std::path::PathBuf;
 use std::time::Instant;
@@ -26,8 +26,7 @@ fn main() {
         [] => growth(),
         [elements, schedule] => medians(elements, schedule, 3.5),
         [elements, schedule, fov_deg] => medians(elements, schedule, number(fov_deg)),
-        [elements, schedule, fov_deg, limit] => report(elements, schedule, number(fov_deg), number(limit) as usize),
-        _ => eprintln!("usage: night [ELEMENTS SCHEDULE [FOV_DEG [LIMIT]]]"),
+        _ => eprintln!("usage: night [ELEMENTS SCHEDULE [FOV_DEG]]"),
     }
 }
 
@@ -58,43 +57,20 @@ fn ask(sky: &Sky, exposures: &[Exposure], fov_deg: f64) -> Passes {
 }
 
 /// Seconds for reading, making ready, and the crossings.
-fn cold(elements: &str, exposures: &[Exposure], fov_deg: f64) -> ([f64; 3], Passes) {
+fn cold(elements: &str, exposures: &[Exposure], fov_deg: f64) -> [f64; 3] {
     let start = Instant::now();
     let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let read_s = start.elapsed().as_secs_f64();
     let sky = sky(catalogue.element_sets);
     let ready_s = start.elapsed().as_secs_f64() - read_s;
-    let passes = ask(&sky, exposures, fov_deg);
+    ask(&sky, exposures, fov_deg);
     let crossings_s = start.elapsed().as_secs_f64() - read_s - ready_s;
-    ([read_s, ready_s, crossings_s], passes)
-}
-
-fn report(elements: &str, schedule: &str, fov_deg: f64, limit: usize) {
-    let mut exposures = exposures(schedule);
-    exposures.truncate(limit);
-    let ([read_s, ready_s, crossings_s], passes) = cold(elements, &exposures, fov_deg);
-    let crossings: Vec<(&str, u32)> = exposures
-        .iter()
-        .zip(&passes.by_exposure)
-        .flat_map(|(exposure, passes)| passes.iter().map(|pass| (exposure.id.as_str(), pass.norad_id.0)))
-        .collect();
-    let report = serde_json::json!({
-        "name": "streakcast",
-        "exposures": exposures.len(),
-        "timings": {
-            "total_s": read_s + ready_s + crossings_s,
-            "read_s": read_s,
-            "ready_s": ready_s,
-            "crossings_s": crossings_s,
-        },
-        "crossings": crossings,
-    });
-    println!("{report}");
+    [read_s, ready_s, crossings_s]
 }
 
 fn medians(elements: &str, schedule: &str, fov_deg: f64) {
     let exposures = exposures(schedule);
-    let runs: Vec<[f64; 3]> = (0..9).map(|_| cold(elements, &exposures, fov_deg).0).collect();
+    let runs: Vec<[f64; 3]> = (0..9).map(|_| cold(elements, &exposures, fov_deg)).collect();
     let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let satellites = catalogue.element_sets.len();
     let sky = sky(catalogue.element_sets);
