@@ -10,6 +10,10 @@ use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 /// Cubic Hermite errs by h⁴/384 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 2 cm at h = 30 s and 300 km height, less elsewhere.
 const LONGEST_STEP_S: f64 = 30.0;
 
+/// Position and velocity of two nodes may disagree by this, km: h³/12 · |r‴| is 0.06 km for the fastest orbit there is. SGP4's
+/// velocity leaves out how drag changes the mean motion, which shows when elements years old run away.
+const LARGEST_GAP_KM: f64 = 1.0;
+
 /// Positions and velocities of one satellite over a stretch of time, GCRS.
 ///
 /// Times are seconds after the caller's own reference.
@@ -27,7 +31,8 @@ impl Arc {
     /// constant: TEME turns by less than 1e-6 arcsec in 30 s.
     ///
     /// # Errors
-    /// [`OrbitError`] where SGP4 breaks down or the satellite has decayed at one of the nodes.
+    /// [`OrbitError`] where SGP4 breaks down or the satellite has decayed at one of the nodes, or where positions and velocities
+    /// contradict one another.
     pub fn new(
         propagator: &Propagator,
         reference_minutes: f64,
@@ -42,7 +47,23 @@ impl Arc {
             .map(|node| {
                 propagator.state_at_minutes(reference_minutes + (start_s + step_s * node as f64) / 60.0, teme_to_gcrs)
             })
-            .collect::<Result<Vec<_>, OrbitError>>()?;
+            .collect::<Result<Vec<State<Gcrs>>, OrbitError>>()?;
+        for (node, pair) in nodes.windows(2).enumerate() {
+            let moved_km = pair[1].position.vector() - pair[0].position.vector();
+            let by_velocity_km = (pair[0].velocity.vector() + pair[1].velocity.vector()) * (0.5 * step_s);
+            if (moved_km - by_velocity_km).norm() > LARGEST_GAP_KM {
+                let minutes = reference_minutes + (start_s + step_s * node as f64) / 60.0;
+                return Err(OrbitError::Diverged {
+                    norad_id: propagator.norad_id(),
+                    days_since_epoch: minutes / 1440.0,
+                    reason: format!(
+                        "it moves by {:.1} km/s where its velocity is {:.1} km/s: the drag terms have run away",
+                        moved_km.norm() / step_s,
+                        by_velocity_km.norm() / step_s
+                    ),
+                });
+            }
+        }
         Ok(Self { start_s, step_s, nodes })
     }
 

@@ -56,6 +56,8 @@ const RATE_NOISE: f64 = 0.01;
 
 /// Satellites that share one shell in the plane test; a multiple of the widest vector of f32.
 const CHUNK: usize = 64;
+/// Lanes of a chunk that are looked at together.
+const BLOCK: usize = 8;
 
 /// A field of view in time and space, as the cull needs it.
 #[derive(Copy, Clone, Debug)]
@@ -234,9 +236,15 @@ impl Window {
                 let below = lesser(-at_near - near_limit, -at_far - far_limit);
                 *outside = if above > below { above } else { below };
             }
-            for (lane, phase) in chunk.phases.iter().enumerate() {
-                if outside[lane] <= 0.0 && question.may_be_inside(phase, &chunk.normal_at(lane, fraction)) {
-                    candidates.push(phase.element_index);
+            for (block, outside) in outside.chunks_exact(BLOCK).enumerate() {
+                // Mostly nobody of eight: one comparison for all of them.
+                if outside.iter().copied().fold(f32::INFINITY, lesser) > 0.0 {
+                    continue;
+                }
+                for (lane, phase) in (block * BLOCK..).zip(chunk.phases.iter().skip(block * BLOCK)).take(BLOCK) {
+                    if outside[lane % BLOCK] <= 0.0 && question.may_be_inside(phase, &chunk.normal_at(lane, fraction)) {
+                        candidates.push(phase.element_index);
+                    }
                 }
             }
         }
