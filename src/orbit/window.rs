@@ -241,6 +241,8 @@ impl Window {
             let near_limit = limit + near * cone.radius_rad as f32;
             let far_limit = limit + far * cone.radius_rad as f32;
             let mut outside = [0.0_f32; CHUNK];
+            // One index into seven arrays: the form that compilers turn into vector instructions.
+            #[allow(clippy::needless_range_loop)]
             for lane in 0..CHUNK {
                 let nx = chunk.normal[0][lane] + x * chunk.normal_change[0][lane];
                 let ny = chunk.normal[1][lane] + x * chunk.normal_change[1][lane];

@@ -142,8 +142,7 @@ impl Follow<'_> {
             // A stretch with several maxima (a slow or eccentric orbit) culminates at the highest of them.
             let until_s = set_until.map_or(f64::INFINITY, |(at_s, _)| at_s);
             let (mut top_s, mut top) = (top_s, top);
-            for other in (step + 1)..=last {
-                let (at_s, sine) = sines[other];
+            for &(at_s, sine) in sines.iter().take(last + 1).skip(step + 1) {
                 if at_s >= until_s {
                     break;
                 }
