@@ -38,7 +38,7 @@ step() {
 counts() {
     grep -ahoE '\*\*\* SKIPPED [^ ]+' "$log/all" | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/:$//' | sort -u || true
     awk '/^test result:/ { passed += $4; failed += $6; ignored += $8; suites += 1 }
-         END { printf "%d tests passed, %d failed, %d ignored, in %d suites\n", passed, failed, ignored, suites }' "$log/all"
+         END { printf "%d suites\n%d passed, %d failed, %d skipped\n", suites, passed, failed, ignored }' "$log/all"
 }
 
 lint=(-- -D warnings)

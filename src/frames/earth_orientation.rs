@@ -91,6 +91,8 @@ pub struct EopTable {
     /// Seconds after the first row from which the rows are predictions.
     predicted_from_s: f64,
     rows: Vec<Row>,
+    /// False where the pole is held at its origin.
+    polar_motion: bool,
 }
 
 impl EopTable {
@@ -103,7 +105,7 @@ impl EopTable {
 
     /// No table: UT1 = UTC and no polar motion at all times.
     pub fn none() -> Self {
-        Self { name: "none", first: None, predicted_from_s: 0.0, rows: Vec::new() }
+        Self { name: "none", first: None, predicted_from_s: 0.0, rows: Vec::new(), polar_motion: true }
     }
 
     /// Reads the text of a finals2000A file (`.all`, `.data` or `.daily`) of the IERS: Bulletin A, columns of its ReadMe.
@@ -148,7 +150,7 @@ impl EopTable {
         if rows.is_empty() {
             return Err(FramesError::EmptyEopTable { lines: text.lines().count() });
         }
-        Ok(Self { name: "finals2000A", first, predicted_from_s, rows })
+        Ok(Self { name: "finals2000A", first, predicted_from_s, rows, polar_motion: true })
     }
 
     /// The same table with the pole held at its origin: what programs do that know UT1 only. It moves observers by up to 18 m.
@@ -156,6 +158,7 @@ impl EopTable {
         for row in &mut self.rows {
             (row.xp_rad, row.yp_rad) = (0.0, 0.0);
         }
+        self.polar_motion = false;
         self
     }
 
@@ -210,8 +213,9 @@ impl EopTable {
                 .to_owned();
         };
         let measured = super::time::seconds_after(first, self.predicted_from_s.min(seconds_between(first, last)));
+        let pole = if self.polar_motion { "" } else { "without polar motion (18 m at most), " };
         format!(
-            "Earth orientation ({}): {} to {}, predicted after {}; outside UT1 = UTC (0.1 s of UT1 is 46 m at the equator)",
+            "Earth orientation ({}): {pole}{} to {}, predicted after {}; outside UT1 = UTC (0.1 s of UT1 is 46 m at the equator)",
             self.name,
             day(first),
             day(last),
@@ -272,6 +276,7 @@ fn parse_embedded(text: &str) -> EopTable {
         first: Some(first),
         predicted_from_s: (predicted_from_mjd - first_mjd) as f64 * DAY_S,
         rows,
+        polar_motion: true,
     }
 }
 

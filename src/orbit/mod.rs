@@ -3,7 +3,9 @@
 mod arc;
 mod index;
 mod kepler;
+mod phase;
 mod propagator;
+mod sight;
 mod uncertainty;
 mod window;
 

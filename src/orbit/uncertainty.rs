@@ -15,17 +15,18 @@
 //! # Where the numbers come from
 //!
 //! `tests/reference/calibrate_orbit_uncertainty.py`: element sets propagated to the epoch of later ones of the same
-//! object, 131,000 pairs forward in time from 0.2 to 400 days; half of the objects are fitted, half held out. A sigma
+//! object, 151,000 pairs forward in time from 0.2 to 400 days; half of the objects are fitted, half held out. A sigma
 //! is the half width that holds 68.27 % of the residuals, so heavy tails are in it. The pairs: 72 Starlinks daily over
 //! 84 days of 2026, all Starlinks of two days 84 days apart, the histories of six Starlinks of 2019 (with raising and
 //! decay), of Sentinel-6A and of a geostationary satellite, Starlinks of winter 2020/21, and catalogues of 2022 and
 //! 2023 that lie 75 days and more apart. What that leaves thin: ordinary low satellites and debris between 1 and
 //! 60 days (Sentinel-6A, Swift and its visitor only), medium orbits below 75 days, eccentric ones at all (thirty objects).
 //!
-//! Held-out residuals within one sigma, 0.2 to 40 days: on station 60-86 %, manoeuvring 61-83 %, low Earth orbit 82 %
-//! and more (Sentinel-6A is better than any floor), geosynchronous 62-81 %. Going *back* from an epoch is better, by a factor of
-//! two or three in the first days, because an element set was fitted to the days before it; sigma is even in age all
-//! the same, and so on the safe side there (84-92 % on station).
+//! Held-out residuals along the track within one sigma, by age from 0.2 to 40 days: on station 66-86 %, manoeuvring
+//! 61-83 %, geosynchronous 64-81 %, low Earth orbit 82-97 % (Sentinel-6A is better than the floor and than the
+//! catalogues months apart would have it; those alone give 33-69 % beyond 70 days). Going *back* from an epoch is
+//! better, by a factor of two or three in the first days, because an element set was fitted to the days before it;
+//! sigma is even in age all the same, and so on the safe side there (84-92 % on station). Across the track 55-92 %.
 //!
 //! Beyond 400 days the same growth is continued up to the caps. At 0.3413 P (68.27 % of half a turn) every place along
 //! the orbit is equally likely, and nothing can be said but the plane.

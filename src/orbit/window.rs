@@ -14,14 +14,16 @@
 //! Survivors need SGP4; nothing else does. Every margin is on the safe side: `tests/crossings.rs` holds the answer against
 //! brute force, and `verif_model_error_is_within_its_margin` the margins against SGP4.
 
-use hifitime::{Epoch, Unit};
+use hifitime::Epoch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::index::{LeftOut, Reach, SatelliteIndex};
-use super::kepler::{MU_KM3_S2, SlowElements, plane_axis, plane_state};
+use super::kepler::SlowElements;
+use super::phase::{Phase, Question};
 use super::propagator::{DECAYED_RADIUS_KM, OrbitError, State};
-use crate::frames::{Direction, Gcrs, Position, Rotation, Teme};
+use super::sight::Sight;
+use crate::frames::{Direction, Gcrs, Position, Rotation, Teme, seconds_between};
 
 /// Longest stretch that one window may cover, seconds. Over six hours a node moves by at most 2.5° and drag bends the mean
 /// longitude of anything above 250 km by less than the margin.
@@ -52,9 +54,6 @@ const TOO_ECCENTRIC: f64 = 0.9;
 const LONGITUDE_NOISE_RAD: f64 = 0.02;
 const RATE_NOISE: f64 = 0.01;
 
-/// Fields wider than this are no longer narrow cones: the phase test falls back to balls, radians.
-const WIDE_RAD: f64 = 0.5;
-
 /// Satellites that share one shell in the plane test; a multiple of the widest vector of f32.
 const CHUNK: usize = 64;
 
@@ -73,23 +72,6 @@ pub struct Cone {
     pub axis: Direction<Gcrs>,
     /// Half its opening, radians, with what is wanted for aberration and light time (2e-4 is enough).
     pub radius_rad: f64,
-}
-
-/// Slow elements of one satellite over the window.
-#[derive(Copy, Clone, Debug)]
-struct Phase {
-    element_index: u32,
-    reference: [f32; 3],
-    mean_longitude_rad: f64,
-    mean_longitude_rate_rad_s: f64,
-    eccentricity: [f32; 2],
-    eccentricity_change: [f32; 2],
-    semi_major_axis_km: f32,
-    semi_major_axis_change_km: f32,
-    slop_km: f32,
-    along_track_s: f32,
-    /// Drag or an extreme eccentricity makes the interpolated place too poor: SGP4 decides once the plane fits.
-    only_plane: bool,
 }
 
 /// One satellite before it is sorted into a chunk.
@@ -144,7 +126,7 @@ impl Window {
         end: Epoch,
         reach: &(dyn Fn(usize) -> Reach + Sync),
     ) -> Self {
-        let span_s = (end - start).to_seconds().max(1.0);
+        let span_s = seconds_between(start, end).max(1.0);
         let made: Vec<(f64, Kind)> = index
             .propagators()
             .par_iter()
@@ -152,7 +134,7 @@ impl Window {
             .with_min_len(64)
             .map(|(element_index, propagator)| {
                 let Some(propagator) = propagator else { return (0.0, Kind::Absent) };
-                let minutes = (start - propagator.epoch()).to_unit(Unit::Minute);
+                let minutes = propagator.minutes_since_epoch(start);
                 let end_minutes = minutes + span_s / 60.0;
                 let kind = match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
                     (Ok(first), Ok(last)) => entry(element_index, &first, &last, span_s, reach(element_index))
@@ -227,8 +209,7 @@ impl Window {
         let fraction = cone.mid_s / self.span_s;
         let moved_km = cone.observer_speed_km_s * cone.half_duration_s;
         let sight = Sight::new(&observer, &axis, cone.radius_rad);
-        let (tangent, secant) = (cone.radius_rad.tan(), 1.0 / cone.radius_rad.cos());
-        let question = Question { cone, observer, axis, fraction, moved_km, tangent, secant };
+        let question = Question::new(cone, observer, axis, fraction, moved_km);
 
         let (o, d, x) = (observer.cast::<f32>(), axis.cast::<f32>(), fraction as f32);
         for chunk in &self.chunks {
@@ -256,7 +237,7 @@ impl Window {
                 outside[lane] = if above > below { above } else { below };
             }
             for (lane, phase) in chunk.phases.iter().enumerate() {
-                if outside[lane] <= 0.0 && question.may_be_inside(chunk, lane, phase) {
+                if outside[lane] <= 0.0 && question.may_be_inside(phase, &chunk.normal_at(lane, fraction)) {
                     candidates.push(phase.element_index);
                 }
             }
@@ -341,123 +322,21 @@ fn chunk<'a>(entries: impl ExactSizeIterator<Item = &'a Entry> + Clone) -> Chunk
     chunk
 }
 
-/// The line of sight as seen from the Earth's centre: between which distances it runs through a shell.
-struct Sight {
-    observer_km: f64,
-    /// Cosines of the largest and least angle between zenith and the cone's directions.
-    cos_far: f64,
-    cos_near: f64,
-}
-
-impl Sight {
-    fn new(observer: &Vector3<f64>, axis: &Vector3<f64>, radius_rad: f64) -> Self {
-        let zenith_rad = observer.cross(axis).norm().atan2(observer.dot(axis));
-        Self {
-            observer_km: observer.norm(),
-            cos_far: (zenith_rad + radius_rad).min(std::f64::consts::PI).cos(),
-            cos_near: (zenith_rad - radius_rad).max(0.0).cos(),
-        }
-    }
-
-    /// Least and greatest distance at which the cone meets radii between the two; `None` where it never does.
-    fn distances_km(&self, lowest_km: f64, highest_km: f64, moved_km: f64) -> Option<(f64, f64)> {
-        // ρ = -O cos z ± √(r² - O² sin² z)
-        let root = |cosine: f64, radius_km: f64| {
-            let square = radius_km * radius_km - self.observer_km.powi(2) * (1.0 - cosine * cosine);
-            (square >= 0.0).then(|| square.sqrt())
-        };
-        let outside = self.observer_km > highest_km + moved_km;
-        let far = if outside {
-            // From above, only directions that dip to the shell see it; the steepest of them see deepest.
-            if self.cos_far >= 0.0 {
-                return None;
-            }
-            -self.observer_km * self.cos_far + root(self.cos_far, highest_km)?
-        } else {
-            -self.observer_km * self.cos_far + root(self.cos_far, highest_km.max(self.observer_km)).unwrap_or(0.0)
-        };
-        let near = if outside {
-            -self.observer_km * self.cos_far - root(self.cos_far, highest_km)?
-        } else if self.observer_km + moved_km < lowest_km {
-            -self.observer_km * self.cos_near + root(self.cos_near, lowest_km).unwrap_or(0.0)
-        } else {
-            0.0
-        };
-        Some(((near - 2.0 * moved_km).max(0.0), far + 2.0 * moved_km))
-    }
-}
-
-/// What the phase test knows of the question.
-struct Question<'a> {
-    cone: &'a Cone,
-    observer: Vector3<f64>,
-    axis: Vector3<f64>,
-    fraction: f64,
-    moved_km: f64,
-    /// Tangent and secant of the cone's radius.
-    tangent: f64,
-    secant: f64,
-}
-
-impl Question<'_> {
-    fn may_be_inside(&self, chunk: &Chunk, lane: usize, phase: &Phase) -> bool {
-        if phase.only_plane {
-            return true;
-        }
-        let (position, velocity) = phase.place(&chunk.normal_at(lane, self.fraction), self.cone.mid_s, self.fraction);
-        let sight = position - self.observer;
-        let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
-        // The path bends away from its tangent by at most ½ g t², g being gravity at the satellite.
-        let bend_km = 0.5 * MU_KM3_S2 / position.norm_squared() * half_s * half_s;
-        let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
-        if self.cone.radius_rad > WIDE_RAD {
-            // The whole stretch as a ball around its middle.
-            let (distance_km, reach_km) = (sight.norm(), slop_km + velocity.norm() * half_s);
-            let angle_rad = sight.cross(&self.axis).norm().atan2(sight.dot(&self.axis));
-            return distance_km <= reach_km || angle_rad <= self.cone.radius_rad + (reach_km / distance_km).asin();
-        }
-        // The stretch as a straight line past the axis: the least distance across against the width at the greatest depth.
-        // A ball of radius s at the cone's edge touches it from s / cos ψ across.
-        let (depth, depth_rate) = (sight.dot(&self.axis), velocity.dot(&self.axis));
-        let deepest_km = depth + depth_rate.abs() * half_s + slop_km;
-        if deepest_km < 0.0 {
-            return false;
-        }
-        let (across, across_rate) = (sight - self.axis * depth, velocity - self.axis * depth_rate);
-        let nearest_s = (-across.dot(&across_rate) / across_rate.norm_squared().max(1e-12)).clamp(-half_s, half_s);
-        let width_km = deepest_km * self.tangent + slop_km * self.secant;
-        (across + across_rate * nearest_s).norm_squared() <= width_km * width_km
-    }
-}
-
 impl Chunk {
+    /// The interpolated normal. A chord of the arc it runs over, it is short by 1e-4 at most: 0.7 km, part of the margin.
     fn normal_at(&self, lane: usize, fraction: f64) -> Vector3<f64> {
         let component =
             |axis: usize| f64::from(self.normal[axis][lane]) + fraction * f64::from(self.normal_change[axis][lane]);
-        Vector3::new(component(0), component(1), component(2)).normalize()
-    }
-}
-
-impl Phase {
-    /// Interpolated position and velocity in TEME, km and km/s.
-    fn place(&self, normal: &Vector3<f64>, time_s: f64, fraction: f64) -> (Vector3<f64>, Vector3<f64>) {
-        let [rx, ry, rz] = self.reference;
-        let x_axis = plane_axis(&Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz)), normal);
-        let y_axis = normal.cross(&x_axis);
-        let eccentricity = [0, 1]
-            .map(|axis| f64::from(self.eccentricity[axis]) + fraction * f64::from(self.eccentricity_change[axis]));
-        let semi_major_axis_km =
-            f64::from(self.semi_major_axis_km) + fraction * f64::from(self.semi_major_axis_change_km);
-        let longitude_rad = self.mean_longitude_rad + self.mean_longitude_rate_rad_s * time_s;
-        let ([x, y], [u, v]) = plane_state(longitude_rad, eccentricity, semi_major_axis_km);
-        (x_axis * x + y_axis * y, x_axis * u + y_axis * v)
+        Vector3::new(component(0), component(1), component(2))
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use super::super::kepler::MU_KM3_S2;
     use super::*;
     use crate::catalogue::{ElementSet, NoradId, Origin};
+    use crate::frames::seconds_after;
 
     fn element_set(norad_id: u32, altitude_km: f64, eccentricity: f64, inclination_deg: f64) -> ElementSet {
         let a = 6378.137 + altitude_km;
@@ -507,7 +386,7 @@ mod tests {
         let elements = orbits();
         let index = SatelliteIndex::new(&elements);
         let start = Epoch::from_gregorian_utc_at_midnight(2026, 4, 26);
-        let window = index.window(start, start + MAX_WINDOW_S * Unit::Second, &|_| Reach::default());
+        let window = index.window(start, seconds_after(start, MAX_WINDOW_S), &|_| Reach::default());
         let mut checked = 0;
         let mut worst = [0.0_f64; 3];
         for chunk in &window.chunks {

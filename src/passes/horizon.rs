@@ -9,10 +9,12 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::look::Look;
+use super::scene::Scene;
 use super::sightline::{SightLine, SiteMotion};
-use super::sky::{PassOptions, Scene, Sky, SkyError};
+use super::sky::{PassOptions, Sky, SkyError};
 use super::track::TrackPoint;
 use crate::catalogue::NoradId;
+use crate::frames::seconds_between;
 use crate::orbit::{Arc, LeftOut, OrbitError, Propagator};
 
 /// Steps of the search are this share of the orbital period, at most [`LONGEST_STEP_S`].
@@ -61,7 +63,7 @@ impl Sky {
     ) -> Result<(Vec<HorizonPass>, Vec<LeftOut>), SkyError> {
         super::sky::check_epoch(start)?;
         super::sky::check_epoch(end)?;
-        let span_s = (end - start).to_seconds().max(0.0);
+        let span_s = seconds_between(start, end).max(0.0);
         let scene = self.scene_without_windows(start, span_s);
         let middle_s = 0.5 * span_s;
         let site = SiteMotion::new(

@@ -1,10 +1,10 @@
 //! What the telescope sees of one satellite along its line of sight: places, light, motion.
 
-use hifitime::Unit;
-
+use super::scene::Scene;
 use super::sightline::SightLine;
-use super::sky::{PassOptions, Scene};
+use super::sky::PassOptions;
 use super::track::{Chord, TrackPoint};
+use crate::frames::seconds_after;
 use crate::geometry::{Illumination, Observer, ViewingGeometry, illumination};
 use crate::photometry::{Brightness, BrightnessModel};
 
@@ -30,7 +30,7 @@ impl Look<'_> {
         let here = self.observer.state(&self.scene.orientation.at_s(time_s));
         let (altitude_rad, azimuth_rad) = here.altitude_azimuth_rad(&aspect.geometric)?;
         Some(TrackPoint {
-            epoch: self.scene.start + time_s * Unit::Second,
+            epoch: seconds_after(self.scene.start, time_s),
             direction: aspect.direction,
             altitude_rad: Some(altitude_rad),
             azimuth_rad: Some(azimuth_rad),

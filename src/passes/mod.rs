@@ -7,6 +7,7 @@ mod horizon;
 mod look;
 mod models;
 mod probability;
+mod scene;
 mod sightline;
 mod sky;
 mod track;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc as Shared;
 
-use hifitime::{Epoch, Unit};
+use hifitime::Epoch;
 use rayon::prelude::*;
 use thiserror::Error;
 
@@ -11,14 +11,16 @@ use super::exposure::Exposure;
 use super::field::{Field, FieldOnSky};
 use super::look::Look;
 use super::models::ModelChoice;
-use super::probability::{crossing_probability, reach_s};
+use super::probability::{REACH_SIGMAS, crossing_probability, reach_s};
+use super::scene::{Scene, end_s, groups};
 use super::sightline::{SightLine, SiteMotion};
-use super::track::{Chord, FieldPass};
+use super::track::{Chord, FieldPass, TrackPoint};
 use crate::catalogue::ElementSet;
-use crate::frames::{EopTable, OrientationTable, seconds_between};
+use crate::constants::DAY_S;
+use crate::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::{
-    Arc, Cone, LeftOut, MAX_WINDOW_S, OrbitClass, OrbitUncertainty, Reach, SatelliteIndex, Window, uncertainty,
+    Arc, Cone, LeftOut, MAX_WINDOW_S, OrbitClass, OrbitUncertainty, Reach, SatelliteIndex, uncertainty,
 };
 use crate::photometry::{BrightnessModel, PhotometryOptions};
 
@@ -26,6 +28,9 @@ use crate::photometry::{BrightnessModel, PhotometryOptions};
 const SLICE_S: f64 = 60.0;
 /// A satellite that is a candidate again within this time is still on the same pass, seconds: nothing comes round so soon.
 const SAME_PASS_S: f64 = 1200.0;
+/// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction and the dip of a mountain's horizon.
+/// It matters for fields that reach below the horizon.
+const LOWEST_ALTITUDE_RAD: f64 = -0.035;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with room, radians.
 const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 /// First and last year for which Sun and Earth are computed.
@@ -83,14 +88,6 @@ pub struct Sky {
     eop: EopTable,
 }
 
-/// Sun, Earth and orbits over the time of one group of exposures.
-pub(super) struct Scene {
-    pub start: Epoch,
-    pub orientation: OrientationTable,
-    pub sun: SunTable,
-    windows: Vec<Window>,
-}
-
 /// The slices of one exposure in which one satellite was a candidate, from the first to the last of one pass; seconds of the
 /// scene.
 struct Run {
@@ -119,6 +116,9 @@ impl Sky {
     }
 
     /// The brightness model of an element set.
+    ///
+    /// # Panics
+    /// Where the catalogue has no element set of this number.
     pub fn model(&self, element_index: usize) -> &BrightnessModel {
         &self.models[element_index]
     }
@@ -210,7 +210,7 @@ impl Sky {
 
     /// Sun and Earth alone.
     pub(super) fn scene_without_windows(&self, start: Epoch, span_s: f64) -> Scene {
-        let end = start + span_s * Unit::Second;
+        let end = seconds_after(start, span_s);
         Scene {
             start,
             orientation: OrientationTable::new(start, end, &self.eop),
@@ -221,24 +221,21 @@ impl Sky {
 
     fn scene(&self, start: Epoch, span_s: f64, near_misses: bool) -> Scene {
         let mut scene = self.scene_without_windows(start, span_s);
-        let middle = start + 0.5 * span_s * Unit::Second;
+        let middle = seconds_after(start, 0.5 * span_s);
         let reach = |element_index: usize| {
             if !near_misses {
                 return Reach::default();
             }
-            let age_days = (middle - self.elements[element_index].epoch).to_unit(Unit::Day);
+            let age_days = seconds_between(self.elements[element_index].epoch, middle) / DAY_S;
             let sigma = self.uncertainty(element_index, age_days);
-            Reach {
-                along_track_s: reach_s(sigma.along_track_s),
-                cross_track_km: super::probability::REACH_SIGMAS * sigma.cross_track_km,
-            }
+            Reach { along_track_s: reach_s(sigma.along_track_s), cross_track_km: REACH_SIGMAS * sigma.cross_track_km }
         };
         let count = (span_s / MAX_WINDOW_S).ceil().max(1.0);
         let length_s = span_s / count;
         scene.windows = (0..count as usize)
             .map(|number| {
-                let window_start = start + (length_s * number as f64) * Unit::Second;
-                self.index.window(window_start, window_start + length_s * Unit::Second, &reach)
+                let window_start = seconds_after(start, length_s * number as f64);
+                self.index.window(window_start, seconds_after(window_start, length_s), &reach)
             })
             .collect();
         scene
@@ -340,13 +337,17 @@ impl Sky {
         }
 
         let middle_s = 0.5 * (enter_s + exit_s);
-        let epoch = scene.start + middle_s * Unit::Second;
-        let element_age_days = (epoch - propagator.epoch()).to_unit(Unit::Day);
+        let element_age_days = seconds_between(propagator.epoch(), seconds_after(scene.start, middle_s)) / DAY_S;
         let sigma = self.uncertainty(run.element_index, element_age_days);
         let (Some(enter), Some(mid), Some(exit)) = (look.point(enter_s), look.point(middle_s), look.point(exit_s))
         else {
             return Ok(None);
         };
+        let hidden =
+            |point: &TrackPoint| point.altitude_rad.is_some_and(|altitude_rad| altitude_rad < LOWEST_ALTITUDE_RAD);
+        if hidden(&enter) && hidden(&mid) && hidden(&exit) {
+            return Ok(None);
+        }
         let cross_track_sigma_rad = sigma.cross_track_km / mid.range_km;
         let reach_s = reach_s(sigma.along_track_s);
         let opened_s = seconds_between(scene.start, exposure.start);
@@ -397,16 +398,6 @@ impl Sky {
     }
 }
 
-impl Scene {
-    /// The window that holds a moment, and when it starts, both in seconds of the scene.
-    fn window_at(&self, time_s: f64) -> Option<(&Window, f64)> {
-        let length_s = self.windows.first()?.span_s();
-        let number = ((time_s / length_s).max(0.0) as usize).min(self.windows.len() - 1);
-        let window = &self.windows[number];
-        Some((window, seconds_between(self.start, window.start())))
-    }
-}
-
 fn check(exposure: &Exposure) -> Result<(), SkyError> {
     let fail = |problem: String| Err(SkyError::Exposure { id: exposure.id.clone(), problem });
     if !(exposure.duration_s >= 0.0 && exposure.duration_s.is_finite()) {
@@ -422,22 +413,4 @@ fn check(exposure: &Exposure) -> Result<(), SkyError> {
 pub(super) fn check_epoch(epoch: Epoch) -> Result<(), SkyError> {
     let (year, ..) = epoch.to_gregorian_utc();
     if year < YEARS.0 || year > YEARS.1 { Err(SkyError::NoEphemeris { epoch }) } else { Ok(()) }
-}
-
-fn end_s(start: Epoch, exposure: &Exposure) -> f64 {
-    seconds_between(start, exposure.start) + exposure.duration_s
-}
-
-/// Exposures in order of time, in groups that one window covers; one that is longer than a window is a group of its own.
-fn groups(exposures: &[Exposure]) -> Vec<Vec<usize>> {
-    let mut order: Vec<usize> = (0..exposures.len()).collect();
-    order.sort_by_key(|&one| exposures[one].start);
-    let mut groups: Vec<Vec<usize>> = Vec::new();
-    for one in order {
-        match groups.last_mut() {
-            Some(group) if end_s(exposures[group[0]].start, &exposures[one]) <= MAX_WINDOW_S => group.push(one),
-            _ => groups.push(vec![one]),
-        }
-    }
-    groups
 }

@@ -149,14 +149,17 @@ impl Setup {
         Ok(ScheduleOptions { time_scale: self.time_scale()?, default_rotation_rad })
     }
 
-    /// The table of the Earth's orientation: the file said, else the bundled one.
+    /// The table of the Earth's orientation: the file said, else UT1 from the bundled one.
+    ///
+    /// Without a file the pole stays at its origin, as in Skyfield: places that people have from elsewhere are good to that, and it
+    /// moves an observer by 18 m at most, where an element set errs by a kilometre. The provenance says so.
     ///
     /// # Errors
     /// The file cannot be read or is none.
     pub fn eop_table(&self) -> Result<EopTable, SetupError> {
         match &self.eop {
             Some(path) => Ok(EopTable::from_finals2000a(&read_text("Earth orientation", path)?)?),
-            None => Ok(EopTable::embedded()),
+            None => Ok(EopTable::embedded().without_polar_motion()),
         }
     }
 

@@ -1,60 +1,159 @@
-//! The main job's speed: TLE text to crossing list, and a warm exposure.
+//! The main job's speed: element text to crossing list, a warm exposure, and how cost grows.
+//!
+//! ```text
+//! cargo bench --bench night -- ELEMENTS SCHEDULE [FOV_DEG]          medians of cold and warm runs
+//! cargo bench --bench night                                         growth over satellites and exposures, synthetic shells
+//! ```
+//!
+//! The schedule of the published figures is made by `tests/reference/make_bench_exposures.py`; `tests/benches/peers` runs others
+//! on the same work.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use hifitime::{Epoch, Unit};
+use streakcast::catalogue::{Catalogue, Constellation, ElementSet, ReadOptions};
+use streakcast::frames::{Direction, EopTable, Horizontal, OrientationTable};
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Passes, Sky};
+use streakcast::photometry::ModelLibrary;
+use streakcast::schedule::{Schedule, ScheduleOptions};
+
 fn main() {
-    use std::time::Instant;
-    use streakcast::{catalogue::*, frames::*, geometry::*, passes::*};
-    let file = std::env::args().nth(1).unwrap();
-    for _ in 0..5 {
-        let t0 = Instant::now();
-        let cat = Catalogue::read(&[std::path::PathBuf::from(&file)], &ReadOptions::default()).unwrap();
-        let t1 = Instant::now();
-        let n = cat.element_sets.len();
-        let site = Observer::new(Site::new_deg("cp", -30.244639, -70.749417, 2663.0).unwrap());
-        let sky = Sky::new(
-            cat.element_sets,
-            site.clone(),
-            EopTable::embedded(),
-            &ModelChoice::new(&streakcast::photometry::ModelLibrary::embedded()).expect("shipped models"),
-        );
-        let t2 = Instant::now();
-        let start = hifitime::Epoch::from_gregorian_utc(2026, 4, 25, 23, 40, 0, 0);
-        let mut seed = 1u64;
-        let mut rnd = || {
-            seed = seed.wrapping_mul(6364136223846793005).wrapping_add(1442695040888963407);
-            (seed >> 11) as f64 / (1u64 << 53) as f64
-        };
-        let eop = EopTable::embedded();
-        let table = OrientationTable::new(start, start + 34000.0 * hifitime::Unit::Second, &eop);
-        let exposures: Vec<Exposure> = (0..1000)
-            .map(|i| {
-                let st = start + (34.0 * i as f64) * hifitime::Unit::Second;
-                let h = site.state(&table.at_s(34.0 * i as f64)).horizon.inverse();
-                let alt = (0.5 + 0.5 * rnd()).asin();
-                let az = rnd() * std::f64::consts::TAU;
-                Exposure {
-                    id: i.to_string(),
-                    start: st,
-                    duration_s: 30.0,
-                    pointing: h * Direction::from_lon_lat_rad(az, alt),
-                    rotation_rad: 0.0,
-                }
+    // `cargo bench` and `cargo test --benches` add flags of their own.
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
+    match words.as_slice() {
+        [] => growth(),
+        [elements, schedule] => medians(elements, schedule, 3.5),
+        [elements, schedule, fov_deg] => medians(elements, schedule, number(fov_deg)),
+        _ => eprintln!("usage: night [ELEMENTS SCHEDULE [FOV_DEG]]"),
+    }
+}
+
+fn number(word: &str) -> f64 {
+    word.parse().unwrap_or_else(|_| panic!("{word:?} is not a number"))
+}
+
+fn cerro_pachon() -> Observer {
+    Observer::new(Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site"))
+}
+
+fn sky(elements: Vec<ElementSet>) -> Sky {
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    Sky::new(elements, cerro_pachon(), EopTable::embedded(), &choice)
+}
+
+fn exposures(schedule: &str) -> Vec<Exposure> {
+    let options = ScheduleOptions { time_scale: None, default_rotation_rad: 0.0 };
+    let schedule = Schedule::read(&PathBuf::from(schedule), &options).expect("the schedule reads");
+    schedule.judged().map(|(_, exposure)| exposure.clone()).collect()
+}
+
+fn ask(sky: &Sky, exposures: &[Exposure], fov_deg: f64) -> Passes {
+    let field = Field::circle(fov_deg.to_radians()).expect("a field");
+    // Dark satellites too: what the peers list.
+    let options = PassOptions { include_dark: true, ..PassOptions::default() };
+    sky.field_passes(exposures, &field, &options).expect("an answer")
+}
+
+/// Seconds for reading, making ready, and the crossings.
+fn cold(elements: &str, exposures: &[Exposure], fov_deg: f64) -> [f64; 3] {
+    let start = Instant::now();
+    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
+    let read_s = start.elapsed().as_secs_f64();
+    let sky = sky(catalogue.element_sets);
+    let ready_s = start.elapsed().as_secs_f64() - read_s;
+    ask(&sky, exposures, fov_deg);
+    let crossings_s = start.elapsed().as_secs_f64() - read_s - ready_s;
+    [read_s, ready_s, crossings_s]
+}
+
+fn medians(elements: &str, schedule: &str, fov_deg: f64) {
+    let exposures = exposures(schedule);
+    let runs: Vec<[f64; 3]> = (0..9).map(|_| cold(elements, &exposures, fov_deg)).collect();
+    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
+    let satellites = catalogue.element_sets.len();
+    let sky = sky(catalogue.element_sets);
+    let mut found = 0;
+    let warm: Vec<f64> = (0..9)
+        .map(|_| {
+            let start = Instant::now();
+            found = ask(&sky, &exposures, fov_deg).by_exposure.iter().map(Vec::len).sum();
+            start.elapsed().as_secs_f64()
+        })
+        .collect();
+    println!(
+        "{satellites} satellites, {} exposures, {found} crossings, {} threads",
+        exposures.len(),
+        rayon::current_num_threads()
+    );
+    for (part, name) in ["reading", "making ready", "crossings"].into_iter().enumerate() {
+        println!("{name:14} {:8.1} ms", 1e3 * median(runs.iter().map(|run| run[part]).collect()));
+    }
+    println!("{:14} {:8.1} ms", "text to list", 1e3 * median(runs.iter().map(|run| run.iter().sum()).collect()));
+    let each_us = 1e6 * median(warm) / exposures.len() as f64;
+    println!("{:14} {each_us:8.1} µs an exposure, windows included", "warm");
+}
+
+/// Random pointings above 30° of altitude every 34 s through one night after another.
+fn random_exposures(start: Epoch, count: usize) -> Vec<Exposure> {
+    let mut state = 1_u64;
+    // Knuth's MMIX generator: the pointings need only be spread out and the same each time.
+    let mut random = move || {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let observer = cerro_pachon();
+    (0..count)
+        .map(|number| {
+            let (night, visit) = (number / 1000, number % 1000);
+            let at = start + night as f64 * Unit::Day + 34.0 * visit as f64 * Unit::Second;
+            let here = observer.state(&OrientationTable::new(at, at, &EopTable::embedded()).at_s(0.0));
+            let altitude_rad = (0.5 + 0.5 * random()).asin();
+            let direction = Direction::<Horizontal>::from_lon_lat_rad(random() * std::f64::consts::TAU, altitude_rad);
+            Exposure {
+                id: number.to_string(),
+                start: at,
+                duration_s: 30.0,
+                pointing: here.horizon.inverse() * direction,
+                rotation_rad: 0.0,
+            }
+        })
+        .collect()
+}
+
+fn growth() {
+    let start = Epoch::from_gregorian_utc(2026, 4, 25, 23, 40, 0, 0);
+    let mut shells: Vec<ElementSet> = Vec::new();
+    for name in ["starlink-gen2", "kuiper", "oneweb", "starlink-gen1"] {
+        shells.extend(Constellation::by_name(name).expect("a shell").element_sets(start));
+    }
+    let measure = |satellites: usize, count: usize| {
+        let exposures = random_exposures(start, count);
+        // Every n-th satellite, so that each size has the same mixture of shells.
+        let step = shells.len() as f64 / satellites as f64;
+        let chosen = (0..satellites).map(|number| shells[(number as f64 * step) as usize].clone()).collect();
+        let sky = sky(chosen);
+        let mut found = 0;
+        let times = (0..5)
+            .map(|_| {
+                let begin = Instant::now();
+                found = ask(&sky, &exposures, 3.5).by_exposure.iter().map(Vec::len).sum::<usize>();
+                begin.elapsed().as_secs_f64()
             })
             .collect();
-        let field = Field::circle(3.5f64.to_radians()).unwrap();
-        let t3 = Instant::now();
-        let dark = PassOptions { include_dark: true, ..Default::default() };
-        let p = sky.field_passes(&exposures, &field, &dark).unwrap();
-        let t4 = Instant::now();
-        let p2 = sky.field_passes(&exposures, &field, &PassOptions::default()).unwrap();
-        let t5 = Instant::now();
-        println!(
-            "read {:?} ({n}) sky {:?} dark passes {:?} ({}) lit passes {:?} ({}) left out {}",
-            t1 - t0,
-            t2 - t1,
-            t4 - t3,
-            p.by_exposure.iter().map(Vec::len).sum::<usize>(),
-            t5 - t4,
-            p2.by_exposure.iter().map(Vec::len).sum::<usize>(),
-            p.left_out.len()
-        );
+        let each_us = 1e6 * median(times) / count as f64;
+        println!("{satellites:6} satellites {count:6} exposures {found:6} crossings {each_us:9.1} µs an exposure");
+    };
+    for satellites in [5_000, 10_000, 20_000, 40_000] {
+        measure(satellites, 1_000);
     }
+    for count in [100, 1_000, 10_000] {
+        measure(10_000, count);
+    }
+}
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
 }

@@ -1,0 +1,92 @@
+//! The phase test: where the interpolated elements put a satellite, and whether that is near the line of sight.
+
+use nalgebra::Vector3;
+
+use super::kepler::{MU_KM3_S2, plane_axis, plane_state};
+use super::window::Cone;
+
+/// Fields wider than this are no longer narrow cones: the phase test falls back to balls, radians.
+const WIDE_RAD: f64 = 0.5;
+
+/// Slow elements of one satellite over the window.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Phase {
+    pub element_index: u32,
+    pub reference: [f32; 3],
+    pub mean_longitude_rad: f64,
+    pub mean_longitude_rate_rad_s: f64,
+    pub eccentricity: [f32; 2],
+    pub eccentricity_change: [f32; 2],
+    pub semi_major_axis_km: f32,
+    pub semi_major_axis_change_km: f32,
+    pub slop_km: f32,
+    pub along_track_s: f32,
+    /// Drag or an extreme eccentricity makes the interpolated place too poor: SGP4 decides once the plane fits.
+    pub only_plane: bool,
+}
+
+/// What the phase test knows of the question.
+pub(super) struct Question<'a> {
+    cone: &'a Cone,
+    observer: Vector3<f64>,
+    axis: Vector3<f64>,
+    fraction: f64,
+    moved_km: f64,
+    /// Tangent and secant of the cone's radius.
+    tangent: f64,
+    secant: f64,
+}
+
+impl<'a> Question<'a> {
+    pub fn new(cone: &'a Cone, observer: Vector3<f64>, axis: Vector3<f64>, fraction: f64, moved_km: f64) -> Self {
+        let (tangent, secant) = (cone.radius_rad.tan(), 1.0 / cone.radius_rad.cos());
+        Self { cone, observer, axis, fraction, moved_km, tangent, secant }
+    }
+
+    /// Whether a satellite whose orbit plane fits may be inside the cone while it is asked for.
+    pub fn may_be_inside(&self, phase: &Phase, normal: &Vector3<f64>) -> bool {
+        if phase.only_plane {
+            return true;
+        }
+        let (position, velocity) = phase.place(normal, self.cone.mid_s, self.fraction);
+        let sight = position - self.observer;
+        let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
+        // The path bends away from its tangent by at most ½ g t², g being gravity at the satellite.
+        let bend_km = 0.5 * MU_KM3_S2 / position.norm_squared() * half_s * half_s;
+        let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
+        if self.cone.radius_rad > WIDE_RAD {
+            // The whole stretch as a ball around its middle.
+            let (distance_km, reach_km) = (sight.norm(), slop_km + velocity.norm() * half_s);
+            let angle_rad = sight.cross(&self.axis).norm().atan2(sight.dot(&self.axis));
+            return distance_km <= reach_km || angle_rad <= self.cone.radius_rad + (reach_km / distance_km).asin();
+        }
+        // The stretch as a straight line past the axis: the least distance across against the width at the greatest depth.
+        // A ball of radius s at the cone's edge touches it from s / cos ψ across.
+        let (depth, depth_rate) = (sight.dot(&self.axis), velocity.dot(&self.axis));
+        let deepest_km = depth + depth_rate.abs() * half_s + slop_km;
+        if deepest_km < 0.0 {
+            return false;
+        }
+        let (across, across_rate) = (sight - self.axis * depth, velocity - self.axis * depth_rate);
+        let nearest_s = (-across.dot(&across_rate) / across_rate.norm_squared().max(1e-12)).clamp(-half_s, half_s);
+        let width_km = deepest_km * self.tangent + slop_km * self.secant;
+        (across + across_rate * nearest_s).norm_squared() <= width_km * width_km
+    }
+}
+
+impl Phase {
+    /// Interpolated position and velocity in TEME, km and km/s. The reference turns with the plane by a degree or two, and is
+    /// not made a unit vector again for that.
+    pub fn place(&self, normal: &Vector3<f64>, time_s: f64, fraction: f64) -> (Vector3<f64>, Vector3<f64>) {
+        let [rx, ry, rz] = self.reference;
+        let x_axis = plane_axis(&Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz)), normal);
+        let y_axis = normal.cross(&x_axis);
+        let eccentricity = [0, 1]
+            .map(|axis| f64::from(self.eccentricity[axis]) + fraction * f64::from(self.eccentricity_change[axis]));
+        let semi_major_axis_km =
+            f64::from(self.semi_major_axis_km) + fraction * f64::from(self.semi_major_axis_change_km);
+        let longitude_rad = self.mean_longitude_rad + self.mean_longitude_rate_rad_s * time_s;
+        let ([x, y], [u, v]) = plane_state(longitude_rad, eccentricity, semi_major_axis_km);
+        (x_axis * x + y_axis * y, x_axis * u + y_axis * v)
+    }
+}

@@ -1,0 +1,62 @@
+//! Our side of `compare.py`: elements and a schedule in, timings and crossings out as JSON.
+//!
+//! `ours ELEMENTS SCHEDULE FOV_DEG LIMIT`; LIMIT 0 takes the whole schedule. The clock runs from the elements' text to the
+//! last crossing; reading the schedule and the shipped models is outside, as it is for the peers.
+
+use std::path::PathBuf;
+use std::time::Instant;
+
+use streakcast::catalogue::{Catalogue, ReadOptions};
+use streakcast::frames::EopTable;
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
+use streakcast::photometry::ModelLibrary;
+use streakcast::schedule::{Schedule, ScheduleOptions};
+
+fn main() -> Result<(), Box<dyn std::error::Error>> {
+    // `cargo bench` adds a flag of its own.
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| word != "--bench").collect();
+    let [elements, schedule, fov_deg, limit] = words.as_slice() else {
+        eprintln!("usage: ours ELEMENTS SCHEDULE FOV_DEG LIMIT (0: all); see tests/benches/peers/compare.py");
+        return Ok(());
+    };
+    let limit = match limit.parse()? {
+        0 => usize::MAX,
+        some => some,
+    };
+    let schedule = Schedule::read(&PathBuf::from(schedule), &ScheduleOptions::default())?;
+    let exposures: Vec<Exposure> = schedule.judged().map(|(_, exposure)| exposure.clone()).take(limit).collect();
+    let field = Field::circle(fov_deg.parse::<f64>()?.to_radians())?;
+    let models = ModelChoice::new(&ModelLibrary::embedded())?;
+    let options = PassOptions { include_dark: true, ..PassOptions::default() };
+    let observer = Observer::new(Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0)?);
+    let eop = EopTable::embedded();
+
+    let start = Instant::now();
+    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default())?;
+    let read = Instant::now();
+    let sky = Sky::new(catalogue.element_sets, observer, eop, &models);
+    let ready = Instant::now();
+    let passes = sky.field_passes(&exposures, &field, &options)?;
+    let end = Instant::now();
+
+    let crossings: Vec<(&str, u32)> = exposures
+        .iter()
+        .zip(&passes.by_exposure)
+        .flat_map(|(exposure, passes)| passes.iter().map(|pass| (exposure.id.as_str(), pass.norad_id.0)))
+        .collect();
+    let answer = serde_json::json!({
+        "name": "streakcast",
+        "exposures": exposures.len(),
+        "timings": {
+            "read_s": (ready - start).as_secs_f64(),
+            "of_it_text_s": (read - start).as_secs_f64(),
+            "crossings_s": (end - ready).as_secs_f64(),
+            "total_s": (end - start).as_secs_f64(),
+        },
+        "crossings": crossings,
+        "left_out": passes.left_out.iter().map(|left_out| left_out.norad_id.0).collect::<Vec<_>>(),
+    });
+    println!("{answer}");
+    Ok(())
+}
