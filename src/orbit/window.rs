@@ -222,9 +222,7 @@ impl Window {
             let near_limit = limit + near * cone.radius_rad as f32;
             let far_limit = limit + far * cone.radius_rad as f32;
             let mut outside = [0.0_f32; CHUNK];
-            // One index into seven arrays: the form that compilers turn into vector instructions.
-            #[allow(clippy::needless_range_loop)]
-            for lane in 0..CHUNK {
+            for (lane, outside) in outside.iter_mut().enumerate() {
                 let nx = chunk.normal[0][lane] + x * chunk.normal_change[0][lane];
                 let ny = chunk.normal[1][lane] + x * chunk.normal_change[1][lane];
                 let nz = chunk.normal[2][lane] + x * chunk.normal_change[2][lane];
@@ -234,7 +232,7 @@ impl Window {
                 let at_far = along_observer + far * along_axis;
                 let above = lesser(at_near - near_limit, at_far - far_limit);
                 let below = lesser(-at_near - near_limit, -at_far - far_limit);
-                outside[lane] = if above > below { above } else { below };
+                *outside = if above > below { above } else { below };
             }
             for (lane, phase) in chunk.phases.iter().enumerate() {
                 if outside[lane] <= 0.0 && question.may_be_inside(phase, &chunk.normal_at(lane, fraction)) {

@@ -203,7 +203,7 @@ fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<Named
     if !(diameter_deg > 0.0 && diameter_deg <= allowed_deg) {
         return Err(FieldError::Diameter { shape: name, diameter_deg, allowed_deg });
     }
-    if offset_deg.is_nan() || offset_deg > LARGEST_TANGENT_DEG {
+    if !offset_deg.is_finite() || offset_deg > LARGEST_TANGENT_DEG {
         return Err(too_far(name));
     }
     let shape = Shape::Circle { centre: centre_deg.map(f64::to_radians), radius_rad: 0.5 * diameter_deg.to_radians() };

@@ -144,13 +144,9 @@ impl Follow<'_> {
             // A stretch with several maxima (a slow or eccentric orbit) culminates at the highest of them.
             let until_s = set_until.map_or(f64::INFINITY, |(at_s, _)| at_s);
             let (mut top_s, mut top) = (top_s, top);
-            for &(at_s, sine) in sines.iter().take(last + 1).skip(step + 1) {
-                if at_s >= until_s {
-                    break;
-                }
+            for &(at_s, sine) in sines[step + 1..].iter().take_while(|(at_s, _)| *at_s < until_s) {
                 if sine > top {
-                    let (s, value) = self.highest((at_s - step_s).max(0.0), (at_s + step_s).min(span_s))?;
-                    (top_s, top) = (s, value);
+                    (top_s, top) = self.highest((at_s - step_s).max(0.0), (at_s + step_s).min(span_s))?;
                 }
             }
             done_s = until_s;
