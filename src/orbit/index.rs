@@ -75,7 +75,7 @@ impl SatelliteIndex {
 
     /// Orbit planes and phases for a stretch of time of at most [`MAX_WINDOW_S`](super::MAX_WINDOW_S).
     ///
-    /// `reach` gives, for each satellite, how far it may be from its prediction: see [`Window::new`].
+    /// `reach` gives, for each satellite, how far it may be from its prediction: no candidate within that reach is lost.
     pub fn window(&self, start: Epoch, end: Epoch, reach: &(dyn Fn(usize) -> Reach + Sync)) -> Window {
         Window::new(self, start, end, reach)
     }
