@@ -62,12 +62,15 @@ pub fn seconds_between(earlier: Epoch, later: Epoch) -> f64 {
     whole_s as f64 + rest_ns as f64 * 1e-9
 }
 
-/// The epoch `seconds` (SI) after another, in the same time scale, rounded to the nanosecond.
+/// The epoch `seconds` (SI) after another, rounded to the nanosecond; in the same time scale, but in TAI for the 36 s before a
+/// leap second, where `hifitime`'s way from TAI to UTC is a second off.
 pub fn seconds_after(epoch: Epoch, seconds: f64) -> Epoch {
     let whole_s = seconds.floor();
     let rest_ns = ((seconds - whole_s) * 1e9).round();
     let step = Duration::from_total_nanoseconds(whole_s as i128 * 1_000_000_000 + rest_ns as i128);
-    (epoch.to_time_scale(TimeScale::TAI) + step).to_time_scale(epoch.time_scale)
+    let later = epoch.to_time_scale(TimeScale::TAI) + step;
+    let back = later.to_time_scale(epoch.time_scale);
+    if tai_ns(back) == tai_ns(later) { back } else { later }
 }
 
 /// The epoch of a modified Julian date, whose scale must be said: TAI read as UTC is 37 s wrong, and a satellite 280 km further.
@@ -133,6 +136,19 @@ mod tests {
 
     fn utc(text: &str) -> Epoch {
         text.parse().expect("an epoch")
+    }
+
+    /// Through a leap second and the 36 s before it a step of so many seconds is just that, a step of nothing nothing.
+    #[test]
+    fn verif_steps_through_a_leap_second() {
+        for second in [0, 20, 30, 45, 59] {
+            let start = Epoch::from_gregorian_utc(2016, 12, 31, 23, 59, second, 500_000_000);
+            for step_s in [0.0, 0.25, 11.0, 40.0, 3600.0] {
+                let later = seconds_after(start, step_s);
+                assert_eq!(seconds_between(start, later), step_s, "{second} {step_s}");
+            }
+            assert_eq!(seconds_after(start, 0.0), start);
+        }
     }
 
     #[test]

@@ -300,8 +300,9 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
         },
         normal: begin.normal,
         normal_change: end.normal - begin.normal,
-        lowest_km,
-        highest_km,
+        // An error across the track may point up or down.
+        lowest_km: lowest_km - reach.cross_track_km,
+        highest_km: highest_km + reach.cross_track_km,
         cross_track_km: reach.cross_track_km,
     })
 }

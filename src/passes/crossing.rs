@@ -221,7 +221,7 @@ fn merge(mut chords: Vec<Chord>) -> Vec<Chord> {
 
 /// A root between two times at which the function has opposite signs, to [`ROOT_S`]: inverse quadratic steps where they are
 /// safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
-fn root(function: impl Fn(f64) -> f64, one: (f64, f64), other: (f64, f64)) -> f64 {
+pub(super) fn root(function: impl Fn(f64) -> f64, one: (f64, f64), other: (f64, f64)) -> f64 {
     let ((mut a, mut fa), (mut b, mut fb)) = (one, other);
     let mut share = 0.5;
     // Bisection alone halves the bracket: 100 steps are more than any bracket needs.

@@ -1,5 +1,6 @@
 //! What the telescope sees of one satellite along its line of sight: places, light, motion.
 
+use super::crossing::root;
 use super::scene::Scene;
 use super::sightline::SightLine;
 use super::sky::PassOptions;
@@ -12,6 +13,12 @@ use crate::photometry::{Brightness, BrightnessModel};
 const LIGHT_STEPS: usize = 24;
 /// Golden section steps that close in on the peak: a ten-thousandth of the step between two points.
 const PEAK_STEPS: usize = 20;
+
+/// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction and the dip of a mountain's horizon.
+/// It matters for fields that reach below the horizon.
+pub(super) const LOWEST_ALTITUDE_RAD: f64 = -0.035;
+/// Rising and setting within a chord are looked for in steps of this, seconds: no satellite goes below and comes up again in it.
+const HORIZON_STEP_S: f64 = 30.0;
 
 /// A line of sight with all that light needs. Times are seconds of the scene.
 pub(super) struct Look<'a> {
@@ -56,6 +63,29 @@ impl Look<'_> {
             let sun = self.scene.sun.at_s(time_s).sun;
             illumination(&self.line.arc.state_at(time_s).position, &sun).lit_fraction() > 0.0
         })
+    }
+
+    /// The part of a chord in which the satellite stands above the ground.
+    pub fn above_ground(&self, chord: &Chord) -> Vec<Chord> {
+        let height = |time_s: f64| {
+            let here = self.observer.state(&self.scene.orientation.at_s(time_s));
+            here.sine_of_altitude(&self.line.aspect_at(time_s).2.geometric) - LOWEST_ALTITUDE_RAD.sin()
+        };
+        let steps = ((chord.exit_s - chord.enter_s) / HORIZON_STEP_S).ceil().max(1.0) as usize;
+        let samples: Vec<(f64, f64)> =
+            times(chord.enter_s, chord.exit_s, steps).map(|time_s| (time_s, height(time_s))).collect();
+        let mut borders_s = vec![chord.enter_s];
+        for pair in samples.windows(2) {
+            if (pair[0].1 >= 0.0) != (pair[1].1 >= 0.0) {
+                borders_s.push(root(height, pair[0], pair[1]));
+            }
+        }
+        borders_s.push(chord.exit_s);
+        borders_s
+            .windows(2)
+            .filter(|pair| height(0.5 * (pair[0] + pair[1])) >= 0.0)
+            .map(|pair| Chord { enter_s: pair[0], exit_s: pair[1] })
+            .collect()
     }
 
     /// The brightest moment; `None` where nothing is seen at any.

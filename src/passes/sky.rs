@@ -9,15 +9,15 @@ use thiserror::Error;
 use super::crossing::cross;
 use super::exposure::Exposure;
 use super::field::{Field, FieldOnSky};
-use super::look::Look;
+use super::look::{LOWEST_ALTITUDE_RAD, Look};
 use super::models::ModelChoice;
 use super::probability::{REACH_SIGMAS, crossing_probability, reach_s};
 use super::scene::{Scene, end_s, groups};
 use super::sightline::{SightLine, SiteMotion};
-use super::track::{Chord, FieldPass, TrackPoint};
+use super::track::{Chord, FieldPass};
 use crate::catalogue::ElementSet;
-use crate::constants::DAY_S;
-use crate::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
+use crate::constants::{DAY_S, EARTH_ROTATION_RAD_S};
+use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::{
     Arc, Cone, LeftOut, MAX_WINDOW_S, OrbitClass, OrbitUncertainty, Reach, SatelliteIndex, uncertainty,
@@ -28,9 +28,6 @@ use crate::photometry::{BrightnessModel, PhotometryOptions};
 const SLICE_S: f64 = 60.0;
 /// A satellite that is a candidate again within this time is still on the same pass, seconds: nothing comes round so soon.
 const SAME_PASS_S: f64 = 1200.0;
-/// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction and the dip of a mountain's horizon.
-/// It matters for fields that reach below the horizon.
-const LOWEST_ALTITUDE_RAD: f64 = -0.035;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with room, radians.
 const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 /// First and last year for which Sun and Earth are computed.
@@ -304,6 +301,14 @@ impl Sky {
         runs
     }
 
+    /// True where any of the field may lie below the lowest altitude at any time of the exposure.
+    fn reaches_the_ground(&self, exposure: &Exposure, field: &FieldOnSky, orientation: &Orientation) -> bool {
+        let altitude_rad = (self.observer.state(orientation).horizon * exposure.pointing).latitude_rad();
+        // The sky turns by no more than this, whatever the exposure's length.
+        let turn_rad = (EARTH_ROTATION_RAD_S * exposure.duration_s).min(std::f64::consts::PI);
+        altitude_rad - field.bounding_radius_rad() - turn_rad < LOWEST_ALTITUDE_RAD
+    }
+
     /// The exact answer for one satellite; `None` where it is not wanted.
     fn pass(
         &self,
@@ -322,15 +327,23 @@ impl Sky {
             |from_s: f64, to_s: f64| Arc::new(propagator, minutes, from_s, to_s - from_s, &orientation.teme_to_gcrs);
         let arc = arc_over(run.start_s, run.end_s)?;
         let line = SightLine { arc: &arc, site };
-        let crossing = cross(&|time_s| line.sight(time_s), run.start_s, run.end_s, field);
+        let mut crossing = cross(&|time_s| line.sight(time_s), run.start_s, run.end_s, field);
         let wanted = options.min_probability;
         if crossing.chords.is_empty() && wanted.is_none() {
             return Ok(None);
         }
-        let enter_s = crossing.chords.first().map_or(crossing.closest_s, |chord| chord.enter_s);
-        let exit_s = crossing.chords.last().map_or(crossing.closest_s, |chord| chord.exit_s);
         let look =
             Look { scene, observer: &self.observer, line: &line, model: &self.models[run.element_index], options };
+        if self.reaches_the_ground(exposure, field, &orientation) {
+            let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };
+            let near_miss_is_up = crossing.chords.is_empty() && !look.above_ground(&closest).is_empty();
+            crossing.chords = crossing.chords.iter().flat_map(|chord| look.above_ground(chord)).collect();
+            if crossing.chords.is_empty() && !near_miss_is_up {
+                return Ok(None);
+            }
+        }
+        let enter_s = crossing.chords.first().map_or(crossing.closest_s, |chord| chord.enter_s);
+        let exit_s = crossing.chords.last().map_or(crossing.closest_s, |chord| chord.exit_s);
         let lit = look.is_lit(enter_s, exit_s);
         if !(lit || options.include_dark) {
             return Ok(None);
@@ -343,11 +356,6 @@ impl Sky {
         else {
             return Ok(None);
         };
-        let hidden =
-            |point: &TrackPoint| point.altitude_rad.is_some_and(|altitude_rad| altitude_rad < LOWEST_ALTITUDE_RAD);
-        if hidden(&enter) && hidden(&mid) && hidden(&exit) {
-            return Ok(None);
-        }
         let cross_track_sigma_rad = sigma.cross_track_km / mid.range_km;
         let reach_s = reach_s(sigma.along_track_s);
         let opened_s = seconds_between(scene.start, exposure.start);
