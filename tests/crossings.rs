@@ -219,8 +219,12 @@ fn field_of(question: &Question) -> Field {
     .expect("a field")
 }
 
-/// Both ways close in on the same roots, on arcs with different nodes: 2 cm of orbit are 3 µs.
+/// Both ways close in on the same roots, on arcs with different nodes: 4 mm of orbit are 1 µs, a thousand times as much where a
+/// chord grazes.
 const SAME_ROOT_S: f64 = 2e-4;
+/// The Earth's velocity is that of the middle of the stretch looked at, 3 mas off after a quarter of an hour: a geostationary
+/// satellite takes a millisecond for 15.
+const SAME_BORDER_ARCSEC: f64 = 0.01;
 
 /// Asks the same question with and without the cull; returns how many (field, satellite) pairs that decided.
 fn same_answer(question: &Question, min_probability: Option<f64>) -> Result<usize, TestCaseError> {
@@ -254,7 +258,8 @@ fn same_answer(question: &Question, min_probability: Option<f64>) -> Result<usiz
         prop_assert_eq!(pass.chords.len(), brute.chords.len(), "{:?} {:?}", pass, brute);
         for (chord, brute) in pass.chords.iter().zip(&brute.chords) {
             let worst_s = (chord.enter_s - brute.enter_s).abs().max((chord.exit_s - brute.exit_s).abs());
-            prop_assert!(worst_s < SAME_ROOT_S, "{id} {chord:?} {brute:?}");
+            let same_s = SAME_ROOT_S + SAME_BORDER_ARCSEC / (pass.angular_rate_rad_s.to_degrees() * 3600.0);
+            prop_assert!(worst_s < same_s, "{id} {chord:?} {brute:?}");
         }
     }
     Ok(sky.elements().len())

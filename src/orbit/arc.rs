@@ -1,4 +1,4 @@
-//! A stretch of one orbit, interpolated between a few SGP4 states to centimetres.
+//! A stretch of one orbit, interpolated between a few places of SGP4 to millimetres.
 
 use nalgebra::Vector3;
 
@@ -7,10 +7,13 @@ use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
 /// Longest step between two nodes, seconds.
 ///
-/// Cubic Hermite errs by h⁴/384 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 2 cm at h = 30 s and 300 km height, less elsewhere.
-const LONGEST_STEP_S: f64 = 30.0;
+/// A cubic through four places errs by h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and 300 km height, less
+/// elsewhere. SGP4's velocities would not do: on eccentric orbits they leave its positions by J₂ e v, metres in half a minute.
+const LONGEST_STEP_S: f64 = 10.0;
+/// A cubic needs four nodes.
+const FEWEST_STEPS: f64 = 3.0;
 
-/// Position and velocity of two nodes may disagree by this, km: h³/12 · |r‴| is 0.06 km for the fastest orbit there is. SGP4's
+/// Position and velocity of two nodes may disagree by this, km: h³/12 · |r‴| is 2 m for the fastest orbit there is. SGP4's
 /// velocity leaves out how drag changes the mean motion, which shows when elements years old run away.
 const LARGEST_GAP_KM: f64 = 1.0;
 
@@ -21,7 +24,8 @@ const LARGEST_GAP_KM: f64 = 1.0;
 pub struct Arc {
     start_s: f64,
     step_s: f64,
-    nodes: Vec<State<Gcrs>>,
+    /// At least four, evenly spaced, km.
+    positions: Vec<Vector3<f64>>,
 }
 
 impl Arc {
@@ -40,8 +44,8 @@ impl Arc {
         duration_s: f64,
         teme_to_gcrs: &Rotation<Teme, Gcrs>,
     ) -> Result<Self, OrbitError> {
-        let steps = (duration_s / LONGEST_STEP_S).ceil().max(1.0);
-        // An exposure of no length still needs two nodes.
+        let steps = (duration_s / LONGEST_STEP_S).ceil().max(FEWEST_STEPS);
+        // An exposure of no length still needs four nodes.
         let step_s = (duration_s / steps).max(1e-3);
         let nodes = (0..=steps as usize)
             .map(|node| {
@@ -64,25 +68,32 @@ impl Arc {
                 });
             }
         }
-        Ok(Self { start_s, step_s, nodes })
+        let positions = nodes.iter().map(|node| *node.position.vector()).collect();
+        Ok(Self { start_s, step_s, positions })
     }
 
     /// Position and velocity at a time inside the stretch (outside, the nearest cubic is continued).
     pub fn state_at(&self, time_s: f64) -> State<Gcrs> {
         let steps = (time_s - self.start_s) / self.step_s;
-        let last = self.nodes.len() - 2;
-        let left = (steps.max(0.0) as usize).min(last);
-        let (a, b) = (&self.nodes[left], &self.nodes[left + 1]);
-        let x = steps - left as f64;
-        let (h, x2, x3) = (self.step_s, x * x, x * x * x);
-        // r(x) = (2x³-3x²+1) r₀ + (x³-2x²+x) h v₀ + (3x²-2x³) r₁ + (x³-x²) h v₁
-        let (r0, r1) = (a.position.vector(), b.position.vector());
-        let (v0, v1): (&Vector3<f64>, &Vector3<f64>) = (a.velocity.vector(), b.velocity.vector());
-        let position = r0 * (2.0 * x3 - 3.0 * x2 + 1.0)
-            + v0 * ((x3 - 2.0 * x2 + x) * h)
-            + r1 * (3.0 * x2 - 2.0 * x3)
-            + v1 * ((x3 - x2) * h);
-        let velocity = (r1 - r0) * (6.0 * (x - x2) / h) + v0 * (3.0 * x2 - 4.0 * x + 1.0) + v1 * (3.0 * x2 - 2.0 * x);
-        State { position: Position::from_vector(position), velocity: Velocity::from_vector(velocity) }
+        // The four nodes around the moment, or the nearest four at the ends.
+        let left = ((steps - 1.0).max(0.0) as usize).min(self.positions.len() - 4);
+        let u = steps - left as f64;
+        let (a, b, c, d) = (u, u - 1.0, u - 2.0, u - 3.0);
+        // Lagrange's weights for nodes at 0, 1, 2, 3, and their derivatives.
+        let weights = [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0];
+        let rates = [
+            -(c * d + b * d + b * c) / 6.0,
+            (c * d + a * d + a * c) / 2.0,
+            -(b * d + a * d + a * b) / 2.0,
+            (b * c + a * c + a * b) / 6.0,
+        ];
+        let nodes = &self.positions[left..left + 4];
+        let sum = |weights: [f64; 4]| -> Vector3<f64> {
+            nodes[0] * weights[0] + nodes[1] * weights[1] + nodes[2] * weights[2] + nodes[3] * weights[3]
+        };
+        State {
+            position: Position::from_vector(sum(weights)),
+            velocity: Velocity::from_vector(sum(rates) / self.step_s),
+        }
     }
 }
