@@ -95,7 +95,10 @@ fn times_and_angles_that_are_none() {
     with(&["--start", "2024-08-14T23:59:60Z"], &["no leap second"]);
     with(&["--start", "yesterday"], &["'yesterday' is not a time", "ISO 8601"]);
     with(&["--exposure", "30"], &["exposure 30 has no unit", "30s"]);
-    with(&["--exposure", "-30s"], &["'-30s'"]);
+    with(&["--exposure", "-30s"], &["exposure -30 s: allowed 0 s or more"]);
+    with(&["--fov", "0deg"], &["fov 0 deg: allowed above 0 deg, at most 180 deg"]);
+    with(&["--ra", "nan"], &["nan", "right ascension"]);
+    with(&["--dec", "inf"], &["inf", "declination"]);
     with(&["--fov", "3.5"], &["fov 3.5 has no unit", "3.5deg"]);
     with(&["--ra", "25h"], &["25h", "right ascension"]);
     with(&["--dec", "-91"], &["-91", "declination"]);
@@ -108,6 +111,28 @@ fn times_and_angles_that_are_none() {
         &[&["passes", "--start", "2024-08-14T03:30:00Z", "--ra", "0", "--dec", "0"], SITE, SHELLS],
         &["no length of the exposure"],
     );
+}
+
+#[test]
+fn numbers_that_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
+    for (name, allowed) in [
+        ("rotation", "-360 to 360 deg"),
+        ("limit-mag", "-30 to 40 mag"),
+        ("min-probability", "above 0, at most 1"),
+        ("lat", "-90 to 90 deg"),
+        ("lon", "-180 to 360 deg"),
+        ("height", "-11000 to 100000 m"),
+    ] {
+        for (typed, shown) in [("nan", "NaN"), ("inf", "inf"), ("1e300", "1000")] {
+            let typed = format!("--{name}={typed}");
+            let parts = [&*format!("error: {name} {shown}"), &*format!(": allowed {allowed}")];
+            fails(&[POINTING, SITE, SHELLS, &[&typed]], &parts);
+            fails(&[&flag(&schedule), &[&typed]], &parts);
+        }
+    }
+    fails(&[POINTING, SITE, SHELLS, &["--samples", "nan"]], &["nan", "--samples"]);
 }
 
 #[test]
@@ -144,9 +169,12 @@ fn words_that_mean_nothing() {
     fails(&[POINTING, SITE, SHELLS, &["--telescope", "hubble"]], &["unknown telescope \"hubble\"", "rubin"]);
     fails(&[POINTING, SITE, SHELLS, &["--time-scale", "ut"]], &["time scale 'ut'", "utc, tai, tt"]);
     fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["threads 0"]);
-    fails(&[POINTING, SITE, SHELLS, &["--min-probability", "1.5"]], &["min_probability is 1.5"]);
+    fails(
+        &[POINTING, SITE, SHELLS, &["--min-probability", "1.5"]],
+        &["min-probability 1.5: allowed above 0, at most 1"],
+    );
     fails(&[POINTING, SITE, SHELLS, &["--field", "x.json"]], &["--fov and --field exclude each other"]);
-    fails(&[POINTING, SITE, SHELLS, &["--samples", "100001"]], &["samples '100001'", "0 to 100000"]);
+    fails(&[POINTING, SITE, SHELLS, &["--samples", "100001"]], &["samples 100001: allowed 0 to 100000"]);
     fails(&[POINTING, SITE, SHELLS, &["--nonsense"]], &["--nonsense"]);
     fails(&[&["passses"]], &["passses", "passes"]);
     let config = file(&folder, "c.toml", b"limitmag = 7\n");

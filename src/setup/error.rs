@@ -50,7 +50,7 @@ pub enum SetupError {
         /// The other.
         second: &'static str,
     },
-    /// A value of no known form or out of range.
+    /// A value of no known form.
     #[error("{what} '{given}' is not known; allowed: {allowed}")]
     Value {
         /// What it is for.
@@ -58,6 +58,16 @@ pub enum SetupError {
         /// As given.
         given: String,
         /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A number out of its range.
+    #[error("{what} {given}: allowed {allowed}")]
+    OutOfRange {
+        /// What it is for, spelled as the flag.
+        what: &'static str,
+        /// As given, with its unit.
+        given: String,
+        /// What is allowed, with its unit.
         allowed: &'static str,
     },
     /// A number without its unit.

@@ -17,7 +17,7 @@ use super::choices::{
 };
 use super::document::Setup;
 use super::error::SetupError;
-use super::units::{parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};
+use super::units::{in_range, parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};
 
 /// Beyond this age, either way, element sets draw a warning, days.
 pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
@@ -50,6 +50,15 @@ impl Setup {
             longitude_deg: self.lon,
             height_m: self.height,
         };
+        for (what, value, unit, allowed, range) in [
+            ("lat", self.lat, "deg", "-90 to 90 deg", -90.0..=90.0),
+            ("lon", self.lon, "deg", "-180 to 360 deg", -180.0..=360.0),
+            ("height", self.height, "m", "-11000 to 100000 m", -11_000.0..=100_000.0),
+        ] {
+            if let Some(value) = value {
+                in_range(what, value, unit, allowed, |value| range.contains(&value))?;
+            }
+        }
         let has_flags = flags != SiteTable::default();
         match &self.site {
             Some(_) if has_flags => Err(SetupError::Both { first: "--site", second: "--mpc, --lat, --lon, --height" }),
@@ -102,7 +111,11 @@ impl Setup {
             Some(PolicySetup::Table(policy)) => policy.clone(),
         };
         if let Some(limit) = self.limit_mag {
+            in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
             policy.limit_mag = Some(MagnitudeLimit::All(limit));
+        }
+        if let Some(probability) = self.min_probability {
+            in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
         }
         policy.min_probability = self.min_probability.or(policy.min_probability);
         if let Some(delay) = &self.max_delay {
@@ -128,7 +141,8 @@ impl Setup {
     /// More than [`MOST_SAMPLES`].
     pub fn samples(&self) -> Result<usize, SetupError> {
         let samples = self.samples.unwrap_or(0);
-        let too_many = || SetupError::Value { what: "samples", given: samples.to_string(), allowed: "0 to 100000" };
+        let too_many =
+            || SetupError::OutOfRange { what: "samples", given: samples.to_string(), allowed: "0 to 100000" };
         if samples > MOST_SAMPLES { Err(too_many()) } else { Ok(samples) }
     }
 
@@ -140,13 +154,20 @@ impl Setup {
         self.time_scale.as_deref().map(parse_time_scale).transpose()
     }
 
+    /// Position angle of the field where no exposure says its own, radians.
+    fn rotation_rad(&self) -> Result<f64, SetupError> {
+        let degrees = self.rotation.unwrap_or(0.0);
+        let degrees =
+            in_range("rotation", degrees, "deg", "-360 to 360 deg", |angle| (-360.0..=360.0).contains(&angle))?;
+        Ok(degrees.to_radians())
+    }
+
     /// How schedules are to be read.
     ///
     /// # Errors
-    /// A scale that is not known.
+    /// A scale that is not known, or a rotation out of range.
     pub fn schedule_options(&self) -> Result<ScheduleOptions, SetupError> {
-        let default_rotation_rad = self.rotation.unwrap_or(0.0).to_radians();
-        Ok(ScheduleOptions { time_scale: self.time_scale()?, default_rotation_rad })
+        Ok(ScheduleOptions { time_scale: self.time_scale()?, default_rotation_rad: self.rotation_rad()? })
     }
 
     /// The table of the Earth's orientation: the file said, else UT1 from the bundled one.
@@ -166,7 +187,7 @@ impl Setup {
     /// The one exposure that was said, called `1`.
     ///
     /// # Errors
-    /// Start, length, right ascension or declination is missing or out of range; the start lies where no ephemeris reaches.
+    /// Start, length, right ascension or declination is missing or out of range, or the rotation is; the start lies where no ephemeris reaches.
     pub fn one_exposure(&self) -> Result<Exposure, SetupError> {
         let said = |value: &Option<Quantity>, what, allowed| {
             value.as_ref().map(Quantity::text).ok_or(SetupError::Missing { what, allowed })
@@ -187,7 +208,7 @@ impl Setup {
                 parse_right_ascension_deg(&right_ascension)?.to_radians(),
                 parse_declination_deg(&declination)?.to_radians(),
             ),
-            rotation_rad: self.rotation.unwrap_or(0.0).to_radians(),
+            rotation_rad: self.rotation_rad()?,
         })
     }
 
@@ -312,7 +333,7 @@ mod tests {
             (policy.limit_mag.unwrap().of(None), policy.margin_s, policy.max_delay_s),
             (Some(6.0), Some(3.0), Some(120.0))
         );
-        assert!(message(setup("min_probability = 2").policy()).contains("min_probability is 2, allowed"));
+        assert!(message(setup("min_probability = 2").policy()).contains("min-probability 2: allowed"));
     }
 
     #[test]
