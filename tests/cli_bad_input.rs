@@ -199,7 +199,14 @@ fn a_failure_leaves_no_file_and_the_old_one_as_it_was() {
     assert_eq!(fs::read(&old).unwrap(), b"mine");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     fails(&[POINTING, SITE, SHELLS, &["-o", &folder.path().display().to_string()]], &["is a directory"]);
-    fails(&[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]], &["cannot write /nowhere/at/all.csv"]);
+    fails(
+        &[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]],
+        &["cannot write /nowhere/at/all.csv: folder /nowhere/at: No such file"],
+    );
+    // The folder is asked about before the schedule is even read.
+    fails(&[&flag("/nowhere.csv"), &["-o", "/nowhere/at/all.csv"]], &["cannot write /nowhere/at/all.csv"]);
+    let (_, _, stderr) = run(&[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]]);
+    assert!(!stderr.contains(".part"), "{stderr}");
 }
 
 #[test]
