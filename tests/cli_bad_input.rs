@@ -304,7 +304,9 @@ fn elements_a_year_old_are_a_warning_and_a_wide_sigma() {
     assert!(code < 2, "{stderr}");
     let warning = stderr.lines().find(|line| line.contains("more than 14 days")).unwrap_or_default();
     assert!(
-        warning.starts_with("warning: ") && warning.contains("of 4870 element sets") && warning.contains("days older"),
+        warning.starts_with("warning: ")
+            && warning.contains("of 4870 element sets")
+            && warning.contains("(the farthest by "),
         "{stderr}"
     );
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();

@@ -229,23 +229,20 @@ fn catalogue_warnings(catalogue: &Catalogue) -> Vec<String> {
 /// Element sets further than two weeks from the time asked about, either way.
 fn age_warning(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    let mut old: Vec<f64> = elements
+    let old: Vec<f64> = elements
         .iter()
         .filter_map(|set| {
-            // Later than the elements: positive. Within the time asked about: no age at all.
-            let age_days = days(set.epoch, first).max(0.0) - days(last, set.epoch).max(0.0);
-            (age_days.abs() > OLD_ELEMENTS_DAYS).then_some(age_days)
+            // Within the time asked about: no age at all.
+            let age_days = days(set.epoch, first).max(days(last, set.epoch)).max(0.0);
+            (age_days > OLD_ELEMENTS_DAYS).then_some(age_days)
         })
         .collect();
-    old.sort_by(f64::total_cmp);
-    let median = old.get(old.len() / 2)?;
-    let word = if *median < 0.0 { "newer" } else { "older" };
+    let farthest = old.iter().copied().max_by(f64::total_cmp)?;
     Some(format!(
-        "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (median {:.1} days {word}): \
+        "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
          places and probabilities are uncertain to match",
         old.len(),
         elements.len(),
-        median.abs()
     ))
 }
 
@@ -308,11 +305,11 @@ mod tests {
         let older = warning("2024-09-03T00:00:00Z", "2024-09-03T06:00:00Z").unwrap();
         assert!(
             older.starts_with("10 of 10 element sets are more than 14 days")
-                && older.contains("median 20.0 days older"),
+                && older.contains("(the farthest by 20.0 days)"),
             "{older}"
         );
         let newer = warning("2024-07-01T00:00:00Z", "2024-07-15T00:00:00Z").unwrap();
-        assert!(newer.contains("median 30.0 days newer"), "{newer}");
+        assert!(newer.contains("(the farthest by 30.0 days)"), "{newer}");
     }
 
     const GOOD: &str = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999\n\
