@@ -59,7 +59,8 @@ fn flag(schedule: &str) -> Vec<&str> {
 
 #[test]
 fn sites_and_satellites_that_are_not_there() {
-    fails(&[POINTING, SHELLS, &["--site", "Rubin Observatry at Mars"]], &["unknown site", "near it"]);
+    fails(&[POINTING, SHELLS, &["--site", "Rubin Observatry at Mars"]], &["unknown site", "near it: "]);
+    fails(&[POINTING, SHELLS, &["--site", "Moon"]], &["unknown site \"Moon\"", "streakcast sites", "--lat"]);
     fails(&[POINTING, SHELLS, &["--mpc", "ZZZ"]], &["unknown MPC observatory code \"ZZZ\""]);
     fails(&[POINTING, SHELLS], &["no site; say --site NAME, --mpc CODE"]);
     fails(&[POINTING, SHELLS, &["--lat", "95", "--lon", "0"]], &["95", "-90"]);

@@ -60,6 +60,11 @@ pub enum SetupError {
         /// What is allowed.
         allowed: &'static str,
     },
+    /// A site that is not known, and looks like none that is.
+    #[error(
+        "unknown site {0:?}; no known name is near it: streakcast sites lists them, --lat, --lon and --height say any other place"
+    )]
+    UnknownSite(String),
     /// A number out of its range.
     #[error("{what} {given}: allowed {allowed}")]
     OutOfRange {

@@ -6,7 +6,7 @@ use hifitime::{Epoch, TimeScale};
 
 use crate::catalogue::{Catalogue, Constellation, ElementSet, Keep, ReadOptions};
 use crate::frames::{Direction, EopTable, parse_declination_deg, parse_right_ascension_deg};
-use crate::geometry::Site;
+use crate::geometry::{GeometryError, Site};
 use crate::passes::{Exposure, Field, SkyError};
 use crate::photometry::{Band, PhotometryOptions};
 use crate::schedule::{MagnitudeLimit, Policy, ScheduleOptions, is_covered};
@@ -62,7 +62,7 @@ impl Setup {
         let has_flags = flags != SiteTable::default();
         match &self.site {
             Some(_) if has_flags => Err(SetupError::Both { first: "--site", second: "--mpc, --lat, --lon, --height" }),
-            Some(SiteSetup::Name(name)) => Ok(Site::by_name(name)?),
+            Some(SiteSetup::Name(name)) => site_of_name(name),
             Some(SiteSetup::Table(table)) => site_of(table),
             None => site_of(&flags),
         }
@@ -249,6 +249,14 @@ pub(super) fn synthetic(constellations: &[Constellation], epoch: Epoch) -> Vec<E
     constellations.iter().flat_map(|constellation| constellation.element_sets(epoch)).collect()
 }
 
+/// By name; where nothing is near it, the error shows other ways.
+fn site_of_name(name: &str) -> Result<Site, SetupError> {
+    Site::by_name(name).map_err(|error| match error {
+        GeometryError::UnknownSite { name, nearest } if nearest.is_empty() => SetupError::UnknownSite(name),
+        error => error.into(),
+    })
+}
+
 fn site_of(table: &SiteTable) -> Result<Site, SetupError> {
     match (&table.mpc, table.latitude_deg, table.longitude_deg) {
         (Some(_), Some(_), _) | (Some(_), _, Some(_)) => {
@@ -260,7 +268,7 @@ fn site_of(table: &SiteTable) -> Result<Site, SetupError> {
             Ok(Site::new_deg(name, latitude, longitude, table.height_m.unwrap_or(0.0))?)
         }
         (None, None, None) => match &table.name {
-            Some(name) => Ok(Site::by_name(name)?),
+            Some(name) => site_of_name(name),
             None => Err(SetupError::Missing { what: "site", allowed: SITES }),
         },
         (None, _, _) => Err(SetupError::Missing { what: "complete coordinates of the site", allowed: SITES }),
@@ -307,7 +315,9 @@ mod tests {
         assert!(message(setup("").site()).contains("say --site NAME, --mpc CODE"));
         assert!(message(setup("lat = 3").site()).contains("complete coordinates"));
         assert!(message(setup("mpc = 'X05'\nlat = 3").site()).contains("exclude each other"));
-        assert!(message(setup("site = 'Nowhere at all'").site()).contains("unknown site"));
+        assert!(
+            message(setup("site = 'Nowhere at all'").site()).contains("streakcast sites lists them, --lat, --lon and")
+        );
     }
 
     #[test]
