@@ -182,7 +182,18 @@ fn words_that_mean_nothing() {
     fails(&[POINTING, SITE, SHELLS, &["--config", &config]], &["c.toml", "limitmag"]);
     let policy = file(&folder, "p.toml", b"limit = 7\n");
     let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
-    fails(&[&flag(&schedule), &["--policy", &policy]], &["policy", "unknown field `limit`", "limit_mag"]);
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["p.toml: line 1: unknown field `limit`", "limit_mag"]);
+    let (_, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
+    assert_eq!(stderr.matches("max_delay_s").count(), 1, "{stderr}");
+    let policy = file(&folder, "r.toml", b"margin_s = -1\n");
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["r.toml: margin_s is -1, allowed 0 to 3600 s"]);
+    for (verb, told) in
+        [("passes", "how many of the crossings"), ("flag", "one to avoid"), ("annotate", "one to avoid")]
+    {
+        let (_, help, _) = run(&[&[verb, "-h"]]);
+        let line = help.lines().find(|line| line.contains("--limit-mag")).unwrap_or_default();
+        assert!(line.contains(told), "{verb}: {help}");
+    }
     fails(&[&flag(&schedule), &["--fail-on", "clear"]], &["clear", "streaked", "avoid"]);
     fails(&[&["model", "show", "nonsense"]], &["unknown model 'nonsense'", "starlink-v1.5"]);
     fails(&[&["model", "check", &config]], &["c.toml"]);

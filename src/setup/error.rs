@@ -34,6 +34,14 @@ pub enum SetupError {
         /// What and where.
         message: String,
     },
+    /// The policy file is not what it should be.
+    #[error("policy {path}: {message}")]
+    PolicyFile {
+        /// The file.
+        path: String,
+        /// What and where.
+        message: String,
+    },
     /// Something that must be said was not.
     #[error("no {what}; say {allowed}")]
     Missing {

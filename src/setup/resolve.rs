@@ -9,7 +9,7 @@ use crate::frames::{Direction, EopTable, parse_declination_deg, parse_right_asce
 use crate::geometry::{GeometryError, Site};
 use crate::passes::{Exposure, Field, SkyError};
 use crate::photometry::{Band, PhotometryOptions};
-use crate::schedule::{MagnitudeLimit, Policy, ScheduleOptions, is_covered};
+use crate::schedule::{MagnitudeLimit, Policy, PolicyError, ScheduleOptions, is_covered};
 use crate::telescope::{FieldOfView, Telescope};
 
 use super::choices::{
@@ -107,7 +107,7 @@ impl Setup {
     pub fn policy(&self) -> Result<Policy, SetupError> {
         let mut policy = match &self.policy {
             None => Policy::default(),
-            Some(PolicySetup::File(path)) => Policy::from_toml(&read_text("policy", path)?)?,
+            Some(PolicySetup::File(path)) => policy_of_file(path)?,
             Some(PolicySetup::Table(policy)) => policy.clone(),
         };
         if let Some(limit) = self.limit_mag {
@@ -247,6 +247,17 @@ impl Setup {
 /// The element sets of several constellations for one epoch.
 pub(super) fn synthetic(constellations: &[Constellation], epoch: Epoch) -> Vec<ElementSet> {
     constellations.iter().flat_map(|constellation| constellation.element_sets(epoch)).collect()
+}
+
+/// The policy of a file. What its syntax lacks is told as the parser tells it, which names the keys allowed once.
+fn policy_of_file(path: &Path) -> Result<Policy, SetupError> {
+    Policy::from_toml(&read_text("policy", path)?).map_err(|error| {
+        let message = match error {
+            PolicyError::Syntax(what) => what,
+            PolicyError::OutOfRange { field, value, allowed } => format!("{field} is {value}, allowed {allowed}"),
+        };
+        SetupError::PolicyFile { path: path.display().to_string(), message }
+    })
 }
 
 /// By name; where nothing is near it, the error shows other ways.
