@@ -59,7 +59,8 @@ fn flag(schedule: &str) -> Vec<&str> {
 
 #[test]
 fn sites_and_satellites_that_are_not_there() {
-    fails(&[POINTING, SHELLS, &["--site", "Rubin Observatry at Mars"]], &["unknown site", "near it"]);
+    fails(&[POINTING, SHELLS, &["--site", "Rubin Observatry at Mars"]], &["unknown site", "near it: "]);
+    fails(&[POINTING, SHELLS, &["--site", "Moon"]], &["unknown site \"Moon\"", "streakcast sites", "--lat"]);
     fails(&[POINTING, SHELLS, &["--mpc", "ZZZ"]], &["unknown MPC observatory code \"ZZZ\""]);
     fails(&[POINTING, SHELLS], &["no site; say --site NAME, --mpc CODE"]);
     fails(&[POINTING, SHELLS, &["--lat", "95", "--lon", "0"]], &["95", "-90"]);
@@ -95,7 +96,10 @@ fn times_and_angles_that_are_none() {
     with(&["--start", "2024-08-14T23:59:60Z"], &["no leap second"]);
     with(&["--start", "yesterday"], &["'yesterday' is not a time", "ISO 8601"]);
     with(&["--exposure", "30"], &["exposure 30 has no unit", "30s"]);
-    with(&["--exposure", "-30s"], &["'-30s'"]);
+    with(&["--exposure", "-30s"], &["exposure -30 s: allowed 0 s or more"]);
+    with(&["--fov", "0deg"], &["fov 0 deg: allowed above 0 deg, at most 180 deg"]);
+    with(&["--ra", "nan"], &["nan", "right ascension"]);
+    with(&["--dec", "inf"], &["inf", "declination"]);
     with(&["--fov", "3.5"], &["fov 3.5 has no unit", "3.5deg"]);
     with(&["--ra", "25h"], &["25h", "right ascension"]);
     with(&["--dec", "-91"], &["-91", "declination"]);
@@ -108,6 +112,28 @@ fn times_and_angles_that_are_none() {
         &[&["passes", "--start", "2024-08-14T03:30:00Z", "--ra", "0", "--dec", "0"], SITE, SHELLS],
         &["no length of the exposure"],
     );
+}
+
+#[test]
+fn numbers_that_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
+    for (name, allowed) in [
+        ("rotation", "-360 to 360 deg"),
+        ("limit-mag", "-30 to 40 mag"),
+        ("min-probability", "above 0, at most 1"),
+        ("lat", "-90 to 90 deg"),
+        ("lon", "-180 to 360 deg"),
+        ("height", "-11000 to 100000 m"),
+    ] {
+        for (typed, shown) in [("nan", "NaN"), ("inf", "inf"), ("1e300", "1000")] {
+            let typed = format!("--{name}={typed}");
+            let parts = [&*format!("error: {name} {shown}"), &*format!(": allowed {allowed}")];
+            fails(&[POINTING, SITE, SHELLS, &[&typed]], &parts);
+            fails(&[&flag(&schedule), &[&typed]], &parts);
+        }
+    }
+    fails(&[POINTING, SITE, SHELLS, &["--samples", "nan"]], &["nan", "--samples"]);
 }
 
 #[test]
@@ -144,16 +170,30 @@ fn words_that_mean_nothing() {
     fails(&[POINTING, SITE, SHELLS, &["--telescope", "hubble"]], &["unknown telescope \"hubble\"", "rubin"]);
     fails(&[POINTING, SITE, SHELLS, &["--time-scale", "ut"]], &["time scale 'ut'", "utc, tai, tt"]);
     fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["threads 0"]);
-    fails(&[POINTING, SITE, SHELLS, &["--min-probability", "1.5"]], &["min_probability is 1.5"]);
+    fails(
+        &[POINTING, SITE, SHELLS, &["--min-probability", "1.5"]],
+        &["min-probability 1.5: allowed above 0, at most 1"],
+    );
     fails(&[POINTING, SITE, SHELLS, &["--field", "x.json"]], &["--fov and --field exclude each other"]);
-    fails(&[POINTING, SITE, SHELLS, &["--samples", "100001"]], &["samples '100001'", "0 to 100000"]);
+    fails(&[POINTING, SITE, SHELLS, &["--samples", "100001"]], &["samples 100001: allowed 0 to 100000"]);
     fails(&[POINTING, SITE, SHELLS, &["--nonsense"]], &["--nonsense"]);
     fails(&[&["passses"]], &["passses", "passes"]);
     let config = file(&folder, "c.toml", b"limitmag = 7\n");
     fails(&[POINTING, SITE, SHELLS, &["--config", &config]], &["c.toml", "limitmag"]);
     let policy = file(&folder, "p.toml", b"limit = 7\n");
     let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
-    fails(&[&flag(&schedule), &["--policy", &policy]], &["policy", "unknown field `limit`", "limit_mag"]);
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["p.toml: line 1: unknown field `limit`", "limit_mag"]);
+    let (_, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
+    assert_eq!(stderr.matches("max_delay_s").count(), 1, "{stderr}");
+    let policy = file(&folder, "r.toml", b"margin_s = -1\n");
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["r.toml: margin_s is -1, allowed 0 to 3600 s"]);
+    for (verb, told) in
+        [("passes", "how many of the crossings"), ("flag", "one to avoid"), ("annotate", "one to avoid")]
+    {
+        let (_, help, _) = run(&[&[verb, "-h"]]);
+        let line = help.lines().find(|line| line.contains("--limit-mag")).unwrap_or_default();
+        assert!(line.contains(told), "{verb}: {help}");
+    }
     fails(&[&flag(&schedule), &["--fail-on", "clear"]], &["clear", "streaked", "avoid"]);
     fails(&[&["model", "show", "nonsense"]], &["unknown model 'nonsense'", "starlink-v1.5"]);
     fails(&[&["model", "check", &config]], &["c.toml"]);
@@ -171,7 +211,14 @@ fn a_failure_leaves_no_file_and_the_old_one_as_it_was() {
     assert_eq!(fs::read(&old).unwrap(), b"mine");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     fails(&[POINTING, SITE, SHELLS, &["-o", &folder.path().display().to_string()]], &["is a directory"]);
-    fails(&[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]], &["cannot write /nowhere/at/all.csv"]);
+    fails(
+        &[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]],
+        &["cannot write /nowhere/at/all.csv: folder /nowhere/at: No such file"],
+    );
+    // The folder is asked about before the schedule is even read.
+    fails(&[&flag("/nowhere.csv"), &["-o", "/nowhere/at/all.csv"]], &["cannot write /nowhere/at/all.csv"]);
+    let (_, _, stderr) = run(&[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]]);
+    assert!(!stderr.contains(".part"), "{stderr}");
 }
 
 #[test]
@@ -269,7 +316,9 @@ fn elements_a_year_old_are_a_warning_and_a_wide_sigma() {
     assert!(code < 2, "{stderr}");
     let warning = stderr.lines().find(|line| line.contains("more than 14 days")).unwrap_or_default();
     assert!(
-        warning.starts_with("warning: ") && warning.contains("of 4870 element sets") && warning.contains("days older"),
+        warning.starts_with("warning: ")
+            && warning.contains("of 4870 element sets")
+            && warning.contains("(the farthest by "),
         "{stderr}"
     );
     let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();

@@ -20,11 +20,11 @@ pub enum GeometryError {
         last: f64,
     },
     /// A name that the table does not hold.
-    #[error("unknown site {name:?}; near it: {}", nearest.join(", "))]
+    #[error("unknown site {name:?}; {}", near(nearest))]
     UnknownSite {
         /// What was asked for.
         name: String,
-        /// Names in the table that look like it, nearest first.
+        /// Names in the table that look like it, nearest first; none where nothing does.
         nearest: Vec<String>,
     },
     /// An observatory code that the table does not hold.
@@ -37,4 +37,8 @@ pub enum GeometryError {
         /// How many codes the table knows.
         known: usize,
     },
+}
+
+fn near(names: &[String]) -> String {
+    if names.is_empty() { "no known name is near it".to_owned() } else { format!("near it: {}", names.join(", ")) }
 }

@@ -24,6 +24,9 @@ pub struct Site {
     pub height_m: f64,
 }
 
+/// So many letters in common, at the beginning or as a whole name, make two names look alike.
+const ALIKE: usize = 4;
+
 struct Entry {
     site: Site,
     /// Names and aliases without blanks and marks, lower case.
@@ -60,7 +63,7 @@ impl Site {
     /// A place of the bundled table by one of its names; case, blanks, hyphens and other marks do not count, an MPC code is a name too.
     ///
     /// # Errors
-    /// An unknown name; the error lists the nearest ones.
+    /// An unknown name; the error lists the nearest ones, where any name is near.
     pub fn by_name(name: &str) -> Result<Self, GeometryError> {
         let key = key_of(name);
         if let Some(entry) = table().iter().find(|entry| entry.keys.contains(&key)) {
@@ -132,21 +135,31 @@ fn key_of(name: &str) -> String {
     name.chars().filter(|c| c.is_alphanumeric()).flat_map(char::to_lowercase).collect()
 }
 
-/// Up to four names: those that hold the text or lie within it first, then by the number of letters to change.
+/// Up to four names that look like it: those that hold the text or lie within it first, then by the number of letters to change.
+/// A name with more than a third of its letters to change looks like something else, unless it begins alike.
 fn nearest_names(key: &str) -> Vec<String> {
     let mut ranked: Vec<(usize, &str)> = table()
         .iter()
-        .map(|entry| {
+        .filter_map(|entry| {
             let distance = |known: &String| {
-                let within =
-                    key.len() >= 3 && known.len() >= 3 && (known.contains(key) || key.contains(known.as_str()));
-                if within { 0 } else { edit_distance(key, known) }
+                if is_within(key, known) || is_within(known, key) {
+                    return Some(0);
+                }
+                let changes = edit_distance(key, known);
+                let letters = key.chars().count().max(known.chars().count());
+                let alike = key.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();
+                (3 * changes <= letters || alike >= ALIKE).then_some(changes)
             };
-            (entry.keys.iter().map(distance).min().unwrap_or(usize::MAX), entry.site.name.as_str())
+            Some((entry.keys.iter().filter_map(distance).min()?, entry.site.name.as_str()))
         })
         .collect();
     ranked.sort_by_key(|&(distance, _)| distance);
     ranked.iter().take(4).map(|&(_, name)| name.to_owned()).collect()
+}
+
+/// True for a part long enough to tell something.
+fn is_within(part: &str, whole: &str) -> bool {
+    part.chars().count() >= ALIKE && whole.contains(part)
 }
 
 /// Levenshtein's count of letters to insert, drop or change.
@@ -238,7 +251,17 @@ mod tests {
         let error = Site::by_name("Paranall").expect_err("no such site");
         let GeometryError::UnknownSite { nearest, .. } = &error else { panic!("{error}") };
         assert_eq!(nearest[0], "Paranal");
-        assert!(error.to_string().starts_with("unknown site \"Paranall\"; near it: Paranal, "), "{error}");
+        assert!(error.to_string().starts_with("unknown site \"Paranall\"; near it: Paranal"), "{error}");
+        for (name, near) in
+            [("palomr", "Palomar"), ("la sila", "La Silla"), ("Mauna Koa", "Mauna Kea"), ("cerro", "Cerro")]
+        {
+            let Err(GeometryError::UnknownSite { nearest, .. }) = Site::by_name(name) else { panic!("{name}") };
+            assert!(nearest[0].starts_with(near) && nearest.len() <= 4, "{name}: {nearest:?}");
+        }
+        for name in ["Moon", "xyzzy", "q", "Gondwana Station", "北京"] {
+            let Err(GeometryError::UnknownSite { nearest, .. }) = Site::by_name(name) else { panic!("{name}") };
+            assert!(nearest.is_empty(), "{name}: {nearest:?}");
+        }
         assert!(matches!(Site::by_name(""), Err(GeometryError::UnknownSite { .. })));
         assert!(matches!(Site::by_mpc_code("ZZ9"), Err(GeometryError::UnknownMpcCode { .. })));
     }

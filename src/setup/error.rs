@@ -34,6 +34,14 @@ pub enum SetupError {
         /// What and where.
         message: String,
     },
+    /// The policy file is not what it should be.
+    #[error("policy {path}: {message}")]
+    PolicyFile {
+        /// The file.
+        path: String,
+        /// What and where.
+        message: String,
+    },
     /// Something that must be said was not.
     #[error("no {what}; say {allowed}")]
     Missing {
@@ -50,7 +58,7 @@ pub enum SetupError {
         /// The other.
         second: &'static str,
     },
-    /// A value of no known form or out of range.
+    /// A value of no known form.
     #[error("{what} '{given}' is not known; allowed: {allowed}")]
     Value {
         /// What it is for.
@@ -58,6 +66,21 @@ pub enum SetupError {
         /// As given.
         given: String,
         /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A site that is not known, and looks like none that is.
+    #[error(
+        "unknown site {0:?}; no known name is near it: streakcast sites lists them, --lat, --lon and --height say any other place"
+    )]
+    UnknownSite(String),
+    /// A number out of its range.
+    #[error("{what} {given}: allowed {allowed}")]
+    OutOfRange {
+        /// What it is for, spelled as the flag.
+        what: &'static str,
+        /// As given, with its unit.
+        given: String,
+        /// What is allowed, with its unit.
         allowed: &'static str,
     },
     /// A number without its unit.

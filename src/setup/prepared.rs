@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use hifitime::{Epoch, TimeScale, Unit};
 use serde_json::json;
 
-use crate::catalogue::{Catalogue, Constellation, ElementSet, Generation, SourceFile};
+use crate::catalogue::{Catalogue, Constellation, ElementSet, Generation, RecordError, Rejected, SourceFile};
 use crate::frames::{EopStatus, EopTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, Site};
 use crate::orbit::LeftOut;
@@ -19,6 +19,9 @@ use super::resolve::{OLD_ELEMENTS_DAYS, read_text, synthetic};
 
 /// How many of many are named in a warning.
 const NAMED: usize = 3;
+
+/// How many rejected records are listed in JSON; the count beside them is of all.
+const LISTED: usize = 1000;
 
 /// Everything that a question needs besides the question.
 #[derive(Debug)]
@@ -56,6 +59,9 @@ impl Setup {
         if let Some(catalogue) = catalogue {
             provenance.state("elements", catalogue.sources.iter().map(source_json).collect::<Vec<_>>());
             warnings.extend(catalogue_warnings(&catalogue));
+            provenance.attach("rejected_count", catalogue.rejected.len());
+            provenance
+                .attach("rejected", catalogue.rejected.iter().take(LISTED).map(rejected_json).collect::<Vec<_>>());
             warnings.extend(age_warning(&catalogue.element_sets, first, last));
             elements = catalogue.element_sets;
         }
@@ -166,6 +172,14 @@ fn source_json(source: &SourceFile) -> serde_json::Value {
     })
 }
 
+fn rejected_json(rejected: &Rejected) -> serde_json::Value {
+    json!({
+        "file": rejected.file.as_ref(),
+        "line": rejected.line,
+        "reason": rejected.reason.to_string(),
+    })
+}
+
 fn constellation_json(constellation: &Constellation) -> serde_json::Value {
     json!({
         "name": constellation.name,
@@ -188,10 +202,22 @@ fn site_json(site: &Site) -> serde_json::Value {
 
 fn catalogue_warnings(catalogue: &Catalogue) -> Vec<String> {
     let mut warnings = Vec::new();
-    if !catalogue.rejected.is_empty() {
+    let rejected = catalogue.rejected.len();
+    if rejected > 0 {
+        let records = rejected + catalogue.sources.iter().map(|source| source.records).sum::<usize>();
         let named: Vec<String> = catalogue.rejected.iter().take(NAMED).map(ToString::to_string).collect();
-        let more = if catalogue.rejected.len() > NAMED { "; ..." } else { "" };
-        warnings.push(format!("{} records rejected: {}{more}", catalogue.rejected.len(), named.join("; ")));
+        let more = if rejected > NAMED { "; ..." } else { "" };
+        let mut warning = format!("{rejected} of {records} records rejected");
+        if 2 * rejected > records {
+            warning +=
+                ", more than half: the answer is incomplete, the satellites of these records are missing from it";
+        }
+        let is_checksum = |one: &&Rejected| matches!(one.reason, RecordError::BadChecksum { .. });
+        let checksums = catalogue.rejected.iter().filter(is_checksum).count();
+        if checksums > 0 {
+            warning += &format!(" ({checksums} for a wrong checksum; --accept-bad-checksums takes those)");
+        }
+        warnings.push(format!("{warning}: {}{more}", named.join("; ")));
     }
     let accepted: usize = catalogue.sources.iter().map(|source| source.bad_checksums_accepted).sum();
     if accepted > 0 {
@@ -203,23 +229,20 @@ fn catalogue_warnings(catalogue: &Catalogue) -> Vec<String> {
 /// Element sets further than two weeks from the time asked about, either way.
 fn age_warning(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    let mut old: Vec<f64> = elements
+    let old: Vec<f64> = elements
         .iter()
         .filter_map(|set| {
-            // Later than the elements: positive. Within the time asked about: no age at all.
-            let age_days = days(set.epoch, first).max(0.0) - days(last, set.epoch).max(0.0);
-            (age_days.abs() > OLD_ELEMENTS_DAYS).then_some(age_days)
+            // Within the time asked about: no age at all.
+            let age_days = days(set.epoch, first).max(days(last, set.epoch)).max(0.0);
+            (age_days > OLD_ELEMENTS_DAYS).then_some(age_days)
         })
         .collect();
-    old.sort_by(f64::total_cmp);
-    let median = old.get(old.len() / 2)?;
-    let word = if *median < 0.0 { "newer" } else { "older" };
+    let farthest = old.iter().copied().max_by(f64::total_cmp)?;
     Some(format!(
-        "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (median {:.1} days {word}): \
+        "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
          places and probabilities are uncertain to match",
         old.len(),
         elements.len(),
-        median.abs()
     ))
 }
 
@@ -282,11 +305,53 @@ mod tests {
         let older = warning("2024-09-03T00:00:00Z", "2024-09-03T06:00:00Z").unwrap();
         assert!(
             older.starts_with("10 of 10 element sets are more than 14 days")
-                && older.contains("median 20.0 days older"),
+                && older.contains("(the farthest by 20.0 days)"),
             "{older}"
         );
         let newer = warning("2024-07-01T00:00:00Z", "2024-07-15T00:00:00Z").unwrap();
-        assert!(newer.contains("median 30.0 days newer"), "{newer}");
+        assert!(newer.contains("(the farthest by 30.0 days)"), "{newer}");
+    }
+
+    const GOOD: &str = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999\n\
+                        2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097\n";
+
+    /// The setup of a file with one good element set and some with a wrong checksum, with its folder.
+    fn with_bad_checksums(bad: usize) -> (tempfile::TempDir, Setup) {
+        let folder = tempfile::tempdir().unwrap();
+        let text = GOOD.to_owned() + &GOOD.replace("575097", "575098").repeat(bad);
+        std::fs::write(folder.path().join("a.tle"), text).unwrap();
+        let path = folder.path().join("a.tle").display().to_string();
+        (folder, Setup::from_toml(&format!("elements = '{path}'\nmpc = 'X05'"), "t.toml").unwrap())
+    }
+
+    #[test]
+    fn rejected_records_are_counted_listed_and_told_how_to_be_taken() {
+        let start = utc("2026-07-08T20:00:00Z");
+        let (_folder, setup) = with_bad_checksums(1);
+        let warning = setup.prepare(start, start).unwrap().warnings.remove(0);
+        assert!(warning.starts_with("1 of 2 records rejected (1 for a wrong checksum; --accept-bad-ch"), "{warning}");
+
+        let (_folder, setup) = with_bad_checksums(1200);
+        let prepared = setup.prepare(start, start).unwrap();
+        let warning = &prepared.warnings[0];
+        assert!(
+            warning.starts_with("1200 of 1201 records rejected, more than half: the answer is incomplete"),
+            "{warning}"
+        );
+        assert!(warning.contains("(1200 for a wrong checksum; --accept-bad-checksums takes those): "), "{warning}");
+        let mut text = Vec::new();
+        crate::table::write_json(&mut text, &[], &prepared.provenance).unwrap();
+        let answer: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        assert_eq!(answer["rejected_count"], 1200);
+        let rejected = answer["rejected"].as_array().unwrap();
+        assert_eq!((rejected.len(), &rejected[1]["line"]), (LISTED, &json!(5)));
+        assert!(rejected[1]["file"].as_str().unwrap().ends_with("a.tle"), "{}", rejected[1]);
+        assert!(rejected[1]["reason"].as_str().unwrap().contains("checksum"), "{}", rejected[1]);
+        let table = crate::table::Table { columns: Vec::new(), rows: Vec::new() };
+        let mut text = Vec::new();
+        crate::table::write_json_lines(&mut text, &table, &prepared.provenance).unwrap();
+        let first: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        assert_eq!(first["rejected"], answer["rejected"]);
     }
 
     #[test]

@@ -6,10 +6,10 @@ use hifitime::{Epoch, TimeScale};
 
 use crate::catalogue::{Catalogue, Constellation, ElementSet, Keep, ReadOptions};
 use crate::frames::{Direction, EopTable, parse_declination_deg, parse_right_ascension_deg};
-use crate::geometry::Site;
+use crate::geometry::{GeometryError, Site};
 use crate::passes::{Exposure, Field, SkyError};
 use crate::photometry::{Band, PhotometryOptions};
-use crate::schedule::{MagnitudeLimit, Policy, ScheduleOptions, is_covered};
+use crate::schedule::{MagnitudeLimit, Policy, PolicyError, ScheduleOptions, is_covered};
 use crate::telescope::{FieldOfView, Telescope};
 
 use super::choices::{
@@ -17,7 +17,7 @@ use super::choices::{
 };
 use super::document::Setup;
 use super::error::SetupError;
-use super::units::{parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};
+use super::units::{in_range, parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};
 
 /// Beyond this age, either way, element sets draw a warning, days.
 pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
@@ -50,10 +50,19 @@ impl Setup {
             longitude_deg: self.lon,
             height_m: self.height,
         };
+        for (what, value, unit, allowed, range) in [
+            ("lat", self.lat, "deg", "-90 to 90 deg", -90.0..=90.0),
+            ("lon", self.lon, "deg", "-180 to 360 deg", -180.0..=360.0),
+            ("height", self.height, "m", "-11000 to 100000 m", -11_000.0..=100_000.0),
+        ] {
+            if let Some(value) = value {
+                in_range(what, value, unit, allowed, |value| range.contains(&value))?;
+            }
+        }
         let has_flags = flags != SiteTable::default();
         match &self.site {
             Some(_) if has_flags => Err(SetupError::Both { first: "--site", second: "--mpc, --lat, --lon, --height" }),
-            Some(SiteSetup::Name(name)) => Ok(Site::by_name(name)?),
+            Some(SiteSetup::Name(name)) => site_of_name(name),
             Some(SiteSetup::Table(table)) => site_of(table),
             None => site_of(&flags),
         }
@@ -98,11 +107,15 @@ impl Setup {
     pub fn policy(&self) -> Result<Policy, SetupError> {
         let mut policy = match &self.policy {
             None => Policy::default(),
-            Some(PolicySetup::File(path)) => Policy::from_toml(&read_text("policy", path)?)?,
+            Some(PolicySetup::File(path)) => policy_of_file(path)?,
             Some(PolicySetup::Table(policy)) => policy.clone(),
         };
         if let Some(limit) = self.limit_mag {
+            in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
             policy.limit_mag = Some(MagnitudeLimit::All(limit));
+        }
+        if let Some(probability) = self.min_probability {
+            in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
         }
         policy.min_probability = self.min_probability.or(policy.min_probability);
         if let Some(delay) = &self.max_delay {
@@ -128,7 +141,8 @@ impl Setup {
     /// More than [`MOST_SAMPLES`].
     pub fn samples(&self) -> Result<usize, SetupError> {
         let samples = self.samples.unwrap_or(0);
-        let too_many = || SetupError::Value { what: "samples", given: samples.to_string(), allowed: "0 to 100000" };
+        let too_many =
+            || SetupError::OutOfRange { what: "samples", given: samples.to_string(), allowed: "0 to 100000" };
         if samples > MOST_SAMPLES { Err(too_many()) } else { Ok(samples) }
     }
 
@@ -140,13 +154,20 @@ impl Setup {
         self.time_scale.as_deref().map(parse_time_scale).transpose()
     }
 
+    /// Position angle of the field where no exposure says its own, radians.
+    fn rotation_rad(&self) -> Result<f64, SetupError> {
+        let degrees = self.rotation.unwrap_or(0.0);
+        let degrees =
+            in_range("rotation", degrees, "deg", "-360 to 360 deg", |angle| (-360.0..=360.0).contains(&angle))?;
+        Ok(degrees.to_radians())
+    }
+
     /// How schedules are to be read.
     ///
     /// # Errors
-    /// A scale that is not known.
+    /// A scale that is not known, or a rotation out of range.
     pub fn schedule_options(&self) -> Result<ScheduleOptions, SetupError> {
-        let default_rotation_rad = self.rotation.unwrap_or(0.0).to_radians();
-        Ok(ScheduleOptions { time_scale: self.time_scale()?, default_rotation_rad })
+        Ok(ScheduleOptions { time_scale: self.time_scale()?, default_rotation_rad: self.rotation_rad()? })
     }
 
     /// The table of the Earth's orientation: the file said, else UT1 from the bundled one.
@@ -166,7 +187,7 @@ impl Setup {
     /// The one exposure that was said, called `1`.
     ///
     /// # Errors
-    /// Start, length, right ascension or declination is missing or out of range; the start lies where no ephemeris reaches.
+    /// Start, length, right ascension or declination is missing or out of range, or the rotation is; the start lies where no ephemeris reaches.
     pub fn one_exposure(&self) -> Result<Exposure, SetupError> {
         let said = |value: &Option<Quantity>, what, allowed| {
             value.as_ref().map(Quantity::text).ok_or(SetupError::Missing { what, allowed })
@@ -187,7 +208,7 @@ impl Setup {
                 parse_right_ascension_deg(&right_ascension)?.to_radians(),
                 parse_declination_deg(&declination)?.to_radians(),
             ),
-            rotation_rad: self.rotation.unwrap_or(0.0).to_radians(),
+            rotation_rad: self.rotation_rad()?,
         })
     }
 
@@ -228,6 +249,25 @@ pub(super) fn synthetic(constellations: &[Constellation], epoch: Epoch) -> Vec<E
     constellations.iter().flat_map(|constellation| constellation.element_sets(epoch)).collect()
 }
 
+/// The policy of a file. What its syntax lacks is told as the parser tells it, which names the keys allowed once.
+fn policy_of_file(path: &Path) -> Result<Policy, SetupError> {
+    Policy::from_toml(&read_text("policy", path)?).map_err(|error| {
+        let message = match error {
+            PolicyError::Syntax(what) => what,
+            PolicyError::OutOfRange { field, value, allowed } => format!("{field} is {value}, allowed {allowed}"),
+        };
+        SetupError::PolicyFile { path: path.display().to_string(), message }
+    })
+}
+
+/// By name; where nothing is near it, the error shows other ways.
+fn site_of_name(name: &str) -> Result<Site, SetupError> {
+    Site::by_name(name).map_err(|error| match error {
+        GeometryError::UnknownSite { name, nearest } if nearest.is_empty() => SetupError::UnknownSite(name),
+        error => error.into(),
+    })
+}
+
 fn site_of(table: &SiteTable) -> Result<Site, SetupError> {
     match (&table.mpc, table.latitude_deg, table.longitude_deg) {
         (Some(_), Some(_), _) | (Some(_), _, Some(_)) => {
@@ -239,7 +279,7 @@ fn site_of(table: &SiteTable) -> Result<Site, SetupError> {
             Ok(Site::new_deg(name, latitude, longitude, table.height_m.unwrap_or(0.0))?)
         }
         (None, None, None) => match &table.name {
-            Some(name) => Ok(Site::by_name(name)?),
+            Some(name) => site_of_name(name),
             None => Err(SetupError::Missing { what: "site", allowed: SITES }),
         },
         (None, _, _) => Err(SetupError::Missing { what: "complete coordinates of the site", allowed: SITES }),
@@ -286,7 +326,9 @@ mod tests {
         assert!(message(setup("").site()).contains("say --site NAME, --mpc CODE"));
         assert!(message(setup("lat = 3").site()).contains("complete coordinates"));
         assert!(message(setup("mpc = 'X05'\nlat = 3").site()).contains("exclude each other"));
-        assert!(message(setup("site = 'Nowhere at all'").site()).contains("unknown site"));
+        assert!(
+            message(setup("site = 'Nowhere at all'").site()).contains("streakcast sites lists them, --lat, --lon and")
+        );
     }
 
     #[test]
@@ -312,7 +354,7 @@ mod tests {
             (policy.limit_mag.unwrap().of(None), policy.margin_s, policy.max_delay_s),
             (Some(6.0), Some(3.0), Some(120.0))
         );
-        assert!(message(setup("min_probability = 2").policy()).contains("min_probability is 2, allowed"));
+        assert!(message(setup("min_probability = 2").policy()).contains("min-probability 2: allowed"));
     }
 
     #[test]

@@ -29,17 +29,17 @@ const FIRST_JD: f64 = 1e6;
 pub fn parse_duration_s(what: &'static str, text: &str) -> Result<f64, SetupError> {
     let allowed = "a number with its unit: 30s, 2.5min, 1h";
     let seconds = with_unit(what, text, DURATION_UNITS, allowed)?;
-    if seconds >= 0.0 { Ok(seconds) } else { Err(bad(what, text, allowed)) }
+    in_range(what, seconds, "s", "0 s or more", |seconds| seconds >= 0.0)
 }
 
-/// An angle like `3.5deg`, `210arcmin`, `30arcsec`, degrees, above 0. A bare number is refused: it may be a radius in other units.
+/// An angle like `3.5deg`, `210arcmin`, `30arcsec`, degrees, above 0, at most 180. A bare number is refused: it may be a radius in other units.
 ///
 /// # Errors
-/// Another form, a unit that is not known, a number that is not above 0 or not finite.
+/// Another form, a unit that is not known, a number out of range.
 pub fn parse_angle_deg(what: &'static str, text: &str) -> Result<f64, SetupError> {
     let allowed = "a number with its unit: 3.5deg, 210arcmin, 30arcsec";
     let degrees = with_unit(what, text, ANGLE_UNITS, allowed)?;
-    if degrees > 0.0 { Ok(degrees) } else { Err(bad(what, text, allowed)) }
+    in_range(what, degrees, "deg", "above 0 deg, at most 180 deg", |degrees| degrees > 0.0 && degrees <= 180.0)
 }
 
 fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'static str) -> Result<f64, SetupError> {
@@ -52,6 +52,20 @@ fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'s
         Some(number * factor)
     });
     found.filter(|value| value.is_finite()).ok_or_else(|| bad(what, text, allowed))
+}
+
+/// A number that is allowed; what is not a number is refused by every range.
+pub(super) fn in_range(
+    what: &'static str,
+    value: f64,
+    unit: &str,
+    allowed: &'static str,
+    is_allowed: impl Fn(f64) -> bool,
+) -> Result<f64, SetupError> {
+    if is_allowed(value) {
+        return Ok(value);
+    }
+    Err(SetupError::OutOfRange { what, given: format!("{value} {unit}").trim_end().to_owned(), allowed })
 }
 
 fn bad(what: &'static str, given: &str, allowed: &'static str) -> SetupError {
@@ -118,6 +132,16 @@ mod tests {
         }
         for text in ["3.5", "0deg", "-1deg", "3.5rad", "nandeg"] {
             assert!(parse_angle_deg("fov", text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_told_the_range() {
+        let message = |answer: Result<f64, SetupError>| answer.unwrap_err().to_string();
+        assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure -5 s: allowed 0 s or more");
+        for (text, given) in [("0deg", "0"), ("-1deg", "-1"), ("181deg", "181")] {
+            let expected = format!("fov {given} deg: allowed above 0 deg, at most 180 deg");
+            assert_eq!(message(parse_angle_deg("fov", text)), expected);
         }
     }
 

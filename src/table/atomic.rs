@@ -1,5 +1,6 @@
 //! Files that are there whole or not at all: written beside their target and renamed.
 
+use std::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
@@ -28,7 +29,8 @@ impl AtomicFile {
         // What the process would give any new file; a temporary one is for its owner only.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        Ok(Self { temporary: builder.tempfile_in(folder)?, target: target.to_owned() })
+        let temporary = builder.tempfile_in(folder).map_err(|error| of_folder(folder, &error))?;
+        Ok(Self { temporary, target: target.to_owned() })
     }
 
     /// The file as it is being made.
@@ -51,13 +53,31 @@ impl AtomicFile {
     }
 }
 
+/// What the system said, about the folder: the name of the temporary file in it means nothing to anyone.
+fn of_folder(folder: &Path, error: &io::Error) -> io::Error {
+    let cause = error.get_ref().and_then(|inner| inner.source()).map_or_else(|| error.to_string(), ToString::to_string);
+    io::Error::new(error.kind(), format!("folder {}: {cause}", folder.display()))
+}
+
+/// Whether a file can be made at `target`: better asked before long work than after it. Leaves nothing behind.
+///
+/// # Errors
+/// The folder is missing or cannot be written to, or the target is a directory.
+pub fn check_target(target: &Path) -> io::Result<()> {
+    if is_special(target) { Ok(()) } else { AtomicFile::new(target).map(drop) }
+}
+
+/// A pipe, a terminal: what cannot be replaced by another file.
+fn is_special(target: &Path) -> bool {
+    target.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
+}
+
 /// Writes a file in one step. What is no ordinary file (a pipe, a terminal) is written to as it is.
 ///
 /// # Errors
 /// Whatever the writer or the system reports; nothing half-written stays.
 pub fn write_atomically(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let is_special = target.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir());
-    if is_special {
+    if is_special(target) {
         let mut out = BufWriter::new(File::options().write(true).open(target)?);
         write(&mut out)?;
         return out.flush();
@@ -92,5 +112,19 @@ mod tests {
     fn a_directory_is_no_target() {
         let folder = tempfile::tempdir().unwrap();
         assert!(write_atomically(folder.path(), |_| Ok(())).is_err());
+        assert!(check_target(folder.path()).is_err());
+    }
+
+    #[test]
+    fn a_folder_that_is_missing_is_named_and_not_the_temporary_file() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("missing");
+        let error = check_target(&missing.join("out.csv")).unwrap_err();
+        let text = error.to_string();
+        assert_eq!(error.kind(), io::ErrorKind::NotFound);
+        assert!(text.starts_with(&format!("folder {}: No such file", missing.display())), "{text}");
+        assert!(!text.contains(".part"), "{text}");
+        check_target(&folder.path().join("out.csv")).unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

@@ -14,7 +14,7 @@ pub struct Section<'a> {
     pub table: &'a Table,
 }
 
-/// Writes `{"provenance": {...}, "name": [...], ...}`, one row a line.
+/// Writes `{"provenance": {...}, "name": [...], ...}`, one row a line, with what is attached to the provenance at the end.
 ///
 /// Numbers carry the digits that CSV carries; what is missing is `null`.
 ///
@@ -30,15 +30,26 @@ pub fn write_json(out: &mut dyn Write, sections: &[Section], provenance: &Proven
         }
         write!(out, "{}]", if section.table.rows.is_empty() { "" } else { "\n" })?;
     }
+    for (name, value) in provenance.attached() {
+        write!(out, ",\n{}: ", quoted(name))?;
+        match value.as_array().filter(|items| !items.is_empty()) {
+            Some(items) => {
+                let items: Vec<String> = items.iter().map(|item| format!("\n  {item}")).collect();
+                write!(out, "[{}\n]", items.join(","))?;
+            }
+            None => write!(out, "{value}")?,
+        }
+    }
     writeln!(out, "}}")
 }
 
-/// Writes a first line `{"provenance": {...}}`, then one object a line.
+/// Writes a first line `{"provenance": {...}}`, with what is attached beside it, then one object a line.
 ///
 /// # Errors
 /// Whatever the writer reports.
 pub fn write_json_lines(out: &mut dyn Write, table: &Table, provenance: &Provenance) -> io::Result<()> {
-    writeln!(out, "{{\"provenance\": {}}}", serde_json::to_string(provenance)?)?;
+    let attached: String = provenance.attached().map(|(name, value)| format!(", {}: {value}", quoted(name))).collect();
+    writeln!(out, "{{\"provenance\": {}{attached}}}", serde_json::to_string(provenance)?)?;
     for row in &table.rows {
         writeln!(out, "{}", object_text(&table.columns, row))?;
     }

@@ -8,6 +8,7 @@ use serde_json::Value;
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     entries: Vec<(String, Value)>,
+    attached: Vec<(String, Value)>,
 }
 
 impl Provenance {
@@ -26,6 +27,16 @@ impl Provenance {
             Some(entry) => entry.1 = value,
             None => self.entries.push((name.to_owned(), value)),
         }
+    }
+
+    /// Attaches a list too long for the head of a text table: JSON and JSON lines carry it beside the provenance, other formats do not.
+    pub fn attach(&mut self, name: &str, value: impl Into<Value>) {
+        self.attached.push((name.to_owned(), value.into()));
+    }
+
+    /// What is attached, in order.
+    pub fn attached(&self) -> impl Iterator<Item = (&str, &Value)> {
+        self.attached.iter().map(|(name, value)| (name.as_str(), value))
     }
 
     /// The statements in order.

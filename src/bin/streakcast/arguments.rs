@@ -77,9 +77,6 @@ pub struct SharedArguments {
     /// Zero point of the magnitudes: Vega or AB; each band has its usual one
     #[arg(long, value_name = "SYSTEM", help_heading = "Camera")]
     pub mag_system: Option<String>,
-    /// Crossings brighter than this, in that band, make an exposure one to avoid
-    #[arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Camera")]
-    pub limit_mag: Option<f64>,
     /// Near misses count too where they are at least this probable
     #[arg(long, value_name = "P", help_heading = "Camera")]
     pub min_probability: Option<f64>,
@@ -127,6 +124,9 @@ pub struct PassesArguments {
     /// Crossings of satellites in the Earth's shadow too
     #[arg(long)]
     pub include_dark: bool,
+    /// Tell how many of the crossings are brighter than this, in the band asked for; all of them are listed
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
+    pub limit_mag: Option<f64>,
     /// Points along each track
     #[arg(long, value_name = "N")]
     pub samples: Option<usize>,
@@ -145,6 +145,9 @@ pub struct RulesArguments {
     /// Policy file (TOML)
     #[arg(long, value_name = "FILE")]
     pub policy: Option<PathBuf>,
+    /// Crossings brighter than this, in the band asked for, make an exposure one to avoid
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
+    pub limit_mag: Option<f64>,
     /// The longest wait for a clear field with its unit, as 10min
     #[arg(long, value_name = "TIME")]
     pub max_delay: Option<String>,
@@ -247,7 +250,6 @@ impl SharedArguments {
             telescope: self.telescope.clone().map(TelescopeSetup::Name),
             band: self.band.clone(),
             mag_system: self.mag_system.clone(),
-            limit_mag: self.limit_mag,
             min_probability: self.min_probability,
             time_scale: self.time_scale.clone(),
             eop: self.eop.clone(),
@@ -268,6 +270,7 @@ impl RulesArguments {
     pub fn setup(&self) -> Setup {
         Setup {
             policy: self.policy.clone().map(PolicySetup::File),
+            limit_mag: self.limit_mag,
             max_delay: self.max_delay.clone().map(Quantity::Text),
             ..Setup::default()
         }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use streakcast::table::{
-    Provenance, Section, Table, write_atomically, write_csv, write_ecsv, write_json, write_json_lines,
+    Provenance, Section, Table, check_target, write_atomically, write_csv, write_ecsv, write_json, write_json_lines,
 };
 
 use crate::screen::{Style, render};
@@ -62,6 +62,7 @@ pub struct Output {
 
 impl Output {
     /// The format said; else that of the file's name; else a table on a terminal and CSV anywhere else.
+    /// That a file can be made there is checked now, before any work.
     pub fn new(format: Option<&str>, path: Option<PathBuf>) -> anyhow::Result<Self> {
         let unsaid = || match &path {
             Some(path) => Format::by_extension(path).unwrap_or(Format::Csv),
@@ -69,8 +70,8 @@ impl Output {
             None => Format::Csv,
         };
         let format = format.map(Format::by_name).transpose()?.unwrap_or_else(unsaid);
-        if let Some(path) = path.as_deref().filter(|path| path.is_dir()) {
-            return Err(anyhow!("output {} is a directory; a file is needed", path.display()));
+        if let Some(path) = &path {
+            check_target(path).map_err(|error| cannot_write(path, &error))?;
         }
         Ok(Self { format, path })
     }
@@ -101,9 +102,7 @@ impl Output {
 
     fn put(&self, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> anyhow::Result<()> {
         match &self.path {
-            Some(path) => {
-                write_atomically(path, write).map_err(|error| anyhow!("cannot write {}: {error}", path.display()))
-            }
+            Some(path) => write_atomically(path, write).map_err(|error| cannot_write(path, &error)),
             None => {
                 let mut out = BufWriter::new(stdout().lock());
                 write(&mut out)?;
@@ -111,4 +110,8 @@ impl Output {
             }
         }
     }
+}
+
+fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {
+    anyhow!("cannot write {}: {error}", path.display())
 }

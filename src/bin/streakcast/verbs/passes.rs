@@ -43,6 +43,7 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
         ra: text(typed.ra),
         dec: text(typed.dec),
         include_dark: typed.include_dark.then_some(true),
+        limit_mag: typed.limit_mag,
         samples: typed.samples,
         ..Setup::default()
     })?;
