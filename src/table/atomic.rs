@@ -1,6 +1,5 @@
 //! Files that are there whole or not at all: written beside their target and renamed.
 
-use std::error::Error;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
