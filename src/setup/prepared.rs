@@ -344,7 +344,7 @@ mod tests {
         let answer: serde_json::Value = serde_json::from_slice(&text).unwrap();
         assert_eq!(answer["rejected_count"], 1200);
         let rejected = answer["rejected"].as_array().unwrap();
-        assert_eq!((rejected.len(), &rejected[1]["line"]), (LISTED, &json!(5)));
+        assert_eq!((rejected.len(), &rejected[1]["line"]), (LISTED, &json!(6)));
         assert!(rejected[1]["file"].as_str().unwrap().ends_with("a.tle"), "{}", rejected[1]);
         assert!(rejected[1]["reason"].as_str().unwrap().contains("checksum"), "{}", rejected[1]);
         let table = crate::table::Table { columns: Vec::new(), rows: Vec::new() };

@@ -54,7 +54,8 @@ impl AtomicFile {
 
 /// What the system said, about the folder: the name of the temporary file in it means nothing to anyone.
 fn of_folder(folder: &Path, error: &io::Error) -> io::Error {
-    let cause = error.get_ref().and_then(|inner| inner.source()).map_or_else(|| error.to_string(), ToString::to_string);
+    let text = error.to_string();
+    let cause = text.split_once(" at path ").map_or(text.as_str(), |(cause, _)| cause);
     io::Error::new(error.kind(), format!("folder {}: {cause}", folder.display()))
 }
 
