@@ -159,7 +159,15 @@ fn schedules_that_are_none() {
     let mjd = b"exposure_id,start_mjd,duration_s,ra_deg,dec_deg\n1,60536.14,30,280,-30\n";
     schedule("mjd.csv", mjd, &["start_mjd names no time scale", "--time-scale utc, tai or tt", "37 s"]);
     let early = format!("{HEADER}1,1850-08-14T03:30:00Z,30,280,-30\n");
-    schedule("early.csv", early.as_bytes(), &["none of its 1 rows can be judged", "no ephemeris", "1957 to 2099"]);
+    // Rows that cannot be judged are an answer, not a failure.
+    let (code, stdout, stderr) = run(&[&flag(&file(&folder, "early.csv", early.as_bytes())), &["--format", "json"]]);
+    assert_eq!(code, 0, "{stderr}");
+    for part in ["warning: ", "none of its 1 rows can be judged", "no ephemeris", "1957 to 2099"] {
+        assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
+    }
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(answer["flags"][0]["verdict"], "invalid");
+    assert!(answer["provenance"]["schedule"]["first_start_utc"].is_null());
 }
 
 #[test]
@@ -204,12 +212,12 @@ fn words_that_mean_nothing() {
 #[test]
 fn a_failure_leaves_no_file_and_the_old_one_as_it_was() {
     let folder = tempfile::tempdir().unwrap();
-    let schedule = file(&folder, "s.csv", format!("{HEADER}1,nan,30,280,-30\n").as_bytes());
+    let schedule = file(&folder, "s.csv", b"exposure_id,start_utc\n1,nan\n");
     let new = folder.path().join("new.csv").display().to_string();
-    fails(&[&flag(&schedule), &["-o", &new]], &["none of its 1 rows"]);
+    fails(&[&flag(&schedule), &["-o", &new]], &["missing duration_s"]);
     assert!(!Path::new(&new).exists());
     let old = file(&folder, "old.csv", b"mine");
-    fails(&[&flag(&schedule), &["-o", &old]], &["none of its 1 rows"]);
+    fails(&[&flag(&schedule), &["-o", &old]], &["missing duration_s"]);
     assert_eq!(fs::read(&old).unwrap(), b"mine");
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
     fails(&[POINTING, SITE, SHELLS, &["-o", &folder.path().display().to_string()]], &["is a directory"]);

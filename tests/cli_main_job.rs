@@ -355,6 +355,13 @@ fn bare_dates_follow_the_scale_that_is_said() {
     assert_eq!(first("mjd.csv", &["--time-scale", "TAI"]), at("29:23.000", "tai"));
     assert_eq!(first("mjd.csv", &["--time-scale", "tt"]), at("28:50.816", "tt"));
     assert_eq!(first("tai.csv", &[]), at("29:23.000", "tai"));
+    assert_eq!(first("utc.csv", &["--time-scale", "utc"]), at("30:00.000", "utc"));
+    // Two words for one column are an error; a Z is the cell's own word and stays.
+    let named = ["flag", "--schedule", &path(&folder, "utc.csv"), "--fov", "0.1deg", "--time-scale", "tai"];
+    let (code, _, stderr) = run(&[&named, SKY]);
+    assert_eq!(code, 2, "{stderr}");
+    assert!(stderr.contains("column start_utc is in UTC, but --time-scale says TAI; allowed: "), "{stderr}");
+    fs::write(path(&folder, "utc.csv"), header("start_utc") + &row("2024-08-14T23:30:00.000Z")).unwrap();
     assert_eq!(first("utc.csv", &["--time-scale", "tai"]), at("30:00.000", "utc"));
 }
 
@@ -479,6 +486,40 @@ mod opsim {
             right.iter().zip(&wrong).filter(|(flag, _)| flag["n_streaks"] == 1).collect();
         let same = pairs.iter().filter(|(flag, wrong)| flag["norad_ids"] == wrong["norad_ids"]).count();
         assert!(pairs.len() > 100 && same * 10 < pairs.len(), "{same} of {}", pairs.len());
+    }
+
+    #[test]
+    fn a_next_clear_start_is_clear_of_what_is_only_probable_too() {
+        let Some((schedule, elements)) = real() else {
+            eprintln!("SKIPPED: no data");
+            return;
+        };
+        let flags_of = |schedule: &str| {
+            let sky = ["--elements", &elements, "--mpc", "X05", "--time-scale", "utc", "--fov", "3.5deg", "--quiet"];
+            json(&[&["flag", "--schedule", schedule, "--min-probability", "0.05"], &sky])["flags"].clone()
+        };
+        let copy = rusqlite::Connection::open(&schedule).unwrap();
+        let mut statement =
+            copy.prepare("SELECT visitExposureTime, fieldRA, fieldDec, rotSkyPos FROM observations").unwrap();
+        let rows = statement.query_map([], |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?]));
+        let rows: Vec<[f64; 4]> = rows.unwrap().collect::<Result<_, _>>().unwrap();
+        let mut later = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,rotation_deg\n".to_owned();
+        let mut waiting = 0;
+        for (flag, [duration, ra, dec, rotation]) in
+            flags_of(&schedule.display().to_string()).as_array().unwrap().iter().zip(rows)
+        {
+            let (Some(start), true) = (flag["next_clear_start_utc"].as_str(), flag["verdict"] != "clear") else {
+                continue;
+            };
+            waiting += 1;
+            later += &format!("{},{start},{duration},{ra},{dec},{rotation}\n", flag["exposure_id"]);
+        }
+        assert!(waiting > 10, "{waiting} wait");
+        let folder = tempfile::tempdir().unwrap();
+        fs::write(path(&folder, "later.csv"), later).unwrap();
+        for flag in flags_of(&path(&folder, "later.csv")).as_array().unwrap() {
+            assert_eq!(flag["verdict"], "clear", "{flag}");
+        }
     }
 
     #[test]

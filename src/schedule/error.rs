@@ -2,6 +2,7 @@
 
 use std::io;
 
+use hifitime::TimeScale;
 use thiserror::Error;
 
 /// The columns a schedule has, for every message that names them.
@@ -76,6 +77,21 @@ pub enum ScheduleError {
         path: String,
         /// The column.
         column: String,
+    },
+    /// The column names one time scale, the caller another, and the cells have no zone of their own.
+    #[error(
+        "schedule {path}: column {column} is in {named}, but --time-scale says {said}; allowed: no --time-scale, \
+         --time-scale {}, a column named otherwise, or times that end in Z", .named.to_string().to_ascii_lowercase()
+    )]
+    OtherTimeScale {
+        /// The file.
+        path: String,
+        /// The column.
+        column: String,
+        /// The scale of its name or its file's header.
+        named: TimeScale,
+        /// The scale that the caller says.
+        said: TimeScale,
     },
     /// A column in another unit than its name says.
     #[error("schedule {path}: column {column} is in '{unit}'; allowed: {allowed}")]

@@ -2,12 +2,12 @@
 
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::orbit::LeftOut;
-use crate::passes::{Chord, Exposure, Field, FieldPass, PassOptions, Sky, SkyError};
+use crate::passes::{Exposure, Field, FieldPass, PassOptions, Sky, SkyError};
 use crate::photometry::PhotometryOptions;
 use crate::telescope::Telescope;
 
 use super::exposure_flag::{ExposureFlag, Verdict};
-use super::horizon::lowest_altitudes_rad;
+use super::horizon::{last_starts_s, lowest_altitudes_rad};
 use super::judge::{Rules, counts, flag};
 use super::policy::Policy;
 use super::scheduled::ScheduledExposure;
@@ -19,6 +19,8 @@ const GUARD_S: f64 = 0.002;
 const TICK_S: f64 = 0.001;
 /// Passes less probable than this add nothing worth their time to the probability that any satellite crosses.
 const LEAST_PROBABILITY: f64 = 0.01;
+/// How far a satellite may be early or late where a probability counts, sigmas along the track: beyond it lies 0.00135.
+const LATE_SIGMAS: f64 = 3.0;
 
 /// What exposures are judged against.
 pub struct FlagRequest<'a> {
@@ -158,15 +160,23 @@ fn shift(
     };
     let answer = request.sky.field_passes(&long, request.field, &options)?;
     report.left_out.extend(answer.left_out);
-    for ((row, exposure), passes) in waiting.iter().zip(&answer.by_exposure) {
+    let waiting_exposures: Vec<&Exposure> = waiting.iter().map(|(_, exposure)| *exposure).collect();
+    let last_starts = last_starts_s(&waiting_exposures, request.sky.observer(), request.eop, max_delay_s);
+    for (((row, exposure), passes), last_start_s) in waiting.iter().zip(&answer.by_exposure).zip(last_starts) {
         let Some(flag) = flags[*row].as_mut() else { continue };
-        let ahead =
-            passes.iter().filter(|pass| counts(pass, policy)).flat_map(|pass| intervals(pass, exposure, margin_s));
-        // What made the verdict blocks the scheduled start, whatever the longer look says at its edges.
-        let now = report.passes[*row].iter().flat_map(|pass| intervals(pass, exposure, 0.0));
-        let blocked: Vec<Interval> = ahead.chain(now).collect();
+        let blocked = |late: &dyn Fn(&FieldPass) -> f64| -> Vec<Interval> {
+            let ahead = passes
+                .iter()
+                .filter(|pass| counts(pass, policy))
+                .flat_map(|pass| intervals(pass, exposure, margin_s, late(pass)));
+            // What made the verdict blocks the scheduled start, whatever the longer look says at its edges.
+            let now = report.passes[*row].iter().flat_map(|pass| intervals(pass, exposure, 0.0, late(pass)));
+            ahead.chain(now).collect()
+        };
         if flag.verdict == Verdict::Clear {
-            let touched = next_clear_start(&blocked, exposure.duration_s, margin_s, 0.0, 0.0, 0.0).is_none();
+            // A margin is touched where a satellite is expected, not where it may be late.
+            let nominal = blocked(&|_| 0.0);
+            let touched = next_clear_start(&nominal, exposure.duration_s, margin_s, 0.0, 0.0, 0.0).is_none();
             if !touched {
                 continue;
             }
@@ -175,25 +185,37 @@ fn shift(
         }
         // A start given to the millisecond lies within a tick of the exact one: the guard covers both.
         let guard_s = GUARD_S + TICK_S;
-        let found = next_clear_start(&blocked, exposure.duration_s, margin_s, guard_s, 0.0, max_delay_s);
-        flag.delay_s = found.map(|delay_s| (delay_s / TICK_S).ceil() * TICK_S);
+        let late_s = |pass: &FieldPass| match policy.min_probability {
+            Some(_) => (LATE_SIGMAS * pass.along_track_sigma_s).min(max_delay_s),
+            None => 0.0,
+        };
+        let found = next_clear_start(&blocked(&late_s), exposure.duration_s, margin_s, guard_s, 0.0, max_delay_s);
+        let delay_s = found.map(|delay_s| (delay_s / TICK_S).ceil() * TICK_S);
+        let sets = delay_s.is_some_and(|delay_s| delay_s > last_start_s);
+        flag.delay_s = delay_s.filter(|_| !sets);
         flag.next_clear_start = flag.delay_s.map(|delay_s| seconds_after(exposure.start, delay_s));
         if flag.delay_s.is_none() {
-            flag.reasons.push(format!("no clear start within {max_delay_s} s"));
+            flag.reasons.push(if sets {
+                format!("no clear start before the pointing sets, {last_start_s:.0} s on")
+            } else {
+                format!("no clear start within {max_delay_s} s")
+            });
         }
     }
     Ok(())
 }
 
-/// When a pass stands in the field, seconds after the scheduled opening; `lead_s` is how much earlier its own exposure opened.
+/// When a pass may stand in the field, seconds after the scheduled opening; `lead_s` is how much earlier its own exposure opened.
 ///
-/// A near miss is taken to stand there all the time that it was looked at.
-fn intervals(pass: &FieldPass, exposure: &Exposure, lead_s: f64) -> Vec<Interval> {
+/// A crossing stands there during its chords, a near miss at its closest; both are widened by `late_s` on both sides, the time
+/// by which the satellite may be early or late. With a delay of sigma σ a chord that ended z σ before an exposure opens
+/// reaches it with a probability below 1 - Φ(z).
+fn intervals(pass: &FieldPass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
+    let widened = |start_s: f64, end_s: f64| Interval { start_s: start_s - late_s, end_s: end_s + late_s };
     if pass.is_crossing() {
-        let interval = |chord: &Chord| Interval { start_s: chord.enter_s - lead_s, end_s: chord.exit_s - lead_s };
-        pass.chords.iter().map(interval).collect()
+        pass.chords.iter().map(|chord| widened(chord.enter_s - lead_s, chord.exit_s - lead_s)).collect()
     } else {
-        let seconds = |epoch| seconds_between(exposure.start, epoch);
-        vec![Interval { start_s: seconds(pass.enter.epoch), end_s: seconds(pass.exit.epoch) }]
+        let closest_s = seconds_between(exposure.start, pass.mid.epoch);
+        vec![widened(closest_s, closest_s)]
     }
 }

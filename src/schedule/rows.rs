@@ -61,7 +61,7 @@ fn start_scale(
             allowed,
         });
     }
-    // Texts that all end in Z or an offset need no other word.
+    // Texts that all end in Z or an offset need no other word, and none can overrule them.
     let zoned = || {
         start.form == StartForm::Iso
             && table
@@ -71,6 +71,13 @@ fn start_scale(
                 .filter_map(|cells| cells.get(start.index)?.text())
                 .all(|text| !matches!(parse_instant(&text, None), Err(InstantError::NoScale(_))))
     };
+    if let (Some(named), Some(said)) = (start.scale.or(stated), options.time_scale)
+        && named != said
+        && !zoned()
+    {
+        let (path, column) = (display(path), start.name.clone());
+        return Err(ScheduleError::OtherTimeScale { path, column, named, said });
+    }
     start
         .scale
         .or(stated)

@@ -9,7 +9,7 @@ use rusqlite::{Connection, params, params_from_iter};
 
 use crate::table::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
-use super::super::formats::{display, open_read_only};
+use super::super::formats::{ID, display, open_read_only};
 use super::error::AnnotateError;
 use super::write::Annotation;
 
@@ -67,16 +67,22 @@ fn write_copy(
     for (kind, name) in earlier {
         transaction.execute(&format!("DROP {kind} {name}"), [])?;
     }
-    write_table(&transaction, STREAKS, annotation.streaks)?;
-    write_table(&transaction, FLAGS, annotation.flags)?;
+    let id_type = id_type(&transaction)?;
+    write_table(&transaction, STREAKS, annotation.streaks, id_type)?;
+    write_table(&transaction, FLAGS, annotation.flags, id_type)?;
     write_provenance(&transaction, annotation.provenance)?;
     transaction.commit()?;
     copy.close().map_err(|(_, error)| error)
 }
 
-fn write_table(connection: &Connection, name: &str, table: &Table) -> Result<(), rusqlite::Error> {
+fn write_table(
+    connection: &Connection,
+    name: &str,
+    table: &Table,
+    id_type: &'static str,
+) -> Result<(), rusqlite::Error> {
     let columns: Vec<String> =
-        table.columns.iter().map(|column| format!("\"{}\" {}", column.name, affinity(column))).collect();
+        table.columns.iter().map(|column| format!("\"{}\" {}", column.name, affinity(column, id_type))).collect();
     connection.execute(&format!("CREATE TABLE {name} ({})", columns.join(", ")), [])?;
     let places = vec!["?"; table.columns.len()].join(", ");
     let mut insert = connection.prepare(&format!("INSERT INTO {name} VALUES ({places})"))?;
@@ -89,12 +95,22 @@ fn write_table(connection: &Connection, name: &str, table: &Table) -> Result<(),
     Ok(())
 }
 
-/// Exposure ids that are whole numbers become whole numbers, so that they join with `observationId`.
-fn affinity(column: &Column) -> &'static str {
+/// The type of the exposure ids: whole numbers where the schedule's own are declared so (SQLite: a type with `INT` in it), else
+/// text. As whole numbers '007', '1e3' or '7.0' would join with nothing.
+fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
+    let mut statement = connection.prepare("SELECT name, type FROM pragma_table_info('observations')")?;
+    let columns: Vec<(String, String)> =
+        statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?.collect::<Result<_, _>>()?;
+    let declared = ID.iter().find_map(|id| columns.iter().find(|(name, _)| name == id));
+    let is_integer = declared.is_some_and(|(_, declared)| declared.to_ascii_uppercase().contains("INT"));
+    Ok(if is_integer { "INTEGER" } else { "TEXT" })
+}
+
+fn affinity(column: &Column, id_type: &'static str) -> &'static str {
     match column.kind {
         Kind::Integer | Kind::Boolean => "INTEGER",
         Kind::Real { .. } => "REAL",
-        Kind::Text if column.name == "exposure_id" => "INTEGER",
+        Kind::Text if column.name == "exposure_id" => id_type,
         Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => "TEXT",
     }
 }
@@ -144,6 +160,26 @@ mod tests {
             Ok((row.get(0)?, (1..5).map(|index| row.get(index)).collect::<Result<Vec<SqlValue>, _>>()?))
         });
         rows.unwrap().collect::<Result<_, _>>().unwrap()
+    }
+
+    #[test]
+    fn ids_that_are_texts_join_as_texts() {
+        let folder = tempfile::tempdir().unwrap();
+        let (input, output) = (folder.path().join("in.db"), folder.path().join("out.db"));
+        Connection::open(&input)
+            .unwrap()
+            .execute_batch(
+                "CREATE TABLE observations (observationId TEXT);
+                 INSERT INTO observations VALUES ('007'), ('7'), ('1e3'), ('7.0'), ('x');",
+            )
+            .unwrap();
+        let (flags, streaks) = tables(&["007", "7", "1e3", "7.0", "x"]);
+        let provenance = Provenance::default();
+        let annotation = Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false };
+        annotate(&input, &output, &annotation).unwrap();
+        let query = "SELECT count(*) FROM observations JOIN streak_flags ON exposure_id = observationId";
+        let joined: i64 = Connection::open(&output).unwrap().query_row(query, [], |row| row.get(0)).unwrap();
+        assert_eq!(joined, 5);
     }
 
     #[test]

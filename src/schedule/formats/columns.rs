@@ -7,7 +7,8 @@ use hifitime::TimeScale;
 use super::super::error::ScheduleError;
 use super::sniff::display;
 
-const ID: &[&str] = &["exposure_id", "observationId", "id"];
+/// Names of the exposure's own name, in the order of preference.
+pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "id"];
 const DURATION: &[&str] = &["duration_s", "visitExposureTime"];
 const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA"];
 const DECLINATION: &[&str] = &["dec_deg", "fieldDec"];

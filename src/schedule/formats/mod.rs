@@ -9,6 +9,8 @@ mod opsim;
 mod raw;
 mod sniff;
 
+#[cfg(feature = "sqlite")]
+pub(super) use columns::ID;
 pub(super) use columns::{ColumnMap, StartColumn, StartForm};
 pub(super) use delimited::{CsvLayout, csv_layout};
 #[cfg(feature = "sqlite")]

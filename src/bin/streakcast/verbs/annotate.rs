@@ -1,7 +1,7 @@
 //! `annotate`: the schedule file again, lossless, with flags and streaks.
 
 use anyhow::anyhow;
-use streakcast::schedule::{Annotation, annotate, flag_table};
+use streakcast::schedule::{AnnotateError, Annotation, Schedule, ScheduleFormat, annotate, flag_table};
 
 use super::judged::judge;
 use crate::arguments::AnnotateArguments;
@@ -11,6 +11,11 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let setup = typed.shared.setup(typed.rules.setup())?;
     if typed.output.is_dir() {
         return Err(anyhow!("output {} is a directory; a file is needed", typed.output.display()));
+    }
+    let read = Schedule::read(&typed.rules.schedule, &setup.schedule_options()?)?;
+    if !matches!(read.format, ScheduleFormat::Csv | ScheduleFormat::Opsim) {
+        let (path, format) = (typed.rules.schedule.display().to_string(), read.format.to_string());
+        return Err(AnnotateError::Format { path, format }.into());
     }
     let judged = judge(&setup, &typed.rules.schedule)?;
     let annotation = Annotation {

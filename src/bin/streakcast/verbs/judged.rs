@@ -47,9 +47,16 @@ pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
     let policy = setup.policy()?;
     let photometry = setup.photometry()?;
     let schedule = Schedule::read(path, &setup.schedule_options()?)?;
-    let (first, last) = span(&schedule, path)?;
+    let judgeable = span(&schedule);
+    // Without a row to judge any moment does: only the invalid rows are written.
+    let nothing = Epoch::from_gregorian_utc_at_midnight(2024, 1, 1);
+    let (first, last) = judgeable.unwrap_or((nothing, nothing));
     let mut prepared = setup.prepare(first, last)?;
-    notices.warn(&prepared.warnings);
+    if judgeable.is_some() {
+        notices.warn(&prepared.warnings);
+    } else {
+        notices.warn(&[none_judged(&schedule, path)]);
+    }
     notices.warn(&schedule_warnings(&schedule, &policy));
 
     let request = FlagRequest {
@@ -102,7 +109,7 @@ pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
             "format": schedule.format.to_string(),
             "exposures": schedule.exposures.len(),
             "start_column": schedule.start_column,
-            "first_start_utc": format_utc(first, 3),
+            "first_start_utc": judgeable.map(|(first, _)| format_utc(first, 3)),
         }),
     );
     provenance.state("options", options_json(setup, &policy, telescope));
@@ -133,16 +140,18 @@ fn schedule_warnings(schedule: &Schedule, policy: &Policy) -> Vec<String> {
     warnings
 }
 
-/// From the first opening to the last closing of the rows that can be judged.
-fn span(schedule: &Schedule, path: &Path) -> anyhow::Result<(Epoch, Epoch)> {
+/// From the first opening to the last closing of the rows that can be judged; `None` where none can.
+fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
     let exposures = || schedule.judged().map(|(_, exposure)| exposure);
     let first = exposures().map(|exposure| exposure.start).min();
     let last = exposures().map(|exposure| seconds_after(exposure.start, exposure.duration_s)).max();
-    first.zip(last).ok_or_else(|| {
-        let why = schedule.exposures.iter().find_map(|row| row.exposure.as_ref().err().map(|reason| (row, reason)));
-        let example = why.map(|(row, reason)| format!("; row {}: {reason}", row.row + 1)).unwrap_or_default();
-        anyhow!("schedule {}: none of its {} rows can be judged{example}", path.display(), schedule.exposures.len())
-    })
+    first.zip(last)
+}
+
+fn none_judged(schedule: &Schedule, path: &Path) -> String {
+    let why = schedule.exposures.iter().find_map(|row| row.exposure.as_ref().err().map(|reason| (row, reason)));
+    let example = why.map(|(row, reason)| format!("; row {}: {reason}", row.row + 1)).unwrap_or_default();
+    format!("schedule {}: none of its {} rows can be judged{example}", path.display(), schedule.exposures.len())
 }
 
 fn options_json(setup: &Setup, policy: &Policy, telescope: Option<&str>) -> Value {
