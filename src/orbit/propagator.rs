@@ -162,7 +162,7 @@ impl Propagator {
         self.period_s
     }
 
-    /// The raw answer of SGP4, TEME, km and km/s, `minutes` after the element epoch: for verification against other implementations.
+    /// The raw answer of SGP4, sound or not, TEME, km and km/s, `minutes` after the element epoch: for verification against other implementations.
     ///
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
@@ -184,6 +184,17 @@ impl Propagator {
             })?;
         let [x, y, z] = prediction.position;
         let radius_km = (x * x + y * y + z * z).sqrt();
+        // A position that is not a number has decayed too.
+        if radius_km.is_nan() || radius_km < DECAYED_RADIUS_KM {
+            return Err(OrbitError::Decayed { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0, radius_km });
+        }
+        Ok((prediction.position, prediction.velocity))
+    }
+
+    /// State in TEME, `minutes` after the element epoch.
+    pub(super) fn teme_state(&self, minutes: f64) -> Result<State<Teme>, OrbitError> {
+        let ([x, y, z], [u, v, w]) = self.teme_state_at_minutes(minutes)?;
+        let radius_km = (x * x + y * y + z * z).sqrt();
         // No orbit of this energy reaches farther than twice its semi-major axis: drag terms have run away.
         if radius_km > self.farthest_km {
             return Err(OrbitError::Diverged {
@@ -195,16 +206,6 @@ impl Propagator {
                 ),
             });
         }
-        // A position that is not a number has decayed too.
-        if radius_km.is_nan() || radius_km < DECAYED_RADIUS_KM {
-            return Err(OrbitError::Decayed { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0, radius_km });
-        }
-        Ok((prediction.position, prediction.velocity))
-    }
-
-    /// State in TEME, `minutes` after the element epoch.
-    pub(super) fn teme_state(&self, minutes: f64) -> Result<State<Teme>, OrbitError> {
-        let ([x, y, z], [u, v, w]) = self.teme_state_at_minutes(minutes)?;
         Ok(State { position: Position::new(x, y, z), velocity: Velocity::new(u, v, w) })
     }
 }
