@@ -93,6 +93,9 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
         report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
     shift(&judged, request, &mut flags, &mut report)?;
+    if request.policy.min_probability.is_some() {
+        confirm(&judged, request, &mut flags)?;
+    }
     report.name_each_once();
     // Every row has one by now: those above the horizon were judged, the others are invalid.
     report.flags = flags.into_iter().flatten().collect();
@@ -200,6 +203,36 @@ fn shift(
             } else {
                 format!("no clear start within {max_delay_s} s")
             });
+        }
+    }
+    Ok(())
+}
+
+/// Asks the sky again at the starts found: what is only probable depends on more than intervals tell. A start at which any
+/// satellite still counts is taken back.
+fn confirm(
+    judged: &[(usize, &Exposure)],
+    request: &FlagRequest<'_>,
+    flags: &mut [Option<ExposureFlag>],
+) -> Result<(), SkyError> {
+    let (rows, later): (Vec<usize>, Vec<Exposure>) = judged
+        .iter()
+        .filter_map(|(row, exposure)| {
+            let start = flags[*row].as_ref()?.next_clear_start?;
+            Some((*row, Exposure { start, ..(*exposure).clone() }))
+        })
+        .unzip();
+    let options = PassOptions {
+        min_probability: request.policy.min_probability,
+        photometry: *request.photometry,
+        ..PassOptions::default()
+    };
+    let answer = request.sky.field_passes(&later, request.field, &options)?;
+    for (row, passes) in rows.into_iter().zip(&answer.by_exposure) {
+        let Some(flag) = flags[row].as_mut() else { continue };
+        if passes.iter().any(|pass| counts(pass, request.policy)) {
+            (flag.delay_s, flag.next_clear_start) = (None, None);
+            flag.reasons.push("no start found that late satellites leave clear".to_owned());
         }
     }
     Ok(())
