@@ -4,8 +4,8 @@ The work: all crossings of a schedule's exposures (tests/reference/make_bench_ex
 Machines are noisy, so every round runs each tool once, and ratios are taken within a round; a tool's time is what it
 reports of itself from the elements' text to the last crossing, start-up and imports aside.
 
-    python tests/reference/make_bench_exposures.py /tmp/schedule.csv
-    python tests/benches/peers/compare.py --elements tle/active/active_2026-04-25.txt --schedule /tmp/schedule.csv \
+    python tests/reference/make_bench_exposures.py schedule.csv
+    python tests/benches/peers/compare.py --elements tle/active/active_2026-04-25.txt --schedule schedule.csv \
         --ours "target/release/... {elements} {schedule} {fov_deg} {limit}" --satidentifier CHECKOUT --rounds 5
 
 `--ours` prints either {"name", "exposures", "timings": {"total_s", ...}, "crossings": [[exposure_id, norad_id], ...],
