@@ -1,5 +1,6 @@
 //! Which satellites cross a field while the shutter is open, and what the telescope sees of them.
 
+mod chance;
 mod crossing;
 mod exposure;
 mod field;
@@ -12,6 +13,7 @@ mod sightline;
 mod sky;
 mod track;
 
+pub use chance::Chance;
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
 pub use horizon::HorizonPass;

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// A limiting magnitude for all bands, or one for each.
+/// A limiting magnitude for all bands, one for each, or the telescope's own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum MagnitudeLimit {
@@ -13,16 +13,27 @@ pub enum MagnitudeLimit {
     All(f64),
     /// By the band of the exposure; the key `default` is for all others.
     PerBand(BTreeMap<String, f64>),
+    /// The word `telescope`: what the telescope's file says of its camera, by the band of the exposure. For saturation and crosstalk.
+    OfTelescope(OfTelescope),
+}
+
+/// The word `telescope`.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OfTelescope {
+    /// The telescope's limits hold.
+    Telescope,
 }
 
 impl MagnitudeLimit {
-    /// The limit for an exposure in this band; `None` where the table has neither the band nor `default`.
+    /// The limit for an exposure in this band; `None` where the table has neither the band nor `default`, and where the telescope has it.
     pub fn of(&self, band: Option<&str>) -> Option<f64> {
         match self {
             MagnitudeLimit::All(limit) => Some(*limit),
             MagnitudeLimit::PerBand(limits) => {
                 band.and_then(|band| limits.get(band)).or_else(|| limits.get("default")).copied()
             }
+            MagnitudeLimit::OfTelescope(_) => None,
         }
     }
 
@@ -30,6 +41,7 @@ impl MagnitudeLimit {
         match self {
             MagnitudeLimit::All(limit) => vec![*limit],
             MagnitudeLimit::PerBand(limits) => limits.values().copied().collect(),
+            MagnitudeLimit::OfTelescope(_) => Vec::new(),
         }
     }
 }
@@ -37,7 +49,8 @@ impl MagnitudeLimit {
 /// Rules for verdicts. What is `None` does not count; the default is no rule at all.
 ///
 /// Magnitudes are those of the satellite as predicted (apparent, steady, at its brightest in the field), in the band of
-/// the prediction; a table by band chooses the limit by the band of the *exposure*.
+/// the prediction; a table by band chooses the limit by the band of the *exposure*. The word `telescope` in the place of a
+/// saturation or crosstalk limit stands for those of the telescope's file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Policy {
@@ -100,6 +113,10 @@ impl Policy {
     /// # Errors
     /// The first number out of its range.
     pub fn validate(&self) -> Result<(), PolicyError> {
+        if matches!(self.limit_mag, Some(MagnitudeLimit::OfTelescope(_))) {
+            let what = "limit_mag needs a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
+            return Err(PolicyError::Syntax(what.to_owned()));
+        }
         let magnitudes = [
             ("limit_mag", &self.limit_mag),
             ("saturation_mag", &self.saturation_mag),
@@ -126,6 +143,15 @@ impl Policy {
             }
         }
         Ok(())
+    }
+
+    /// The first of the limits that the telescope is asked for; `None` where no telescope is needed.
+    pub fn limit_of_telescope(&self) -> Option<&'static str> {
+        let limits = [("saturation_mag", &self.saturation_mag), ("crosstalk_mag", &self.crosstalk_mag)];
+        limits
+            .into_iter()
+            .find(|(_, limit)| matches!(limit, Some(MagnitudeLimit::OfTelescope(_))))
+            .map(|(name, _)| name)
     }
 
     /// Probability from which a crossing counts as one to avoid.
@@ -185,6 +211,8 @@ mod tests {
             ("max_delay_s = nan", "max_delay_s is NaN"),
             ("limit_mag = {g = inf}", "limit_mag is inf"),
             ("limit_mag = ", "line 1"),
+            ("limit_mag = 'telescope'", "only saturation_mag and crosstalk_mag"),
+            ("saturation_mag = 'camera'", "line 1"),
         ] {
             let message = Policy::from_toml(text).unwrap_err().to_string();
             assert!(message.contains(part) && !message.contains('\n'), "{text}: {message}");

@@ -2,13 +2,14 @@
 
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, Field, FieldPass, PassOptions, Sky, SkyError};
+use crate::passes::{Chance, Exposure, Field, FieldPass, PassOptions, Sky, SkyError};
 use crate::photometry::PhotometryOptions;
 use crate::telescope::Telescope;
 
+use super::camera::Camera;
 use super::exposure_flag::{ExposureFlag, Verdict};
 use super::horizon::{last_starts_s, lowest_altitudes_rad};
-use super::judge::{Rules, counts, flag};
+use super::judge::{CameraLimits, Expected, Rules, counts, flag};
 use super::policy::Policy;
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
@@ -17,8 +18,6 @@ use super::shift::{Interval, next_clear_start};
 const GUARD_S: f64 = 0.002;
 /// Starts are given to the millisecond, and never rounded towards the satellite, seconds.
 const TICK_S: f64 = 0.001;
-/// Passes less probable than this add nothing worth their time to the probability that any satellite crosses.
-const LEAST_PROBABILITY: f64 = 0.01;
 /// How far a satellite may be early or late where a probability counts, sigmas along the track: beyond it lies 0.00135.
 const LATE_SIGMAS: f64 = 3.0;
 
@@ -76,20 +75,25 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
     let judged: Vec<(usize, &Exposure)> = above_the_horizon(rows, request, &mut flags);
 
     let exposures: Vec<Exposure> = judged.iter().map(|(_, exposure)| (*exposure).clone()).collect();
-    let least = request.policy.min_probability.unwrap_or(LEAST_PROBABILITY).min(LEAST_PROBABILITY);
-    let options =
-        PassOptions { min_probability: Some(least), photometry: *request.photometry, ..PassOptions::default() };
+    let options = PassOptions {
+        min_probability: request.policy.min_probability,
+        photometry: *request.photometry,
+        ..PassOptions::default()
+    };
     let mut answer = request.sky.field_passes(&exposures, request.field, &options)?;
     report.left_out.append(&mut answer.left_out);
 
+    let chances = request.sky.chances(&exposures, request.field)?;
+
     let lost_fraction =
-        request.telescope.map(|telescope| move |pass: &FieldPass| lost_fraction(pass, telescope, request));
-    let rules = Rules {
-        policy: request.policy,
-        lost_fraction: lost_fraction.as_ref().map(|lost_fraction| lost_fraction as &dyn Fn(&FieldPass) -> f64),
-    };
-    for ((row, exposure), passes) in judged.iter().zip(answer.by_exposure) {
-        flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &rules));
+        request.telescope.map(|telescope| move |chance: &Chance| lost_fraction(chance, telescope, request));
+    let lost_fraction = lost_fraction.as_ref().map(|lost_fraction| lost_fraction as &dyn Fn(&Chance) -> f64);
+    let camera =
+        request.telescope.map(|telescope| Camera { telescope, sky: request.sky, photometry: request.photometry });
+    let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
+    for (((row, exposure), passes), chances) in judged.iter().zip(answer.by_exposure).zip(chances) {
+        let expected = Expected::of(&chances, lost_fraction);
+        flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &expected, &rules));
         report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
     shift(&judged, request, &mut flags, &mut report)?;
@@ -129,9 +133,9 @@ fn above_the_horizon<'a>(
     judged
 }
 
-fn lost_fraction(pass: &FieldPass, telescope: &Telescope, request: &FlagRequest<'_>) -> f64 {
-    let width_arcsec = telescope.width_arcsec(pass.mid.range_km, request.sky.model(pass.element_index).size_m());
-    telescope.lost_pixel_fraction(pass.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
+fn lost_fraction(chance: &Chance, telescope: &Telescope, request: &FlagRequest<'_>) -> f64 {
+    let width_arcsec = telescope.width_arcsec(chance.range_km, request.sky.model(chance.element_index).size_m());
+    telescope.lost_pixel_fraction(chance.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
 }
 
 /// Looks for the next clear start of all exposures that are not clear, or whose margins may not be.

@@ -75,11 +75,12 @@ impl Schedule {
         self.exposures.len() - distinct.len()
     }
 
-    /// Bands of the rows for which a limit has no number, each once.
+    /// Bands of the rows for which a limit has no number, each once; none where the telescope has the numbers.
     pub fn bands_without(&self, limit: &MagnitudeLimit) -> BTreeSet<&str> {
+        let has_numbers = !matches!(limit, MagnitudeLimit::OfTelescope(_));
         self.exposures
             .iter()
-            .filter(|row| limit.of(row.band.as_deref()).is_none())
+            .filter(|row| has_numbers && limit.of(row.band.as_deref()).is_none())
             .map(|row| row.band.as_deref().unwrap_or("none"))
             .collect()
     }

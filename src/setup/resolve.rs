@@ -122,6 +122,10 @@ impl Setup {
             policy.max_delay_s = Some(parse_duration_s("max-delay", &delay.text())?);
         }
         policy.validate()?;
+        if policy.limit_of_telescope().is_some() && self.telescope.is_none() {
+            let what = "telescope, whose limits the policy asks for (saturation_mag or crosstalk_mag = \"telescope\")";
+            return Err(SetupError::Missing { what, allowed: "--telescope NAME" });
+        }
         Ok(policy)
     }
 
@@ -355,6 +359,9 @@ mod tests {
             (Some(6.0), Some(3.0), Some(120.0))
         );
         assert!(message(setup("min_probability = 2").policy()).contains("min-probability 2: allowed"));
+        let camera = "[policy]\ncrosstalk_mag = 'telescope'";
+        assert!(message(setup(camera).policy()).contains("no telescope, whose limits"));
+        assert!(setup(&format!("telescope = 'rubin'\n{camera}")).policy().is_ok());
     }
 
     #[test]
