@@ -16,7 +16,7 @@ use std::f64::consts::{PI, TAU};
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::crossing::closest_s;
+use super::crossing::cross;
 use super::exposure::Exposure;
 use super::field::{Field, FieldOnSky};
 use super::look::LOWEST_ALTITUDE_RAD;
@@ -43,10 +43,8 @@ const LONGEST_BLIND_REACH_S: f64 = 1200.0;
 const MOST_STEPS: usize = 8;
 /// That place is known well enough to this, seconds: the chords are then cut exactly.
 const PLACE_S: f64 = 1.0;
-/// Half the shortest stretch that is looked at: a low satellite crosses a field of 3.5° in four seconds.
-const SHORTEST_HALF_S: f64 = 20.0;
-/// How far beyond the greatest delay a place may lie whose field still reaches into it, seconds.
-const LATEST_S: f64 = 120.0;
+/// All of a stretch up to this long is looked at without looking for a place first, seconds.
+const SHORT_S: f64 = 40.0;
 /// A stretch around that place is made twice as long until both of its ends lie outside the field, at most this often.
 const MOST_DOUBLINGS: usize = 6;
 
@@ -180,6 +178,16 @@ struct Question<'a> {
     closed_s: f64,
 }
 
+/// Where a satellite passes the line of sight.
+#[derive(Copy, Clone)]
+struct Nearest {
+    time_s: f64,
+    period_s: f64,
+    distance_km: f64,
+    /// Speed across the line of sight.
+    rate_rad_s: f64,
+}
+
 /// What is expected of one satellite, and from where it comes.
 struct Place {
     odds: Odds,
@@ -196,28 +204,34 @@ impl Question<'_> {
         let arc = |from_s: f64, to_s: f64| {
             Arc::new(propagator, minutes, from_s, to_s - from_s, &self.orientation.teme_to_gcrs).ok()
         };
-        if last_s - first_s <= 2.0 * SHORTEST_HALF_S || self.closed_s - self.opened_s > LONG_EXPOSURE_S {
+        if last_s - first_s <= SHORT_S || self.closed_s - self.opened_s > LONG_EXPOSURE_S {
             return self.on_arc(&arc(first_s, last_s)?, (first_s, last_s), sigma);
         }
         let mid_s = 0.5 * (self.opened_s + self.closed_s);
-        let Some((nearest_s, period_s)) = self.nearest(propagator, minutes, mid_s) else {
+        let Some(nearest) = self.nearest(propagator, minutes, mid_s) else {
             let blind_s = reach_s.min(LONGEST_BLIND_REACH_S);
             let (first_s, last_s) = (self.opened_s - blind_s, self.closed_s + blind_s);
             return self.on_arc(&arc(first_s, last_s)?, (first_s, last_s), sigma);
         };
         let mut best: Option<Place> = None;
+        let period_s = nearest.period_s;
         let turns = (reach_s / period_s).ceil() as i32;
         for turn in -turns..=turns {
-            let guess_s = nearest_s + f64::from(turn) * period_s;
-            let time_s = match turn {
-                0 => nearest_s,
+            let guess_s = nearest.time_s + f64::from(turn) * period_s;
+            let there = match turn {
+                0 => nearest,
                 _ if guess_s < first_s - 0.1 * period_s || guess_s > last_s + 0.1 * period_s => continue,
-                _ => self.nearest(propagator, minutes, guess_s).map_or(guess_s, |(time_s, _)| time_s),
+                _ => self.nearest(propagator, minutes, guess_s).unwrap_or(Nearest { time_s: guess_s, ..nearest }),
             };
-            if time_s < first_s - LATEST_S || time_s > last_s + LATEST_S {
+            // Half of the time that it needs through the field and its errors, doubled where it comes nearer on the way.
+            let half_s = 2.0
+                * (self.field.bounding_radius_rad() + REACH_SIGMAS * sigma.cross_track_km / there.distance_km)
+                / there.rate_rad_s
+                + 1.0;
+            if there.time_s < first_s - half_s || there.time_s > last_s + half_s {
                 continue;
             }
-            let Some(place) = self.around(&arc, time_s, period_s, sigma) else { continue };
+            let Some(place) = self.around(&arc, &there, half_s, sigma) else { continue };
             match &mut best {
                 Some(best) => {
                     // Delays of different revolutions exclude one another.
@@ -234,13 +248,13 @@ impl Question<'_> {
     fn around(
         &self,
         arc: &impl Fn(f64, f64) -> Option<Arc>,
-        time_s: f64,
-        period_s: f64,
+        place: &Nearest,
+        mut half_s: f64,
         sigma: OrbitUncertainty,
     ) -> Option<Place> {
-        let mut half_s = SHORTEST_HALF_S;
         for doubling in 0.. {
-            let (from_s, to_s) = (time_s - half_s, time_s + half_s);
+            half_s = half_s.min(0.25 * place.period_s);
+            let (from_s, to_s) = (place.time_s - half_s, place.time_s + half_s);
             let stretch = arc(from_s, to_s)?;
             let line = SightLine { arc: &stretch, site: self.site };
             let outside = |time_s: f64| {
@@ -248,7 +262,7 @@ impl Question<'_> {
                 let angle_rad = separation_rad(aspect.geometric.vector(), self.field.centre());
                 angle_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * sigma.cross_track_km / aspect.range_km
             };
-            if doubling == MOST_DOUBLINGS || half_s >= 0.25 * period_s || (outside(from_s) && outside(to_s)) {
+            if doubling == MOST_DOUBLINGS || half_s >= 0.25 * place.period_s || (outside(from_s) && outside(to_s)) {
                 return self.on_arc(&stretch, (from_s, to_s), sigma);
             }
             half_s *= 2.0;
@@ -259,22 +273,24 @@ impl Question<'_> {
     fn on_arc(&self, arc: &Arc, searched_s: (f64, f64), sigma: OrbitUncertainty) -> Option<Place> {
         let line = SightLine { arc, site: self.site };
         let track = |time_s: f64| line.sight(time_s);
-        let closest_s = closest_s(&track, searched_s, self.field);
-        let (state, _, aspect) = line.aspect_at(closest_s);
+        let nominal = cross(&track, searched_s.0, searched_s.1, self.field);
+        let (state, _, aspect) = line.aspect_at(nominal.closest_s);
         let sigmas =
             Sigmas { along_track_s: sigma.along_track_s, cross_track_rad: sigma.cross_track_km / aspect.range_km };
-        let odds = crossing_odds(&track, searched_s, (self.opened_s, self.closed_s), self.field, sigmas);
-        if odds.probability <= 0.0 {
+        if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * sigmas.cross_track_rad {
             return None;
         }
         // Where its path passes the field, the satellite stands in the light of the exposure's Sun.
         let sun = self.scene.sun.at_s(0.5 * (self.opened_s + self.closed_s)).sun;
-        let is_lit = illumination(&state.position, &sun).lit_fraction() > 0.0;
-        is_lit.then_some(Place { odds, geometric: aspect.geometric, range_km: aspect.range_km })
+        if illumination(&state.position, &sun).lit_fraction() <= 0.0 {
+            return None;
+        }
+        let odds = crossing_odds(&track, &nominal, searched_s, (self.opened_s, self.closed_s), self.field, sigmas);
+        (odds.probability > 0.0).then_some(Place { odds, geometric: aspect.geometric, range_km: aspect.range_km })
     }
 
-    /// When the satellite passes nearest to the line of sight, on the revolution of `start_s`, and the time of a revolution; seconds.
-    fn nearest(&self, propagator: &Propagator, minutes: f64, start_s: f64) -> Option<(f64, f64)> {
+    /// Where the satellite passes nearest to the line of sight on the revolution of `start_s`; `None` where that is not found.
+    fn nearest(&self, propagator: &Propagator, minutes: f64, start_s: f64) -> Option<Nearest> {
         let mut time_s = start_s;
         for _ in 0..MOST_STEPS {
             let state = propagator.state_at_minutes(minutes + time_s / 60.0, &self.orientation.teme_to_gcrs).ok()?;
@@ -287,7 +303,14 @@ impl Question<'_> {
             let step_s = orbit.time_to_s(&(site + self.field.centre() * distance_km));
             time_s += step_s;
             if step_s.abs() < PLACE_S {
-                return Some((time_s, orbit.period_s()));
+                let across =
+                    state.velocity.vector() - self.field.centre() * state.velocity.vector().dot(self.field.centre());
+                return Some(Nearest {
+                    time_s,
+                    period_s: orbit.period_s(),
+                    distance_km,
+                    rate_rad_s: (across.norm() / distance_km).max(1e-7),
+                });
             }
         }
         None

@@ -82,11 +82,6 @@ pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, fie
     Crossing { chords: merge(chords), min_separation_rad, closest_s }
 }
 
-/// When a track is nearest to the centre of a field within [`start_s`, `end_s`], seconds.
-pub(super) fn closest_s(track: &impl Fn(f64) -> Sight, (start_s, end_s): (f64, f64), field: &FieldOnSky) -> f64 {
-    nearest(&extremes(track, &sample(track, start_s, end_s), field.centre()), field).0
-}
-
 /// The nearest of some sights to the centre of a field: when, and its angle.
 fn nearest(samples: &[(f64, Sight)], field: &FieldOnSky) -> (f64, f64) {
     let first_s = samples.first().map_or(0.0, |(time_s, _)| *time_s);

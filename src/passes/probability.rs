@@ -17,7 +17,7 @@
 
 use nalgebra::Vector3;
 
-use super::crossing::{Sight, cross};
+use super::crossing::{Crossing, Sight, cross};
 use super::field::FieldOnSky;
 use super::track::Chord;
 
@@ -80,18 +80,19 @@ pub(super) fn crossing_probability(
     cross_track_sigma_rad: f64,
 ) -> f64 {
     let sigmas = Sigmas { along_track_s: along_track_sigma_s, cross_track_rad: cross_track_sigma_rad };
-    crossing_odds(track, searched_s, exposure_s, field, sigmas).probability
+    let nominal = cross(track, searched_s.0, searched_s.1, field);
+    crossing_odds(track, &nominal, searched_s, exposure_s, field, sigmas).probability
 }
 
-/// As [`crossing_probability`], with the expected length of the streak.
+/// As [`crossing_probability`], with the expected length of the streak; `nominal` is the crossing of the track itself.
 pub(super) fn crossing_odds(
     track: &impl Fn(f64) -> Sight,
+    nominal: &Crossing,
     searched_s: (f64, f64),
     exposure_s: (f64, f64),
     field: &FieldOnSky,
     sigmas: Sigmas,
 ) -> Odds {
-    let nominal = cross(track, searched_s.0, searched_s.1, field);
     let sigma_rad = sigmas.cross_track_rad;
     if sigma_rad <= 0.0 {
         return odds_of(&nominal.chords, track, exposure_s, sigmas.along_track_s);
