@@ -29,6 +29,7 @@ pub use error::GeometryError;
 pub use observer::{Observer, ObserverState};
 pub use shadow::{Illumination, illumination};
 pub use site::Site;
+pub(crate) use site::edit_distance;
 pub use sun::{SunState, SunTable};
 pub use topocentric::{Aspect, aspect};
 pub use viewing::ViewingGeometry;

@@ -1,6 +1,7 @@
 //! What an observatory calls bad: limits on magnitude, lost pixels and probability, margins, patience.
 
 use std::collections::BTreeMap;
+use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
@@ -25,6 +26,26 @@ pub enum OfTelescope {
     Telescope,
 }
 
+impl FromStr for MagnitudeLimit {
+    type Err = PolicyError;
+
+    /// As it is typed: `7`, or by band `g=7,y=5,default=6`.
+    fn from_str(text: &str) -> Result<Self, PolicyError> {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        if let Some(limit) = number(text) {
+            return Ok(MagnitudeLimit::All(limit));
+        }
+        let pairs = text.split(',').map(|part| {
+            let (band, limit) = part.split_once('=')?;
+            Some((band.trim().to_owned(), number(limit)?)).filter(|(band, _)| !band.is_empty())
+        });
+        pairs
+            .collect::<Option<BTreeMap<_, _>>>()
+            .map(MagnitudeLimit::PerBand)
+            .ok_or_else(|| PolicyError::Limit { given: text.to_owned() })
+    }
+}
+
 impl MagnitudeLimit {
     /// The limit for an exposure in this band; `None` where the table has neither the band nor `default`, and where the telescope has it.
     pub fn of(&self, band: Option<&str>) -> Option<f64> {
@@ -37,7 +58,8 @@ impl MagnitudeLimit {
         }
     }
 
-    fn numbers(&self) -> Vec<f64> {
+    /// All its numbers.
+    pub fn numbers(&self) -> Vec<f64> {
         match self {
             MagnitudeLimit::All(limit) => vec![*limit],
             MagnitudeLimit::PerBand(limits) => limits.values().copied().collect(),
@@ -78,6 +100,12 @@ pub enum PolicyError {
         "policy: {0}; allowed: limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s, max_delay_s"
     )]
     Syntax(String),
+    /// A magnitude limit that is neither a number nor numbers by band.
+    #[error("'{given}' is no magnitude limit; allowed: a number, or numbers by band as g=7,y=5,default=6")]
+    Limit {
+        /// What was given.
+        given: String,
+    },
     /// A number out of its range.
     #[error("policy: {field} is {value}, allowed {allowed}")]
     OutOfRange {
@@ -198,6 +226,17 @@ mod tests {
             (Some(7.5), Some(4.0), Some(6.0), Some(6.0))
         );
         assert_eq!(policy.saturation_mag.unwrap().of(Some("u")), None);
+    }
+
+    #[test]
+    fn limits_as_they_are_typed() {
+        let limit = |text: &str| text.parse::<MagnitudeLimit>();
+        assert_eq!(limit(" 7 ").unwrap(), MagnitudeLimit::All(7.0));
+        let by_band = limit("g=7, y=-5.5,default=6").unwrap();
+        assert_eq!((by_band.of(Some("y")), by_band.of(Some("r"))), (Some(-5.5), Some(6.0)));
+        for text in ["bright", "g=", "=7", "g=7,", "", "g7"] {
+            assert!(limit(text).unwrap_err().to_string().contains("g=7,y=5,default=6"), "{text}");
+        }
     }
 
     #[test]

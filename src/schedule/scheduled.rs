@@ -28,8 +28,11 @@ pub struct ScheduledExposure {
 /// How to read what a file leaves unsaid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScheduleOptions {
-    /// The scale of times that name none. Without it, bare MJD, JD and times without `Z` are refused.
+    /// The scale of times that name none. Without it, bare MJD, JD and times without `Z` are refused. It must not contradict what the
+    /// file itself says.
     pub time_scale: Option<TimeScale>,
+    /// The same, as a habit: it yields to what the file itself says.
+    pub default_time_scale: Option<TimeScale>,
     /// Rotation of the field where a row gives none, radians.
     pub default_rotation_rad: f64,
 }

@@ -112,6 +112,6 @@ impl Output {
     }
 }
 
-fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {
+pub fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {
     anyhow!("cannot write {}: {error}", path.display())
 }
