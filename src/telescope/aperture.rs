@@ -31,7 +31,7 @@ pub struct Telescope {
     /// the width.
     #[serde(default = "default_mask_widths")]
     pub mask_widths: f64,
-    /// Brightest streaks that the detector bears, by band name.
+    /// Brightest streaks that the detector bears, by band name. They make verdicts where a policy says `"telescope"`.
     #[serde(default)]
     pub limits: BTreeMap<String, BandLimits>,
     /// Where these numbers come from.

