@@ -11,6 +11,7 @@ mod scene;
 mod sightline;
 mod sky;
 mod track;
+mod windows;
 
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
