@@ -35,6 +35,13 @@ fn check(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), 
                     return fail(format!("{value} is none of {names:?}"));
                 }
             }
+            "oneOf" => {
+                let branches = rule.as_array().ok_or("oneOf is a list")?;
+                let met = branches.iter().filter(|branch| check(value, branch, root, path).is_ok()).count();
+                if met != 1 {
+                    return fail(format!("{value} meets {met} of {} alternatives", branches.len()));
+                }
+            }
             "enum" => {
                 if !rule.as_array().is_some_and(|allowed| allowed.contains(value)) {
                     return fail(format!("{value} is not in {rule}"));
