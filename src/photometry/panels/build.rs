@@ -5,7 +5,9 @@ use nalgebra::Vector3;
 use super::assembly::{AssembledPanel, PanelAssembly};
 use super::attitude::{Attitude, PanelOffset};
 use super::obstruction::MOST_BLOCKERS;
-use super::panel_file::{AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec};
+use super::panel_file::{
+    AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec,
+};
 use crate::photometry::brdf::{Abg, Binomial, Gaussian, Lambert, Law, Phong, reflected_share};
 use crate::photometry::model_check::Check;
 use crate::photometry::model_file::ModelFileError;
