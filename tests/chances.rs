@@ -127,3 +127,27 @@ fn verif_chances_against_draws_of_the_errors() {
         }
     }
 }
+
+/// Every crossing that is listed is among the chances, as probable as it says, also where it enters or leaves the Earth's shadow.
+#[test]
+fn verif_chances_hold_every_crossing() {
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    for (age_days, at_least) in [(0.0, 12), (3.0, 12)] {
+        let mut draws = Draws(7);
+        // Later in the evening: half of the satellites cross the edge of the shadow.
+        let exposures = exposures(Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 15, 0), 1500, &mut draws);
+        let sky = sky(published(age_days, exposures[750].start, 1584));
+        let passes = sky.field_passes(&exposures, &field, &PassOptions::default()).expect("passes").by_exposure;
+        let chances = sky.chances(&exposures, &field).expect("chances");
+        let mut checked = 0;
+        for (passes, chances) in passes.iter().zip(&chances) {
+            for pass in passes.iter().filter(|pass| pass.probability > 1e-6) {
+                let chance = chances.iter().find(|chance| chance.element_index == pass.element_index);
+                let probability = chance.map_or(0.0, |chance| chance.probability);
+                assert!((probability - pass.probability).abs() < 1e-6, "{pass:?}: {probability}");
+                checked += 1;
+            }
+        }
+        assert!(checked > at_least, "{age_days} d: only {checked}");
+    }
+}

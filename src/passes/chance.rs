@@ -12,11 +12,12 @@
 //! delay (5° a day at most), and the site stands still before and after the exposure.
 
 use std::f64::consts::{PI, TAU};
+use std::sync::Arc as Shared;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::crossing::cross;
+use super::crossing::{Crossing, cross};
 use super::exposure::Exposure;
 use super::field::{Field, FieldOnSky};
 use super::look::LOWEST_ALTITUDE_RAD;
@@ -39,6 +40,8 @@ const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 const LONG_EXPOSURE_S: f64 = 600.0;
 /// And so it is, up to this delay, on an orbit whose place in the field is not found (eccentric ones near the horizon), seconds.
 const LONGEST_BLIND_REACH_S: f64 = 1200.0;
+/// Points along a path at which light is looked for, as for a crossing.
+const LIGHT_STEPS: u32 = 24;
 /// Steps towards the place on the orbit; circular orbits need two.
 const MOST_STEPS: usize = 8;
 /// That place is known well enough to this, seconds: the chords are then cut exactly.
@@ -96,7 +99,7 @@ impl Sky {
             scene.windows = (0..count as usize)
                 .map(|number| {
                     let window_start = seconds_after(start, length_s * number as f64);
-                    self.index().window(window_start, seconds_after(window_start, length_s), &reach)
+                    Shared::new(self.index().window(window_start, seconds_after(window_start, length_s), &reach))
                 })
                 .collect();
             let found: Vec<(usize, Vec<Chance>)> = group
@@ -274,19 +277,33 @@ impl Question<'_> {
         let line = SightLine { arc, site: self.site };
         let track = |time_s: f64| line.sight(time_s);
         let nominal = cross(&track, searched_s.0, searched_s.1, self.field);
-        let (state, _, aspect) = line.aspect_at(nominal.closest_s);
+        let (_, _, aspect) = line.aspect_at(nominal.closest_s);
         let sigmas =
             Sigmas { along_track_s: sigma.along_track_s, cross_track_rad: sigma.cross_track_km / aspect.range_km };
         if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * sigmas.cross_track_rad {
             return None;
         }
-        // Where its path passes the field, the satellite stands in the light of the exposure's Sun.
-        let sun = self.scene.sun.at_s(0.5 * (self.opened_s + self.closed_s)).sun;
-        if illumination(&state.position, &sun).lit_fraction() <= 0.0 {
+        if !self.is_lit(arc, &nominal, searched_s, aspect.range_km) {
             return None;
         }
         let odds = crossing_odds(&track, &nominal, searched_s, (self.opened_s, self.closed_s), self.field, sigmas);
         (odds.probability > 0.0).then_some(Place { odds, geometric: aspect.geometric, range_km: aspect.range_km })
+    }
+
+    /// True where the exposure's Sun shines on the path anywhere within the field, or, for a path beside it, where it passes by.
+    fn is_lit(&self, arc: &Arc, nominal: &Crossing, (from_s, to_s): (f64, f64), range_km: f64) -> bool {
+        let sun = self.scene.sun.at_s(0.5 * (self.opened_s + self.closed_s)).sun;
+        let at = |time_s: f64| illumination(&arc.state_at(time_s).position, &sun).lit_fraction() > 0.0;
+        if at(nominal.closest_s) {
+            return true;
+        }
+        let speed_km_s = arc.state_at(nominal.closest_s).velocity.vector().norm();
+        let beside_s = self.field.bounding_radius_rad() * range_km / speed_km_s;
+        let (enter_s, exit_s) = match (nominal.chords.first(), nominal.chords.last()) {
+            (Some(first), Some(last)) => (first.enter_s, last.exit_s),
+            _ => ((nominal.closest_s - beside_s).max(from_s), (nominal.closest_s + beside_s).min(to_s)),
+        };
+        (0..=LIGHT_STEPS).any(|step| at(enter_s + (exit_s - enter_s) * f64::from(step) / f64::from(LIGHT_STEPS)))
     }
 
     /// Where the satellite passes nearest to the line of sight on the revolution of `start_s`; `None` where that is not found.

@@ -12,6 +12,7 @@ mod scene;
 mod sightline;
 mod sky;
 mod track;
+mod windows;
 
 pub use chance::Chance;
 pub use exposure::Exposure;
