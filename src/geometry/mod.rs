@@ -27,7 +27,7 @@ mod viewing;
 
 pub use error::GeometryError;
 pub use observer::{Observer, ObserverState};
-pub use shadow::{Illumination, illumination};
+pub use shadow::{Illumination, KARMAN_LINE_KM, ShadowModel, grazing_height_km, illumination, sunlit_by_100_km_rule};
 pub use site::Site;
 pub use sun::{SunState, SunTable};
 pub use topocentric::{Aspect, aspect};
