@@ -11,6 +11,7 @@ mod scene;
 mod sightline;
 mod sky;
 mod track;
+mod viewpoint;
 
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
@@ -18,3 +19,4 @@ pub use horizon::HorizonPass;
 pub use models::{ModelChoice, UnknownModel};
 pub use sky::{PassOptions, Passes, Sky, SkyError};
 pub use track::{Chord, FieldPass, TrackPoint};
+pub use viewpoint::{OrbitingObserver, Viewpoint};

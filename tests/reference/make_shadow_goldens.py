@@ -3,7 +3,7 @@
     pip install skyfield==1.55 sgp4==2.27 numpy
     STREAKCAST_DATA=... python tests/reference/make_shadow_goldens.py tests/data/shadow_golden.csv
 
-Satellites of tle/active/active_2026-04-25.txt, one of each of some dozens of orbits, followed from 2026-04-26T00:00 for two revolutions (geosynchronous ones
+Satellites of tle/active/active_2026-04-25.txt, one of each cell of mean motion and inclination, followed from 2026-04-26T00:00 for two revolutions (geosynchronous ones
 from 2026-03-20, near the equinox, with the same elements). Skyfield gives the satellite (GCRS) and the Sun (DE421, geometric: the difference of their
 barycentric places). Two shadows:
 
@@ -25,9 +25,15 @@ from skyfield.api import EarthSatellite, load, load_file
 
 DATA = Path(os.environ["STREAKCAST_DATA"])
 A_KM, F, SUN_KM = 6378.137, 1 / 298.257223563, 695_700.0
-# Low, medium and high orbits, equatorial to retrograde.
-IDS = [20580, 25544, 44713, 48274, 43013, 27424, 39084, 25994, 37849, 44714, 53719, 56154, 24876, 32711, 40105, 41019, 36585, 28474, 26360, 41175,
-       41550, 37846, 40128, 43226, 41866, 40732, 28884, 33105, 36508, 41335, 42063, 38771, 49260, 25338, 28654, 33591, 40069, 39634]  # fmt: skip
+
+
+def chosen(elements):
+    """The first satellite of each cell of mean motion (revolutions a day) and inclination, low to geosynchronous, and five more geosynchronous ones."""
+    cells = {}
+    for norad, (_, second) in sorted(elements.items()):
+        motion, inclination = float(second[52:63]), float(second[8:16])
+        cells.setdefault((round(motion), int(inclination // 15)), []).append(norad)
+    return [cell[0] for key, cell in sorted(cells.items())] + cells[(1, 0)][1:6]
 
 
 def catalogue():
@@ -66,9 +72,7 @@ def main(target):
     elements = catalogue()
     rows = []
     used = 0
-    for norad in IDS:
-        if norad not in elements:
-            continue
+    for norad in chosen(elements):
         first, second = elements[norad]
         satellite = EarthSatellite(first, second, ts=load_dir)
         improved = satellite.model
