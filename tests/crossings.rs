@@ -335,6 +335,41 @@ fn verif_nothing_is_seen_through_the_ground() {
     assert!(ends.iter().filter(|altitude_rad| **altitude_rad < ground_rad + 1e-6).count() > 10);
 }
 
+/// Windows are kept between questions, and every answer is as if they were not: 48 exposures over four days, all at once
+/// and backwards one by one, among questions about near misses that keep windows of their own.
+#[test]
+fn verif_what_was_asked_before_changes_nothing() {
+    let (epoch, sky) = &*SKY;
+    let orientation = OrientationTable::new(*epoch, *epoch, &EopTable::embedded());
+    let here = sky.observer().state(&orientation.at_s(0.0));
+    let exposures: Vec<Exposure> = (0..48)
+        .map(|number| Exposure {
+            id: number.to_string(),
+            start: *epoch + 2.0 * f64::from(number) * Unit::Hour - 15.0 * Unit::Second,
+            duration_s: 30.0,
+            pointing: here.horizon.inverse() * Direction::<Horizontal>::from_lon_lat_rad(f64::from(number), 1.2),
+            rotation_rad: 0.0,
+        })
+        .collect();
+    let field = Field::circle(0.3).expect("a field");
+    let nominal = PassOptions { include_dark: true, ..PassOptions::default() };
+    let near = PassOptions { min_probability: Some(0.02), ..nominal.clone() };
+    let at_once = sky.field_passes(&exposures, &field, &nominal).expect("an answer").by_exposure;
+    assert!(at_once.iter().map(Vec::len).sum::<usize>() > 100);
+    let alone = |sky: &Sky, exposure: &Exposure, options| {
+        sky.field_passes(std::slice::from_ref(exposure), &field, options).expect("an answer").by_exposure.remove(0)
+    };
+    let fresh = self::sky(sky.elements().to_vec());
+    let fresh: Vec<Vec<FieldPass>> = exposures.iter().map(|exposure| alone(&fresh, exposure, &nominal)).collect();
+    let who = |passes: &[FieldPass]| passes.iter().map(|pass| pass.norad_id).collect::<Vec<_>>();
+    for ((exposure, at_once), fresh) in exposures.iter().zip(&at_once).zip(&fresh).rev() {
+        alone(sky, exposure, &near);
+        let kept = alone(sky, exposure, &nominal);
+        assert_eq!(who(&kept), who(at_once), "{}", exposure.id);
+        assert_eq!(&kept, fresh, "{}", exposure.id);
+    }
+}
+
 /// `cargo test --release --test crossings -- --ignored`
 #[test]
 #[ignore = "a minute or more: the long form of the two above"]

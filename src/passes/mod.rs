@@ -12,6 +12,7 @@ mod sightline;
 mod sky;
 mod track;
 mod viewpoint;
+mod windows;
 
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};

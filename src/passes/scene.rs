@@ -1,5 +1,7 @@
 //! What the exposures of one stretch of time share: Sun, Earth, orbit planes.
 
+use std::sync::Arc;
+
 use hifitime::Epoch;
 
 use super::exposure::Exposure;
@@ -12,16 +14,16 @@ pub(super) struct Scene {
     pub start: Epoch,
     pub orientation: OrientationTable,
     pub sun: SunTable,
-    pub windows: Vec<Window>,
+    /// In order of time, without gaps.
+    pub windows: Vec<Arc<Window>>,
 }
 
 impl Scene {
     /// The window that holds a moment, and when it starts, both in seconds of the scene.
     pub fn window_at(&self, time_s: f64) -> Option<(&Window, f64)> {
-        let length_s = self.windows.first()?.span_s();
-        let number = ((time_s / length_s).max(0.0) as usize).min(self.windows.len() - 1);
-        let window = &self.windows[number];
-        Some((window, seconds_between(self.start, window.start())))
+        let start_s = |window: &Window| seconds_between(self.start, window.start());
+        let window = self.windows.iter().rfind(|window| start_s(window) <= time_s).or(self.windows.first())?;
+        Some((window, start_s(window)))
     }
 }
 

@@ -18,13 +18,12 @@ use super::scene::{Scene, end_s, groups};
 use super::sightline::{ObserverMotion, SightLine};
 use super::track::{Chord, FieldPass};
 use super::viewpoint::{OrbitingObserver, Viewpoint};
+use super::windows::Windows;
 use crate::catalogue::ElementSet;
 use crate::constants::{DAY_S, EARTH_ROTATION_RAD_S};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{ShadowModel, SunTable};
-use crate::orbit::{
-    Arc, Cone, LeftOut, MAX_WINDOW_S, OrbitClass, OrbitError, OrbitUncertainty, Reach, SatelliteIndex, uncertainty,
-};
+use crate::orbit::{Arc, Cone, LeftOut, OrbitClass, OrbitError, OrbitUncertainty, Reach, SatelliteIndex, uncertainty};
 use crate::photometry::{BrightnessModel, PhotometryOptions};
 
 /// The cull asks for at most this long at a time, seconds: by then an observer on the ground has moved 14 km to each side.
@@ -103,6 +102,7 @@ pub struct Sky {
     viewpoint: Viewpoint,
     shadow: ShadowModel,
     eop: EopTable,
+    windows: Windows,
 }
 
 /// The slices of one exposure in which one satellite was a candidate, from the first to the last of one pass; seconds of the
@@ -124,7 +124,16 @@ impl Sky {
         let index = SatelliteIndex::new(&elements);
         let classes = elements.iter().map(OrbitClass::of).collect();
         let models = elements.iter().map(|elements| choice.model_of(elements)).collect();
-        Self { elements, index, classes, models, viewpoint: viewpoint.into(), shadow: ShadowModel::default(), eop }
+        Self {
+            elements,
+            index,
+            classes,
+            models,
+            viewpoint: viewpoint.into(),
+            shadow: ShadowModel::default(),
+            eop,
+            windows: Windows::default(),
+        }
     }
 
     /// The element sets, in the order of [`FieldPass::element_index`].
@@ -294,24 +303,18 @@ impl Sky {
     }
 
     fn scene(&self, start: Epoch, span_s: f64, near_misses: bool) -> Scene {
-        let mut scene = self.scene_without_windows(start, span_s);
-        let middle = seconds_after(start, 0.5 * span_s);
-        let reach = |element_index: usize| {
-            if !near_misses {
-                return Reach::default();
+        let reach = |element_index: usize, ends: [Epoch; 2]| {
+            let age_days = |epoch| seconds_between(self.elements[element_index].epoch, epoch) / DAY_S;
+            let of = |epoch| self.uncertainty(element_index, age_days(epoch));
+            let [first, last] = ends.map(of);
+            Reach {
+                along_track_s: reach_s(first.along_track_s.max(last.along_track_s)),
+                cross_track_km: REACH_SIGMAS * first.cross_track_km.max(last.cross_track_km),
             }
-            let age_days = seconds_between(self.elements[element_index].epoch, middle) / DAY_S;
-            let sigma = self.uncertainty(element_index, age_days);
-            Reach { along_track_s: reach_s(sigma.along_track_s), cross_track_km: REACH_SIGMAS * sigma.cross_track_km }
         };
-        let count = (span_s / MAX_WINDOW_S).ceil().max(1.0);
-        let length_s = span_s / count;
-        scene.windows = (0..count as usize)
-            .map(|number| {
-                let window_start = seconds_after(start, length_s * number as f64);
-                self.index.window(window_start, seconds_after(window_start, length_s), &reach)
-            })
-            .collect();
+        let mut scene = self.scene_without_windows(start, span_s);
+        let reach: Option<&(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync)> = if near_misses { Some(&reach) } else { None };
+        scene.windows = self.windows.over(&self.index, start, seconds_after(start, span_s), reach);
         scene
     }
 
