@@ -341,7 +341,7 @@ fn verif_nothing_is_seen_through_the_ground() {
 fn verif_what_was_asked_before_changes_nothing() {
     let (epoch, sky) = &*SKY;
     let orientation = OrientationTable::new(*epoch, *epoch, &EopTable::embedded());
-    let here = sky.observer().state(&orientation.at_s(0.0));
+    let here = sky.viewpoint().site().expect("a site").state(&orientation.at_s(0.0));
     let exposures: Vec<Exposure> = (0..48)
         .map(|number| Exposure {
             id: number.to_string(),
