@@ -319,7 +319,6 @@ mod tests {
                 }
             }
         }
-        println!("{checked} places in the penumbra: within {worst:.1e} of the rays");
         assert!(checked > 80, "{checked}");
         assert!(worst < TOLERANCE, "{worst}");
     }
