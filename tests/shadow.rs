@@ -80,5 +80,5 @@ fn valid_shadow_moments_against_skyfield() {
          cone and ellipsoid lie up to {kinds_apart_s:.1} s apart",
         satellites.len()
     );
-    assert!(satellites.len() == 53 && rows == 432, "{} {rows}", satellites.len());
+    assert!(satellites.len() == 56 && rows == 458, "{} {rows}", satellites.len());
 }

@@ -28,12 +28,16 @@ A_KM, F, SUN_KM = 6378.137, 1 / 298.257223563, 695_700.0
 
 
 def chosen(elements):
-    """The first satellite of each cell of mean motion (revolutions a day) and inclination, low to geosynchronous, and five more geosynchronous ones."""
+    """The first satellite of each cell of mean motion (revolutions a day) and inclination, low to geosynchronous, the five flattest geosynchronous ones, and
+    sixteen more of two revolutions a day."""
     cells = {}
     for norad, (_, second) in sorted(elements.items()):
         motion, inclination = float(second[52:63]), float(second[8:16])
         cells.setdefault((round(motion), int(inclination // 15)), []).append(norad)
-    return [cell[0] for key, cell in sorted(cells.items())] + cells[(1, 0)][1:6]
+    flattest = sorted(cells[(1, 0)], key=lambda norad: float(elements[norad][1][8:16]))
+    # Navigation satellites of different planes: some are in their season of eclipses.
+    medium = [norad for (motion, _), cell in sorted(cells.items()) if motion == 2 for norad in cell[1::7]][:16]
+    return list(dict.fromkeys([cell[0] for key, cell in sorted(cells.items())] + flattest[:5] + medium))
 
 
 def catalogue():
