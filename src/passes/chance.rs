@@ -9,7 +9,8 @@
 //! 2. There, the exact chords of [`crossing_odds`].
 //!
 //! What is left out: delays beyond 3.5 sigma (0.05 % of each satellite's chance). What is simplified: the planes do not turn during the
-//! delay (5° a day at most), and the site stands still before and after the exposure.
+//! delay (5° a day at most), and the site stands still before and after the exposure. For a telescope in orbit only the passes and
+//! near misses of [`Sky::field_passes`] are summed.
 
 use std::f64::consts::{PI, TAU};
 use std::sync::Arc as Shared;
@@ -23,11 +24,12 @@ use super::field::{Field, FieldOnSky};
 use super::look::LOWEST_ALTITUDE_RAD;
 use super::probability::{Odds, REACH_SIGMAS, Sigmas, crossing_odds};
 use super::scene::{Scene, end_s, groups};
-use super::sightline::{SightLine, SiteMotion};
-use super::sky::{Sky, SkyError, check_epoch};
+use super::sightline::{ObserverMotion, SightLine};
+use super::sky::{PassOptions, Sky, SkyError, check_epoch};
+use super::track::FieldPass;
 use crate::constants::DAY_S;
 use crate::frames::{Gcrs, Orientation, Position, seconds_after, seconds_between};
-use crate::geometry::illumination;
+use crate::geometry::{Observer, ShadowModel};
 use crate::orbit::{Arc, Cone, MAX_WINDOW_S, OrbitUncertainty, Propagator, Reach};
 
 /// Earth's gravity in the WGS72 constants of SGP4, km³/s².
@@ -40,6 +42,8 @@ const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 const LONG_EXPOSURE_S: f64 = 600.0;
 /// And so it is, up to this delay, on an orbit whose place in the field is not found (eccentric ones near the horizon), seconds.
 const LONGEST_BLIND_REACH_S: f64 = 1200.0;
+/// From an orbit, passes less probable than this are not looked for.
+const LEAST_IN_FLIGHT: f64 = 0.01;
 /// Points along a path at which light is looked for, as for a crossing.
 const LIGHT_STEPS: u32 = 24;
 /// Steps towards the place on the orbit; circular orbits need two.
@@ -80,6 +84,7 @@ impl Sky {
                 return Err(SkyError::Exposure { id: exposure.id.clone(), problem });
             }
         }
+        let Some(observer) = self.viewpoint().site() else { return self.chances_in_flight(exposures, field) };
         let mut by_exposure = vec![Vec::new(); exposures.len()];
         for group in groups(exposures) {
             let start = exposures[group[0]].start;
@@ -105,7 +110,7 @@ impl Sky {
             let found: Vec<(usize, Vec<Chance>)> = group
                 .par_iter()
                 .map_init(Vec::new, |candidates, &one| {
-                    (one, self.chances_of(&scene, &exposures[one], field, candidates))
+                    (one, self.chances_of(&scene, observer, &exposures[one], field, candidates))
                 })
                 .collect();
             for (one, chances) in found {
@@ -115,11 +120,49 @@ impl Sky {
         Ok(by_exposure)
     }
 
+    /// From an orbit, where a late satellite takes another way through the field: the passes and near misses that are found there, a few
+    /// minutes early or late at most.
+    fn chances_in_flight(&self, exposures: &[Exposure], field: &Field) -> Result<Vec<Vec<Chance>>, SkyError> {
+        let options = PassOptions { min_probability: Some(LEAST_IN_FLIGHT), ..PassOptions::default() };
+        let passes = self.field_passes(exposures, field, &options)?.by_exposure;
+        // The mean chord of a circle is π/2 of its radius.
+        let mean_chord_rad = std::f64::consts::FRAC_PI_2 * field.bounding_radius_rad();
+        let length_rad = |pass: &FieldPass, exposure: &Exposure| {
+            if pass.is_crossing() {
+                pass.streak_length_rad
+            } else {
+                mean_chord_rad.min(pass.angular_rate_rad_s * exposure.duration_s)
+            }
+        };
+        let of = |(passes, exposure): (Vec<FieldPass>, &Exposure)| {
+            let mut chances: Vec<Chance> = passes
+                .iter()
+                .filter(|pass| pass.lit && pass.probability > 0.0)
+                .map(|pass| Chance {
+                    element_index: pass.element_index,
+                    probability: pass.probability,
+                    streak_length_rad: pass.probability * length_rad(pass, exposure),
+                    range_km: pass.mid.range_km,
+                })
+                .collect();
+            chances.sort_by_key(|chance| chance.element_index);
+            chances
+        };
+        Ok(passes.into_iter().zip(exposures).map(of).collect())
+    }
+
     fn uncertainty_at(&self, element_index: usize, age_s: f64) -> OrbitUncertainty {
         self.uncertainty(element_index, age_s / DAY_S)
     }
 
-    fn chances_of(&self, scene: &Scene, exposure: &Exposure, field: &Field, candidates: &mut Vec<u32>) -> Vec<Chance> {
+    fn chances_of(
+        &self,
+        scene: &Scene,
+        observer: &Observer,
+        exposure: &Exposure,
+        field: &Field,
+        candidates: &mut Vec<u32>,
+    ) -> Vec<Chance> {
         let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
         let opened_s = seconds_between(scene.start, exposure.start);
         let closed_s = opened_s + exposure.duration_s;
@@ -130,12 +173,12 @@ impl Sky {
             let mid_s = opened_s + slice_s * (f64::from(slice) + 0.5);
             let Some((window, window_start_s)) = scene.window_at(mid_s) else { continue };
             let orientation = scene.orientation.at_s(mid_s);
-            let site = SiteMotion::new(self.observer(), &orientation, scene.sun.at_s(mid_s).earth_velocity, mid_s);
+            let site = ObserverMotion::of_site(observer, &orientation, scene.sun.at_s(mid_s).earth_velocity, mid_s);
             let cone = Cone {
                 mid_s: mid_s - window_start_s,
                 half_duration_s: 0.5 * slice_s,
                 observer: site.position(mid_s),
-                observer_speed_km_s: site.speed_km_s(),
+                observer_speed_km_s: site.fastest_km_s(mid_s, 0.5 * slice_s),
                 axis: exposure.pointing,
                 radius_rad: on_sky.bounding_radius_rad() + ABERRATION_MARGIN_RAD,
             };
@@ -148,9 +191,17 @@ impl Sky {
         let orientation = scene.orientation.at_s(mid_s);
         let earth_velocity = scene.sun.at_s(mid_s).earth_velocity;
         let site =
-            SiteMotion::new(self.observer(), &orientation, earth_velocity, mid_s).still_outside(opened_s, closed_s);
-        let question = Question { scene, field: &on_sky, site, orientation: &orientation, opened_s, closed_s };
-        let horizon = self.observer().state(&orientation);
+            ObserverMotion::of_site(observer, &orientation, earth_velocity, mid_s).still_outside(opened_s, closed_s);
+        let question = Question {
+            scene,
+            shadow: self.shadow(),
+            field: &on_sky,
+            site,
+            orientation: &orientation,
+            opened_s,
+            closed_s,
+        };
+        let horizon = observer.state(&orientation);
         let sine_of_lowest = LOWEST_ALTITUDE_RAD.sin();
         seen.into_iter()
             .filter_map(|element_index| {
@@ -173,9 +224,10 @@ impl Sky {
 /// One exposure, with what all satellites in it share.
 struct Question<'a> {
     scene: &'a Scene,
+    shadow: ShadowModel,
     field: &'a FieldOnSky<'a>,
     /// Standing still outside of the exposure.
-    site: SiteMotion,
+    site: ObserverMotion,
     orientation: &'a Orientation,
     opened_s: f64,
     closed_s: f64,
@@ -259,7 +311,7 @@ impl Question<'_> {
             half_s = half_s.min(0.25 * place.period_s);
             let (from_s, to_s) = (place.time_s - half_s, place.time_s + half_s);
             let stretch = arc(from_s, to_s)?;
-            let line = SightLine { arc: &stretch, site: self.site };
+            let line = SightLine { arc: &stretch, observer: self.site.clone() };
             let outside = |time_s: f64| {
                 let (_, _, aspect) = line.aspect_at(time_s);
                 let angle_rad = separation_rad(aspect.geometric.vector(), self.field.centre());
@@ -274,7 +326,7 @@ impl Question<'_> {
     }
 
     fn on_arc(&self, arc: &Arc, searched_s: (f64, f64), sigma: OrbitUncertainty) -> Option<Place> {
-        let line = SightLine { arc, site: self.site };
+        let line = SightLine { arc, observer: self.site.clone() };
         let track = |time_s: f64| line.sight(time_s);
         let nominal = cross(&track, searched_s.0, searched_s.1, self.field);
         let (_, _, aspect) = line.aspect_at(nominal.closest_s);
@@ -293,7 +345,7 @@ impl Question<'_> {
     /// True where the exposure's Sun shines on the path anywhere within the field, or, for a path beside it, where it passes by.
     fn is_lit(&self, arc: &Arc, nominal: &Crossing, (from_s, to_s): (f64, f64), range_km: f64) -> bool {
         let sun = self.scene.sun.at_s(0.5 * (self.opened_s + self.closed_s)).sun;
-        let at = |time_s: f64| illumination(&arc.state_at(time_s).position, &sun).lit_fraction() > 0.0;
+        let at = |time_s: f64| self.shadow.illumination(&arc.state_at(time_s).position, &sun).lit_fraction() > 0.0;
         if at(nominal.closest_s) {
             return true;
         }

@@ -12,6 +12,7 @@ mod scene;
 mod sightline;
 mod sky;
 mod track;
+mod viewpoint;
 mod windows;
 
 pub use chance::Chance;
@@ -21,3 +22,4 @@ pub use horizon::HorizonPass;
 pub use models::{ModelChoice, UnknownModel};
 pub use sky::{PassOptions, Passes, Sky, SkyError};
 pub use track::{Chord, FieldPass, TrackPoint};
+pub use viewpoint::{OrbitingObserver, Viewpoint};
