@@ -3,6 +3,8 @@
 //! The same formulas as `satellite` and `blocking`, written without branches over fixed blocks of directions; the compiler
 //! turns each loop into vectors of four or eight. Which instructions the machine has is found out at run time.
 
+#![expect(clippy::needless_range_loop, reason = "several columns run side by side, and plain indices become vectors")]
+
 use std::f64::consts::{FRAC_1_PI, LN_10, TAU};
 
 use pulp::{Arch, NullaryFnOnce};
@@ -21,8 +23,8 @@ pub struct BodyAngles<'a> {
     pub observer_latitude_rad: &'a [f64],
 }
 
-/// Directions that are worked on together: two widest vectors, so that one waits while the other computes.
-const BLOCK: usize = 16;
+/// Directions that are worked on together: their intermediate numbers, some 8 kB, stay in the nearest cache.
+const BLOCK: usize = 64;
 
 /// Magnitudes at 1000 km into `out`; not a number where nothing lit is seen. `zero_mag` is the magnitude of 1 m² sr⁻¹.
 pub(in crate::photometry) fn standard_magnitudes(
@@ -76,15 +78,16 @@ fn run<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, angles: &BodyAngle
     }
 }
 
-/// Sixteen directions.
+/// One block, step by step: each step is a short loop, so that the next vector begins while the last one waits for its
+/// results.
 #[inline(always)]
 fn of_block<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, angles: &[[f64; BLOCK]; 3]) -> [f64; BLOCK] {
-    let mut magnitudes = [0.0; BLOCK];
-    for (lane, magnitude) in magnitudes.iter_mut().enumerate() {
-        let (sun_z, sun_x) = sin_cos::<F>(angles[0][lane]);
-        let (sin_longitude, cos_longitude) = sin_cos::<F>(angles[1][lane]);
-        let (eye_z, cos_latitude) = sin_cos::<F>(angles[2][lane]);
-        let (eye_x, eye_y) = (cos_latitude * cos_longitude, cos_latitude * sin_longitude);
+    let [(sun_z, sun_x), (longitude_sin, longitude_cos), (eye_z, latitude_cos)] =
+        [sines_and_cosines::<F>(&angles[0]), sines_and_cosines::<F>(&angles[1]), sines_and_cosines::<F>(&angles[2])];
+    let [mut front_m2, mut back_m2, mut base_m2, mut sail_mirror, mut base_mirror] = [[0.0; BLOCK]; 5];
+    for lane in 0..BLOCK {
+        let (sun_z, sun_x, eye_z) = (sun_z[lane], sun_x[lane], eye_z[lane]);
+        let (eye_x, eye_y) = (latitude_cos[lane] * longitude_cos[lane], latitude_cos[lane] * longitude_sin[lane]);
         let sun_eye = fused::<F>(sun_x, eye_x, sun_z * eye_z);
         // n_sail = (cos POA, 0, sin POA), n_base = -z                     Lu (2024), section 2.1
         let sail_in = fused::<F>(model.cos_panel_offset, sun_x, model.sin_panel_offset * sun_z);
@@ -92,48 +95,67 @@ fn of_block<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, angles: &[[f6
         let (sun_below, eye_below) = (-sun_z, -eye_z);
 
         // What the chassis stops, as in `blocking`.
-        let shade_m = height::<F>(model, sun_below, sail_in);
-        let view_m = height::<F>(model, eye_below, sail_out);
+        let shade_m = height(model, sun_below, sail_in);
+        let view_m = height(model, eye_below, sail_out);
         let slope = (model.cos_panel_offset * eye_y / positive(eye_below)).abs();
         let per_slope = 1.0 / greater(slope, 1e-300);
-        let narrow = model.narrow_m;
-        let view_m2 = overlap(model.half_sum_m, narrow, slope, per_slope, view_m);
-        let both_m2 = overlap(model.half_both_m, narrow, slope, per_slope, lesser(view_m, shade_m));
-        let shade_m2 = narrow * shade_m;
-        let front_m2 = lesser(greater(model.sail_m2 - (shade_m2 + (view_m2 - both_m2)), 0.0), model.sail_m2);
-        let back_m2 = greater(model.sail_m2 - shade_m2, 0.0);
-
+        let view_m2 = overlap(model.half_sum_m, model.narrow_m, slope, per_slope, view_m);
+        let both_m2 = overlap(model.half_both_m, model.narrow_m, slope, per_slope, lesser(view_m, shade_m));
+        let shade_m2 = model.narrow_m * shade_m;
+        let open_m2 = lesser(greater(model.sail_m2 - (shade_m2 + (view_m2 - both_m2)), 0.0), model.sail_m2);
+        let lit = greater(sail_in, 0.0);
+        front_m2[lane] = open_m2 * lit * greater(sail_out, 0.0);
+        back_m2[lane] = greater(model.sail_m2 - shade_m2, 0.0) * lit * greater(-sail_out, 0.0);
+        base_m2[lane] = model.base_m2 * greater(sun_below, 0.0) * greater(eye_below, 0.0);
+        sail_mirror[lane] = fused::<F>(2.0 * lit, sail_out, -sun_eye);
+        base_mirror[lane] = fused::<F>(2.0 * sun_below, eye_below, -sun_eye);
+    }
+    let sail_lobe = lobes::<F>(model.c1, model.n_sail, &sail_mirror);
+    let base_lobe = lobes::<F>(model.c4, model.n_base, &base_mirror);
+    let mut magnitudes = [0.0; BLOCK];
+    for lane in 0..BLOCK {
         // B_total                                                         Lu (2024), eqs. 1-6
-        let sail_in = greater(sail_in, 0.0);
-        let front_m2 = front_m2 * sail_in * greater(sail_out, 0.0);
-        let back_m2 = back_m2 * sail_in * greater(-sail_out, 0.0);
-        let base_m2 = model.base_m2 * greater(sun_below, 0.0) * greater(eye_below, 0.0);
-        let sail_mirror = fused::<F>(2.0 * sail_in, sail_out, -sun_eye);
-        let base_mirror = fused::<F>(2.0 * sun_below, eye_below, -sun_eye);
-        let front = fused::<F>(lobe::<F>(model.c1, model.n_sail, sail_mirror), 1.0, model.c2 * FRAC_1_PI);
-        let base = fused::<F>(lobe::<F>(model.c4, model.n_base, base_mirror), 1.0, model.c5 * FRAC_1_PI);
-        let b_total = fused::<F>(front, front_m2, fused::<F>(base, base_m2, model.c3 * FRAC_1_PI * back_m2));
+        let front = (sail_lobe[lane] + model.c2 * FRAC_1_PI) * front_m2[lane];
+        let base = (base_lobe[lane] + model.c5 * FRAC_1_PI) * base_m2[lane];
+        let b_total = front + base + model.c3 * FRAC_1_PI * back_m2[lane];
         // m = -2.5 log₁₀ B + zero                                         Lu (2024), eq. 19
-        let seen = zero_mag - 2.5 / LN_10 * ln::<F>(greater(b_total, 1e-300));
-        *magnitude = if b_total > 0.0 { seen } else { f64::NAN };
+        let seen = fused::<F>(-2.5 / LN_10, ln::<F>(greater(b_total, 1e-300)), zero_mag);
+        magnitudes[lane] = if b_total > 0.0 { seen } else { f64::NAN };
     }
     magnitudes
 }
 
+#[inline(always)]
+fn sines_and_cosines<const F: bool>(angles: &[f64; BLOCK]) -> ([f64; BLOCK], [f64; BLOCK]) {
+    let (mut sines, mut cosines) = ([0.0; BLOCK], [0.0; BLOCK]);
+    for lane in 0..BLOCK {
+        (sines[lane], cosines[lane]) = sin_cos::<F>(angles[lane]);
+    }
+    (sines, cosines)
+}
+
 /// c (n + 2)/2π cosⁿθ; 0 where cos θ is not positive.
 #[inline(always)]
-fn lobe<const F: bool>(weight: f64, exponent: f64, cos_mirror: f64) -> f64 {
-    // The same for all directions: no lane takes another way.
+fn lobes<const F: bool>(weight: f64, exponent: f64, cos_mirror: &[f64; BLOCK]) -> [f64; BLOCK] {
+    let mut values = [0.0; BLOCK];
     if weight == 0.0 {
-        return 0.0;
+        return values;
     }
-    let power = exp::<F>(exponent * ln::<F>(positive(cos_mirror)));
-    if cos_mirror > 0.0 { weight * (exponent + 2.0) / TAU * power } else { 0.0 }
+    let mut logarithms = [0.0; BLOCK];
+    for lane in 0..BLOCK {
+        logarithms[lane] = exponent * ln::<F>(positive(cos_mirror[lane]));
+    }
+    let scale = weight * (exponent + 2.0) / TAU;
+    for lane in 0..BLOCK {
+        let value = scale * exp::<F>(logarithms[lane]);
+        values[lane] = if cos_mirror[lane] > 0.0 { value } else { 0.0 };
+    }
+    values
 }
 
 /// How far up the sail the chassis stops light to or from a direction, m; eqs. 15 and 17 (mended).
 #[inline(always)]
-fn height<const F: bool>(model: &TwoPanelNumbers, below: f64, facing: f64) -> f64 {
+fn height(model: &TwoPanelNumbers, below: f64, facing: f64) -> f64 {
     let met = lesser(model.base_length_m * below / positive(facing), model.sail_length_m);
     if below > 0.0 && facing > 0.0 { met } else { 0.0 }
 }
