@@ -28,6 +28,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("sha2", &["catalogue"]),
     ("saphyr", &["schedule"]),
     ("tempfile", &["table"]),
+    ("pulp", &["photometry"]),
     ("clap", &["bin"]),
     ("anyhow", &["bin"]),
     ("indicatif", &["bin"]),
