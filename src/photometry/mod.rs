@@ -4,6 +4,7 @@ mod band;
 mod blocking;
 pub mod brdf;
 mod brightness;
+pub mod earthshine;
 mod library;
 mod magnitude;
 mod model;
@@ -18,7 +19,7 @@ mod standard_magnitudes;
 
 pub use band::{Band, BandError, MagSystem};
 pub use blocking::{Blocked, ChassisBlocking};
-pub use brightness::{Brightness, MagnitudeSource, PhotometryOptions};
+pub use brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 pub use library::ModelLibrary;
 pub use magnitude::{Magnitude, StandardMagnitude, airmass};
 pub use model::{BrightnessModel, FittedRange};

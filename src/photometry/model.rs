@@ -6,7 +6,7 @@ use crate::frames::{Body, Direction};
 use crate::geometry::ViewingGeometry;
 
 use super::band::{Band, MagSystem};
-use super::brightness::{Brightness, MagnitudeSource, PhotometryOptions};
+use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 use super::magnitude::{StandardMagnitude, airmass};
 use super::model_file::{GeometryRange, ModelFile, ModelFileError, ModelKind};
 use super::phase::PhaseFunction;
@@ -154,20 +154,43 @@ impl BrightnessModel {
         }
     }
 
-    /// Magnitude at 1000 km in full sunlight, in the model's own band and system; `None` where nothing lit is seen.
+    /// Magnitude at 1000 km by full sunlight alone, in the model's own band and system; `None` where nothing lit is
+    /// seen.
     pub fn standard_magnitude(&self, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
-        self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer())
+        self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), 0.0)
+    }
+
+    /// The same by sunlight and, where it is not off, earthshine.
+    pub fn standard_magnitude_with(
+        &self,
+        geometry: &ViewingGeometry,
+        earthshine: Earthshine,
+    ) -> Option<StandardMagnitude> {
+        let earth_m2_sr = self.earthshine_m2_sr(geometry, earthshine);
+        self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), earth_m2_sr)
+    }
+
+    /// 0 for models that are not made of panels.
+    fn earthshine_m2_sr(&self, geometry: &ViewingGeometry, earthshine: Earthshine) -> f64 {
+        match (&self.law, earthshine) {
+            (Law::Panels(model), Earthshine::Computed) => {
+                let earth = model.earth_terms(geometry);
+                earth.glossy_m2_sr + earth.diffuse_m2_sr
+            }
+            _ => 0.0,
+        }
     }
 
     fn standard_magnitude_of(
         &self,
         to_sun: &Direction<Body>,
         to_observer: &Direction<Body>,
+        earth_m2_sr: f64,
     ) -> Option<StandardMagnitude> {
         match &self.law {
             Law::Panels(model) => {
-                let b_total = model.terms_of_directions(to_sun.vector(), to_observer.vector()).b_total_m2_sr();
-                StandardMagnitude::from_reflection(b_total, self.band.sun_magnitude(self.system))
+                let sunlight = model.terms_of_directions(to_sun.vector(), to_observer.vector()).b_total_m2_sr();
+                StandardMagnitude::from_reflection(sunlight + earth_m2_sr, self.band.sun_magnitude(self.system))
             }
             Law::Phase(function) => Some(function.standard_magnitude(to_sun.separation_rad(to_observer))),
             Law::Sphere(sphere) => sphere.standard_magnitude(to_sun.separation_rad(to_observer)),
@@ -189,7 +212,9 @@ impl BrightnessModel {
             return None;
         }
         let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
-        let standard = self.standard_magnitude_of(&to_sun, &to_observer)?;
+        // The Earth's shadow dims the Sun and not the Earth: what the dimming below takes away is added before.
+        let earth_m2_sr = self.earthshine_m2_sr(geometry, options.earthshine) / lit_fraction.min(1.0);
+        let standard = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr)?;
         let grey_reflectance = options.band != self.band;
         // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
         let colour = options.band.sun_magnitude(options.system) - self.band.sun_magnitude(self.system);
