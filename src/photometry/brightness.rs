@@ -64,6 +64,16 @@ pub enum Earthshine {
     Computed,
 }
 
+impl Earthshine {
+    /// As provenance spells it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Computed => "computed",
+        }
+    }
+}
+
 /// Which magnitude is asked for.
 ///
 /// The default is what the paper computes: V in the Vega system, the Sun at 1 au, no atmosphere, with earthshine.

@@ -2,7 +2,9 @@
 //!
 //! What is tabulated is smooth: the irradiance on the chassis divided by τ^3.5, and the lobe's sum divided by the irradiance.
 //! τ = δ + acos(R/(R+h)) is how far the Sun stands above the last light; the lit lens is τ wide, √τ long, and both
-//! cosines in it are of order τ at its middle, hence the power. The lobe depends on the mirror direction of the observer,
+//! cosines in it are of order τ at its middle, hence the power. The Sun's axis is that of the satellite's zenith angle at
+//! the terminator, sin η = R/(R+h) sin e, δ = e - η (negative where the terminator stands towards the Sun): it stretches
+//! the few degrees in which the terminator runs through what a low satellite has right below. The lobe depends on the mirror direction of the observer,
 //! laid on a plane by Lambert's equal-area projection about the nadir (no pole, and symmetric in the zx plane).
 //! Between the nodes: cubics through four of them on each axis.
 
@@ -15,6 +17,8 @@ use super::nodes::{EarthshineNodes, Shine};
 
 /// The irradiance goes as τ to this power near the last light.
 const FADING: f64 = 3.5;
+/// Step of the Sun's axis times the lobe's narrowness, radians.
+const SUN_STEP: f64 = 0.22;
 /// Stands for τ = 0, radians.
 const LEAST_TAU: f64 = 1e-4;
 
@@ -68,6 +72,17 @@ impl Stencil {
     }
 }
 
+/// Zenith angle of the satellite at the terminator, e of the module's docs, radians; beyond π/2 on the far side of the limb.
+fn terminator(sun_latitude_rad: f64, ratio: f64) -> f64 {
+    let (sin, cos) = sun_latitude_rad.sin_cos();
+    sin.atan2(cos - ratio)
+}
+
+/// The same for the lowest Sun that lights anything, or that is asked for, and for the highest.
+fn terminators([lowest, highest]: [f64; 2], dip: f64) -> [f64; 2] {
+    [lowest, highest].map(|sun| terminator(sun.max(-dip), dip.cos()))
+}
+
 /// Irradiance and lobe of the paper's earthshine (albedo 0.3) on a chassis that looks straight down.
 #[derive(Clone, Debug, PartialEq)]
 pub struct EarthshineTable {
@@ -103,17 +118,20 @@ impl EarthshineTable {
         }
         let dips = height_km.map(dip_rad);
         // The scale of what is tabulated is the lobe's width, smoothed by the Earth's; found by trial, held by tests.
-        let narrowness = exponent.max(6.0).sqrt();
+        let narrowness = exponent.max(20.0).sqrt();
         let disc = std::f64::consts::SQRT_2;
         let height = Axis::new(dips[0], dips[1], 0.16 / narrowness);
-        let longest = sun_latitude_rad[1] - (-dips[1]).max(sun_latitude_rad[0]);
-        let shares = |step: f64| Axis::new(0.0, 1.0, (step / longest.max(1e-3)).min(0.25));
+        let longest = dips.map(|dip| {
+            let [least, greatest] = terminators(sun_latitude_rad, dip);
+            greatest - least
+        });
+        let shares = |step: f64| Axis::new(0.0, 1.0, (step / longest[0].max(longest[1]).max(1e-3)).min(0.25));
         let mut table = Self {
             exponent,
             sun_latitude_rad,
             height,
-            sun: shares(0.22 / narrowness),
-            sun_fine: shares(0.012),
+            sun: shares(SUN_STEP / narrowness),
+            sun_fine: shares(0.025),
             x: Axis::new(-disc, disc, 0.26 / narrowness),
             y: Axis::new(0.0, disc, 0.26 / narrowness),
             irradiance: Vec::new(),
@@ -161,8 +179,9 @@ impl EarthshineTable {
         if tau <= 0.0 || to_observer.z >= 0.0 {
             return Some(Shine::default());
         }
-        let [least, greatest] = self.taus(dip);
-        let share = if greatest > least { (tau - least) / (greatest - least) } else { 0.0 };
+        let [least, greatest] = terminators(self.sun_latitude_rad, dip);
+        let at = terminator(sun_latitude_rad, dip.cos());
+        let share = if greatest > least { (at - least) / (greatest - least) } else { 0.0 };
         let height = self.height.stencil(dip, false);
         let fine = self.sun_fine.stencil(share, false);
         let mut scaled = 0.0;
@@ -206,17 +225,13 @@ impl EarthshineTable {
         sum.max(0.0)
     }
 
-    /// τ of the lowest and highest Sun at this dip.
-    fn taus(&self, dip: f64) -> [f64; 2] {
-        [(self.sun_latitude_rad[0] + dip).max(0.0), self.sun_latitude_rad[1] + dip]
-    }
-
     /// Sun latitude, τ and height of a node.
     fn place(&self, dip: f64, share: f64) -> (f64, f64, f64) {
-        let [least, greatest] = self.taus(dip);
-        let tau = (least + share * (greatest - least)).max(LEAST_TAU);
+        let [least, greatest] = terminators(self.sun_latitude_rad, dip);
+        let e = least + share * (greatest - least);
+        let sun = (e - (dip.cos() * e.sin()).asin()).clamp(LEAST_TAU - dip, std::f64::consts::FRAC_PI_2);
         let radius = crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
-        ((tau - dip).min(std::f64::consts::FRAC_PI_2), tau, radius / dip.cos() - radius)
+        (sun, sun + dip, radius / dip.cos() - radius)
     }
 
     fn irradiance_node(&self, dip: f64, share: f64) -> f64 {
@@ -228,7 +243,8 @@ impl EarthshineTable {
 
     fn lobe_nodes(&self, dip: f64, share: f64) -> Vec<f32> {
         let (sun, _, height_km) = self.place(dip, share);
-        let nodes = EarthshineNodes::new(sun, height_km, &Albedo::Uniform(PAPER_ALBEDO), self.exponent);
+        // The table's own error stays for the interpolation.
+        let nodes = EarthshineNodes::finer(sun, height_km, &Albedo::Uniform(PAPER_ALBEDO), self.exponent, 1.2);
         let down = -Vector3::z();
         let mut plane = Vec::with_capacity(self.x.n * self.y.n);
         for j in 0..self.y.n {

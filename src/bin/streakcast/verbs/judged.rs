@@ -102,6 +102,7 @@ pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
     provenance.state("time_scale", schedule.time_scale.to_string().to_ascii_lowercase());
     provenance.state("band", photometry.band.name());
     provenance.state("mag_system", photometry.system.to_string());
+    provenance.state("earthshine", photometry.earthshine.name());
     provenance.state(
         "schedule",
         json!({

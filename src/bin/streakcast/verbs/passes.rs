@@ -119,6 +119,7 @@ fn state(prepared: &mut Prepared, setup: &Setup, exposure: &Exposure, options: &
     prepared.provenance.state("time_scale", scale);
     prepared.provenance.state("band", options.photometry.band.name());
     prepared.provenance.state("mag_system", options.photometry.system.to_string());
+    prepared.provenance.state("earthshine", options.photometry.earthshine.name());
     prepared.provenance.state(
         "options",
         json!({
