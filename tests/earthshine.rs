@@ -68,7 +68,9 @@ fn verif_rule_against_a_far_finer_one() {
                 }
             }
         }
-        println!("n {exponent:5}: {worst:.1e} mag");
+        let nodes =
+            suns(550.0).into_iter().map(|sun| EarthshineNodes::new(sun.to_radians(), 550.0, &PAPER, exponent).len());
+        println!("n {exponent:5}: {worst:.1e} mag, {} nodes at 550 km", nodes.max().unwrap());
         assert!(worst < EARTHSHINE_MAG, "n {exponent}: {worst} mag");
     }
 }
@@ -205,7 +207,8 @@ fn verif_table_against_the_rule() {
             let sun = (least + random() * (sun_deg[1] - least)).to_radians();
             let to_observer = below((1.0 - random()).acos().to_degrees(), 360.0 * random());
             let ours = table.shine(sun, height_km, &to_observer).unwrap();
-            let exact = Shine::on_panel(sun, height_km, PAPER_ALBEDO, &down(), &to_observer, exponent);
+            let nodes = EarthshineNodes::finer(sun, height_km, &PAPER, exponent, 1.5);
+            let exact = nodes.shine(&down(), &to_observer, exponent);
             // Where the Sun stands below, the chassis is lit by it too, and its diffuse light is seen wherever earthshine is.
             let sunlight = 0.0844 / PI * (-sun.sin()).max(0.0);
             let [ours_total, exact_total] = [ours, exact].map(|shine| sunlight + chassis(&shine, exponent));
