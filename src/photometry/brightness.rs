@@ -51,10 +51,10 @@ pub struct Brightness {
     pub grey_reflectance: bool,
 }
 
-/// Light that the Earth throws on the chassis of a model made of panels.
+/// Light that the Earth throws on the chassis of a two-panel model.
 ///
-/// The paper is of two minds on whether its final model has it (section 4.3 against 4.4); other kinds of model
-/// rest on measured magnitudes, which hold it already, and ignore the switch.
+/// The paper is of two minds on whether its final model has it (section 4.3 against 4.4). Phase functions and
+/// means rest on measured magnitudes, which hold it already, and ignore the switch; so do models that list their panels.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Earthshine {
     /// Sunlight alone.
@@ -88,7 +88,7 @@ pub struct PhotometryOptions {
     /// Extinction coefficient k of the site, mag per airmass; `None` gives magnitudes above the atmosphere.
     /// With it a satellite at or below the observer's horizon has no magnitude.
     pub extinction_mag_per_airmass: Option<f64>,
-    /// Earthshine on models made of panels.
+    /// Earthshine on two-panel models.
     pub earthshine: Earthshine,
 }
 

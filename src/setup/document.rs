@@ -56,7 +56,7 @@ pub struct Setup {
     pub band: Option<String>,
     /// Zero point of the magnitudes, `Vega` or `AB`.
     pub mag_system: Option<String>,
-    /// Light from the Earth on models made of panels; true where nothing is said.
+    /// Light from the Earth on two-panel models; true where nothing is said.
     pub earthshine: Option<bool>,
     /// Crossings brighter than this make an exposure one to avoid.
     pub limit_mag: Option<f64>,

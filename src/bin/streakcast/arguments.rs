@@ -77,7 +77,7 @@ pub struct SharedArguments {
     /// Zero point of the magnitudes: Vega or AB; each band has its usual one
     #[arg(long, value_name = "SYSTEM", help_heading = "Camera")]
     pub mag_system: Option<String>,
-    /// No light from the Earth on models made of panels: sunlight alone
+    /// Two-panel models by sunlight alone, without the light that the Earth throws on the chassis
     #[arg(long, help_heading = "Camera")]
     pub no_earthshine: bool,
     /// Near misses count too where they are at least this probable
