@@ -39,7 +39,7 @@ fn geometries(n: usize, sun_deg: f64) -> Vec<ViewingGeometry> {
         .collect()
 }
 
-/// By sunlight alone: 0.1 µs at most.
+/// By sunlight alone: 0.2 µs at most.
 #[divan::bench]
 fn brightness_1000_sun_only(bencher: Bencher) {
     let (model, geometries) = (model(), geometries(DIRECTIONS, -8.0));

@@ -7,7 +7,7 @@ use crate::photometry::brdf::{Brdf, Lambert, Phong};
 use crate::photometry::panel::{Incidence, Panel};
 
 use super::albedo::Albedo;
-use super::arithmetic::lobe_powers;
+use super::arithmetic::{greater, lobe_powers};
 use super::cap::{CHUNK, Chunk, LitCap, Resolution};
 
 /// What a panel receives of the Earth's light, and what of it a glossy lobe about one observer gathers.
@@ -99,13 +99,30 @@ impl Columns<'_> {
             left[i] = even + odd;
             right[i] = even - odd;
             let (even, odd) = (self.x[i] * normal.x + self.z[i] * normal.z, self.y[i] * normal.y);
-            lit_left[i] = self.left[i] * (even + odd).max(0.0);
-            lit_right[i] = self.right[i] * (even - odd).max(0.0);
+            lit_left[i] = self.left[i] * greater(even + odd, 0.0);
+            lit_right[i] = self.right[i] * greater(even - odd, 0.0);
         }
         lobe_powers(&mut cosines[..2 * n], exponent);
-        shine.irradiance += lit[..2 * n].iter().sum::<f64>();
-        shine.lobe += lit[..2 * n].iter().zip(&cosines).map(|(lit, power)| lit * power).sum::<f64>();
+        let (irradiance, lobe) = sums(&lit[..2 * n], &cosines[..2 * n]);
+        shine.irradiance += irradiance;
+        shine.lobe += lobe;
     }
+}
+
+/// Σ a and Σ a b of two columns of one length, four by four: no sum waits for the one before.
+fn sums(a: &[f64], b: &[f64]) -> (f64, f64) {
+    let (mut sum, mut product) = ([0.0; 4], [0.0; 4]);
+    let (a_fours, b_fours) = (a.chunks_exact(4), b.chunks_exact(4));
+    let rest = a_fours.remainder().iter().zip(b_fours.remainder());
+    let (rest_sum, rest_product) = rest.fold((0.0, 0.0), |(sum, product), (a, b)| (sum + a, product + a * b));
+    for (a, b) in a_fours.zip(b_fours) {
+        for i in 0..4 {
+            sum[i] += a[i];
+            product[i] += a[i] * b[i];
+        }
+    }
+    let total = |lanes: [f64; 4]| (lanes[0] + lanes[1]) + (lanes[2] + lanes[3]);
+    (total(sum) + rest_sum, total(product) + rest_product)
 }
 
 /// The lit ground in view of a satellite, as directions and irradiances: made once for one Sun and height, asked for
