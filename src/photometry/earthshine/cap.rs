@@ -50,8 +50,8 @@ impl Resolution {
         // A broad lobe ends with a kink 90° off; rules of this kind see it only by their number.
         let kink = 1.0 / exponent.max(1.0).powi(2);
         Self {
-            rings: [5.2 + 0.3 * narrowness + 16.0 * kink, 0.65 * narrowness + 0.014 * narrowness * narrowness],
-            arc: [2.2 + 0.1 * narrowness + 11.0 * kink, 0.62 * narrowness + 0.02 * narrowness * narrowness],
+            rings: [4.3 + 0.4 * narrowness + 16.0 * kink, 0.65 * narrowness + 0.014 * narrowness * narrowness],
+            arc: [1.6 + 0.15 * narrowness + 11.0 * kink, 0.62 * narrowness + 0.02 * narrowness * narrowness],
         }
     }
 

@@ -22,12 +22,15 @@
 //!
 //! | exponent | nodes at 550 km, at most | total, mag |
 //! |---|---|---|
-//! | 1 | 1,376 | 0.0003 |
-//! | 2 | 318 | 0.0002 |
-//! | 5 | 210 | 0.0001 |
-//! | 22 | 370 | 0.0003 |
-//! | 60 | 738 | 0.0005 |
-//! | 200 | 2,054 | 0.0007 |
+//! | 1 | 1,260 | 0.0003 |
+//! | 2 | 270 | 0.0002 |
+//! | 5 | 170 | 0.0001 |
+//! | 22 | 358 | 0.0004 |
+//! | 60 | 724 | 0.0006 |
+//! | 200 | 2,056 | 0.0007 |
+//!
+//! Of the table with the chassis' own diffuse sunlight added where the Sun stands below it: 0.0008 mag at most for exponents 1 to 60;
+//! earthshine alone, which there is far too little to matter, 0.005 mag.
 //!
 //! Below exponent 1 the lobe ends in a step 90° off and the rule is good to some hundredths; above 200 it is not tested.
 //!
