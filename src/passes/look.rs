@@ -1,13 +1,17 @@
 //! What the telescope sees of one satellite along its line of sight: places, light, motion.
 
+use nalgebra::Vector3;
+
 use super::crossing::root;
 use super::scene::Scene;
 use super::sightline::SightLine;
 use super::sky::PassOptions;
 use super::track::{Chord, TrackPoint};
-use crate::frames::seconds_after;
-use crate::geometry::{Illumination, Observer, ViewingGeometry, illumination};
-use crate::photometry::{Brightness, BrightnessModel};
+use super::viewpoint::Viewpoint;
+use crate::frames::{Gcrs, Position, seconds_after};
+use crate::geometry::{Illumination, ShadowModel, ViewingGeometry};
+use crate::orbit::OrbitUncertainty;
+use crate::photometry::{Brightness, BrightnessModel, PhotometryOptions};
 
 /// Points along a pass at which shadow and peak are first looked for.
 const LIGHT_STEPS: usize = 24;
@@ -19,14 +23,25 @@ const PEAK_STEPS: usize = 20;
 pub(super) const LOWEST_ALTITUDE_RAD: f64 = -0.035;
 /// Rising and setting within a chord are looked for in steps of this, seconds: no satellite goes below and comes up again in it.
 const HORIZON_STEP_S: f64 = 30.0;
+/// The same for the limb of the Earth as seen from an orbit, seconds.
+const LIMB_STEP_S: f64 = 5.0;
+
+/// Errors along the track are followed along the tangent this far at most, seconds: beyond it the path bends away (½ g t², 0.4 km
+/// here) and the slope found is carried on.
+const LONGEST_GEOMETRY_STEP_S: f64 = 10.0;
+/// What an unknown place can do to a magnitude at most, mag: a satellite that may be dark is not infinitely uncertain.
+const MOST_GEOMETRY_SIGMA_MAG: f64 = 3.0;
 
 /// A line of sight with all that light needs. Times are seconds of the scene.
 pub(super) struct Look<'a> {
     pub scene: &'a Scene,
-    pub observer: &'a Observer,
+    pub viewpoint: &'a Viewpoint,
+    pub shadow: ShadowModel,
     pub line: &'a SightLine<'a>,
     pub model: &'a BrightnessModel,
     pub options: &'a PassOptions,
+    /// Of the satellite's place at the age of its elements.
+    pub uncertainty: OrbitUncertainty,
 }
 
 impl Look<'_> {
@@ -34,13 +49,19 @@ impl Look<'_> {
     pub fn point(&self, time_s: f64) -> Option<TrackPoint> {
         let (_, _, aspect) = self.line.aspect_at(time_s);
         let (geometry, illumination, brightness) = self.light(time_s)?;
-        let here = self.observer.state(&self.scene.orientation.at_s(time_s));
-        let (altitude_rad, azimuth_rad) = here.altitude_azimuth_rad(&aspect.geometric)?;
+        let brightness = brightness.map(|light| self.widened(time_s, light));
+        let horizontal = match self.viewpoint {
+            Viewpoint::Site(observer) => {
+                let here = observer.state(&self.scene.orientation.at_s(time_s));
+                Some(here.altitude_azimuth_rad(&aspect.geometric)?)
+            }
+            Viewpoint::Orbit(_) => None,
+        };
         Some(TrackPoint {
             epoch: seconds_after(self.scene.start, time_s),
             direction: aspect.direction,
-            altitude_rad: Some(altitude_rad),
-            azimuth_rad: Some(azimuth_rad),
+            altitude_rad: horizontal.map(|(altitude_rad, _)| altitude_rad),
+            azimuth_rad: horizontal.map(|(_, azimuth_rad)| azimuth_rad),
             range_km: aspect.range_km,
             geometry,
             illumination,
@@ -49,29 +70,71 @@ impl Look<'_> {
     }
 
     fn light(&self, time_s: f64) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
-        let (state, site, _) = self.line.aspect_at(time_s);
+        let (state, place, _) = self.line.aspect_at(time_s);
+        self.light_at(time_s, &state.position, &place)
+    }
+
+    /// The light of a satellite that stands at this place.
+    fn light_at(
+        &self,
+        time_s: f64,
+        satellite: &Position<Gcrs>,
+        place: &Position<Gcrs>,
+    ) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
         let sun = self.scene.sun.at_s(time_s).sun;
-        let geometry = ViewingGeometry::new(&state.position, &site, &sun)?;
-        let illumination = illumination(&state.position, &sun);
-        let brightness = self.model.brightness(&geometry, illumination.lit_fraction(), &self.options.photometry);
+        let geometry = ViewingGeometry::new(satellite, place, &sun)?;
+        let illumination = self.shadow.illumination(satellite, &sun);
+        let photometry = match self.viewpoint {
+            Viewpoint::Site(_) => self.options.photometry,
+            // There is no air over a telescope in orbit.
+            Viewpoint::Orbit(_) => PhotometryOptions { extinction_mag_per_airmass: None, ..self.options.photometry },
+        };
+        let brightness = self.model.brightness(&geometry, illumination.lit_fraction(), &photometry);
         Some((geometry, illumination, brightness))
+    }
+
+    /// The same light with a sigma that knows how far the satellite may be from its prediction: in range, in aspect, and
+    /// in the Earth's shadow.
+    fn widened(&self, time_s: f64, light: Brightness) -> Brightness {
+        let (state, place, _) = self.line.aspect_at(time_s);
+        let (position, velocity) = (state.position.vector(), state.velocity.vector());
+        let Some(across) = position.cross(velocity).try_normalize(0.0) else { return light };
+        // How much fainter or brighter from one side to the other, mag; where it is dark, as faint as is counted.
+        let faintest = light.magnitude.0 + MOST_GEOMETRY_SIGMA_MAG;
+        let magnitude = |moved_km: Vector3<f64>| {
+            let lit = self.light_at(time_s, &Position::from_vector(position + moved_km), &place);
+            lit.and_then(|(_, _, light)| light).map_or(faintest, |light| light.magnitude.0.min(faintest))
+        };
+        let half_difference = |moved_km: Vector3<f64>| 0.5 * (magnitude(moved_km) - magnitude(-moved_km)).abs();
+        let step_s = self.uncertainty.along_track_s.min(LONGEST_GEOMETRY_STEP_S);
+        let along = half_difference(velocity * step_s) * (self.uncertainty.along_track_s / step_s.max(1e-9));
+        let cross = half_difference(across * self.uncertainty.cross_track_km);
+        let geometry = along.hypot(cross).min(MOST_GEOMETRY_SIGMA_MAG);
+        Brightness { sigma_mag: light.sigma_mag.hypot(geometry), ..light }
     }
 
     /// True where any part of the Sun reaches the satellite at any of the points looked at.
     pub fn is_lit(&self, enter_s: f64, exit_s: f64) -> bool {
         times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| {
             let sun = self.scene.sun.at_s(time_s).sun;
-            illumination(&self.line.arc.state_at(time_s).position, &sun).lit_fraction() > 0.0
+            self.shadow.illumination(&self.line.arc.state_at(time_s).position, &sun).lit_fraction() > 0.0
         })
     }
 
-    /// The part of a chord in which the satellite stands above the ground.
+    /// The part of a chord in which the satellite stands above the ground, or for an observer in orbit clear of the Earth.
     pub fn above_ground(&self, chord: &Chord) -> Vec<Chord> {
-        let height = |time_s: f64| {
-            let here = self.observer.state(&self.scene.orientation.at_s(time_s));
-            here.sine_of_altitude(&self.line.aspect_at(time_s).2.geometric) - LOWEST_ALTITUDE_RAD.sin()
+        let height = |time_s: f64| match self.viewpoint {
+            Viewpoint::Site(observer) => {
+                let here = observer.state(&self.scene.orientation.at_s(time_s));
+                here.sine_of_altitude(&self.line.aspect_at(time_s).2.geometric) - LOWEST_ALTITUDE_RAD.sin()
+            }
+            Viewpoint::Orbit(observer) => {
+                let (state, place, _) = self.line.aspect_at(time_s);
+                observer.limb().clearance_km(&place, &state.position)
+            }
         };
-        let steps = ((chord.exit_s - chord.enter_s) / HORIZON_STEP_S).ceil().max(1.0) as usize;
+        let longest_s = if self.viewpoint.site().is_some() { HORIZON_STEP_S } else { LIMB_STEP_S };
+        let steps = ((chord.exit_s - chord.enter_s) / longest_s).ceil().max(1.0) as usize;
         let samples: Vec<(f64, f64)> =
             times(chord.enter_s, chord.exit_s, steps).map(|time_s| (time_s, height(time_s))).collect();
         let mut borders_s = vec![chord.enter_s];
