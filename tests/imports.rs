@@ -22,6 +22,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 const DOORS: &[(&str, &[&str])] = &[
     ("sgp4", &["catalogue", "orbit"]),
     ("sofars", &["frames", "geometry"]),
+    ("cdshealpix", &["photometry"]),
     ("rusqlite", &["schedule"]),
     ("quick_xml", &["catalogue"]),
     ("flate2", &["catalogue"]),
