@@ -10,7 +10,7 @@ use streakcast::photometry::earthshine::{
     Albedo, AlbedoMap, EarthBelow, EarthshineNodes, EarthshineTable, PAPER_ALBEDO, Shine, SurfaceAlbedos,
     healpix_earthshine,
 };
-use streakcast::photometry::{Earthshine, ModelLibrary, Panel, PhotometryOptions};
+use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, Panel, PhotometryOptions};
 
 /// What the contract of the production forms is, on a chassis that only the Earth lights, mag.
 const EARTHSHINE_MAG: f64 = 1e-3;
@@ -322,4 +322,43 @@ fn verif_the_switch() {
             -2.5 * ((0.25 * terms.sunlight_m2_sr() + terms.earthshine_m2_sr()) / terms.b_total_m2_sr()).log10();
         assert!((dimmed - with - expected).abs() < 1e-9);
     }
+}
+
+/// The paper's chassis as a list of panels receives what the two-panel form receives, and an array that asks for it adds more.
+#[test]
+fn verif_panels_receive_earthshine_where_they_ask_for_it() {
+    let two = ModelLibrary::embedded().get("starlink-v1.5").unwrap();
+    let c = two.file().unwrap().coefficients.unwrap();
+    let model = |sail: bool| {
+        let text = serde_json::json!({
+            "schema": 1, "name": "own", "title": "Own", "kind": "panels", "band": "V", "mag_system": "Vega", "size_m": 4.0,
+            "panels": {"parameters": [], "panels": [
+                {"name": "sail", "anchor_m": [0, 0, 0], "u_m": [-1.4, 1.4], "v_m": [0, 8.1],
+                 "attitude": {"law": "sun_azimuth", "offset_deg": 0}, "front": [{"law": "lambert", "albedo": c.c2}],
+                 "through": [{"law": "lambert", "albedo": c.c3}], "earthshine": sail},
+                {"name": "chassis", "anchor_m": [0, 0, 0], "u_m": [-1.4, 1.4], "v_m": [0, 1.3], "attitude": {"law": "nadir"},
+                 "front": [{"law": "phong", "weight": c.c4, "exponent": c.n_base}, {"law": "lambert", "albedo": c.c5}],
+                 "earthshine": true}],
+                "blocking": [{"panel": "sail", "by": "chassis"}]},
+            "covariance": null, "rms_mag": null, "sigma_mag": 0.3, "sigma_outside_mag": 1.0, "sigma_origin": "assumed",
+            "geometry_range": null,
+            "provenance": {"source": "a test", "data": "none", "n_points": null, "date": "2026", "provisional": true, "notes": []}
+        });
+        BrightnessModel::from_json(&text.to_string(), "own").unwrap()
+    };
+    let mut more = 0;
+    for (sun_deg, longitude_deg, latitude_deg) in
+        [(-8.0, 170.0, -50.0), (-2.0, 120.0, -30.0), (3.0, 30.0, -60.0), (1.0, 10.0, -20.0), (-15.0, 180.0, -80.0)]
+    {
+        let [sun, longitude, latitude] = [sun_deg, longitude_deg, latitude_deg].map(f64::to_radians);
+        let geometry = ViewingGeometry::from_angles(sun, longitude, latitude, 900.0, 550.0).unwrap();
+        let magnitude =
+            |model: &BrightnessModel| model.standard_magnitude_with(&geometry, Earthshine::Computed).unwrap().0;
+        let (closed, panels, wide) = (magnitude(&two), magnitude(&model(false)), magnitude(&model(true)));
+        // Two samplings of the same Earth, each good to 4e-4 mag of a chassis that nothing else lights.
+        assert!((closed - panels).abs() < 1e-3, "{closed} {panels} at {sun_deg}");
+        assert!(wide <= panels);
+        more += usize::from(wide < panels - 1e-3);
+    }
+    assert!(more >= 2, "{more}");
 }

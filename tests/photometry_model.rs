@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::f64::consts::{FRAC_PI_2, PI};
+
 use nalgebra::Vector3;
 use streakcast::frames::{Body, Direction};
 use streakcast::geometry::ViewingGeometry;
@@ -305,10 +307,10 @@ fn verif_many_magnitudes_at_once_equal_one_at_a_time() {
         }
         let model = BrightnessModel::from_file(file, "own").unwrap();
         // Not a multiple of any vector, and the directions where formulas are at their ends.
-        let mut columns = vec![
-            vec![0.0, -0.3, -0.3, -1.5707, -0.3],
-            vec![0.0, 0.0, 3.1415926, 1.0, 1.5707963],
-            vec![-0.9, -1.5707963, -0.3, -0.9, -0.9],
+        let mut columns = [
+            vec![0.0, -0.3, -0.3, -FRAC_PI_2, -0.3],
+            vec![0.0, 0.0, PI, 1.0, FRAC_PI_2],
+            vec![-0.9, -FRAC_PI_2, -0.3, -0.9, -0.9],
         ];
         for _ in 0..996 {
             columns[0].push(uniform.between(-1.5, 1.5));

@@ -201,13 +201,14 @@ impl BrightnessModel {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), earth_m2_sr)
     }
 
-    /// 0 for models that are not a chassis and a sail.
+    /// 0 for models that are made of no panels.
     fn earthshine_m2_sr(&self, geometry: &ViewingGeometry, earthshine: Earthshine) -> f64 {
         match (&self.law, earthshine) {
             (Law::TwoPanel(model), Earthshine::Computed) => {
                 let earth = model.earth_terms(geometry);
                 earth.glossy_m2_sr + earth.diffuse_m2_sr
             }
+            (Law::Panels(assembly), Earthshine::Computed) => assembly.earthshine_m2_sr(geometry),
             _ => 0.0,
         }
     }
@@ -243,8 +244,8 @@ impl BrightnessModel {
                 StandardMagnitude::from_reflection(sunlight + earth_m2_sr, self.band.sun_magnitude(self.system))
             }
             Law::Panels(assembly) => {
-                let b_total = assembly.b_total_m2_sr(to_sun.vector(), to_observer.vector());
-                StandardMagnitude::from_reflection(b_total, self.band.sun_magnitude(self.system))
+                let sunlight = assembly.b_total_m2_sr(to_sun.vector(), to_observer.vector());
+                StandardMagnitude::from_reflection(sunlight + earth_m2_sr, self.band.sun_magnitude(self.system))
             }
             Law::Phase(function) => Some(function.standard_magnitude(to_sun.separation_rad(to_observer))),
             Law::Sphere(sphere) => sphere.standard_magnitude(to_sun.separation_rad(to_observer)),

@@ -162,16 +162,25 @@ static FIELDS: &[Field] = &[
     }),
 ];
 
-/// Columns that only formats with tables inside tables carry by default.
-static NESTED: &[Field] =
-    &[field(Column::new("chords", Kind::Rows(CHORDS), "Stretches of the track inside the field."), |row| {
+/// Columns that only formats with tables inside tables carry by default: scripts count on the others' columns.
+static NESTED: &[Field] = &[
+    field(
+        Column::new(
+            "in_fitted_range",
+            Kind::Boolean,
+            "False where the model is asked beyond the geometry it rests on, and the sigma is wide; empty without a magnitude.",
+        ),
+        |row| shown(row).map(|brightness| Value::Boolean(brightness.in_fitted_range)).unwrap_or(Value::Null),
+    ),
+    field(Column::new("chords", Kind::Rows(CHORDS), "Stretches of the track inside the field."), |row| {
         let opening = row.exposure.start;
         let chord = |chord: &crate::passes::Chord| {
             let moment = |seconds| crate::frames::seconds_after(opening, seconds).into();
             vec![moment(chord.enter_s), moment(chord.exit_s), chord.enter_s.into(), chord.exit_s.into()]
         };
         Value::Rows(row.pass.chords.iter().map(chord).collect())
-    })];
+    }),
+];
 
 static SAMPLED: &[Field] = &[field(Column::new("samples", Kind::Rows(SAMPLES), "Points along the track."), |row| {
     let sample = |point: &TrackPoint| {

@@ -70,6 +70,10 @@ pub struct Setup {
     pub mag_system: Option<String>,
     /// Light from the Earth on two-panel models; true where nothing is said.
     pub earthshine: Option<bool>,
+    /// Extinction of the site in the band, mag per airmass; magnitudes above the air where nothing is said.
+    pub extinction: Option<f64>,
+    /// The Sun's distance of the day in magnitudes; at 1 au where nothing is said.
+    pub sun_distance: Option<bool>,
     /// Crossings brighter than this make an exposure one to avoid: one number, or a table by band.
     pub limit_mag: Option<MagnitudeLimit>,
     /// Near misses at least this probable count too.
@@ -202,6 +206,8 @@ impl Setup {
             band: self.band.or(base.band),
             mag_system: self.mag_system.or(base.mag_system),
             earthshine: self.earthshine.or(base.earthshine),
+            extinction: self.extinction.or(base.extinction),
+            sun_distance: self.sun_distance.or(base.sun_distance),
             limit_mag: self.limit_mag.or(base.limit_mag),
             min_probability: self.min_probability.or(base.min_probability),
             max_delay: self.max_delay.or(base.max_delay),

@@ -201,7 +201,15 @@ impl Setup {
         let band: Band = self.band.as_deref().unwrap_or("V").parse()?;
         let system = self.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
         let earthshine = if self.earthshine.unwrap_or(true) { Earthshine::Computed } else { Earthshine::Off };
-        Ok(PhotometryOptions { earthshine, ..PhotometryOptions::in_band(band, system) })
+        if let Some(extinction) = self.extinction {
+            in_range("extinction", extinction, "mag", "0 to 5 mag", |extinction| (0.0..=5.0).contains(&extinction))?;
+        }
+        Ok(PhotometryOptions {
+            earthshine,
+            extinction_mag_per_airmass: self.extinction,
+            sun_distance: self.sun_distance.unwrap_or(false),
+            ..PhotometryOptions::in_band(band, system)
+        })
     }
 
     /// Points along each track; 0 where nothing was said.

@@ -18,7 +18,7 @@ fn main() {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
         least + (greatest - least) * (state >> 11) as f64 / (1_u64 << 53) as f64
     };
-    let columns: [Vec<f64>; 3] = [(-0.4, -0.05), (0.0, 6.28), (-1.5, -0.3)]
+    let columns: [Vec<f64>; 3] = [(-0.4, -0.05), (0.0, std::f64::consts::TAU), (-1.5, -0.3)]
         .map(|(least, greatest)| (0..DIRECTIONS).map(|_| between(least, greatest)).collect());
     let shipped = ModelLibrary::embedded().get("starlink-v1.5").expect("shipped");
     let mut glossy = shipped.file().expect("from a file").clone();

@@ -95,6 +95,12 @@ pub struct SharedArguments {
     /// Two-panel models by sunlight alone, without the light that the Earth throws on the chassis
     #[arg(long, help_heading = "Camera")]
     pub no_earthshine: bool,
+    /// Extinction of the site in the band, mag per airmass: magnitudes below the air
+    #[arg(long, value_name = "MAG", help_heading = "Camera")]
+    pub extinction: Option<f64>,
+    /// Magnitudes with the Sun's distance of the day (up to 0.04 mag), not at 1 au
+    #[arg(long, help_heading = "Camera")]
+    pub sun_distance: bool,
     /// Near misses count too where they are at least this probable
     #[arg(long, value_name = "P", help_heading = "Camera")]
     pub min_probability: Option<f64>,
@@ -283,6 +289,8 @@ impl SharedArguments {
             band: self.band.clone(),
             mag_system: self.mag_system.clone(),
             earthshine: self.no_earthshine.then_some(false),
+            extinction: self.extinction,
+            sun_distance: self.sun_distance.then_some(true),
             min_probability: self.min_probability,
             time_scale: self.time_scale.clone(),
             eop: self.eop.clone(),

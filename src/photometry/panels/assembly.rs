@@ -9,8 +9,10 @@ use nalgebra::Vector3;
 use super::attitude::Attitude;
 use super::obstruction::{MOST_BLOCKERS, union_area_m2};
 use super::rectangle::PlacedRectangle;
+use crate::geometry::ViewingGeometry;
 use crate::photometry::brdf::{Brdf, Law};
-use crate::photometry::panel::Incidence;
+use crate::photometry::earthshine::{Albedo, EarthshineNodes, PAPER_ALBEDO};
+use crate::photometry::panel::{Incidence, Panel};
 use crate::photometry::polygon::PanelPolygon;
 
 /// Which way light goes at a panel.
@@ -43,6 +45,8 @@ pub(super) struct AssembledPanel {
     pub back: Vec<Law>,
     /// Laws of light that comes through.
     pub through: Vec<Law>,
+    /// True where light from the Earth falls on the front too.
+    pub earthshine: bool,
     /// Panels that may shade or hide it, by number; at most [`MOST_BLOCKERS`].
     pub blockers: Vec<usize>,
 }
@@ -105,7 +109,34 @@ impl PanelAssembly {
     /// Share of a panel's area that is in the others' shadow or hidden by them, [0, 1].
     pub fn blocked(&self, panel: usize, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> f64 {
         let Some(of) = self.panels.get(panel) else { return 0.0 };
-        self.share_blocked(of, &of.placed(to_sun), to_sun, to_observer)
+        self.share_blocked(of, &of.placed(to_sun), to_sun, &[to_sun, to_observer])
+    }
+
+    /// Sunlight that the Earth throws on the fronts that ask for it and they send on, m² sr⁻¹: the whole Earth at the paper's
+    /// albedo. What others hide of a panel is cut out; what they shade of the wide Earth is not.
+    pub fn earthshine_m2_sr(&self, geometry: &ViewingGeometry) -> f64 {
+        let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
+        let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());
+        let mut nodes = EarthshineNodes::default();
+        let mut laid = f64::NAN;
+        let mut total = 0.0;
+        for panel in self.panels.iter().filter(|panel| panel.earthshine) {
+            let placed = panel.placed(to_sun);
+            if placed.axes.normal.dot(to_observer) <= 0.0 {
+                continue;
+            }
+            let front = Panel { area_m2: placed.area_m2(), normal: placed.axes.normal };
+            let open = 1.0 - self.share_blocked(panel, &placed, to_sun, &[to_observer]);
+            for law in &panel.front {
+                let exponent = law.equivalent_exponent();
+                if exponent != laid {
+                    nodes.lay(geometry.sun_latitude_rad, geometry.height_km, &Albedo::Uniform(PAPER_ALBEDO), exponent);
+                    laid = exponent;
+                }
+                total += open * nodes.reflected_m2_sr(&front, law, to_observer);
+            }
+        }
+        total
     }
 
     fn each_part(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>, mut take: impl FnMut(Part)) {
@@ -122,7 +153,7 @@ impl PanelAssembly {
             if laws.is_empty() || projection == 0.0 {
                 continue;
             }
-            let blocked = self.share_blocked(panel, &placed, to_sun, to_observer);
+            let blocked = self.share_blocked(panel, &placed, to_sun, &[to_sun, to_observer]);
             // The same cosines whichever side they are counted from.
             let seen = if face == Face::Back { incidence.from_behind() } else { incidence };
             // f cos φ_i cos φ_r A (1 - BF)                                 Lu (2024), eqs. 2-6
@@ -134,12 +165,13 @@ impl PanelAssembly {
         }
     }
 
+    /// Share of a panel that the others stop on the way to any of at most two directions. The Sun turns them.
     fn share_blocked(
         &self,
         panel: &AssembledPanel,
         placed: &PlacedRectangle,
         to_sun: &Vector3<f64>,
-        to_observer: &Vector3<f64>,
+        directions: &[&Vector3<f64>],
     ) -> f64 {
         if panel.blockers.is_empty() {
             return 0.0;
@@ -148,7 +180,7 @@ impl PanelAssembly {
         let mut count = 0;
         for blocker in panel.blockers.iter().take(MOST_BLOCKERS).filter_map(|&number| self.panels.get(number)) {
             let other = blocker.placed(to_sun);
-            for direction in [to_sun, to_observer] {
+            for direction in directions.iter().take(2) {
                 shapes[count] = placed.stopped_by(&other, direction);
                 count += 1;
             }

@@ -60,6 +60,7 @@ impl PanelsSpec {
             front: laws(&panel.front),
             back: laws(&panel.back),
             through: laws(&panel.through),
+            earthshine: panel.earthshine,
             blockers: self.blockers_of(&panel.name).filter_map(|blocking| number_of(&blocking.by)).collect(),
         });
         PanelAssembly::new(panels.collect())

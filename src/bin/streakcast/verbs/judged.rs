@@ -93,6 +93,12 @@ pub fn state_scales(provenance: &mut Provenance, time_scale: &str, photometry: &
     provenance.state("band", photometry.band.name());
     provenance.state("mag_system", photometry.system.to_string());
     provenance.state("earthshine", photometry.earthshine.name());
+    if let Some(extinction) = photometry.extinction_mag_per_airmass {
+        provenance.state("extinction_mag_per_airmass", extinction);
+    }
+    if photometry.sun_distance {
+        provenance.state("sun_distance", "of the day");
+    }
 }
 
 /// A report in which no row was judged.
