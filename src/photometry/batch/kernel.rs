@@ -3,8 +3,6 @@
 //! The same formulas as `satellite` and `blocking`, written without branches over fixed blocks of directions; the compiler
 //! turns each loop into vectors of four or eight. Which instructions the machine has is found out at run time.
 
-#![expect(clippy::needless_range_loop, reason = "several columns run side by side, and plain indices become vectors")]
-
 use std::f64::consts::{FRAC_1_PI, LN_10, TAU};
 
 use pulp::{Arch, NullaryFnOnce};
