@@ -159,7 +159,8 @@ impl BrightnessModel {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer())
     }
 
-    fn standard_magnitude_of(
+    /// The same from unit vectors in the body frame; the Sun's y is 0.
+    pub fn standard_magnitude_of(
         &self,
         to_sun: &Direction<Body>,
         to_observer: &Direction<Body>,

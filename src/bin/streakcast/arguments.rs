@@ -5,6 +5,8 @@ use std::path::{Path, PathBuf};
 use clap::{Args, Parser, Subcommand, ValueEnum};
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
+use crate::map_arguments::MapArguments;
+
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
 #[derive(Parser)]
 #[command(name = "streakcast", version, arg_required_else_help = true, propagate_version = true)]
@@ -21,6 +23,8 @@ pub enum Verb {
     Flag(Box<FlagArguments>),
     /// The schedule file again, every cell as it was, with flags and streaks beside
     Annotate(Box<AnnotateArguments>),
+    /// Maps of magnitude over a satellite's own sky and over that of a site
+    Map(MapArguments),
     /// The brightness models: list, show, check
     Model(ModelArguments),
     /// The observatories known by name and MPC code

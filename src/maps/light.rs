@@ -1,0 +1,61 @@
+//! From directions to magnitudes: the model's light in the band that was asked for.
+
+use crate::frames::{Body, Direction};
+use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, StandardMagnitude, airmass};
+
+use super::facts::{Fact, FactValue};
+
+/// A model with what is the same in every direction.
+///
+/// A map has no use for the sigma and source that come with each single magnitude; without them a direction costs a third. That both ways
+/// give the same magnitude is a test.
+#[derive(Clone, Debug)]
+pub(super) struct Light<'a> {
+    model: &'a BrightnessModel,
+    options: PhotometryOptions,
+    /// From the model's band to the one asked for, mag.
+    colour_mag: f64,
+}
+
+impl<'a> Light<'a> {
+    pub fn new(model: &'a BrightnessModel, options: PhotometryOptions) -> Self {
+        let (band, system) = model.band();
+        // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
+        let colour_mag = options.band.sun_magnitude(options.system) - band.sun_magnitude(system);
+        Self { model, options, colour_mag }
+    }
+
+    /// At 1000 km in full sunlight, the Sun at 1 au; `None` where nothing lit is seen.
+    pub fn standard_magnitude(
+        &self,
+        to_sun: &Direction<Body>,
+        to_observer: &Direction<Body>,
+    ) -> Option<StandardMagnitude> {
+        let standard = self.model.standard_magnitude_of(to_sun, to_observer)?;
+        Some(StandardMagnitude(standard.0 + self.colour_mag))
+    }
+
+    /// What distance and air add to a standard magnitude; `None` where the air lets nothing through, at the horizon.
+    pub fn dimming(&self, range_km: f64, altitude_rad: f64) -> Option<Magnitude> {
+        let air = match self.options.extinction_mag_per_airmass {
+            Some(k) => k * airmass(altitude_rad)?,
+            None => 0.0,
+        };
+        Some(StandardMagnitude(0.0).at_range(range_km).dimmed_by(air))
+    }
+
+    /// Model, band and zero point, and the air where there is any.
+    pub fn facts(&self) -> Vec<Fact> {
+        let text = |shown: &dyn std::fmt::Display| FactValue::Text(shown.to_string());
+        vec![
+            Fact::new("model", "MODEL", text(&self.model.source()), "what magnitudes rest on"),
+            Fact::new("band", "BAND", text(&self.options.band), "passband"),
+            Fact::new("mag_system", "MAGSYS", text(&self.options.system), "zero point"),
+        ]
+    }
+
+    /// Extinction, mag per airmass, where there is any.
+    pub fn extinction(&self) -> Option<f64> {
+        self.options.extinction_mag_per_airmass
+    }
+}
