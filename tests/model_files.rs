@@ -35,6 +35,13 @@ fn check(value: &Value, schema: &Value, root: &Value, path: &str) -> Result<(), 
                     return fail(format!("{value} is none of {names:?}"));
                 }
             }
+            "oneOf" => {
+                let branches = rule.as_array().ok_or("oneOf is a list")?;
+                let met = branches.iter().filter(|branch| check(value, branch, root, path).is_ok()).count();
+                if met != 1 {
+                    return fail(format!("{value} meets {met} of {} alternatives", branches.len()));
+                }
+            }
             "enum" => {
                 if !rule.as_array().is_some_and(|allowed| allowed.contains(value)) {
                     return fail(format!("{value} is not in {rule}"));
@@ -239,4 +246,20 @@ fn verif_a_users_model_takes_its_place() {
     let same = library.clone();
     assert!(library.add_json("{}", "bad.json").is_err());
     assert_eq!(library, same, "a bad file changes nothing");
+}
+
+/// A satellite with two arrays, one of each law and attitude: the schema takes it, and so do we.
+#[test]
+fn verif_a_file_of_panels_meets_the_schema() {
+    let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/two-arrays.json");
+    let text = std::fs::read_to_string(path).unwrap();
+    schema_check(&serde_json::from_str(&text).unwrap()).unwrap();
+    let model = BrightnessModel::from_json(&text, "two-arrays.json").unwrap();
+    assert_eq!(model.assembly().unwrap().names().collect::<Vec<_>>(), ["bus", "right", "left"]);
+    let again = model.file().unwrap().to_json();
+    schema_check(&serde_json::from_str(&again).unwrap()).unwrap();
+    assert_eq!(BrightnessModel::from_json(&again, "again").unwrap(), model);
+    let mut wrong: Value = serde_json::from_str(&text).unwrap();
+    wrong["panels"]["panels"][0]["front"][0]["law"] = json!("mirror");
+    assert!(schema_check(&wrong).is_err());
 }

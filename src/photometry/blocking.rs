@@ -27,12 +27,12 @@
 //!
 //! The share of the sail lost is the area of shadow ∪ view, cut to the sail. At each height v the three shapes are
 //! intervals in u, so the area is the integral of interval lengths that are piecewise linear in v, and is
-//! taken in closed form: exact, with no polygon to clip. `SailPolygon` draws the same shapes and clips them;
+//! taken in closed form: exact, with no polygon to clip. `PanelPolygon` draws the same shapes and clips them;
 //! tests hold the two, and rays cast one by one, against each other.
 
 use nalgebra::Vector3;
 
-use super::polygon::SailPolygon;
+use super::polygon::PanelPolygon;
 
 /// A rectangular sail hinged to the edge of a rectangular chassis; lengths in metres.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -119,16 +119,12 @@ impl ChassisBlocking {
 
     /// Outline on the sail (u, v in metres) of what the chassis stops on the way to `direction`, cut to the sail; empty
     /// where it stops nothing.
-    pub fn outline(&self, direction: &Vector3<f64>) -> SailPolygon {
+    pub fn outline(&self, direction: &Vector3<f64>) -> PanelPolygon {
         let cast = self.cast(direction);
         let (half, top) = (0.5 * self.base_width_m, cast.height_m);
         let shift = cast.shear * top;
-        SailPolygon::new(&[[-half, 0.0], [half, 0.0], [half + shift, top], [-half + shift, top]]).clipped_to_rectangle(
-            -0.5 * self.sail_width_m,
-            0.5 * self.sail_width_m,
-            0.0,
-            self.sail_length_m,
-        )
+        PanelPolygon::new(&[[-half, 0.0], [half, 0.0], [half + shift, top], [-half + shift, top]])
+            .clipped_to_rectangle([-0.5 * self.sail_width_m, 0.5 * self.sail_width_m], [0.0, self.sail_length_m])
     }
 
     /// How far up the sail the chassis stops light to or from a direction, at most the sail's length, and how it leans.

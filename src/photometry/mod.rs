@@ -10,6 +10,8 @@ mod model;
 mod model_check;
 mod model_file;
 mod panel;
+pub mod panels;
+mod parameter_sigma;
 mod phase;
 mod polygon;
 mod satellite;
@@ -27,7 +29,7 @@ pub use model_file::{
 };
 pub use panel::{Incidence, Panel};
 pub use phase::PhaseFunction;
-pub use polygon::SailPolygon;
+pub use polygon::PanelPolygon;
 pub use satellite::{SatelliteModel, Terms};
 pub use sphere::DiffuseSphere;
 pub use standard_magnitudes::{StandardMagnitudes, StandardMagnitudesError};

@@ -9,6 +9,8 @@ use super::band::{Band, MagSystem};
 use super::brightness::{Brightness, MagnitudeSource, PhotometryOptions};
 use super::magnitude::{StandardMagnitude, airmass};
 use super::model_file::{GeometryRange, ModelFile, ModelFileError, ModelKind};
+use super::panels::PanelAssembly;
+use super::parameter_sigma::ParameterSigmas;
 use super::phase::PhaseFunction;
 use super::satellite::SatelliteModel;
 use super::sphere::DiffuseSphere;
@@ -67,16 +69,29 @@ impl FittedRange {
 
 #[derive(Clone, Debug, PartialEq)]
 enum Law {
-    Panels(SatelliteModel),
+    TwoPanel(Box<SatelliteModel>),
+    Panels(Box<PanelAssembly>),
     Phase(PhaseFunction),
     Sphere(DiffuseSphere),
     Mean(StandardMagnitude),
+}
+
+/// What the covariance of the parameters is asked through.
+#[derive(Clone, Debug, PartialEq)]
+enum Doubt {
+    /// Nothing is known of it.
+    None,
+    /// The two-panel form has derivatives.
+    Gradient(ParameterSigmas),
+    /// Assemblies with their parameters moved a little both ways along each axis of the covariance.
+    Pairs(Vec<[PanelAssembly; 2]>),
 }
 
 /// A model that answers with magnitudes, whatever it is made of. Shared by reference; asking allocates nothing.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrightnessModel {
     law: Law,
+    doubt: Doubt,
     source: MagnitudeSource,
     band: Band,
     system: MagSystem,
@@ -106,12 +121,25 @@ impl BrightnessModel {
             |key| ModelFileError::Key { origin: origin.to_owned(), kind: file.kind.name(), problem: "needs", key };
         let (band, system) = file.band_and_system().ok_or_else(|| needs("band"))?;
         let name: Arc<str> = file.name.as_str().into();
+        let sigmas = file.covariance.as_deref().map(ParameterSigmas::new);
+        let mut doubt = Doubt::None;
         let (law, source) = match file.kind {
+            ModelKind::Panels => {
+                let spec = file.panels.as_ref().ok_or_else(|| needs("panels"))?;
+                if let Some(sigmas) = sigmas {
+                    let values: Vec<f64> = spec.parameters.iter().map(|parameter| parameter.value).collect();
+                    let pairs = sigmas.pairs(&values);
+                    doubt =
+                        Doubt::Pairs(pairs.iter().map(|[up, down]| [spec.assemble(up), spec.assemble(down)]).collect());
+                }
+                (Law::Panels(Box::new(spec.assemble(&[]))), MagnitudeSource::Brdf(name))
+            }
             ModelKind::TwoPanel => {
                 let shape = file.shape.as_ref().ok_or_else(|| needs("shape"))?;
                 let coefficients = file.coefficients.as_ref().ok_or_else(|| needs("coefficients"))?;
                 let model = SatelliteModel::new(shape, coefficients).ok_or_else(|| needs("shape"))?;
-                (Law::Panels(model), MagnitudeSource::Brdf(name))
+                doubt = sigmas.map_or(Doubt::None, Doubt::Gradient);
+                (Law::TwoPanel(Box::new(model)), MagnitudeSource::Brdf(name))
             }
             ModelKind::PhaseFunction => {
                 let phase = file.phase_function.as_ref().ok_or_else(|| needs("phase_function"))?;
@@ -128,6 +156,7 @@ impl BrightnessModel {
         };
         Ok(Self {
             law,
+            doubt,
             source,
             band,
             system,
@@ -143,6 +172,7 @@ impl BrightnessModel {
     pub fn from_standard_magnitude(half_lit: StandardMagnitude) -> Self {
         Self {
             law: Law::Sphere(DiffuseSphere { half_lit }),
+            doubt: Doubt::None,
             source: MagnitudeSource::StandardMagnitude,
             band: Band::V,
             system: MagSystem::Vega,
@@ -166,8 +196,12 @@ impl BrightnessModel {
         to_observer: &Direction<Body>,
     ) -> Option<StandardMagnitude> {
         match &self.law {
-            Law::Panels(model) => {
+            Law::TwoPanel(model) => {
                 let b_total = model.terms_of_directions(to_sun.vector(), to_observer.vector()).b_total_m2_sr();
+                StandardMagnitude::from_reflection(b_total, self.band.sun_magnitude(self.system))
+            }
+            Law::Panels(assembly) => {
+                let b_total = assembly.b_total_m2_sr(to_sun.vector(), to_observer.vector());
                 StandardMagnitude::from_reflection(b_total, self.band.sun_magnitude(self.system))
             }
             Law::Phase(function) => Some(function.standard_magnitude(to_sun.separation_rad(to_observer))),
@@ -202,7 +236,8 @@ impl BrightnessModel {
         };
         let magnitude = standard.at_range(geometry.range_km).dimmed_by(colour + dimming + sun + air);
         let in_fitted_range = self.covers_phase(geometry, to_sun.cosine(&to_observer));
-        let sigma = if in_fitted_range { self.sigma_mag } else { self.sigma_outside_mag };
+        let scatter = if in_fitted_range { self.sigma_mag } else { self.sigma_outside_mag };
+        let sigma = self.parameter_sigma_mag(&to_sun, &to_observer).map_or(scatter, |doubt| scatter.hypot(doubt));
         magnitude.0.is_finite().then(|| Brightness {
             magnitude,
             sigma_mag: if grey_reflectance { sigma.hypot(GREY_REFLECTANCE_SIGMA_MAG) } else { sigma },
@@ -210,6 +245,27 @@ impl BrightnessModel {
             in_fitted_range,
             grey_reflectance,
         })
+    }
+
+    /// One sigma of the magnitude that comes from the uncertainty of the fitted parameters alone, mag: √(J Σ Jᵀ).
+    ///
+    /// `None` where the model has no covariance, and where nothing lit is seen.
+    pub fn parameter_sigma_mag(&self, to_sun: &Direction<Body>, to_observer: &Direction<Body>) -> Option<f64> {
+        let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());
+        let (variance, b_total) = match (&self.doubt, &self.law) {
+            (Doubt::Gradient(sigmas), Law::TwoPanel(model)) => {
+                let (gradient, b_total) = model.gradient(to_sun, to_observer);
+                (sigmas.variance_of_gradient(&gradient), b_total)
+            }
+            (Doubt::Pairs(pairs), Law::Panels(assembly)) => {
+                let values =
+                    pairs.iter().map(|pair| pair.each_ref().map(|moved| moved.b_total_m2_sr(to_sun, to_observer)));
+                (ParameterSigmas::variance_of_pairs(values), assembly.b_total_m2_sr(to_sun, to_observer))
+            }
+            _ => return None,
+        };
+        // m = -2.5 log₁₀ B + …, dm/dp = -(2.5 / ln 10) (dB/dp) / B
+        (b_total > 0.0).then(|| 2.5 / std::f64::consts::LN_10 * variance.sqrt() / b_total)
     }
 
     /// True where the geometry lies within the points that the model rests on, or where it rests on no points of its
@@ -227,10 +283,18 @@ impl BrightnessModel {
         self.fitted_range.as_ref()
     }
 
-    /// The panels, if it is made of any: to take its light apart.
+    /// Chassis and sail, if it is made of them: to take its light apart.
     pub fn satellite(&self) -> Option<&SatelliteModel> {
         match &self.law {
-            Law::Panels(model) => Some(model),
+            Law::TwoPanel(model) => Some(model),
+            _ => None,
+        }
+    }
+
+    /// The panels, if its file lists any: to take its light apart.
+    pub fn assembly(&self) -> Option<&PanelAssembly> {
+        match &self.law {
+            Law::Panels(assembly) => Some(assembly),
             _ => None,
         }
     }

@@ -41,8 +41,11 @@ impl ModelFile {
         if let Some(coefficients) = &self.coefficients {
             coefficients.validate(&check)?;
         }
+        if let Some(panels) = &self.panels {
+            panels.validate(&check)?;
+        }
         if let Some(covariance) = &self.covariance {
-            check.covariance(covariance)?;
+            check.covariance(covariance, self.parameters().len())?;
         }
         if let Some(phase) = &self.phase_function {
             phase.validate(&check)?;
@@ -55,12 +58,14 @@ impl ModelFile {
 
     /// Which optional keys the kind needs and which it has no use for.
     fn validate_keys(&self, check: &Check) -> Result<(), ModelFileError> {
-        let panels = self.kind == ModelKind::TwoPanel;
+        let two_panel = self.kind == ModelKind::TwoPanel;
+        let panels = self.kind == ModelKind::Panels;
         let phase = self.kind == ModelKind::PhaseFunction;
         let mean = matches!(self.kind, ModelKind::Mean | ModelKind::Prior);
         let keys = [
-            ("shape", self.shape.is_some(), panels),
-            ("coefficients", self.coefficients.is_some(), panels),
+            ("shape", self.shape.is_some(), two_panel),
+            ("coefficients", self.coefficients.is_some(), two_panel),
+            ("panels", self.panels.is_some(), panels),
             ("phase_function", self.phase_function.is_some(), phase),
             ("mean_mag", self.mean_mag.is_some(), mean),
         ];
@@ -77,7 +82,7 @@ impl ModelFile {
                 _ => {}
             }
         }
-        if self.covariance.is_some() && !panels {
+        if self.covariance.is_some() && !(two_panel || panels) {
             return Err(key_error("has no use for", "covariance"));
         }
         Ok(())
@@ -138,17 +143,32 @@ impl GeometryRange {
 }
 
 /// Checks that know whose file they speak of.
-struct Check<'a> {
+pub(super) struct Check<'a> {
     origin: &'a str,
 }
 
 impl Check<'_> {
-    fn range(&self, key: &str, given: f64, least: f64, greatest: f64) -> Result<(), ModelFileError> {
+    pub(super) fn range(&self, key: &str, given: f64, least: f64, greatest: f64) -> Result<(), ModelFileError> {
         // Not a number is in no range.
         if (least..=greatest).contains(&given) {
             return Ok(());
         }
         Err(ModelFileError::OutOfRange { origin: self.origin.to_owned(), key: key.to_owned(), given, least, greatest })
+    }
+
+    /// How many of something there are.
+    pub(super) fn count(&self, key: &str, given: usize, least: usize, greatest: usize) -> Result<(), ModelFileError> {
+        self.range(&format!("{key}: number"), given as f64, least as f64, greatest as f64)
+    }
+
+    /// The error of a name that stands for nothing.
+    pub(super) fn reference(&self, key: &str, given: &str, allowed: String) -> ModelFileError {
+        ModelFileError::Reference {
+            origin: self.origin.to_owned(),
+            key: key.to_owned(),
+            given: given.to_owned(),
+            allowed,
+        }
     }
 
     fn text(&self, key: &'static str, given: &str, allowed: &'static str) -> ModelFileError {
@@ -167,12 +187,12 @@ impl Check<'_> {
         Err(self.text(key, given, "1 to 64 lower-case letters, digits, '.' and '-'"))
     }
 
-    fn covariance(&self, matrix: &[Vec<f64>]) -> Result<(), ModelFileError> {
-        let error = |problem: String| ModelFileError::Covariance { origin: self.origin.to_owned(), problem };
-        if matrix.len() != 7 {
+    fn covariance(&self, matrix: &[Vec<f64>], size: usize) -> Result<(), ModelFileError> {
+        let error = |problem: String| ModelFileError::Covariance { origin: self.origin.to_owned(), size, problem };
+        if matrix.len() != size {
             return Err(error(format!("it has {} rows", matrix.len())));
         }
-        if let Some((i, row)) = matrix.iter().enumerate().find(|(_, row)| row.len() != 7) {
+        if let Some((i, row)) = matrix.iter().enumerate().find(|(_, row)| row.len() != size) {
             return Err(error(format!("row {i} has {} columns", row.len())));
         }
         for (i, row) in matrix.iter().enumerate() {

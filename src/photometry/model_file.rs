@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::band::{Band, MagSystem};
+use super::panels::PanelsSpec;
 
 /// The schema version that this code reads and writes.
 pub const SCHEMA_VERSION: u32 = 1;
@@ -18,6 +19,8 @@ pub const SCHEMA_VERSION: u32 = 1;
 pub enum ModelKind {
     /// Chassis and sail with five terms: `shape`, `coefficients`, `covariance`.
     TwoPanel,
+    /// Any number of flat panels: `panels`, `covariance`.
+    Panels,
     /// A polynomial in the phase angle: `phase_function`.
     PhaseFunction,
     /// The mean at 1000 km of a constellation or class of objects, taken for every geometry: `mean_mag`.
@@ -53,7 +56,11 @@ pub struct ModelFile {
     /// Coefficients of the five terms (`two_panel`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coefficients: Option<Coefficients>,
-    /// Covariance of the coefficients (c1, c2, c3, c4, c5, n_sail, n_base), 7 x 7; null while none is known.
+    /// Panels, their laws and attitudes (`panels`).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub panels: Option<PanelsSpec>,
+    /// Covariance of the coefficients: c1, c2, c3, c4, c5, n_sail, n_base, or the parameters of `panels` in their order;
+    /// null while none is known.
     #[serde(default)]
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Polynomial in the phase angle (`phase_function`).
@@ -64,7 +71,8 @@ pub struct ModelFile {
     pub mean_mag: Option<f64>,
     /// Root mean square of the residuals on the fitted points, mag; null where none was published.
     pub rms_mag: Option<f64>,
-    /// One sigma of a single prediction inside the fitted range, mag.
+    /// One sigma of a single measurement about the model inside the fitted range, mag; what the covariance of the
+    /// parameters does to the prediction comes on top.
     pub sigma_mag: f64,
     /// One sigma outside of it, mag; not less than `sigma_mag`.
     pub sigma_outside_mag: f64,
@@ -214,14 +222,28 @@ pub enum ModelFileError {
         /// The key.
         key: &'static str,
     },
-    /// The covariance is not a symmetric 7 x 7 matrix with a diagonal that is not negative.
+    /// A name that stands for nothing in this file.
+    #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
+    Reference {
+        /// The file.
+        origin: String,
+        /// The key, with its path.
+        key: String,
+        /// As it stands there.
+        given: String,
+        /// What may stand there.
+        allowed: String,
+    },
+    /// The covariance is not a symmetric matrix of the parameters with a diagonal that is not negative.
     #[error(
-        "model file {origin}: covariance must be 7 x 7 (c1, c2, c3, c4, c5, n_sail, n_base), finite and \
+        "model file {origin}: covariance must be {size} x {size} (the coefficients in their order), finite and \
          symmetric, with a diagonal of at least 0: {problem}"
     )]
     Covariance {
         /// The file.
         origin: String,
+        /// Number of parameters.
+        size: usize,
         /// What is wrong.
         problem: String,
     },
@@ -232,6 +254,7 @@ impl ModelKind {
     pub fn name(self) -> &'static str {
         match self {
             ModelKind::TwoPanel => "two_panel",
+            ModelKind::Panels => "panels",
             ModelKind::PhaseFunction => "phase_function",
             ModelKind::Mean => "mean",
             ModelKind::Prior => "prior",
@@ -256,6 +279,23 @@ impl ModelFile {
     pub fn to_json(&self) -> String {
         // No map with keys other than strings and no number that is not finite is in a validated file.
         serde_json::to_string_pretty(self).unwrap_or_default()
+    }
+
+    /// Names and values of what was fitted, in the order of the covariance; none where nothing was.
+    pub fn parameters(&self) -> Vec<(&str, f64)> {
+        if let Some(c) = &self.coefficients {
+            return vec![
+                ("c1", c.c1),
+                ("c2", c.c2),
+                ("c3", c.c3),
+                ("c4", c.c4),
+                ("c5", c.c5),
+                ("n_sail", c.n_sail),
+                ("n_base", c.n_base),
+            ];
+        }
+        let panels = self.panels.iter().flat_map(|panels| &panels.parameters);
+        panels.map(|parameter| (parameter.name.as_str(), parameter.value)).collect()
     }
 
     /// The band and system of its magnitudes, if they are known ones.

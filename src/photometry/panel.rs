@@ -24,6 +24,24 @@ impl Incidence {
         Self { cos_in, cos_out, cos_mirror: 2.0 * cos_in * cos_out - to_source.dot(to_observer) }
     }
 
+    /// ρ·ρ₀ of observer and mirror direction laid on the surface, in [-1, 1]: with s and o the sources' and observer's
+    /// unit vectors and t their parts along the surface, ρ₀ = -s_t and ρ = o_t.
+    pub fn sine_product(&self) -> f64 {
+        // s · o = s_t · o_t + cos φ_i cos φ_r and cos θ = 2 cos φ_i cos φ_r - s · o
+        self.cos_mirror - self.cos_in * self.cos_out
+    }
+
+    /// |ρ - ρ₀|² of observer and mirror direction laid on the surface, in [0, 4]: 0 in the mirror direction.
+    pub fn sine_distance_squared(&self) -> f64 {
+        // |ρ|² + |ρ₀|² - 2 ρ·ρ₀; rounding must not make it negative
+        (2.0 - self.cos_in.powi(2) - self.cos_out.powi(2) - 2.0 * self.sine_product()).max(0.0)
+    }
+
+    /// The same panel seen as if its back were its front.
+    pub fn from_behind(&self) -> Self {
+        Self { cos_in: -self.cos_in, cos_out: -self.cos_out, cos_mirror: self.cos_mirror }
+    }
+
     /// cos φ_i cos φ_r of a face that is lit and seen from the front; 0 where either stands behind.
     pub fn front(&self) -> f64 {
         self.cos_in.max(0.0) * self.cos_out.max(0.0)

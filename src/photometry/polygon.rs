@@ -1,20 +1,26 @@
-//! Small convex polygons on the sail, in fixed arrays: outlines to draw, and areas to check against.
+//! Small convex polygons in the plane of a panel, in fixed arrays: what is hidden or shaded of it.
 
-/// Corners that a quadrilateral can have after a cut by four edges.
-const MAX_CORNERS: usize = 12;
+/// Room for the corners: eight quadrilaterals, each cut by a plane and by the panel, have no more in common.
+const MAX_CORNERS: usize = 48;
 
-/// A convex polygon of at most twelve corners in the plane of the sail (u along the hinge, v up the sail), metres.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct SailPolygon {
+/// A convex polygon of at most 48 corners in the plane of a panel (u and v along its edges), metres.
+#[derive(Copy, Clone, Debug)]
+pub struct PanelPolygon {
     corners: [[f64; 2]; MAX_CORNERS],
     len: usize,
 }
 
-impl SailPolygon {
-    /// From up to eight corners in order (each of four cuts may add one); those beyond are dropped.
+impl Default for PanelPolygon {
+    fn default() -> Self {
+        Self { corners: [[0.0; 2]; MAX_CORNERS], len: 0 }
+    }
+}
+
+impl PanelPolygon {
+    /// From corners in order; those beyond the room are dropped.
     pub fn new(corners: &[[f64; 2]]) -> Self {
-        let mut polygon = Self { corners: [[0.0; 2]; MAX_CORNERS], len: 0 };
-        corners.iter().take(MAX_CORNERS - 4).for_each(|&corner| polygon.push(corner));
+        let mut polygon = Self::default();
+        corners.iter().for_each(|&corner| polygon.push(corner));
         polygon
     }
 
@@ -25,21 +31,47 @@ impl SailPolygon {
 
     /// Enclosed area, m².
     pub fn area_m2(&self) -> f64 {
+        self.signed_area_m2().abs()
+    }
+
+    /// What lies within `u[0]` ≤ u ≤ `u[1]` and `v[0]` ≤ v ≤ `v[1]` (Sutherland and Hodgman 1974).
+    pub fn clipped_to_rectangle(&self, u: [f64; 2], v: [f64; 2]) -> Self {
+        self.clipped(|p| p[0] - u[0]).clipped(|p| u[1] - p[0]).clipped(|p| p[1] - v[0]).clipped(|p| v[1] - p[1])
+    }
+
+    /// What lies within another convex polygon too.
+    pub fn clipped_to(&self, other: &Self) -> Self {
+        let turn = other.signed_area_m2().signum();
+        let corners = other.corners();
+        if corners.len() < 3 {
+            return Self::default();
+        }
+        let edges = corners.iter().zip(corners.iter().cycle().skip(1));
+        edges.fold(*self, |kept, (a, b)| {
+            // Left of each edge, for corners that run against the clock.
+            kept.clipped(|p| turn * ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])))
+        })
+    }
+
+    /// Adds a corner; a cut of a convex polygon by a line never adds more than one, so the room suffices.
+    pub fn push(&mut self, corner: [f64; 2]) {
+        if let Some(slot) = self.corners.get_mut(self.len) {
+            *slot = corner;
+            self.len += 1;
+        }
+    }
+
+    fn signed_area_m2(&self) -> f64 {
         let corners = self.corners();
         // Shoelace.
         let doubled: f64 =
             corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
-        0.5 * doubled.abs()
-    }
-
-    /// What lies within u_min ≤ u ≤ u_max and v_min ≤ v ≤ v_max (Sutherland and Hodgman 1974).
-    pub fn clipped_to_rectangle(&self, u_min: f64, u_max: f64, v_min: f64, v_max: f64) -> Self {
-        self.clipped(|p| p[0] - u_min).clipped(|p| u_max - p[0]).clipped(|p| p[1] - v_min).clipped(|p| v_max - p[1])
+        0.5 * doubled
     }
 
     /// The part where a linear function is not negative.
     fn clipped(&self, inside: impl Fn([f64; 2]) -> f64) -> Self {
-        let mut kept = Self { corners: [[0.0; 2]; MAX_CORNERS], len: 0 };
+        let mut kept = Self::default();
         let corners = self.corners();
         for (&a, &b) in corners.iter().zip(corners.iter().cycle().skip(1)) {
             let (from, to) = (inside(a), inside(b));
@@ -53,14 +85,6 @@ impl SailPolygon {
         }
         kept
     }
-
-    /// Adds a corner; a cut of a convex polygon never exceeds the room.
-    fn push(&mut self, corner: [f64; 2]) {
-        if let Some(slot) = self.corners.get_mut(self.len) {
-            *slot = corner;
-            self.len += 1;
-        }
-    }
 }
 
 #[cfg(test)]
@@ -71,11 +95,24 @@ mod tests {
     fn verif_triangle_cut_by_a_square() {
         // The triangle (0,0) (2,0) (0,2) within the unit square is the whole square; within (0..1, 0..0.5) a half of
         // it.
-        let triangle = SailPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
+        let triangle = PanelPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
+        let cut = |u, v| triangle.clipped_to_rectangle(u, v);
         assert!((triangle.area_m2() - 2.0).abs() < 1e-15);
-        assert!((triangle.clipped_to_rectangle(0.0, 1.0, 0.0, 1.0).area_m2() - 1.0).abs() < 1e-15);
-        assert!((triangle.clipped_to_rectangle(1.0, 3.0, 0.0, 3.0).area_m2() - 0.5).abs() < 1e-15);
-        let gone = triangle.clipped_to_rectangle(5.0, 6.0, 0.0, 1.0);
+        assert!((cut([0.0, 1.0], [0.0, 1.0]).area_m2() - 1.0).abs() < 1e-15);
+        assert!((cut([1.0, 3.0], [0.0, 3.0]).area_m2() - 0.5).abs() < 1e-15);
+        let gone = cut([5.0, 6.0], [0.0, 1.0]);
         assert!(gone.corners().is_empty() && gone.area_m2() == 0.0);
+    }
+
+    #[test]
+    fn verif_triangles_cut_by_one_another() {
+        let one = PanelPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
+        // The same triangle turned by half a turn about (0.5, 0.5), run through the other way: they share a hexagon.
+        let other = PanelPolygon::new(&[[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]]);
+        let shared = one.clipped_to(&other);
+        assert!((shared.area_m2() - other.clipped_to(&one).area_m2()).abs() < 1e-15);
+        // 0 ≤ u ≤ 1, 0 ≤ v ≤ 1, u + v ≥ 0, u + v ≤ 2: the unit square.
+        assert!((shared.area_m2() - 1.0).abs() < 1e-15);
+        assert_eq!(one.clipped_to(&PanelPolygon::default()).area_m2(), 0.0);
     }
 }

@@ -4,6 +4,8 @@
 //! (Lu 2024, section 2.1). The sail is kept turned to the Sun about the zenith and stands on the chassis, leaning by
 //! the panel offset angle; the chassis looks straight down. Earthshine on the chassis is not in these terms.
 
+use std::f64::consts::{FRAC_1_PI, TAU};
+
 use nalgebra::Vector3;
 
 use crate::geometry::ViewingGeometry;
@@ -101,4 +103,43 @@ impl SatelliteModel {
             blocked,
         }
     }
+
+    /// Derivatives of B_total by c1, c2, c3, c4, c5, n_sail, n_base, and B_total itself, m² sr⁻¹.
+    pub fn gradient(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> ([f64; 7], f64) {
+        let sail = self.sail.incidence(to_sun, to_observer);
+        let base = self.base.incidence(to_sun, to_observer);
+        let blocked = self.blocking.blocked(to_sun, to_observer);
+        let front_m2 = sail.front() * self.sail.area_m2 * (1.0 - blocked.shadow_or_hidden);
+        let through_m2 = sail.through() * self.sail.area_m2 * (1.0 - blocked.shadow);
+        let base_m2 = base.front() * self.base.area_m2;
+        // The model is linear in c; ∂/∂n of c (n+2)/2π cosⁿθ = c cosⁿθ (1 + (n+2) ln cos θ)/2π.
+        let (sail_lobe, sail_slope) = lobe(&self.sail_glossy, sail.cos_mirror);
+        let (base_lobe, base_slope) = lobe(&self.base_glossy, base.cos_mirror);
+        let gradient = [
+            sail_lobe * front_m2,
+            FRAC_1_PI * front_m2,
+            FRAC_1_PI * through_m2,
+            base_lobe * base_m2,
+            FRAC_1_PI * base_m2,
+            self.sail_glossy.weight * sail_slope * front_m2,
+            self.base_glossy.weight * base_slope * base_m2,
+        ];
+        let weights = [
+            self.sail_glossy.weight,
+            self.sail_diffuse.albedo,
+            self.sail_back.albedo,
+            self.base_glossy.weight,
+            self.base_diffuse.albedo,
+        ];
+        (gradient, weights.iter().zip(&gradient).map(|(weight, unit)| weight * unit).sum())
+    }
+}
+
+/// A lobe of weight 1 and its derivative by the exponent, sr⁻¹.
+fn lobe(law: &Phong, cos_mirror: f64) -> (f64, f64) {
+    if cos_mirror <= 0.0 {
+        return (0.0, 0.0);
+    }
+    let power = cos_mirror.powf(law.exponent) / TAU;
+    ((law.exponent + 2.0) * power, power * (1.0 + (law.exponent + 2.0) * cos_mirror.ln()))
 }

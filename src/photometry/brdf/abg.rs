@@ -1,0 +1,54 @@
+//! The ABg law of stray-light work: a lobe about the mirror direction with a shoulder and a power-law wing.
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `a` | sr⁻¹ | 0 and up | height: the peak is A/B |
+//! | `b` | 1 | more than 0 | where the flat top ends, x^g = B |
+//! | `g` | 1 | 0 and up | slope of the wing |
+//!
+//! x is the distance between the observer and the mirror direction after both are laid on the surface (the "direction
+//! sines" that scattering by small roughness depends on), so the law is reciprocal and does not change with the angle
+//! of incidence. Used for polished and painted surfaces; Fankhauser et al. fit it to satellite materials.
+//!
+//! Reference: Pfisterer (2011), *Approximated scatter models for stray light analysis*, Optics & Photonics News 22(10);
+//! Fankhauser, Tyson and Askari (2023, AJ 166, 59).
+
+use super::law::Brdf;
+use crate::photometry::panel::Incidence;
+
+/// A lobe with a shoulder.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Abg {
+    /// Amplitude, sr⁻¹.
+    pub a: f64,
+    /// Shoulder.
+    pub b: f64,
+    /// Slope.
+    pub g: f64,
+}
+
+impl Brdf for Abg {
+    fn value_per_sr(&self, incidence: &Incidence) -> f64 {
+        // f = A / (B + x^g)
+        self.a / (self.b + incidence.sine_distance_squared().powf(0.5 * self.g))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::energy::{hold_law_to_the_rules, reflected_share};
+    use super::*;
+
+    #[test]
+    fn verif_energy_at_normal_incidence_has_a_closed_form_for_g_2() {
+        // ∫ A/(B + β²) 2π β dβ over the unit disk of direction sines = π A ln((B + 1)/B)
+        let law = Abg { a: 0.02, b: 0.003, g: 2.0 };
+        let closed = std::f64::consts::PI * law.a * ((law.b + 1.0) / law.b).ln();
+        assert!((reflected_share(&law, 1.0) / closed - 1.0).abs() < 1e-3, "{}", reflected_share(&law, 1.0));
+    }
+
+    #[test]
+    fn verif_abg_keeps_the_rules() {
+        hold_law_to_the_rules(&Abg { a: 0.02, b: 0.003, g: 1.7 });
+    }
+}

@@ -1,0 +1,50 @@
+//! A Gaussian-like lobe about the mirror direction.
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `peak_per_sr` | sr⁻¹ | 0 and up | height in the mirror direction |
+//! | `width` | 1 | more than 0 | the lobe falls to 1/e at cos θ = 1 - width; about √(2 width) radians where that is small |
+//!
+//! θ is the angle between the mirror direction and the observer. The law is reciprocal, and like Phong's loses energy
+//! below the surface at slant incidence.
+//!
+//! Reference: Fankhauser, Tyson and Askari (2023, AJ 166, 59), the form of their published code.
+
+use super::law::Brdf;
+use crate::photometry::panel::Incidence;
+
+/// A bell-shaped lobe.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Gaussian {
+    /// Height, sr⁻¹.
+    pub peak_per_sr: f64,
+    /// 1 - cos θ where it has fallen to 1/e.
+    pub width: f64,
+}
+
+impl Brdf for Gaussian {
+    fn value_per_sr(&self, incidence: &Incidence) -> f64 {
+        // f = A exp((cos θ - 1) / w)
+        self.peak_per_sr * ((incidence.cos_mirror - 1.0) / self.width).exp()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::energy::{hold_law_to_the_rules, reflected_share};
+    use super::*;
+
+    #[test]
+    fn verif_energy_at_normal_incidence_in_closed_form() {
+        // ∫ A e^((c-1)/w) c 2π dc over 0 ≤ c ≤ 1 = 2π A w (1 - w + w e^(-1/w))
+        let law = Gaussian { peak_per_sr: 2.0, width: 0.03 };
+        let (a, w) = (law.peak_per_sr, law.width);
+        let closed = std::f64::consts::TAU * a * w * (1.0 - w + w * (-1.0 / w).exp());
+        assert!((reflected_share(&law, 1.0) / closed - 1.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn verif_gaussian_keeps_the_rules() {
+        hold_law_to_the_rules(&Gaussian { peak_per_sr: 2.0, width: 0.03 });
+    }
+}

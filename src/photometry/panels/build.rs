@@ -1,0 +1,256 @@
+//! From panels in a file to an assembly: what is allowed, and names turned into numbers.
+
+use nalgebra::Vector3;
+
+use super::assembly::{AssembledPanel, PanelAssembly};
+use super::attitude::{Attitude, PanelOffset};
+use super::obstruction::MOST_BLOCKERS;
+use super::panel_file::{
+    AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec,
+};
+use crate::photometry::brdf::{Abg, Binomial, Gaussian, Lambert, Law, Phong, reflected_share};
+use crate::photometry::model_check::Check;
+use crate::photometry::model_file::ModelFileError;
+
+/// Cosines of incidence at which a face that claims to conserve energy is held to it.
+const HELD_AT_COSINES: [f64; 5] = [1.0, 0.8, 0.5, 0.2, 0.05];
+/// What the numerical integral of the reflected power may err by.
+const ENERGY_SLACK: f64 = 2e-3;
+
+impl PanelsSpec {
+    /// Holds every number to its range and every name to a panel or parameter.
+    pub(in crate::photometry) fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+        check.count("panels.panels", self.panels.len(), 1, 32)?;
+        check.count("panels.parameters", self.parameters.len(), 0, 64)?;
+        for (place, parameter) in self.parameters.iter().enumerate() {
+            if self.parameters[..place].iter().any(|earlier| earlier.name == parameter.name) {
+                return Err(check.reference("panels.parameters", &parameter.name, "names that differ".to_owned()));
+            }
+            let key = format!("panels.parameters.{}", parameter.name);
+            check.range(&key, parameter.value, -10_000.0, 10_000.0)?;
+        }
+        let names: Vec<&str> = self.panels.iter().map(|panel| panel.name.as_str()).collect();
+        for (place, panel) in self.panels.iter().enumerate() {
+            if panel.name.is_empty() || names[..place].contains(&panel.name.as_str()) {
+                return Err(check.reference("panels.panels", &panel.name, "names that differ".to_owned()));
+            }
+            panel.validate(check, self)?;
+        }
+        for PanelParameter { name, .. } in &self.parameters {
+            if !self.panels.iter().flat_map(PanelSpec::laws).any(|(_, law)| law.refers_to(name)) {
+                return Err(check.reference("panels.parameters", name, "names that a law refers to".to_owned()));
+            }
+        }
+        self.validate_blocking(check, &names)?;
+        self.validate_energy(check)
+    }
+
+    /// The panels with these values of the parameters, in their order; those that the file holds where `values` is
+    /// short. The file must have been validated.
+    pub(in crate::photometry) fn assemble(&self, values: &[f64]) -> PanelAssembly {
+        let number_of = |name: &str| self.panels.iter().position(|panel| panel.name == name);
+        let value_of = |coefficient: &Coefficient| self.value(coefficient, values).unwrap_or(0.0);
+        let laws = |specs: &[LawSpec]| specs.iter().map(|spec| spec.law(&value_of)).collect();
+        let panels = self.panels.iter().map(|panel| AssembledPanel {
+            name: panel.name.clone(),
+            anchor_m: Vector3::from(panel.anchor_m),
+            u_m: panel.u_m,
+            v_m: panel.v_m,
+            attitude: panel.attitude.attitude(),
+            front: laws(&panel.front),
+            back: laws(&panel.back),
+            through: laws(&panel.through),
+            blockers: self.blockers_of(&panel.name).filter_map(|blocking| number_of(&blocking.by)).collect(),
+        });
+        PanelAssembly::new(panels.collect())
+    }
+
+    fn blockers_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a BlockingSpec> {
+        self.blocking.iter().filter(move |blocking| blocking.panel == name)
+    }
+
+    /// The number that a coefficient stands for; `None` for an unknown parameter.
+    fn value(&self, coefficient: &Coefficient, values: &[f64]) -> Option<f64> {
+        match coefficient {
+            Coefficient::Number(value) => Some(*value),
+            Coefficient::Parameter(name) => {
+                let place = self.parameters.iter().position(|parameter| parameter.name == *name)?;
+                Some(values.get(place).copied().unwrap_or(self.parameters[place].value))
+            }
+        }
+    }
+
+    fn validate_blocking(&self, check: &Check, names: &[&str]) -> Result<(), ModelFileError> {
+        for BlockingSpec { panel, by } in &self.blocking {
+            for name in [panel, by] {
+                if !names.contains(&name.as_str()) {
+                    return Err(check.reference("panels.blocking", name, format!("one of {}", names.join(", "))));
+                }
+            }
+            if panel == by {
+                return Err(check.reference("panels.blocking", by, "a panel other than the one it blocks".to_owned()));
+            }
+            let key = format!("panels.blocking (of {panel})");
+            check.count(&key, self.blockers_of(panel).count(), 0, MOST_BLOCKERS)?;
+        }
+        Ok(())
+    }
+
+    fn validate_energy(&self, check: &Check) -> Result<(), ModelFileError> {
+        if !self.conserves_energy {
+            return Ok(());
+        }
+        let assembly = self.assemble(&[]);
+        for panel in assembly.panels() {
+            let faces = [("front and through", [&panel.front, &panel.through]), ("back", [&panel.back, &panel.back])];
+            for (face, laws) in faces {
+                let laws: Vec<&Law> =
+                    if face == "back" { laws[0].iter().collect() } else { laws.into_iter().flatten().collect() };
+                for cos_in in HELD_AT_COSINES {
+                    let share: f64 = laws.iter().map(|law| reflected_share(*law, cos_in)).sum();
+                    let key = format!("panels.{} ({face}, light at cosine {cos_in}): reflected share", panel.name);
+                    check.range(&key, share, 0.0, 1.0 + ENERGY_SLACK)?;
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+impl PanelSpec {
+    /// Every law with the face it belongs to.
+    fn laws(&self) -> impl Iterator<Item = (&'static str, &LawSpec)> {
+        let front = self.front.iter().map(|law| ("front", law));
+        let back = self.back.iter().map(|law| ("back", law));
+        front.chain(back).chain(self.through.iter().map(|law| ("through", law)))
+    }
+
+    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), ModelFileError> {
+        let key = |rest: &str| format!("panels.{}.{rest}", self.name);
+        for (axis, value) in ["x", "y", "z"].into_iter().zip(self.anchor_m) {
+            check.range(&key(&format!("anchor_m ({axis})")), value, -200.0, 200.0)?;
+        }
+        for (edge, [from, to]) in [("u_m", self.u_m), ("v_m", self.v_m)] {
+            check.range(&key(&format!("{edge}[0]")), from, -200.0, 200.0)?;
+            check.range(&key(&format!("{edge}[1]")), to, from + 0.01, 200.0)?;
+        }
+        self.attitude.validate(check, &key("attitude"))?;
+        if self.laws().next().is_none() {
+            return Err(check.reference(&key("front"), "nothing", "at least one law on one face".to_owned()));
+        }
+        for (face, law) in self.laws() {
+            law.validate(check, &key(face), spec)?;
+        }
+        Ok(())
+    }
+}
+
+impl AttitudeSpec {
+    fn validate(&self, check: &Check, key: &str) -> Result<(), ModelFileError> {
+        match self {
+            Self::Nadir {} => Ok(()),
+            Self::SunAzimuth { offset_deg } | Self::SunTracking { offset_deg } => {
+                let key = format!("{key}.offset_deg");
+                match offset_deg {
+                    OffsetSpec::Constant(offset_deg) => check.range(&key, *offset_deg, -180.0, 180.0),
+                    OffsetSpec::Table(rows) => {
+                        check.count(&format!("{key} (rows)"), rows.len(), 1, 1000)?;
+                        let mut least_deg = -90.0;
+                        for [latitude_deg, offset_deg] in rows {
+                            check.range(&format!("{key} (Sun's latitude)"), *latitude_deg, least_deg, 90.0)?;
+                            check.range(&key, *offset_deg, -180.0, 180.0)?;
+                            least_deg = latitude_deg + 1e-6;
+                        }
+                        Ok(())
+                    }
+                }
+            }
+            Self::Fixed { normal, v } => {
+                let (normal, v) = (Vector3::from(*normal), Vector3::from(*v));
+                check.range(&format!("{key}.normal (length)"), normal.norm(), 1e-6, 1e6)?;
+                check.range(&format!("{key}.v (length)"), v.norm(), 1e-6, 1e6)?;
+                let cosine = normal.normalize().dot(&v.normalize());
+                check.range(&format!("{key}.v (cosine with the normal)"), cosine, -1e-6, 1e-6)
+            }
+        }
+    }
+
+    fn attitude(&self) -> Attitude {
+        let offset = |offset: &OffsetSpec| match offset {
+            OffsetSpec::Constant(offset_deg) => PanelOffset::Constant(offset_deg.to_radians()),
+            OffsetSpec::Table(rows) => PanelOffset::Table(rows.iter().map(|row| row.map(f64::to_radians)).collect()),
+        };
+        match self {
+            Self::Nadir {} => Attitude::Nadir,
+            Self::SunAzimuth { offset_deg } => Attitude::SunAzimuth(offset(offset_deg)),
+            Self::SunTracking { offset_deg } => Attitude::SunTracking(offset(offset_deg)),
+            Self::Fixed { normal, v } => {
+                let normal = Vector3::from(*normal).normalize();
+                let v = Vector3::from(*v);
+                // Right angles to the last digit.
+                Attitude::Fixed { normal, v: (v - normal * normal.dot(&v)).normalize() }
+            }
+        }
+    }
+}
+
+impl LawSpec {
+    /// Name, key, coefficient and allowed range of each coefficient that may be a parameter.
+    fn coefficients(&self) -> Vec<(&'static str, &Coefficient, [f64; 2])> {
+        match self {
+            Self::Lambert { albedo } => vec![("albedo", albedo, [0.0, 10.0])],
+            Self::Phong { weight, exponent } => {
+                vec![("weight", weight, [0.0, 10.0]), ("exponent", exponent, [0.0, 10_000.0])]
+            }
+            Self::Abg { a, b, g } => vec![("a", a, [0.0, 1e3]), ("b", b, [1e-9, 1e3]), ("g", g, [0.0, 20.0])],
+            Self::Gaussian { peak_per_sr, width } => {
+                vec![("peak_per_sr", peak_per_sr, [0.0, 1e6]), ("width", width, [1e-6, 10.0])]
+            }
+            Self::Binomial { .. } => Vec::new(),
+        }
+    }
+
+    fn refers_to(&self, name: &str) -> bool {
+        let is = |coefficient: &Coefficient| matches!(coefficient, Coefficient::Parameter(known) if known == name);
+        self.coefficients().into_iter().any(|(_, coefficient, _)| is(coefficient))
+    }
+
+    fn validate(&self, check: &Check, key: &str, spec: &PanelsSpec) -> Result<(), ModelFileError> {
+        for (name, coefficient, [least, greatest]) in self.coefficients() {
+            let key = format!("{key}.{name}");
+            let Some(value) = spec.value(coefficient, &[]) else {
+                let known: Vec<&str> = spec.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+                let Coefficient::Parameter(given) = coefficient else { continue };
+                return Err(check.reference(&key, given, format!("a number or one of {}", known.join(", "))));
+            };
+            check.range(&key, value, least, greatest)?;
+        }
+        let Self::Binomial { b, c, d, first } = self else { return Ok(()) };
+        check.count(&format!("{key}.b (rows)"), b.len(), 1, 8)?;
+        check.count(&format!("{key}.c (rows, as many as b)"), c.len(), b.len(), b.len())?;
+        for (name, value) in [("b", b), ("c", c)] {
+            for row in value {
+                check.count(&format!("{key}.{name} (columns)"), row.len(), 0, 32)?;
+                row.iter().try_for_each(|value| check.range(&format!("{key}.{name}"), *value, -100.0, 100.0))?;
+            }
+        }
+        check.range(&format!("{key}.d"), *d, 1e-3, 1e3)?;
+        check.range(&format!("{key}.first"), f64::from(*first), -20.0, 20.0)
+    }
+
+    fn law(&self, value_of: &impl Fn(&Coefficient) -> f64) -> Law {
+        match self {
+            Self::Lambert { albedo } => Law::Lambert(Lambert { albedo: value_of(albedo) }),
+            Self::Phong { weight, exponent } => {
+                Law::Phong(Phong { weight: value_of(weight), exponent: value_of(exponent) })
+            }
+            Self::Abg { a, b, g } => Law::Abg(Abg { a: value_of(a), b: value_of(b), g: value_of(g) }),
+            Self::Gaussian { peak_per_sr, width } => {
+                Law::Gaussian(Gaussian { peak_per_sr: value_of(peak_per_sr), width: value_of(width) })
+            }
+            Self::Binomial { b, c, d, first } => {
+                Law::Binomial(Binomial { b: b.clone(), c: c.clone(), d: *d, first: *first })
+            }
+        }
+    }
+}

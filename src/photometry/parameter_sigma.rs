@@ -1,0 +1,70 @@
+//! What the uncertainty of a model's parameters does to a magnitude.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+/// Step along each axis of the covariance, in sigmas: far enough from rounding (1e-16), near enough to be straight.
+const STEP_SIGMAS: f64 = 1e-3;
+
+/// Covariance of parameters, as independent directions one sigma long.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ParameterSigmas {
+    /// `(n_directions)` of `(n_parameters)`; directions of no variance left out.
+    directions: Vec<Vec<f64>>,
+}
+
+impl ParameterSigmas {
+    /// From a symmetric matrix, row by row.
+    pub fn new(covariance: &[Vec<f64>]) -> Self {
+        let n = covariance.len();
+        let matrix = DMatrix::from_fn(n, n, |row, column| covariance[row].get(column).copied().unwrap_or(0.0));
+        let eigen = SymmetricEigen::new(matrix);
+        // Rounding may leave a direction slightly below 0: it has no variance.
+        let directions = eigen
+            .eigenvalues
+            .iter()
+            .zip(eigen.eigenvectors.column_iter())
+            .filter(|(variance, _)| **variance > 0.0)
+            .map(|(variance, direction)| direction.iter().map(|part| part * variance.sqrt()).collect())
+            .collect();
+        Self { directions }
+    }
+
+    /// Variance of a quantity whose derivatives by the parameters are given: J Σ Jᵀ.
+    pub fn variance_of_gradient(&self, gradient: &[f64]) -> f64 {
+        // Σ = Σ_k d_k d_kᵀ, so J Σ Jᵀ = Σ_k (J · d_k)²
+        let along = |direction: &Vec<f64>| direction.iter().zip(gradient).map(|(d, g)| d * g).sum::<f64>();
+        self.directions.iter().map(|direction| along(direction).powi(2)).sum()
+    }
+
+    /// The parameters moved a little both ways along each direction: what [`Self::variance_of_pairs`] wants values at.
+    pub fn pairs(&self, parameters: &[f64]) -> Vec<[Vec<f64>; 2]> {
+        let moved = |direction: &[f64], by: f64| {
+            parameters.iter().zip(direction).map(|(parameter, d)| parameter + by * d).collect::<Vec<f64>>()
+        };
+        self.directions.iter().map(|direction| [STEP_SIGMAS, -STEP_SIGMAS].map(|by| moved(direction, by))).collect()
+    }
+
+    /// Variance of a quantity from its values at each of [`Self::pairs`].
+    pub fn variance_of_pairs(values: impl Iterator<Item = [f64; 2]>) -> f64 {
+        values.map(|[plus, minus]| ((plus - minus) / (2.0 * STEP_SIGMAS)).powi(2)).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_variance_of_a_linear_quantity() {
+        let covariance = vec![vec![0.04, 0.01, 0.0], vec![0.01, 0.09, 0.0], vec![0.0, 0.0, 0.0]];
+        let sigmas = ParameterSigmas::new(&covariance);
+        let gradient = [2.0, -1.0, 5.0];
+        // 4·0.04 + 0.09 - 2·2·0.01
+        let expected = 0.16 + 0.09 - 0.04;
+        assert!((sigmas.variance_of_gradient(&gradient) - expected).abs() < 1e-14);
+        let value = |parameters: &Vec<f64>| parameters.iter().zip(gradient).map(|(p, g)| p * g).sum::<f64>();
+        let pairs = sigmas.pairs(&[1.0, 2.0, 3.0]);
+        let variance = ParameterSigmas::variance_of_pairs(pairs.iter().map(|[a, b]| [value(a), value(b)]));
+        assert!((variance - expected).abs() < 1e-10, "{variance}");
+    }
+}

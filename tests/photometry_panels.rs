@@ -1,0 +1,309 @@
+//! Satellites of panels: the closed form of chassis and sail, rays cast one by one, covariance, and wrong files.
+
+use nalgebra::Vector3;
+use serde_json::{Value, json};
+use streakcast::geometry::ViewingGeometry;
+use streakcast::photometry::panels::{Face, PlacedRectangle};
+use streakcast::photometry::{BrightnessModel, Coefficients, PhotometryOptions, SatelliteModel, SatelliteShape};
+
+/// A stream of numbers that is the same each time.
+struct Uniform(u64);
+
+impl Uniform {
+    fn next(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    fn between(&mut self, least: f64, greatest: f64) -> f64 {
+        least + (greatest - least) * self.next()
+    }
+
+    fn direction(&mut self) -> Vector3<f64> {
+        let (longitude, z) = (self.between(0.0, std::f64::consts::TAU), self.between(-1.0, 1.0));
+        let r = (1.0 - z * z).sqrt();
+        Vector3::new(r * longitude.cos(), r * longitude.sin(), z)
+    }
+}
+
+/// A model file of kind `panels` with this content.
+fn file(panels: Value, covariance: Value) -> String {
+    json!({
+        "schema": 1, "name": "own", "title": "Own", "kind": "panels", "band": "V", "mag_system": "Vega", "size_m": 4.0,
+        "panels": panels, "covariance": covariance, "rms_mag": null, "sigma_mag": 0.3, "sigma_outside_mag": 1.0,
+        "sigma_origin": "assumed", "geometry_range": null,
+        "provenance": {"source": "a test", "data": "none", "n_points": null, "date": "2026", "provisional": true, "notes": []}
+    })
+    .to_string()
+}
+
+/// The paper's satellite as a list of panels.
+fn chassis_and_sail(shape: &SatelliteShape) -> Value {
+    let half = |width: f64| json!([-0.5 * width, 0.5 * width]);
+    json!({
+        "parameters": [
+            {"name": "c1", "value": 0.1}, {"name": "c2", "value": 0.03}, {"name": "c3", "value": 0.005},
+            {"name": "c4", "value": 0.2}, {"name": "c5", "value": 0.08}, {"name": "n_sail", "value": 5.0},
+            {"name": "n_base", "value": 22.0}
+        ],
+        "panels": [
+            {"name": "sail", "anchor_m": [0, 0, 0], "u_m": half(shape.sail_width_m), "v_m": [0, shape.sail_length_m],
+             "attitude": {"law": "sun_azimuth", "offset_deg": shape.panel_offset_deg},
+             "front": [{"law": "phong", "weight": "c1", "exponent": "n_sail"}, {"law": "lambert", "albedo": "c2"}],
+             "through": [{"law": "lambert", "albedo": "c3"}]},
+            {"name": "chassis", "anchor_m": [0, 0, 0], "u_m": half(shape.base_width_m), "v_m": [0, shape.base_length_m],
+             "attitude": {"law": "nadir"},
+             "front": [{"law": "phong", "weight": "c4", "exponent": "n_base"}, {"law": "lambert", "albedo": "c5"}]}
+        ],
+        "blocking": [{"panel": "sail", "by": "chassis"}]
+    })
+}
+
+fn coefficients() -> Coefficients {
+    Coefficients { c1: 0.1, c2: 0.03, c3: 0.005, c4: 0.2, c5: 0.08, n_sail: 5.0, n_base: 22.0 }
+}
+
+/// Sun anywhere in the half plane, observer anywhere.
+fn directions(uniform: &mut Uniform) -> (Vector3<f64>, Vector3<f64>) {
+    let sun: f64 = uniform.between(-1.5, 1.5);
+    (Vector3::new(sun.cos(), 0.0, sun.sin()), uniform.direction())
+}
+
+/// Sun and observer below the chassis or not, any offset: the light of each term, and the blocked share, to 1e-9 of the closed
+/// form. The chassis' own edge hides nothing of it: only where the Sun or the observer stand above the chassis plane does the
+/// list of panels know more (the sail's back is then hidden by nothing either, and the chassis is dark).
+#[test]
+fn verif_panels_equal_the_closed_form_of_chassis_and_sail() {
+    let mut uniform = Uniform(3);
+    let mut compared = 0;
+    for _ in 0..40 {
+        let shape = SatelliteShape {
+            sail_length_m: uniform.between(1.0, 15.0),
+            sail_width_m: uniform.between(0.5, 6.0),
+            base_length_m: uniform.between(0.5, 6.0),
+            base_width_m: uniform.between(0.5, 6.0),
+            panel_offset_deg: uniform.between(-30.0, 30.0),
+        };
+        let closed = SatelliteModel::new(&shape, &coefficients()).unwrap();
+        let model = BrightnessModel::from_json(&file(chassis_and_sail(&shape), Value::Null), "own").unwrap();
+        let panels = model.assembly().unwrap();
+        for _ in 0..500 {
+            let (to_sun, to_observer) = directions(&mut uniform);
+            let terms = closed.terms_of_directions(&to_sun, &to_observer);
+            let parts = panels.parts(&to_sun, &to_observer);
+            let of = |panel: usize, face: Face, law: usize| {
+                let found = parts.iter().find(|part| (part.panel, part.face, part.law) == (panel, face, law));
+                found.map_or(0.0, |part| part.m2_sr)
+            };
+            let pairs = [
+                (terms.sail_glossy_m2_sr, of(0, Face::Front, 0)),
+                (terms.sail_diffuse_m2_sr, of(0, Face::Front, 1)),
+                (terms.sail_back_m2_sr, of(0, Face::Through, 0)),
+                (terms.base_glossy_m2_sr, of(1, Face::Front, 0)),
+                (terms.base_diffuse_m2_sr, of(1, Face::Front, 1)),
+            ];
+            for (closed, open) in pairs {
+                assert!((closed - open).abs() < 1e-9, "{closed} {open} at {to_sun:?} {to_observer:?} {shape:?}");
+            }
+            compared += usize::from(terms.blocked.shadow_or_hidden > 0.0 && terms.blocked.shadow_or_hidden < 1.0);
+        }
+    }
+    assert!(compared > 4000, "{compared} geometries were partly blocked");
+}
+
+/// True where a ray from a point of one rectangle in a direction meets another.
+fn meets(from: &Vector3<f64>, direction: &Vector3<f64>, other: &PlacedRectangle) -> bool {
+    let along = other.axes.normal.dot(direction);
+    let t = other.axes.normal.dot(&(other.anchor_m - from)) / along;
+    let place = from + direction * t - other.anchor_m;
+    let (u, v) = (place.dot(&other.axes.u), place.dot(&other.axes.v));
+    along.abs() > 1e-12
+        && t > 1e-9
+        && (other.u_m[0]..=other.u_m[1]).contains(&u)
+        && (other.v_m[0]..=other.v_m[1]).contains(&v)
+}
+
+/// Random satellites of four panels at random angles, every one in the way of the first: the exact share against a grid of
+/// 100 x 100 rays to Sun and observer. A grid of N x N errs by the border's length in cells: 0.02 holds for six borders.
+#[test]
+fn valid_obstruction_of_random_panels_against_rays_cast_one_by_one() {
+    const GRID: usize = 100;
+    let mut uniform = Uniform(11);
+    let (mut partly, mut worst) = (0, 0.0_f64);
+    for _ in 0..300 {
+        let mut panels = Vec::new();
+        for name in ["a", "b", "c", "d"] {
+            let normal = uniform.direction();
+            let v = normal.cross(&uniform.direction()).normalize();
+            let spread = if name == "a" { 0.0 } else { 3.0 };
+            let place: Vec<f64> = (0..3).map(|_| uniform.between(-spread, spread)).collect();
+            panels.push(json!({
+                "name": name, "anchor_m": place,
+                "u_m": [-uniform.between(0.5, 3.0), uniform.between(0.5, 3.0)],
+                "v_m": [-uniform.between(0.5, 3.0), uniform.between(0.5, 3.0)],
+                "attitude": {"law": "fixed", "normal": normal.as_slice(), "v": v.as_slice()},
+                "front": [{"law": "lambert", "albedo": 0.1}]
+            }));
+        }
+        let blocking: Vec<Value> = ["b", "c", "d"].iter().map(|by| json!({"panel": "a", "by": by})).collect();
+        let spec = json!({"parameters": [], "panels": panels, "blocking": blocking});
+        let model = BrightnessModel::from_json(&file(spec, Value::Null), "own").unwrap();
+        let assembly = model.assembly().unwrap();
+        let (to_sun, to_observer) = directions(&mut uniform);
+        let placed = assembly.placed(&to_sun);
+        let a = &placed[0];
+        let cell = |range: [f64; 2], n: usize| range[0] + (range[1] - range[0]) * (n as f64 + 0.5) / GRID as f64;
+        let mut stopped = 0;
+        for i in 0..GRID * GRID {
+            let point = a.anchor_m + a.axes.u * cell(a.u_m, i / GRID) + a.axes.v * cell(a.v_m, i % GRID);
+            let lost =
+                placed[1..].iter().any(|other| meets(&point, &to_sun, other) || meets(&point, &to_observer, other));
+            stopped += usize::from(lost);
+        }
+        let cast = stopped as f64 / (GRID * GRID) as f64;
+        let exact = assembly.blocked(0, &to_sun, &to_observer);
+        partly += usize::from(cast > 0.02 && cast < 0.98);
+        worst = worst.max((cast - exact).abs());
+        assert!((cast - exact).abs() < 0.02, "{cast} cast, {exact} exact");
+    }
+    assert!(partly > 100, "{partly} partly blocked, worst difference {worst}");
+}
+
+#[test]
+fn verif_gradient_of_the_two_panels_against_differences() {
+    let shape = SatelliteShape {
+        sail_length_m: 8.1,
+        sail_width_m: 2.8,
+        base_length_m: 1.3,
+        base_width_m: 2.8,
+        panel_offset_deg: -3.0,
+    };
+    let moved = |place: usize, by: f64| {
+        let mut c = coefficients();
+        let keys = [&mut c.c1, &mut c.c2, &mut c.c3, &mut c.c4, &mut c.c5, &mut c.n_sail, &mut c.n_base];
+        *keys.into_iter().nth(place).unwrap() += by;
+        SatelliteModel::new(&shape, &c).unwrap()
+    };
+    let mut uniform = Uniform(5);
+    for _ in 0..500 {
+        let (to_sun, to_observer) = directions(&mut uniform);
+        let total = |model: SatelliteModel| model.terms_of_directions(&to_sun, &to_observer).b_total_m2_sr();
+        let (gradient, b_total) = moved(0, 0.0).gradient(&to_sun, &to_observer);
+        assert!((b_total - total(moved(0, 0.0))).abs() < 1e-14);
+        for (place, derivative) in gradient.into_iter().enumerate() {
+            let difference = (total(moved(place, 1e-5)) - total(moved(place, -1e-5))) / 2e-5;
+            assert!(
+                (derivative - difference).abs() < 1e-7 * (1.0 + derivative.abs()),
+                "{place}: {derivative} {difference}"
+            );
+        }
+    }
+}
+
+/// The same covariance through derivatives and through moved parameters, and what it adds to the scatter.
+#[test]
+fn verif_covariance_widens_the_sigma() {
+    let shape = json!({"sail_length_m": 8.1, "sail_width_m": 2.8, "base_length_m": 1.3, "base_width_m": 2.8, "panel_offset_deg": 0.0});
+    let mut covariance = vec![vec![0.0; 7]; 7];
+    for (place, sigma) in [0.01, 0.003, 0.001, 0.02, 0.01, 1.0, 3.0].into_iter().enumerate() {
+        covariance[place][place] = sigma * sigma;
+    }
+    covariance[3][6] = -0.5 * 0.02 * 3.0;
+    covariance[6][3] = covariance[3][6];
+    let spec = chassis_and_sail(&serde_json::from_value(shape.clone()).unwrap());
+    let panels = BrightnessModel::from_json(&file(spec, json!(covariance)), "own").unwrap();
+    let mut two: Value = serde_json::from_str(&file(Value::Null, json!(covariance))).unwrap();
+    two["kind"] = json!("two_panel");
+    two["shape"] = shape;
+    two["coefficients"] =
+        json!({"c1": 0.1, "c2": 0.03, "c3": 0.005, "c4": 0.2, "c5": 0.08, "n_sail": 5.0, "n_base": 22.0});
+    two.as_object_mut().unwrap().remove("panels");
+    let two = BrightnessModel::from_json(&two.to_string(), "own").unwrap();
+    let mut seen = 0;
+    for observer_longitude_deg in [0.0, 40.0, 90.0, 150.0, 180.0] {
+        let geometry = ViewingGeometry {
+            sun_latitude_rad: -0.3,
+            observer_longitude_rad: f64::to_radians(observer_longitude_deg),
+            observer_latitude_rad: -0.9,
+            range_km: 700.0,
+            height_km: 550.0,
+            sun_distance_au: 1.0,
+        };
+        let sigma =
+            |model: &BrightnessModel| model.parameter_sigma_mag(&geometry.to_sun(), &geometry.to_observer()).unwrap();
+        let (by_gradient, by_pairs) = (sigma(&two), sigma(&panels));
+        assert!((by_gradient - by_pairs).abs() < 1e-6 * by_gradient, "{by_gradient} {by_pairs}");
+        let brightness = two.brightness(&geometry, 1.0, &PhotometryOptions::default()).unwrap();
+        assert!((brightness.sigma_mag - by_gradient.hypot(0.3)).abs() < 1e-12);
+        seen += usize::from(by_gradient > 0.02);
+    }
+    assert_eq!(seen, 5);
+}
+
+#[test]
+fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
+    let shape = SatelliteShape {
+        sail_length_m: 8.1,
+        sail_width_m: 2.8,
+        base_length_m: 1.3,
+        base_width_m: 2.8,
+        panel_offset_deg: 0.0,
+    };
+    let good = chassis_and_sail(&shape);
+    assert!(BrightnessModel::from_json(&file(good.clone(), Value::Null), "own").is_ok());
+    let error_of = |change: &dyn Fn(&mut Value)| {
+        let mut spec = good.clone();
+        change(&mut spec);
+        BrightnessModel::from_json(&file(spec, Value::Null), "own.json").unwrap_err().to_string()
+    };
+    type Case<'a> = (&'a dyn Fn(&mut Value), &'a [&'a str]);
+    let cases: &[Case] = &[
+        (&|s| s["panels"][0]["v_m"] = json!([0, -8.1]), &["panels.sail.v_m[1]", "-8.1"]),
+        (&|s| s["panels"][0]["front"][0]["law"] = json!("mirror"), &["mirror", "phong"]),
+        (
+            &|s| s["panels"][0]["front"][0]["exponent"] = json!(1e9),
+            &["panels.sail.front.exponent", "1000000000", "10000"],
+        ),
+        (&|s| s["panels"][0]["front"][0]["exponent"] = json!("n_mast"), &["n_mast", "n_sail"]),
+        (&|s| s["panels"][0]["front"][0]["exponent"] = Value::Null, &["a number or the name of a parameter"]),
+        (
+            &|s| {
+                s["panels"][0]["front"][0].as_object_mut().unwrap().remove("exponent");
+            },
+            &["exponent"],
+        ),
+        (&|s| s["panels"][0]["front"][1]["colour"] = json!(1), &["colour"]),
+        (&|s| s["panels"][1]["name"] = json!("sail"), &["sail", "names that differ"]),
+        (
+            &|s| s["panels"][0]["attitude"] = json!({"law": "fixed", "normal": [0, 0, 1], "v": [0, 1, 1]}),
+            &["attitude.v"],
+        ),
+        (&|s| s["panels"][0]["attitude"]["offset_deg"] = json!([[0, 1], [-5, 2]]), &["Sun's latitude", "-5"]),
+        (&|s| s["blocking"][0]["by"] = json!("mast"), &["mast", "sail, chassis"]),
+        (&|s| s["blocking"][0]["by"] = json!("sail"), &["a panel other than"]),
+        (&|s| s["panels"] = json!([]), &["panels.panels: number", "1 to 32"]),
+        (&|s| s["parameters"][0]["name"] = json!("unused"), &["c1", "a number or one of"]),
+        (
+            &|s| s["parameters"].as_array_mut().unwrap().push(json!({"name": "spare", "value": 1})),
+            &["spare", "refers to"],
+        ),
+        (
+            &|s| {
+                s["conserves_energy"] = json!(true);
+                s["parameters"][1]["value"] = json!(0.95)
+            },
+            &["reflected share", "sail"],
+        ),
+    ];
+    for (change, words) in cases {
+        let error = error_of(*change);
+        assert!(words.iter().all(|word| error.contains(word)), "{error} lacks one of {words:?}");
+        assert!(error.starts_with("model file own.json"), "{error}");
+    }
+    // What one face reflects may be claimed where it holds.
+    let mut held = good.clone();
+    held["conserves_energy"] = json!(true);
+    assert!(BrightnessModel::from_json(&file(held, Value::Null), "own").is_ok());
+    let short = BrightnessModel::from_json(&file(good, json!([[1.0]])), "own").unwrap_err().to_string();
+    assert!(short.contains("7 x 7"), "{short}");
+}
