@@ -200,7 +200,7 @@ fn verif_figure_6_is_bright_towards_the_sun_and_dark_away_from_it() {
             opposite(longitude, latitude) && from_mirror(longitude, latitude, sun) > 40.0
         });
         let (bright, dark) = (median(&model, sun, towards), median(&model, sun, opposite));
-        // Measured with the provisional model: 0.9 to 1.5 mag between the sides, 1.0 to 1.6 mag for the spot.
+        // With the provisional model the sides are 0.8 to 1.1 mag apart, and the spot stands out by 1.1 to 1.7 mag.
         assert!(bright < dark - 0.5, "Sun at {sun}: {bright} towards, {dark} opposite");
         assert!(spot < beside - 0.5, "Sun at {sun}: {spot} in the spot, {beside} beside it");
         spots.push(spot);
@@ -321,14 +321,14 @@ fn last_lit_deg(model: &BrightnessModel, height_km: f64, altitude_deg: f64) -> f
 fn verif_satellites_are_seen_until_the_sun_is_so_low() {
     let model = v15();
     // Height, the paper's Sun, ours at 30°.
-    for (height_km, paper_deg, ours_deg) in [(550.0, -30.0, -29.9), (340.0, -21.0, -23.1), (1200.0, -40.0, -45.6)] {
+    for (height_km, paper_deg, ours_deg) in [(550.0, -30.0, -30.4), (340.0, -21.0, -23.3), (1200.0, -40.0, -46.2)] {
         let last = last_lit_deg(&model, height_km, 30.0);
         // acos(R/r) + 90° - 30° - asin(R cos 30° / r), plus the Sun's radius: the last sliver of the disk.
         let ratio: f64 = 6378.137 / (6378.137 + height_km);
         let formula =
             -(ratio.acos().to_degrees() + 60.0 - (ratio * 30_f64.to_radians().cos()).asin().to_degrees() + 0.267);
         assert!((last - formula).abs() < 0.02, "{height_km} km: {last}, by the formula {formula}");
-        assert!((last - ours_deg).abs() < 0.3, "{height_km} km: {last}");
+        assert!((last - ours_deg).abs() < 0.1, "{height_km} km: {last}");
         // Somewhere between 20° and 60° of altitude the paper's number holds.
         let (low, high) = (last_lit_deg(&model, height_km, 20.0), last_lit_deg(&model, height_km, 60.0));
         assert!(low < paper_deg && paper_deg < high, "{height_km} km: {low} to {high}");

@@ -31,7 +31,7 @@ impl<'a> Light<'a> {
         to_sun: &Direction<Body>,
         to_observer: &Direction<Body>,
     ) -> Option<StandardMagnitude> {
-        let standard = self.model.standard_magnitude_of(to_sun, to_observer)?;
+        let standard = self.model.standard_magnitude_towards(to_sun, to_observer)?;
         Some(StandardMagnitude(standard.0 + self.colour_mag))
     }
 
@@ -44,14 +44,18 @@ impl<'a> Light<'a> {
         Some(StandardMagnitude(0.0).at_range(range_km).dimmed_by(air))
     }
 
-    /// Model, band and zero point, and the air where there is any.
+    /// Model, band and zero point.
     pub fn facts(&self) -> Vec<Fact> {
         let text = |shown: &dyn std::fmt::Display| FactValue::Text(shown.to_string());
-        vec![
+        let mut facts = vec![
             Fact::new("model", "MODEL", text(&self.model.source()), "what magnitudes rest on"),
             Fact::new("band", "BAND", text(&self.options.band), "passband"),
             Fact::new("mag_system", "MAGSYS", text(&self.options.system), "zero point"),
-        ]
+        ];
+        if self.model.file().is_some_and(|file| file.provenance.provisional) {
+            facts.push(Fact::new("model_status", "MODSTAT", text(&"provisional"), "as the model file says"));
+        }
+        facts
     }
 
     /// Extinction, mag per airmass, where there is any.

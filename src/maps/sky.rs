@@ -48,6 +48,7 @@ pub struct SkyView<'a> {
     observer: Position<Gcrs>,
     sun: Position<Gcrs>,
     radius_km: f64,
+    per_radius_km: f64,
     /// q² - r² of the drawing above, km²; negative.
     below_km2: f64,
     sun_azimuth_rad: f64,
@@ -119,6 +120,7 @@ impl<'a> SkyView<'a> {
             observer: Position::from_vector(observer),
             sun: Position::from_vector(sun),
             radius_km,
+            per_radius_km: 1.0 / radius_km,
             below_km2: observer.norm_squared() - radius_km * radius_km,
             sun_azimuth_rad,
             sun_altitude_rad,
@@ -258,15 +260,17 @@ impl<'a> SkyView<'a> {
         satellite: &Vector3<f64>,
         direction: &Vector3<f64>,
     ) -> (Direction<Body>, Direction<Body>) {
-        let zenith = satellite / self.radius_km;
-        let to_sun = (self.sun.vector() - satellite).normalize();
+        // A division takes as long as a dozen products.
+        let zenith = satellite * self.per_radius_km;
+        let to_sun = self.sun.vector() - satellite;
+        let to_sun = to_sun * (1.0 / to_sun.norm());
         let to_observer = -direction;
         let (sun_up, observer_up) = (zenith.dot(&to_sun), zenith.dot(&to_observer));
         // x of the body frame points to the Sun's foot on the plane of the chassis, y = z × x.     Lu (2024), eqs. 8, 9
         let foot = to_sun - zenith * sun_up;
         let level = foot.norm();
         // With the Sun in the zenith every direction along the plane will do.
-        let x = if level > 0.0 { foot / level } else { zenith.cross(&Vector3::z()).normalize() };
+        let x = if level > 0.0 { foot * (1.0 / level) } else { zenith.cross(&Vector3::z()).normalize() };
         let across = zenith.cross(&x).dot(&to_observer);
         (
             Direction::from_vector(Vector3::new(level, 0.0, sun_up)),

@@ -189,8 +189,16 @@ impl BrightnessModel {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer())
     }
 
-    /// The same from unit vectors in the body frame; the Sun's y is 0.
-    pub fn standard_magnitude_of(
+    /// The same from unit vectors in the body frame (the Sun's y is 0), for those who have them and need no angles.
+    pub fn standard_magnitude_towards(
+        &self,
+        to_sun: &Direction<Body>,
+        to_observer: &Direction<Body>,
+    ) -> Option<StandardMagnitude> {
+        self.standard_magnitude_of(to_sun, to_observer)
+    }
+
+    fn standard_magnitude_of(
         &self,
         to_sun: &Direction<Body>,
         to_observer: &Direction<Body>,

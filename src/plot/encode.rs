@@ -15,6 +15,9 @@ use super::picture::{Picture, Underlay};
 /// PNGs are drawn this many times as large and averaged: smooth lines and letters.
 const FINE: usize = 2;
 
+/// Lines of an SVG are laid out on a mesh this many times as fine as its pixels.
+const MESH: usize = 8;
+
 /// PNG or SVG.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
@@ -70,23 +73,23 @@ impl Picture<'_> {
     /// What the drawing or encoding crate reports.
     pub fn to_svg(&self) -> Result<String, PlotError> {
         let (width, height) = self.size();
+        let (across, down) = (width * MESH, height * MESH);
         let mut text = String::new();
         {
-            let area = SVGBackend::with_string(&mut text, (width as u32, height as u32)).into_drawing_area();
-            self.draw(&area, 1.0)?;
+            let area = SVGBackend::with_string(&mut text, (across as u32, down as u32)).into_drawing_area();
+            self.draw(&area, MESH as f64)?;
             area.present().map_err(|error| PlotError::Drawing(error.to_string()))?;
         }
         let underlay = self.underlay(FINE);
         let pixels = STANDARD.encode(png(&underlay.rgb, underlay.width, underlay.height)?);
-        // The pixels come first, below everything: behind the opening tag.
-        let opening = text.find("<svg").and_then(|start| text[start..].find('>').map(|end| start + end + 1));
-        let opening = opening.ok_or_else(|| PlotError::Drawing("the SVG has no beginning".to_owned()))?;
-        let below = format!(
-            "\n<image x=\"0\" y=\"0\" width=\"{width}\" height=\"{height}\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" \
-             xlink:href=\"data:image/png;base64,{pixels}\"/>"
-        );
-        text.insert_str(opening, &below);
-        Ok(text)
+        // The pixels come first, below everything: behind the opening tag, which is given the size in pixels.
+        let broken = || PlotError::Drawing("the SVG has no beginning".to_owned());
+        let rest = text.strip_prefix("<svg").and_then(|text| text.split_once('>')).ok_or_else(broken)?.1;
+        Ok(format!(
+            "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {across} {down}\" xmlns=\"http://www.w3.org/2000/svg\" \
+             xmlns:xlink=\"http://www.w3.org/1999/xlink\">\n<image x=\"0\" y=\"0\" width=\"{across}\" height=\"{down}\" \
+             xlink:href=\"data:image/png;base64,{pixels}\"/>{rest}"
+        ))
     }
 }
 

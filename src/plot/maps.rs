@@ -23,11 +23,13 @@ const BODY_CAPTION: &str = "Below the satellite, seen from above: nadir in the m
 pub fn sky_picture<'a>(view: &'a SkyView<'a>) -> Picture<'a> {
     let facts = view.facts();
     let title = format!("{}, {}, {} km", apparent(&facts), text_of(&facts, "model"), tidy(view.height_km()));
-    let caption = match view.earth() {
-        Earth::Sphere => SKY_CAPTION.to_owned(),
-        Earth::Ellipsoid(site) => format!("{SKY_CAPTION} Site: {}.", site.name),
+    let site = match view.earth() {
+        Earth::Sphere => String::new(),
+        Earth::Ellipsoid(site) => format!(" Site: {}.", site.name),
     };
-    let disc = sky_disc(view.clone(), format!("Sun at {}°", degrees(view.sun_altitude_rad())));
+    let caption = format!("{SKY_CAPTION}{site}{}", status(&facts));
+    let (altitude, azimuth) = (degrees(view.sun_altitude_rad()), degrees(view.sun_azimuth_rad()));
+    let disc = sky_disc(view.clone(), format!("Sun at altitude {altitude}°, azimuth {azimuth}°"));
     Picture::new(title, caption, vec![disc], ALONE, LIMIT_MAG)
 }
 
@@ -36,7 +38,8 @@ pub fn body_picture<'a>(view: &'a BodyView<'a>) -> Picture<'a> {
     let facts = view.facts();
     let disc = body_disc(view.clone(), format!("Sun at latitude {}°", degrees(view.sun_latitude_rad())));
     let title = format!("{}, {}", standard(&facts), text_of(&facts, "model"));
-    Picture::new(title, BODY_CAPTION.to_owned(), vec![disc], ALONE, LIMIT_MAG)
+    let caption = format!("{BODY_CAPTION}{}", status(&facts));
+    Picture::new(title, caption, vec![disc], ALONE, LIMIT_MAG)
 }
 
 /// A figure of the paper: three maps with one scale, Sun in the north, spherical Earth.
@@ -49,26 +52,28 @@ pub fn paper_picture<'a>(
     options: PhotometryOptions,
 ) -> Result<Picture<'a>, PlotError> {
     let mut discs = Vec::new();
-    let mut words = (String::new(), "");
+    let mut words = (String::new(), "", String::new());
     for (panel, letter) in figure.panels.iter().zip(["a", "b", "c"]) {
         match *panel {
             FigurePanel::Body { sun_latitude_deg, height_km } => {
                 let view = BodyView::new(model, sun_latitude_deg.to_radians(), height_km, options)?;
-                words = (standard(&view.facts()), BODY_CAPTION);
+                let facts = view.facts();
+                words = (standard(&facts), BODY_CAPTION, status(&facts));
                 let title = format!("({letter}) Sun at latitude {}°", degrees(view.sun_latitude_rad()));
                 discs.push(body_disc(view, title));
             }
             FigurePanel::Sky { sun_altitude_deg, height_km } => {
                 let sun_altitude_rad = sun_altitude_deg.to_radians();
                 let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_altitude_rad, options)?;
-                words = (format!("{}, {height_km} km", apparent(&view.facts())), SKY_CAPTION);
-                let title = format!("({letter}) Sun at {}°", degrees(view.sun_altitude_rad()));
+                let facts = view.facts();
+                words = (format!("{}, {height_km} km", apparent(&facts)), SKY_CAPTION, status(&facts));
+                let title = format!("({letter}) Sun at altitude {}°", degrees(view.sun_altitude_rad()));
                 discs.push(sky_disc(view, title));
             }
         }
     }
     let title = format!("{}, {}", words.0, model.source());
-    let caption = format!("{} After figure {} of Lu (2024).", words.1, figure.number);
+    let caption = format!("{} After figure {} of Lu (2024).{}", words.1, figure.number, words.2);
     Ok(Picture::new(title, caption, discs, OF_THREE, LIMIT_MAG))
 }
 
@@ -102,6 +107,14 @@ fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
         rim: [(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")],
         circles: vec![(30.0, "−60°".to_owned()), (60.0, "−30°".to_owned())],
         limb_rad,
+    }
+}
+
+/// What a reader must know of the model.
+fn status(facts: &[Fact]) -> String {
+    match text_of(facts, "model_status").as_str() {
+        "" => String::new(),
+        status => format!(" The model is {status}."),
     }
 }
 

@@ -169,12 +169,6 @@ impl<'a> Picture<'a> {
             pen.line(&line, INK.to_rgba(), 4.0)?;
             pen.line(&line, RGBColor(255, 255, 255).to_rgba(), 2.0)?;
         }
-        for (angle_deg, words) in &disc.circles {
-            let angle = angle_deg.to_radians();
-            pen.circle((across, down), radius * angle / FRAC_PI_2, INK.mix(0.45), 1.0)?;
-            // Words where the Sun is far from and no other words are.
-            pen.note(words, at(place(disc.sun_longitude_rad + 112.5_f64.to_radians(), angle)))?;
-        }
         if let Some(limb) = disc.limb_rad {
             for dash in 0..60 {
                 let arc: Vec<_> = (0..=4)
@@ -182,6 +176,12 @@ impl<'a> Picture<'a> {
                     .collect();
                 pen.line(&arc, INK.mix(0.8), 1.5)?;
             }
+        }
+        for (angle_deg, words) in &disc.circles {
+            let angle = angle_deg.to_radians();
+            pen.circle((across, down), radius * angle / FRAC_PI_2, INK.mix(0.45), 1.0)?;
+            // Words where the Sun is far from and no other words are.
+            pen.note(words, at(place(disc.sun_longitude_rad + 112.5_f64.to_radians(), angle)))?;
         }
         pen.circle((across, down), radius, INK.to_rgba(), 1.6)?;
         for (longitude_deg, words) in disc.rim {

@@ -3,7 +3,6 @@
     python3 -m venv venv && venv/bin/pip install numpy astropy healpy
     venv/bin/python tests/reference/check_healpix_maps.py target/release/streakcast
 """
-import io
 import subprocess
 import sys
 import tempfile
@@ -28,7 +27,7 @@ def main(streakcast):
             path = Path(folder) / f"{verb}.fits"
             subprocess.run([*ask, "-o", path], check=True)
             text = subprocess.run([*ask, "--format", "ecsv"], check=True, capture_output=True, text=True).stdout
-            rows = Table.read(io.StringIO(text), format="ascii.ecsv")
+            rows = Table.read(text.splitlines(), format="ascii.ecsv")
             table = Table.read(path)
             assert table.meta["ORDERING"] == "RING" and table.meta["NSIDE"] == NSIDE and table.meta["COORDSYS"] == frame
             names = [name for name in rows.colnames if name in table.colnames]

@@ -60,7 +60,7 @@ fn body(typed: MapBodyArguments) -> anyhow::Result<Outcome> {
         Target::Nothing => {}
         Target::Table(output, grid) => {
             let map = view.map(*grid);
-            write_table(output, &map.table(), &provenance_of(&map.facts, &model), BODY_ON_SCREEN)?;
+            write_table(output, &map.table(), &provenance_of(&map.facts), BODY_ON_SCREEN)?;
         }
         #[cfg(feature = "fits")]
         Target::Fits(path, grid) => write_bytes(path, &view.map(*grid).to_fits(&std::env::temp_dir())?)?,
@@ -92,7 +92,7 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
         Target::Nothing => {}
         Target::Table(output, grid) => {
             let map = view.map(*grid);
-            write_table(output, &map.table(), &provenance_of(&map.facts, &model), SKY_ON_SCREEN)?;
+            write_table(output, &map.table(), &provenance_of(&map.facts), SKY_ON_SCREEN)?;
         }
         #[cfg(feature = "fits")]
         Target::Fits(path, grid) => write_bytes(path, &view.map(*grid).to_fits(&std::env::temp_dir())?)?,
@@ -125,12 +125,9 @@ fn provisional(model: &BrightnessModel) -> Option<String> {
     is_provisional.then(|| format!("model {} is provisional (streakcast model show tells why)", model.source()))
 }
 
-fn provenance_of(facts: &[Fact], model: &BrightnessModel) -> Provenance {
+fn provenance_of(facts: &[Fact]) -> Provenance {
     let mut provenance = Provenance::new();
     facts.iter().for_each(|fact| fact.state(&mut provenance));
-    if let Some(file) = model.file() {
-        provenance.state("provisional", file.provenance.provisional);
-    }
     provenance
 }
 
