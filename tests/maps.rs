@@ -145,7 +145,7 @@ fn verif_straight_up_and_at_the_horizon() {
     let pole = Earth::Ellipsoid(Site::new_deg("pole", 90.0, 0.0, 0.0).unwrap());
     let view = SkyView::new(&model, pole, 550.0, 0.0, -0.2, options()).unwrap();
     let up = view.at(0.0, std::f64::consts::FRAC_PI_2).range_km;
-    assert!((up - (550.0 + 6378.137 - 6356.752_314_2)).abs() < 1e-6, "{up}");
+    assert!((up - (550.0 + 6_378.137 - 6_356.752_314_2)).abs() < 1e-6, "{up}");
 }
 
 #[test]
