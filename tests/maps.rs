@@ -148,6 +148,43 @@ fn verif_straight_up_and_at_the_horizon() {
     assert!((up - (550.0 + 6_378.137 - 6_356.752_314_2)).abs() < 1e-6, "{up}");
 }
 
+/// The quick answers far from the shadow's border are those of the full one.
+#[test]
+fn verif_quick_shadow_is_the_shadow() {
+    use streakcast::constants::AU_KM;
+    use streakcast::frames::{Gcrs, Position};
+    use streakcast::geometry::illumination;
+    let model = v15();
+    let mut seen = [0; 3];
+    for height_km in [200.0, 550.0, 2000.0, 36_000.0, 100_000.0] {
+        for sun_deg in [-5.0, -15.0, -25.0, -40.0, -70.0] {
+            let view =
+                SkyView::new(&model, Earth::Sphere, height_km, 0.0, f64::to_radians(sun_deg), options()).unwrap();
+            for step in 0..=1800 {
+                // Along the meridian of the Sun, from the horizon below it over the zenith to the other one.
+                let turn = f64::from(step) * 0.1_f64.to_radians();
+                let ours = view.at(0.0, turn).lit_fraction;
+                let radius_km = 6378.137 + height_km;
+                let (sin, cos) = turn.sin_cos();
+                let range_km =
+                    (6378.137_f64.powi(2) * (sin * sin - 1.0) + radius_km * radius_km).sqrt() - 6378.137 * sin;
+                let satellite = Position::<Gcrs>::new(range_km * cos, 6378.137 + range_km * sin, 0.0);
+                let sun = f64::to_radians(sun_deg);
+                let full = illumination(&satellite, &Position::new(AU_KM * sun.cos(), AU_KM * sun.sin(), 0.0));
+                assert!((ours - full.lit_fraction()).abs() < 1e-3, "{height_km} {sun_deg} {step}: {ours} {full:?}");
+                seen[if ours == 1.0 {
+                    0
+                } else if ours == 0.0 {
+                    2
+                } else {
+                    1
+                }] += 1;
+            }
+        }
+    }
+    assert!(seen.iter().all(|&count| count > 100), "{seen:?}");
+}
+
 #[test]
 fn verif_extinction_and_band_change_a_map_as_they_should() {
     let model = v15();

@@ -1,13 +1,11 @@
 //! Magnitude at 1000 km over a satellite's own sky: what it sends in each direction below its chassis.
 
-use rayon::prelude::*;
-
 use crate::frames::{Body, Direction};
 use crate::photometry::{BrightnessModel, PhotometryOptions, StandardMagnitude};
 
 use super::error::{MapError, height, latitude};
 use super::facts::{Fact, FactValue};
-use super::grid::Grid;
+use super::grid::{Grid, fill};
 use super::light::Light;
 
 /// The distance of standard magnitudes, km.
@@ -112,17 +110,15 @@ impl<'a> BodyView<'a> {
 
     /// All directions of a grid at or below the plane of the chassis, on all threads of the caller's pool.
     pub fn map(&self, grid: Grid) -> BodyMap {
-        let points = grid
-            .southern()
-            .into_par_iter()
-            .flat_map_iter(|row| {
-                row.longitudes_rad().map(move |observer_longitude_rad| BodyPoint {
-                    observer_longitude_rad,
-                    observer_latitude_rad: row.latitude_rad,
-                    standard_magnitude: self.at(observer_longitude_rad, row.latitude_rad),
-                })
-            })
-            .collect();
+        let point = |observer_latitude_rad: f64| {
+            move |observer_longitude_rad: f64| BodyPoint {
+                observer_longitude_rad,
+                observer_latitude_rad,
+                standard_magnitude: self.at(observer_longitude_rad, observer_latitude_rad),
+            }
+        };
+        let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
+        let points = fill(grid.southern(), blank, point);
         BodyMap { grid, facts: self.facts(), points }
     }
 }

@@ -2,6 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use rayon::prelude::*;
+
 use crate::healpix::{MOST_NSIDE, cell_count, northern_cell_count, ring_centre_rad};
 
 use super::error::{MapError, in_range};
@@ -42,6 +44,30 @@ impl GridRow {
     pub fn longitudes_rad(self) -> impl Iterator<Item = f64> {
         (0..self.count).map(move |column| self.first_rad + column as f64 * self.step_rad)
     }
+}
+
+/// One value for each direction of the rows, in order, on all threads of the caller's pool. `of_latitude` makes ready what a row shares.
+pub(super) fn fill<T, F, G>(rows: Vec<GridRow>, blank: T, of_latitude: F) -> Vec<T>
+where
+    T: Copy + Send,
+    F: Fn(f64) -> G + Sync,
+    G: Fn(f64) -> T,
+{
+    let mut all = vec![blank; rows.iter().map(|row| row.count).sum()];
+    let mut rest = all.as_mut_slice();
+    let mut parts = Vec::with_capacity(rows.len());
+    for row in rows {
+        let (part, tail) = rest.split_at_mut(row.count);
+        parts.push((row, part));
+        rest = tail;
+    }
+    parts.into_par_iter().for_each(|(row, part)| {
+        let value = of_latitude(row.latitude_rad);
+        for (place, longitude_rad) in part.iter_mut().zip(row.longitudes_rad()) {
+            *place = value(longitude_rad);
+        }
+    });
+    all
 }
 
 impl Grid {

@@ -15,7 +15,6 @@
 //! normal, and the shadow is that of the ellipsoid. Air bends no light here: altitudes are geometric.
 
 use nalgebra::{Matrix3, Vector3};
-use rayon::prelude::*;
 
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::frames::{Body, Direction, Gcrs, Horizontal, Position, itrs_to_horizontal};
@@ -24,7 +23,7 @@ use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions};
 
 use super::error::{MapError, height, latitude};
 use super::facts::{Fact, FactValue, rounded};
-use super::grid::Grid;
+use super::grid::{Grid, fill};
 use super::light::Light;
 
 /// On what Earth the observer stands.
@@ -189,14 +188,12 @@ impl<'a> SkyView<'a> {
 
     /// All directions of a grid at or above the horizon, on all threads of the caller's pool.
     pub fn map(&self, grid: Grid) -> SkyMap {
-        let points = grid
-            .northern()
-            .into_par_iter()
-            .flat_map_iter(|row| {
-                let level = self.row(row.latitude_rad);
-                row.longitudes_rad().map(move |azimuth_rad| self.point(&level, azimuth_rad))
-            })
-            .collect();
+        let point = |altitude_rad: f64| {
+            let row = self.row(altitude_rad);
+            move |azimuth_rad: f64| self.point(&row, azimuth_rad)
+        };
+        let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
+        let points = fill(grid.northern(), blank, point);
         SkyMap { grid, facts: self.facts(), points }
     }
 
@@ -208,12 +205,13 @@ impl<'a> SkyView<'a> {
             let range_km = self.range_km(EARTH_EQUATORIAL_RADIUS_KM * sin);
             (range_km, self.light.dimming(range_km, altitude_rad))
         });
-        Row { altitude_rad, sin, cos, way }
+        let axis = |index: usize| self.axes.column(index).into_owned();
+        Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, way }
     }
 
     fn point(&self, row: &Row, azimuth_rad: f64) -> SkyPoint {
         let (east, north) = azimuth_rad.sin_cos();
-        let direction = self.axes * Vector3::new(row.cos * north, row.cos * east, row.sin);
+        let direction = row.up + row.north * north + row.east * east;
         let observer = self.observer.vector();
         let (range_km, dimming) = row.way.unwrap_or_else(|| {
             let range_km = self.range_km(observer.dot(&direction));
@@ -245,9 +243,17 @@ impl<'a> SkyView<'a> {
                 if towards_sun >= 0.0 {
                     return 1.0;
                 }
-                // On a sphere only the angle to the Sun counts; in the plane of the equator the ellipsoid is one.
-                let cos = (towards_sun / (self.radius_km * AU_KM)).max(-1.0);
+                let cos = (towards_sun * (self.per_radius_km / AU_KM)).max(-1.0);
                 let sin = (1.0 - cos * cos).sqrt();
+                // Off the shadow's axis, and the Earth's radius narrowed or widened by the Sun's disk (0.0047 rad), with room.
+                let (across_km, slope_km) = (self.radius_km * sin, -0.005 * self.radius_km * cos);
+                if across_km > EARTH_EQUATORIAL_RADIUS_KM * 1.0002 + slope_km {
+                    return 1.0;
+                }
+                if across_km < EARTH_EQUATORIAL_RADIUS_KM * 0.9998 - slope_km {
+                    return 0.0;
+                }
+                // On a sphere only the angle to the Sun counts; in the plane of the equator the ellipsoid is one.
                 let turned = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
                 illumination(&turned, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
             }
@@ -283,8 +289,10 @@ impl<'a> SkyView<'a> {
 #[derive(Copy, Clone, Debug)]
 struct Row {
     altitude_rad: f64,
-    sin: f64,
-    cos: f64,
+    /// A direction is up + north cos(azimuth) + east sin(azimuth).
+    up: Vector3<f64>,
+    north: Vector3<f64>,
+    east: Vector3<f64>,
     /// Range, and what it and the air do to a standard magnitude, where they are the same for all.
     way: Option<(f64, Option<Magnitude>)>,
 }

@@ -1,19 +1,27 @@
 //! `map`: magnitudes over a satellite's own sky and over that of a site, as tables, FITS and pictures.
 
 use std::fs;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+#[cfg(feature = "fits")]
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::anyhow;
 use streakcast::geometry::Site;
-use streakcast::maps::{BodyView, DEFAULT_NSIDE, DEFAULT_STEP_DEG, Earth, Fact, Grid, SkyView};
+#[cfg(feature = "fits")]
+use streakcast::maps::DEFAULT_NSIDE;
+use streakcast::maps::{BodyView, DEFAULT_STEP_DEG, Earth, Fact, Grid, SkyView};
 use streakcast::photometry::{BrightnessModel, ModelLibrary};
 use streakcast::setup::Setup;
 use streakcast::table::{Provenance, Section, Table};
 
 use crate::failure::Outcome;
 use crate::map_arguments::{MapArguments, MapBodyArguments, MapOutputArguments, MapSkyArguments, MapVerb};
-use crate::output::{Answer, Output, check, write_bytes};
+#[cfg(any(feature = "fits", feature = "plot"))]
+use crate::output::check;
+#[cfg(feature = "fits")]
+use crate::output::write_bytes;
+use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded};
 
 use super::judged::begin;
@@ -57,6 +65,7 @@ fn body(typed: MapBodyArguments) -> anyhow::Result<Outcome> {
     #[cfg(feature = "plot")]
     let picture = pictures::made(typed.output.picture.as_deref(), || streakcast::plot::body_picture(&view))?;
     match &target {
+        #[cfg(feature = "plot")]
         Target::Nothing => {}
         Target::Table(output, grid) => {
             let map = view.map(*grid);
@@ -89,6 +98,7 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
     #[cfg(feature = "plot")]
     let picture = pictures::made(typed.output.picture.as_deref(), || streakcast::plot::sky_picture(&view))?;
     match &target {
+        #[cfg(feature = "plot")]
         Target::Nothing => {}
         Target::Table(output, grid) => {
             let map = view.map(*grid);
@@ -143,6 +153,7 @@ fn write_table(output: &Output, table: &Table, provenance: &Provenance, shown: &
 /// Where the numbers go; looked at before any work.
 enum Target {
     /// Only a picture is wanted.
+    #[cfg(feature = "plot")]
     Nothing,
     Table(Output, Grid),
     #[cfg(feature = "fits")]
