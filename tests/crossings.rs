@@ -232,7 +232,11 @@ const SAME_BORDER_ARCSEC: f64 = 0.01;
 fn same_answer(question: &Question, min_probability: Option<f64>) -> Result<usize, TestCaseError> {
     let (epoch, sky) = &*SKY;
     let start = *epoch + question.days_later * Unit::Day;
-    let here = sky.observer().state(&OrientationTable::new(start, start, &EopTable::embedded()).at_s(0.0));
+    let here = sky
+        .viewpoint()
+        .site()
+        .expect("a site")
+        .state(&OrientationTable::new(start, start, &EopTable::embedded()).at_s(0.0));
     let direction = Direction::<Horizontal>::from_lon_lat_rad(question.azimuth_rad, question.sine_of_altitude.asin());
     let exposure = Exposure {
         id: "random".to_owned(),
@@ -304,7 +308,11 @@ fn verif_near_misses_survive_the_cull_too() {
 #[test]
 fn verif_nothing_is_seen_through_the_ground() {
     let (epoch, sky) = &*SKY;
-    let here = sky.observer().state(&OrientationTable::new(*epoch, *epoch, &EopTable::embedded()).at_s(0.0));
+    let here = sky
+        .viewpoint()
+        .site()
+        .expect("a site")
+        .state(&OrientationTable::new(*epoch, *epoch, &EopTable::embedded()).at_s(0.0));
     let exposure = Exposure {
         id: "low".to_owned(),
         start: *epoch,
@@ -333,7 +341,7 @@ fn verif_nothing_is_seen_through_the_ground() {
 fn verif_what_was_asked_before_changes_nothing() {
     let (epoch, sky) = &*SKY;
     let orientation = OrientationTable::new(*epoch, *epoch, &EopTable::embedded());
-    let here = sky.observer().state(&orientation.at_s(0.0));
+    let here = sky.viewpoint().site().expect("a site").state(&orientation.at_s(0.0));
     let exposures: Vec<Exposure> = (0..48)
         .map(|number| Exposure {
             id: number.to_string(),

@@ -18,6 +18,7 @@
 //! ```
 
 mod error;
+mod limb;
 mod observer;
 mod shadow;
 mod site;
@@ -26,8 +27,9 @@ mod topocentric;
 mod viewing;
 
 pub use error::GeometryError;
+pub use limb::EarthLimb;
 pub use observer::{Observer, ObserverState};
-pub use shadow::{Illumination, illumination};
+pub use shadow::{Illumination, KARMAN_LINE_KM, ShadowModel, grazing_height_km, illumination, sunlit_by_100_km_rule};
 pub use site::Site;
 pub use sun::{SunState, SunTable};
 pub use topocentric::{Aspect, aspect};

@@ -21,13 +21,17 @@ impl Sight {
     }
 
     /// Least and greatest distance at which the cone meets radii between the two; `None` where it never does.
+    ///
+    /// An observer `moved_km` away sees a point at the same distance and in the same direction at a radius that differs by no more than that: the shell
+    /// is widened by it, which holds for observers inside the shell and above it too.
     pub fn distances_km(&self, lowest_km: f64, highest_km: f64, moved_km: f64) -> Option<(f64, f64)> {
+        let (lowest_km, highest_km) = (lowest_km - moved_km, highest_km + moved_km);
         // ρ = -O cos z ± √(r² - O² sin² z)
         let root = |cosine: f64, radius_km: f64| {
             let square = radius_km * radius_km - self.observer_km.powi(2) * (1.0 - cosine * cosine);
             (square >= 0.0).then(|| square.sqrt())
         };
-        let outside = self.observer_km > highest_km + moved_km;
+        let outside = self.observer_km > highest_km;
         let far = if outside {
             // From above, only directions that dip to the shell see it; the steepest of them see deepest.
             if self.cos_far >= 0.0 {
@@ -39,11 +43,11 @@ impl Sight {
         };
         let near = if outside {
             -self.observer_km * self.cos_far - root(self.cos_far, highest_km)?
-        } else if self.observer_km + moved_km < lowest_km {
+        } else if self.observer_km < lowest_km {
             -self.observer_km * self.cos_near + root(self.cos_near, lowest_km).unwrap_or(0.0)
         } else {
             0.0
         };
-        Some(((near - 2.0 * moved_km).max(0.0), far + 2.0 * moved_km))
+        Some((near.max(0.0), far))
     }
 }

@@ -49,6 +49,8 @@ pub(super) struct Crossing {
 const LONGEST_STEP_S: f64 = 60.0;
 /// Steps turn the line of sight by at most about this angle, radians.
 const LARGEST_TURN_RAD: f64 = 0.03;
+/// Nor do they take the satellite farther than this share of its distance: one that comes straight on turns only as it passes.
+const LARGEST_APPROACH: f64 = 0.25;
 /// Roots are closed to this, seconds.
 const ROOT_S: f64 = 1e-7;
 /// Inside the bounding circle of a polygon steps turn by at most this, radians: the arc leaves its chord by 0.01 arcsec at most.
@@ -91,7 +93,8 @@ fn sample(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64) -> Vec<(f64, 
     let (mut time_s, mut sight) = (start_s, track(start_s));
     samples.push((time_s, sight));
     while time_s < end_s {
-        let mut step_s = (LARGEST_TURN_RAD / sight.angular_rate_rad_s().max(1e-9)).min(LONGEST_STEP_S);
+        let passing_s = LARGEST_APPROACH * sight.vector.norm() / sight.rate_s.norm().max(1e-9);
+        let mut step_s = (LARGEST_TURN_RAD / sight.angular_rate_rad_s().max(1e-9)).min(passing_s).min(LONGEST_STEP_S);
         let mut next = track((time_s + step_s).min(end_s));
         // The satellite may come faster than it was at the beginning of the step.
         while next.angular_rate_rad_s() * step_s > 2.0 * LARGEST_TURN_RAD && step_s > 1e-3 {

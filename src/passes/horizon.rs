@@ -10,11 +10,12 @@ use rayon::prelude::*;
 
 use super::look::Look;
 use super::scene::Scene;
-use super::sightline::{SightLine, SiteMotion};
+use super::sightline::{ObserverMotion, SightLine};
 use super::sky::{PassOptions, Sky, SkyError};
 use super::track::TrackPoint;
 use crate::catalogue::NoradId;
 use crate::frames::seconds_between;
+use crate::geometry::Observer;
 use crate::orbit::{Arc, LeftOut, OrbitError, Propagator};
 
 /// Steps of the search are this share of the orbital period, at most [`LONGEST_STEP_S`].
@@ -45,7 +46,8 @@ struct Follow<'a> {
     scene: &'a Scene,
     propagator: &'a Propagator,
     minutes: f64,
-    site: SiteMotion,
+    observer: &'a Observer,
+    motion: ObserverMotion,
 }
 
 impl Sky {
@@ -53,7 +55,7 @@ impl Sky {
     /// that have no position at some moment in between.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris.
+    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in orbit.
     pub fn horizon_passes(
         &self,
         start: Epoch,
@@ -63,11 +65,13 @@ impl Sky {
     ) -> Result<(Vec<HorizonPass>, Vec<LeftOut>), SkyError> {
         super::sky::check_epoch(start)?;
         super::sky::check_epoch(end)?;
+        let observer =
+            self.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint().name() })?;
         let span_s = seconds_between(start, end).max(0.0);
         let scene = self.scene_without_windows(start, span_s);
         let middle_s = 0.5 * span_s;
-        let site = SiteMotion::new(
-            self.observer(),
+        let motion = ObserverMotion::of_site(
+            observer,
             &scene.orientation.at_s(middle_s),
             scene.sun.at_s(middle_s).earth_velocity,
             middle_s,
@@ -78,7 +82,8 @@ impl Sky {
             .map(|element_index| {
                 let Some(propagator) = self.index().propagator(element_index) else { return Default::default() };
                 let minutes = propagator.minutes_since_epoch(start);
-                let follow = Follow { sky: self, scene: &scene, propagator, minutes, site };
+                let motion = motion.clone();
+                let follow = Follow { sky: self, scene: &scene, propagator, minutes, observer, motion };
                 let mut passes = Vec::new();
                 let failed = follow.passes(element_index, span_s, min_altitude_rad, options, &mut passes).err();
                 let left_out = failed.map(|reason| LeftOut { norad_id: propagator.norad_id(), element_index, reason });
@@ -103,7 +108,7 @@ impl Follow<'_> {
     fn sine_of_altitude(&self, time_s: f64) -> Result<f64, OrbitError> {
         let orientation = self.scene.orientation.at_s(time_s);
         let state = self.propagator.state_at_minutes(self.minutes + time_s / 60.0, &orientation.teme_to_gcrs)?;
-        let here = self.sky.observer().state(&orientation);
+        let here = self.observer.state(&orientation);
         Ok(here.sine_of_altitude(&(state.position - here.position)))
     }
 
@@ -203,10 +208,11 @@ impl Follow<'_> {
             // A stretch around the moment, long enough for its own derivative.
             let orientation = self.scene.orientation.at_s(time_s);
             let arc = Arc::new(self.propagator, self.minutes, time_s - 1.0, 2.0, &orientation.teme_to_gcrs)?;
-            let line = SightLine { arc: &arc, site: self.site };
+            let line = SightLine { arc: &arc, observer: self.motion.clone() };
             let look = Look {
                 scene: self.scene,
-                observer: self.sky.observer(),
+                viewpoint: self.sky.viewpoint(),
+                shadow: self.sky.shadow(),
                 line: &line,
                 model: self.sky.model(element_index),
                 options,

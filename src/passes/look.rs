@@ -5,9 +5,10 @@ use super::scene::Scene;
 use super::sightline::SightLine;
 use super::sky::PassOptions;
 use super::track::{Chord, TrackPoint};
+use super::viewpoint::Viewpoint;
 use crate::frames::seconds_after;
-use crate::geometry::{Illumination, Observer, ViewingGeometry, illumination};
-use crate::photometry::{Brightness, BrightnessModel};
+use crate::geometry::{Illumination, ShadowModel, ViewingGeometry};
+use crate::photometry::{Brightness, BrightnessModel, PhotometryOptions};
 
 /// Points along a pass at which shadow and peak are first looked for.
 const LIGHT_STEPS: usize = 24;
@@ -19,11 +20,14 @@ const PEAK_STEPS: usize = 20;
 pub(super) const LOWEST_ALTITUDE_RAD: f64 = -0.035;
 /// Rising and setting within a chord are looked for in steps of this, seconds: no satellite goes below and comes up again in it.
 const HORIZON_STEP_S: f64 = 30.0;
+/// The same for the limb of the Earth as seen from an orbit, seconds.
+const LIMB_STEP_S: f64 = 5.0;
 
 /// A line of sight with all that light needs. Times are seconds of the scene.
 pub(super) struct Look<'a> {
     pub scene: &'a Scene,
-    pub observer: &'a Observer,
+    pub viewpoint: &'a Viewpoint,
+    pub shadow: ShadowModel,
     pub line: &'a SightLine<'a>,
     pub model: &'a BrightnessModel,
     pub options: &'a PassOptions,
@@ -34,13 +38,18 @@ impl Look<'_> {
     pub fn point(&self, time_s: f64) -> Option<TrackPoint> {
         let (_, _, aspect) = self.line.aspect_at(time_s);
         let (geometry, illumination, brightness) = self.light(time_s)?;
-        let here = self.observer.state(&self.scene.orientation.at_s(time_s));
-        let (altitude_rad, azimuth_rad) = here.altitude_azimuth_rad(&aspect.geometric)?;
+        let horizontal = match self.viewpoint {
+            Viewpoint::Site(observer) => {
+                let here = observer.state(&self.scene.orientation.at_s(time_s));
+                Some(here.altitude_azimuth_rad(&aspect.geometric)?)
+            }
+            Viewpoint::Orbit(_) => None,
+        };
         Some(TrackPoint {
             epoch: seconds_after(self.scene.start, time_s),
             direction: aspect.direction,
-            altitude_rad: Some(altitude_rad),
-            azimuth_rad: Some(azimuth_rad),
+            altitude_rad: horizontal.map(|(altitude_rad, _)| altitude_rad),
+            azimuth_rad: horizontal.map(|(_, azimuth_rad)| azimuth_rad),
             range_km: aspect.range_km,
             geometry,
             illumination,
@@ -52,8 +61,13 @@ impl Look<'_> {
         let (state, site, _) = self.line.aspect_at(time_s);
         let sun = self.scene.sun.at_s(time_s).sun;
         let geometry = ViewingGeometry::new(&state.position, &site, &sun)?;
-        let illumination = illumination(&state.position, &sun);
-        let brightness = self.model.brightness(&geometry, illumination.lit_fraction(), &self.options.photometry);
+        let illumination = self.shadow.illumination(&state.position, &sun);
+        let photometry = match self.viewpoint {
+            Viewpoint::Site(_) => self.options.photometry,
+            // There is no air over a telescope in orbit.
+            Viewpoint::Orbit(_) => PhotometryOptions { extinction_mag_per_airmass: None, ..self.options.photometry },
+        };
+        let brightness = self.model.brightness(&geometry, illumination.lit_fraction(), &photometry);
         Some((geometry, illumination, brightness))
     }
 
@@ -61,17 +75,24 @@ impl Look<'_> {
     pub fn is_lit(&self, enter_s: f64, exit_s: f64) -> bool {
         times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| {
             let sun = self.scene.sun.at_s(time_s).sun;
-            illumination(&self.line.arc.state_at(time_s).position, &sun).lit_fraction() > 0.0
+            self.shadow.illumination(&self.line.arc.state_at(time_s).position, &sun).lit_fraction() > 0.0
         })
     }
 
-    /// The part of a chord in which the satellite stands above the ground.
+    /// The part of a chord in which the satellite stands above the ground, or for an observer in orbit clear of the Earth.
     pub fn above_ground(&self, chord: &Chord) -> Vec<Chord> {
-        let height = |time_s: f64| {
-            let here = self.observer.state(&self.scene.orientation.at_s(time_s));
-            here.sine_of_altitude(&self.line.aspect_at(time_s).2.geometric) - LOWEST_ALTITUDE_RAD.sin()
+        let height = |time_s: f64| match self.viewpoint {
+            Viewpoint::Site(observer) => {
+                let here = observer.state(&self.scene.orientation.at_s(time_s));
+                here.sine_of_altitude(&self.line.aspect_at(time_s).2.geometric) - LOWEST_ALTITUDE_RAD.sin()
+            }
+            Viewpoint::Orbit(observer) => {
+                let (state, place, _) = self.line.aspect_at(time_s);
+                observer.limb().clearance_km(&place, &state.position)
+            }
         };
-        let steps = ((chord.exit_s - chord.enter_s) / HORIZON_STEP_S).ceil().max(1.0) as usize;
+        let longest_s = if self.viewpoint.site().is_some() { HORIZON_STEP_S } else { LIMB_STEP_S };
+        let steps = ((chord.exit_s - chord.enter_s) / longest_s).ceil().max(1.0) as usize;
         let samples: Vec<(f64, f64)> =
             times(chord.enter_s, chord.exit_s, steps).map(|time_s| (time_s, height(time_s))).collect();
         let mut borders_s = vec![chord.enter_s];

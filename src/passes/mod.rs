@@ -11,6 +11,7 @@ mod scene;
 mod sightline;
 mod sky;
 mod track;
+mod viewpoint;
 mod windows;
 
 pub use exposure::Exposure;
@@ -19,3 +20,4 @@ pub use horizon::HorizonPass;
 pub use models::{ModelChoice, UnknownModel};
 pub use sky::{PassOptions, Passes, Sky, SkyError};
 pub use track::{Chord, FieldPass, TrackPoint};
+pub use viewpoint::{OrbitingObserver, Viewpoint};

@@ -46,14 +46,7 @@ pub(super) fn crossing_probability(
     cross_track_sigma_rad: f64,
 ) -> f64 {
     let chance = |shift_rad: f64| {
-        let shifted = |time_s: f64| {
-            let sight = track(time_s);
-            let unit = sight.vector.normalize();
-            let across = unit.cross(&sight.rate_s);
-            let norm = across.norm();
-            let vector = if norm > 0.0 { unit + across * (shift_rad / norm) } else { unit };
-            Sight { vector, rate_s: sight.rate_s }
-        };
+        let shifted = |time_s: f64| shifted_across(&track(time_s), shift_rad);
         let chords = cross(&shifted, searched_s.0, searched_s.1, field).chords;
         delay_probability(&chords, start_s, end_s, along_track_sigma_s)
     };
@@ -63,6 +56,57 @@ pub(super) fn crossing_probability(
         chance(0.0)
     };
     total.clamp(0.0, 1.0)
+}
+
+/// Delays that are tried for an observer in orbit.
+const DELAYS: usize = 81;
+
+/// As [`crossing_probability`] for an observer that moves as fast as the satellites: a late satellite then takes another way through the field,
+/// not the same one later.
+///
+/// `track` gives the line of sight at a time to a satellite that is late by a number of seconds. Delays of up to [`REACH_SIGMAS`] are tried in equal steps,
+/// each for the stretch of the normal distribution around it: good to a few hundredths, no better than what a Gaussian says of an element set.
+pub(super) fn crossing_probability_in_flight(
+    track: &impl Fn(f64, f64) -> Sight,
+    (start_s, end_s): (f64, f64),
+    field: &FieldOnSky,
+    along_track_sigma_s: f64,
+    cross_track_sigma_rad: f64,
+) -> f64 {
+    let reach_s = reach_s(along_track_sigma_s);
+    let step_s = 2.0 * reach_s / DELAYS as f64;
+    let crosses = |late_s: f64, shift_rad: f64| {
+        let shifted = |time_s: f64| shifted_across(&track(time_s, late_s), shift_rad);
+        !cross(&shifted, start_s, end_s, field).chords.is_empty()
+    };
+    let chance = |shift_rad: f64| -> f64 {
+        if reach_s <= 0.0 {
+            return f64::from(u8::from(crosses(0.0, shift_rad)));
+        }
+        (0..DELAYS)
+            .map(|delay| (step_s * (delay as f64 + 0.5) - reach_s, step_s))
+            .filter(|(late_s, _)| crosses(*late_s, shift_rad))
+            .map(|(late_s, width_s)| {
+                normal_cdf(late_s + 0.5 * width_s, along_track_sigma_s)
+                    - normal_cdf(late_s - 0.5 * width_s, along_track_sigma_s)
+            })
+            .sum()
+    };
+    let total: f64 = if cross_track_sigma_rad > 0.0 {
+        GAUSS_HERMITE.iter().map(|(node, weight)| weight * chance(node * cross_track_sigma_rad)).sum()
+    } else {
+        chance(0.0)
+    };
+    total.clamp(0.0, 1.0)
+}
+
+/// A line of sight shifted square to the track, on the sky.
+fn shifted_across(sight: &Sight, shift_rad: f64) -> Sight {
+    let unit = sight.vector.normalize();
+    let across = unit.cross(&sight.rate_s);
+    let norm = across.norm();
+    let vector = if norm > 0.0 { unit + across * (shift_rad / norm) } else { unit };
+    Sight { vector, rate_s: sight.rate_s }
 }
 
 /// Share of delays that bring one of the chords into the exposure. Ranges of delay of neighbouring chords are joined.

@@ -1,5 +1,7 @@
 //! One satellite seen from one observer over a stretch of time: the smooth track that crossings are cut from.
 
+use std::sync::Arc as Shared;
+
 use nalgebra::Vector3;
 
 use super::crossing::Sight;
@@ -8,82 +10,115 @@ use crate::frames::{Gcrs, Orientation, Position, Velocity};
 use crate::geometry::{Aspect, Observer, aspect};
 use crate::orbit::{Arc, State};
 
-/// A site among the stars near one moment: it turns about the pole of date at the Earth's rate.
-///
-/// Exact to a millimetre over ten minutes: only the rates of precession, polar motion and UT1 are left out.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct SiteMotion {
-    at_s: f64,
-    fixed: Vector3<f64>,
-    turning: Vector3<f64>,
-    ahead: Vector3<f64>,
+/// How an observer moves among the stars: a site near one moment, a telescope in orbit over the stretch of its arc.
+#[derive(Clone, Debug)]
+pub(super) struct ObserverMotion {
+    path: Path,
     /// Earth's barycentric velocity, for the aspect.
     earth_velocity: Velocity<Gcrs>,
     /// Times before and after which it stands still, seconds.
     moving_s: (f64, f64),
 }
 
-impl SiteMotion {
-    pub fn new(observer: &Observer, orientation: &Orientation, earth_velocity: Velocity<Gcrs>, at_s: f64) -> Self {
+#[derive(Clone, Debug)]
+enum Path {
+    /// A site turns about the pole of date at the Earth's rate.
+    ///
+    /// Exact to a millimetre over ten minutes: only the rates of precession, polar motion and UT1 are left out.
+    Turning { at_s: f64, fixed: Vector3<f64>, turning: Vector3<f64>, ahead: Vector3<f64> },
+    /// A telescope flies.
+    Flying(Shared<Arc>),
+}
+
+impl ObserverMotion {
+    /// A site near `at_s`.
+    pub fn of_site(observer: &Observer, orientation: &Orientation, earth_velocity: Velocity<Gcrs>, at_s: f64) -> Self {
         let place = *observer.position(orientation).vector();
         let pole: Vector3<f64> = orientation.teme_to_gcrs.matrix().column(2).into_owned();
         let fixed = pole * pole.dot(&place);
-        Self {
-            at_s,
-            fixed,
-            turning: place - fixed,
-            ahead: pole.cross(&place),
-            earth_velocity,
-            moving_s: (f64::NEG_INFINITY, f64::INFINITY),
-        }
+        let path = Path::Turning { at_s, fixed, turning: place - fixed, ahead: pole.cross(&place) };
+        Self { path, earth_velocity, moving_s: (f64::NEG_INFINITY, f64::INFINITY) }
     }
 
-    /// The same site, standing still before the first and after the second of two times.
-    pub fn still_outside(self, from_s: f64, to_s: f64) -> Self {
-        Self { moving_s: (from_s, to_s), ..self }
+    /// A telescope on its arc.
+    pub fn of_flight(arc: Shared<Arc>, earth_velocity: Velocity<Gcrs>) -> Self {
+        Self { path: Path::Flying(arc), earth_velocity, moving_s: (f64::NEG_INFINITY, f64::INFINITY) }
     }
 
-    /// How far the Earth has turned since the moment of reference, radians.
-    fn turn_rad(&self, time_s: f64) -> f64 {
-        EARTH_ROTATION_RAD_S * (time_s.max(self.moving_s.0).min(self.moving_s.1) - self.at_s)
+    /// The same observer, standing still before the first and after the second of two times.
+    pub fn still_outside(&self, from_s: f64, to_s: f64) -> Self {
+        Self { moving_s: (from_s, to_s), ..self.clone() }
+    }
+
+    fn own_time_s(&self, time_s: f64) -> f64 {
+        time_s.max(self.moving_s.0).min(self.moving_s.1)
     }
 
     pub fn position(&self, time_s: f64) -> Position<Gcrs> {
-        let (sin, cos) = self.turn_rad(time_s).sin_cos();
-        Position::from_vector(self.fixed + self.turning * cos + self.ahead * sin)
+        let time_s = self.own_time_s(time_s);
+        match &self.path {
+            Path::Turning { at_s, fixed, turning, ahead } => {
+                let (sin, cos) = (EARTH_ROTATION_RAD_S * (time_s - at_s)).sin_cos();
+                Position::from_vector(fixed + turning * cos + ahead * sin)
+            }
+            Path::Flying(arc) => arc.state_at(time_s).position,
+        }
     }
 
     fn velocity(&self, time_s: f64) -> Vector3<f64> {
-        let (sin, cos) = self.turn_rad(time_s).sin_cos();
-        (self.ahead * cos - self.turning * sin) * EARTH_ROTATION_RAD_S
+        let time_s = self.own_time_s(time_s);
+        match &self.path {
+            Path::Turning { at_s, turning, ahead, .. } => {
+                let (sin, cos) = (EARTH_ROTATION_RAD_S * (time_s - at_s)).sin_cos();
+                (ahead * cos - turning * sin) * EARTH_ROTATION_RAD_S
+            }
+            Path::Flying(arc) => *arc.state_at(time_s).velocity.vector(),
+        }
     }
 
-    /// Speed, km/s.
-    pub fn speed_km_s(&self) -> f64 {
-        self.ahead.norm() * EARTH_ROTATION_RAD_S
+    /// No mean speed away from where it is at `mid_s` is greater within `half_s` of it, km/s.
+    pub fn fastest_km_s(&self, mid_s: f64, half_s: f64) -> f64 {
+        match &self.path {
+            Path::Turning { ahead, .. } => ahead.norm() * EARTH_ROTATION_RAD_S,
+            // |Δr| ≤ v t + ½ g t²
+            Path::Flying(_) => self.velocity(mid_s).norm() + 0.5 * GRAVITY_KM_S2 * half_s,
+        }
     }
 }
 
-/// A satellite's arc and the site it is seen from.
+/// No orbit falls faster, km/s²: gravity at the ground.
+const GRAVITY_KM_S2: f64 = 0.009_83;
+
+/// A satellite's arc and the observer it is seen from.
 pub(super) struct SightLine<'a> {
     pub arc: &'a Arc,
-    pub site: SiteMotion,
+    pub observer: ObserverMotion,
 }
 
 impl SightLine<'_> {
-    /// Satellite state, site and aspect at one moment.
+    /// Satellite state, observer and aspect at one moment.
     pub fn aspect_at(&self, time_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
-        let state = self.arc.state_at(time_s);
-        let site = self.site.position(time_s);
-        let aspect = aspect(&state.position, &state.velocity, &site, &self.site.earth_velocity);
-        (state, site, aspect)
+        self.aspect_of_late(time_s, 0.0)
+    }
+
+    /// As [`SightLine::aspect_at`], the satellite being where it was predicted `late_s` earlier.
+    fn aspect_of_late(&self, time_s: f64, late_s: f64) -> (State<Gcrs>, Position<Gcrs>, Aspect) {
+        let state = self.arc.state_at(time_s - late_s);
+        let place = self.observer.position(time_s);
+        let aspect = aspect(&state.position, &state.velocity, &place, &self.observer.earth_velocity);
+        (state, place, aspect)
     }
 
     /// The astrometric line of sight and its rate. The rate leaves out how light time itself changes (10⁻⁴ of the rate), which
     /// moves no border and no extreme by more than the rounding of a root.
     pub fn sight(&self, time_s: f64) -> Sight {
-        let (state, _, aspect) = self.aspect_at(time_s);
-        let relative = state.velocity.vector() - self.site.velocity(time_s);
+        self.sight_of_late(time_s, 0.0)
+    }
+
+    /// As [`SightLine::sight`], the satellite being late.
+    pub fn sight_of_late(&self, time_s: f64, late_s: f64) -> Sight {
+        let (state, _, aspect) = self.aspect_of_late(time_s, late_s);
+        let relative = state.velocity.vector() - self.observer.velocity(time_s);
         Sight { vector: *aspect.direction.vector(), rate_s: relative / aspect.range_km }
     }
 }

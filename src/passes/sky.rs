@@ -1,4 +1,4 @@
-//! A catalogue over one site: the one thing that every outcome asks.
+//! A catalogue over one site, or around one telescope in orbit: the one thing that every outcome asks.
 
 use std::sync::Arc as Shared;
 
@@ -11,20 +11,25 @@ use super::exposure::Exposure;
 use super::field::{Field, FieldOnSky};
 use super::look::{LOWEST_ALTITUDE_RAD, Look};
 use super::models::ModelChoice;
-use super::probability::{REACH_SIGMAS, crossing_probability, reach_s};
+use super::probability::{
+    LONGEST_REACH_S, REACH_SIGMAS, crossing_probability, crossing_probability_in_flight, reach_s,
+};
 use super::scene::{Scene, end_s, groups};
-use super::sightline::{SightLine, SiteMotion};
+use super::sightline::{ObserverMotion, SightLine};
 use super::track::{Chord, FieldPass};
+use super::viewpoint::{OrbitingObserver, Viewpoint};
 use super::windows::Windows;
 use crate::catalogue::ElementSet;
 use crate::constants::{DAY_S, EARTH_ROTATION_RAD_S};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
-use crate::geometry::{Observer, SunTable};
-use crate::orbit::{Arc, Cone, LeftOut, OrbitClass, OrbitUncertainty, Reach, SatelliteIndex, uncertainty};
+use crate::geometry::{ShadowModel, SunTable};
+use crate::orbit::{Arc, Cone, LeftOut, OrbitClass, OrbitError, OrbitUncertainty, Reach, SatelliteIndex, uncertainty};
 use crate::photometry::{BrightnessModel, PhotometryOptions};
 
 /// The cull asks for at most this long at a time, seconds: by then an observer on the ground has moved 14 km to each side.
 const SLICE_S: f64 = 60.0;
+/// The same for an observer in orbit, who has moved 40 km by then.
+const FLIGHT_SLICE_S: f64 = 10.0;
 /// A satellite that is a candidate again within this time is still on the same pass, seconds: nothing comes round so soon.
 const SAME_PASS_S: f64 = 1200.0;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with room, radians.
@@ -40,6 +45,20 @@ pub enum SkyError {
     NoEphemeris {
         /// What was asked for.
         epoch: Epoch,
+    },
+    /// The telescope's own elements give no place.
+    #[error("the observer {observer} has no place: {reason}")]
+    Observer {
+        /// Its name.
+        observer: String,
+        /// Why.
+        reason: OrbitError,
+    },
+    /// A question that only a site can be asked.
+    #[error("the observer {observer} is in orbit and has no horizon (allowed: a site)")]
+    NoHorizon {
+        /// Its name.
+        observer: String,
     },
     /// An exposure of no possible length or direction.
     #[error("exposure {id}: {problem}")]
@@ -80,7 +99,8 @@ pub struct Sky {
     index: SatelliteIndex,
     classes: Vec<OrbitClass>,
     models: Vec<Shared<BrightnessModel>>,
-    observer: Observer,
+    viewpoint: Viewpoint,
+    shadow: ShadowModel,
     eop: EopTable,
     windows: Windows,
 }
@@ -94,12 +114,26 @@ struct Run {
 }
 
 impl Sky {
-    /// Makes a catalogue ready over one site. Takes about 2 µs a satellite and core.
-    pub fn new(elements: Vec<ElementSet>, observer: Observer, eop: EopTable, choice: &ModelChoice) -> Self {
+    /// Makes a catalogue ready over one site, or around one telescope in orbit. Takes about 2 µs a satellite and core. The shadow is geometric.
+    pub fn new(
+        elements: Vec<ElementSet>,
+        viewpoint: impl Into<Viewpoint>,
+        eop: EopTable,
+        choice: &ModelChoice,
+    ) -> Self {
         let index = SatelliteIndex::new(&elements);
         let classes = elements.iter().map(OrbitClass::of).collect();
         let models = elements.iter().map(|elements| choice.model_of(elements)).collect();
-        Self { elements, index, classes, models, observer, eop, windows: Windows::default() }
+        Self {
+            elements,
+            index,
+            classes,
+            models,
+            viewpoint: viewpoint.into(),
+            shadow: ShadowModel::default(),
+            eop,
+            windows: Windows::default(),
+        }
     }
 
     /// The element sets, in the order of [`FieldPass::element_index`].
@@ -107,9 +141,19 @@ impl Sky {
         &self.elements
     }
 
-    /// Where the telescope stands.
-    pub fn observer(&self) -> &Observer {
-        &self.observer
+    /// The same sky with another shadow of the Earth.
+    pub fn with_shadow(self, shadow: ShadowModel) -> Self {
+        Self { shadow, ..self }
+    }
+
+    /// What casts the Earth's shadow.
+    pub fn shadow(&self) -> ShadowModel {
+        self.shadow
+    }
+
+    /// Where the telescope is.
+    pub fn viewpoint(&self) -> &Viewpoint {
+        &self.viewpoint
     }
 
     /// The brightness model of an element set.
@@ -141,7 +185,8 @@ impl Sky {
     /// pass of its own each time.
     ///
     /// # Errors
-    /// [`SkyError`] where an exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris.
+    /// [`SkyError`] where an exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris; where the telescope is in orbit and its
+    /// own elements give no place.
     pub fn field_passes(
         &self,
         exposures: &[Exposure],
@@ -161,10 +206,10 @@ impl Sky {
             let found: Vec<(usize, Vec<FieldPass>, Vec<LeftOut>)> = group
                 .par_iter()
                 .map_init(Vec::new, |candidates, &one| {
-                    let (passes, left_out) = self.expose(&scene, &exposures[one], field, options, candidates);
-                    (one, passes, left_out)
+                    let (passes, left_out) = self.expose(&scene, &exposures[one], field, options, candidates)?;
+                    Ok((one, passes, left_out))
                 })
-                .collect();
+                .collect::<Result<_, SkyError>>()?;
             for (one, passes, left_out) in found {
                 answer.by_exposure[one] = passes;
                 answer.left_out.extend(left_out);
@@ -187,22 +232,63 @@ impl Sky {
         options: &PassOptions,
     ) -> Result<Vec<Vec<FieldPass>>, SkyError> {
         exposures.iter().try_for_each(check)?;
-        Ok(exposures
+        exposures
             .par_iter()
             .map(|exposure| {
                 let duration_s = end_s(exposure.start, exposure);
                 let scene = self.scene_without_windows(exposure.start, duration_s);
+                let flight = self.flight(&scene, exposure)?;
                 let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
                 let mut passes: Vec<FieldPass> = (0..self.elements.len())
+                    .filter(|&element_index| !self.is_observer(element_index))
                     .filter_map(|element_index| {
                         let run = Run { element_index, start_s: 0.0, end_s: duration_s };
-                        self.pass(&scene, exposure, &on_sky, &run, options).ok().flatten()
+                        self.pass(&scene, exposure, &on_sky, &run, flight.as_ref(), options).ok().flatten()
                     })
                     .collect();
                 passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
-                passes
+                Ok(passes)
             })
-            .collect())
+            .collect()
+    }
+
+    /// The telescope's own arc over an exposure, and as long before and after it as late satellites are looked for; none for a site.
+    fn flight(&self, scene: &Scene, exposure: &Exposure) -> Result<Option<Shared<Arc>>, SkyError> {
+        let Some(observer) = self.viewpoint.orbit() else { return Ok(None) };
+        let failed = |reason| SkyError::Observer { observer: observer.name(), reason };
+        let opened_s = seconds_between(scene.start, exposure.start);
+        let orientation = scene.orientation.at_s(opened_s + 0.5 * exposure.duration_s);
+        let minutes = observer.propagator().minutes_since_epoch(scene.start);
+        Arc::new(
+            observer.propagator(),
+            minutes,
+            opened_s - LONGEST_REACH_S,
+            exposure.duration_s + 2.0 * LONGEST_REACH_S,
+            &orientation.teme_to_gcrs,
+        )
+        .map(|arc| Some(Shared::new(arc)))
+        .map_err(failed)
+    }
+
+    /// The observer near a moment.
+    fn motion(
+        &self,
+        scene: &Scene,
+        orientation: &Orientation,
+        flight: Option<&Shared<Arc>>,
+        time_s: f64,
+    ) -> Option<ObserverMotion> {
+        let earth_velocity = scene.sun.at_s(time_s).earth_velocity;
+        match &self.viewpoint {
+            Viewpoint::Site(observer) => Some(ObserverMotion::of_site(observer, orientation, earth_velocity, time_s)),
+            Viewpoint::Orbit(_) => Some(ObserverMotion::of_flight(flight?.clone(), earth_velocity)),
+        }
+    }
+
+    /// True for the telescope's own elements, which it does not see.
+    fn is_observer(&self, element_index: usize) -> bool {
+        let own = self.viewpoint.orbit().map(OrbitingObserver::norad_id);
+        own == Some(self.elements[element_index].norad_id)
     }
 
     /// Sun and Earth alone.
@@ -240,12 +326,13 @@ impl Sky {
         field: &Field,
         options: &PassOptions,
         candidates: &mut Vec<u32>,
-    ) -> (Vec<FieldPass>, Vec<LeftOut>) {
+    ) -> Result<(Vec<FieldPass>, Vec<LeftOut>), SkyError> {
+        let flight = self.flight(scene, exposure)?;
         let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
         let mut passes = Vec::new();
         let mut left_out = Vec::new();
-        for run in self.runs(scene, exposure, &on_sky, candidates) {
-            match self.pass(scene, exposure, &on_sky, &run, options) {
+        for run in self.runs(scene, exposure, &on_sky, flight.as_ref(), candidates) {
+            match self.pass(scene, exposure, &on_sky, &run, flight.as_ref(), options) {
                 Ok(pass) => passes.extend(pass),
                 Err(reason) => left_out.push(LeftOut {
                     norad_id: self.elements[run.element_index].norad_id,
@@ -255,31 +342,40 @@ impl Sky {
             }
         }
         passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
-        (passes, left_out)
+        Ok((passes, left_out))
     }
 
     /// Which satellites may be in the field, and when: candidates of slices that belong together joined.
-    fn runs(&self, scene: &Scene, exposure: &Exposure, field: &FieldOnSky, candidates: &mut Vec<u32>) -> Vec<Run> {
+    fn runs(
+        &self,
+        scene: &Scene,
+        exposure: &Exposure,
+        field: &FieldOnSky,
+        flight: Option<&Shared<Arc>>,
+        candidates: &mut Vec<u32>,
+    ) -> Vec<Run> {
         let start_s = seconds_between(scene.start, exposure.start);
-        let slices = (exposure.duration_s / SLICE_S).ceil().max(1.0);
+        let longest_s = if flight.is_some() { FLIGHT_SLICE_S } else { SLICE_S };
+        let slices = (exposure.duration_s / longest_s).ceil().max(1.0);
         let slice_s = exposure.duration_s / slices;
         let mut seen: Vec<(u32, u32)> = Vec::new();
         for slice in 0..slices as u32 {
             let mid_s = start_s + slice_s * (f64::from(slice) + 0.5);
             let Some((window, window_start_s)) = scene.window_at(mid_s) else { continue };
             let orientation = scene.orientation.at_s(mid_s);
-            let site = SiteMotion::new(&self.observer, &orientation, scene.sun.at_s(mid_s).earth_velocity, mid_s);
+            let Some(motion) = self.motion(scene, &orientation, flight, mid_s) else { continue };
             let cone = Cone {
                 mid_s: mid_s - window_start_s,
                 half_duration_s: 0.5 * slice_s,
-                observer: site.position(mid_s),
-                observer_speed_km_s: site.speed_km_s(),
+                observer: motion.position(mid_s),
+                observer_speed_km_s: motion.fastest_km_s(mid_s, 0.5 * slice_s),
                 axis: exposure.pointing,
                 radius_rad: field.bounding_radius_rad() + ABERRATION_MARGIN_RAD,
             };
             window.candidates(&cone, &orientation.teme_to_gcrs, candidates);
             seen.extend(candidates.iter().map(|&element_index| (element_index, slice)));
         }
+        seen.retain(|(element_index, _)| !self.is_observer(*element_index as usize));
         seen.sort_unstable();
         let mut runs: Vec<Run> = Vec::new();
         for (element_index, slice) in seen {
@@ -295,9 +391,10 @@ impl Sky {
         runs
     }
 
-    /// True where any of the field may lie below the lowest altitude at any time of the exposure.
+    /// True where any of the field may lie below the lowest altitude at any time of the exposure; in orbit the Earth is always near.
     fn reaches_the_ground(&self, exposure: &Exposure, field: &FieldOnSky, orientation: &Orientation) -> bool {
-        let altitude_rad = (self.observer.state(orientation).horizon * exposure.pointing).latitude_rad();
+        let Some(observer) = self.viewpoint.site() else { return true };
+        let altitude_rad = (observer.state(orientation).horizon * exposure.pointing).latitude_rad();
         // The sky turns by no more than this, whatever the exposure's length.
         let turn_rad = (EARTH_ROTATION_RAD_S * exposure.duration_s).min(std::f64::consts::PI);
         altitude_rad - field.bounding_radius_rad() - turn_rad < LOWEST_ALTITUDE_RAD
@@ -310,24 +407,31 @@ impl Sky {
         exposure: &Exposure,
         field: &FieldOnSky,
         run: &Run,
+        flight: Option<&Shared<Arc>>,
         options: &PassOptions,
-    ) -> Result<Option<FieldPass>, crate::orbit::OrbitError> {
+    ) -> Result<Option<FieldPass>, OrbitError> {
         let mid_s = 0.5 * (run.start_s + run.end_s);
         let Some(propagator) = self.index.propagator(run.element_index) else { return Ok(None) };
         let orientation = scene.orientation.at_s(mid_s);
-        let site = SiteMotion::new(&self.observer, &orientation, scene.sun.at_s(mid_s).earth_velocity, mid_s);
+        let Some(observer) = self.motion(scene, &orientation, flight, mid_s) else { return Ok(None) };
         let minutes = propagator.minutes_since_epoch(scene.start);
         let arc_over =
             |from_s: f64, to_s: f64| Arc::new(propagator, minutes, from_s, to_s - from_s, &orientation.teme_to_gcrs);
         let arc = arc_over(run.start_s, run.end_s)?;
-        let line = SightLine { arc: &arc, site };
+        let line = SightLine { arc: &arc, observer };
         let mut crossing = cross(&|time_s| line.sight(time_s), run.start_s, run.end_s, field);
         let wanted = options.min_probability;
         if crossing.chords.is_empty() && wanted.is_none() {
             return Ok(None);
         }
-        let look =
-            Look { scene, observer: &self.observer, line: &line, model: &self.models[run.element_index], options };
+        let look = Look {
+            scene,
+            viewpoint: &self.viewpoint,
+            shadow: self.shadow,
+            line: &line,
+            model: &self.models[run.element_index],
+            options,
+        };
         if self.reaches_the_ground(exposure, field, &orientation) {
             let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };
             let near_miss_is_up = crossing.chords.is_empty() && !look.above_ground(&closest).is_empty();
@@ -352,13 +456,26 @@ impl Sky {
         };
         let cross_track_sigma_rad = sigma.cross_track_km / mid.range_km;
         let reach_s = reach_s(sigma.along_track_s);
+        if crossing.chords.is_empty() && flight.is_some() && !may_cross(&line, run, field, &sigma) {
+            return Ok(None);
+        }
         let opened_s = seconds_between(scene.start, exposure.start);
         // Elements that break down just outside the exposure say nothing of near misses; the nominal crossing stands.
         let probability = match arc_over(run.start_s - reach_s, run.end_s + reach_s) {
+            Ok(wide) if flight.is_some() => {
+                let line = SightLine { arc: &wide, observer: line.observer.clone() };
+                crossing_probability_in_flight(
+                    &|time_s, late_s| line.sight_of_late(time_s, late_s),
+                    (run.start_s, run.end_s),
+                    field,
+                    sigma.along_track_s,
+                    cross_track_sigma_rad,
+                )
+            }
             Ok(wide) => {
                 // A satellite that a delay brings into the exposure is seen from where the site is then.
                 let closed_s = opened_s + exposure.duration_s;
-                let line = SightLine { arc: &wide, site: site.still_outside(opened_s, closed_s) };
+                let line = SightLine { arc: &wide, observer: line.observer.still_outside(opened_s, closed_s) };
                 crossing_probability(
                     &|time_s| line.sight(time_s),
                     (run.start_s - reach_s, run.end_s + reach_s),
@@ -397,6 +514,29 @@ impl Sky {
             probability,
             lit,
         }))
+    }
+}
+
+/// Whether errors of the elements can bring a satellite into the field at all, for an observer in orbit: a few looks that spare many.
+fn may_cross(line: &SightLine<'_>, run: &Run, field: &FieldOnSky, sigma: &OrbitUncertainty) -> bool {
+    let mut time_s = run.start_s;
+    loop {
+        let sight = line.sight(time_s);
+        let (state, _, aspect) = line.aspect_at(time_s);
+        // A late satellite stands elsewhere on its curved way, never farther than this.
+        let strayed_km =
+            1.1 * state.velocity.norm_km_s() * reach_s(sigma.along_track_s) + 1.5 * REACH_SIGMAS * sigma.cross_track_km;
+        let relative_km_s = sight.rate_s.norm() * aspect.range_km;
+        let step_s = (0.1 * aspect.range_km / relative_km_s.max(1e-6)).clamp(0.05, 5.0);
+        let reach_rad = ((strayed_km + relative_km_s * step_s) / aspect.range_km).min(1.0).asin();
+        let angle_rad = aspect.direction.vector().angle(field.centre());
+        if angle_rad <= field.bounding_radius_rad() + 1.1 * reach_rad {
+            return true;
+        }
+        if time_s >= run.end_s {
+            return false;
+        }
+        time_s = (time_s + step_s).min(run.end_s);
     }
 }
 

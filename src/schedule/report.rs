@@ -2,7 +2,7 @@
 
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, Field, FieldPass, PassOptions, Sky, SkyError};
+use crate::passes::{Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::telescope::Telescope;
 
@@ -116,17 +116,32 @@ fn above_the_horizon<'a>(
         }
     }
     let exposures: Vec<&Exposure> = judged.iter().map(|(_, exposure)| *exposure).collect();
-    let altitudes_rad = lowest_altitudes_rad(&exposures, request.sky.observer(), request.eop);
+    let altitudes_rad = lowest_altitudes_rad(&exposures, request.sky.viewpoint(), request.eop);
     let mut altitudes = altitudes_rad.into_iter();
     judged.retain(|(row, exposure)| {
         let altitude_rad = altitudes.next().unwrap_or(f64::NAN);
-        if altitude_rad < 0.0 {
-            let reason = format!("the pointing is below the horizon (altitude {:.1} deg)", altitude_rad.to_degrees());
+        if altitude_rad.is_nan() || altitude_rad < 0.0 {
+            let reason = below(request.sky.viewpoint(), altitude_rad);
             flags[*row] = Some(ExposureFlag::invalid(&exposure.id, reason));
         }
         altitude_rad >= 0.0
     });
     judged
+}
+
+/// Why a pointing cannot be judged.
+fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
+    if altitude_rad.is_nan() {
+        return format!("the elements of {} give no place at that time", viewpoint.name());
+    }
+    match viewpoint {
+        Viewpoint::Site(_) => {
+            format!("the pointing is below the horizon (altitude {:.1} deg)", altitude_rad.to_degrees())
+        }
+        Viewpoint::Orbit(_) => {
+            format!("the pointing meets the Earth ({:.1} deg inside its limb)", -altitude_rad.to_degrees())
+        }
+    }
 }
 
 fn lost_fraction(pass: &FieldPass, telescope: &Telescope, request: &FlagRequest<'_>) -> f64 {
@@ -164,7 +179,7 @@ fn shift(
     let answer = request.sky.field_passes(&long, request.field, &options)?;
     report.left_out.extend(answer.left_out);
     let waiting_exposures: Vec<&Exposure> = waiting.iter().map(|(_, exposure)| *exposure).collect();
-    let last_starts = last_starts_s(&waiting_exposures, request.sky.observer(), request.eop, max_delay_s);
+    let last_starts = last_starts_s(&waiting_exposures, request.sky.viewpoint(), request.eop, max_delay_s);
     for (((row, exposure), passes), last_start_s) in waiting.iter().zip(&answer.by_exposure).zip(last_starts) {
         let Some(flag) = flags[*row].as_mut() else { continue };
         let blocked = |late: &dyn Fn(&FieldPass) -> f64| -> Vec<Interval> {

@@ -32,6 +32,14 @@ pub struct Setup {
     pub lon: Option<f64>,
     /// Height above the ellipsoid, metres; 0 where latitude and longitude are said without it.
     pub height: Option<f64>,
+    /// A file with the element set of a telescope in orbit, instead of a site.
+    pub observer_elements: Option<PathBuf>,
+    /// Its NORAD catalogue number, where the file (or that of the satellites) holds several objects.
+    pub observer_norad: Option<u32>,
+    /// Height above the ground, km, below which the Earth's air hides what a telescope in orbit would see.
+    pub limb_height_km: Option<f64>,
+    /// What casts the Earth's shadow: `geometric`, `atmosphere`.
+    pub shadow: Option<String>,
     /// An IERS finals2000A file.
     pub eop: Option<PathBuf>,
     /// Scale of times that name none: `utc`, `tai`, `tt`.
@@ -120,6 +128,7 @@ impl Setup {
             None => {}
         }
         self.eop.iter_mut().for_each(place);
+        self.observer_elements.iter_mut().for_each(place);
         self.qs_mag.iter_mut().for_each(place);
         if let Some(FieldSetup::File(path)) = &mut self.field {
             place(path);
@@ -153,6 +162,8 @@ impl Setup {
                 || setup.lat.is_some()
                 || setup.lon.is_some()
                 || setup.height.is_some()
+                || setup.observer_elements.is_some()
+                || setup.observer_norad.is_some()
         };
         let own_site = has_site(&self);
         let own_field = self.fov.is_some() || self.field.is_some();
@@ -166,6 +177,10 @@ impl Setup {
             lat: self.lat.or(base.lat.filter(|_| !own_site)),
             lon: self.lon.or(base.lon.filter(|_| !own_site)),
             height: self.height.or(base.height.filter(|_| !own_site)),
+            observer_elements: self.observer_elements.or(base.observer_elements.filter(|_| !own_site)),
+            observer_norad: self.observer_norad.or(base.observer_norad.filter(|_| !own_site)),
+            limb_height_km: self.limb_height_km.or(base.limb_height_km),
+            shadow: self.shadow.or(base.shadow),
             eop: self.eop.or(base.eop),
             time_scale: self.time_scale.or(base.time_scale),
             start: self.start.or(base.start),

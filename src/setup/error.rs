@@ -7,6 +7,7 @@ use thiserror::Error;
 use crate::catalogue::{CatalogueError, ShellError};
 use crate::frames::FramesError;
 use crate::geometry::GeometryError;
+use crate::orbit::OrbitError;
 use crate::passes::{FieldError, SkyError, UnknownModel};
 use crate::photometry::{BandError, ModelFileError, StandardMagnitudesError};
 use crate::schedule::{InstantError, PolicyError};
@@ -73,6 +74,27 @@ pub enum SetupError {
         "unknown site {0:?}; no known name is near it: streakcast sites lists them, --lat, --lon and --height say any other place"
     )]
     UnknownSite(String),
+    /// The telescope in orbit is not in the file.
+    #[error(
+        "no element set of the observer {id} among {count}; allowed: --observer-norad with the number of one of them"
+    )]
+    NoObserver {
+        /// As given.
+        id: u32,
+        /// How many objects there are.
+        count: usize,
+    },
+    /// The file of the telescope in orbit holds several objects.
+    #[error("the observer's elements hold {count} objects; say which with --observer-norad (the first is {first})")]
+    SeveralObservers {
+        /// How many.
+        count: usize,
+        /// Number of the first.
+        first: u32,
+    },
+    /// The telescope in orbit has no orbit.
+    #[error("observer: {0}")]
+    Observer(OrbitError),
     /// A number out of its range.
     #[error("{what} {given}: allowed {allowed}")]
     OutOfRange {

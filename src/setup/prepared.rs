@@ -7,15 +7,18 @@ use serde_json::json;
 
 use crate::catalogue::{Catalogue, Constellation, ElementSet, Generation, RecordError, Rejected, SourceFile};
 use crate::frames::{EopStatus, EopTable, seconds_after, seconds_between};
-use crate::geometry::{Observer, Site};
+use crate::geometry::Site;
 use crate::orbit::LeftOut;
-use crate::passes::{ModelChoice, Sky};
+use crate::passes::{ModelChoice, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::{ModelLibrary, StandardMagnitudes};
 use crate::table::{Provenance, format_utc};
 
 use super::document::Setup;
 use super::error::SetupError;
 use super::resolve::{OLD_ELEMENTS_DAYS, read_text, synthetic};
+
+/// Beyond this age, either way, the elements of a telescope in orbit draw a warning, days.
+const OLD_OBSERVER_DAYS: f64 = 3.0;
 
 /// How many of many are named in a warning.
 const NAMED: usize = 3;
@@ -45,7 +48,8 @@ impl Setup {
     /// Neither elements nor shells were said, or whatever is wrong with what was.
     pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<Prepared, SetupError> {
         let middle = seconds_after(first, 0.5 * seconds_between(first, last));
-        let site = self.site()?;
+        let viewpoint = self.viewpoint(middle)?;
+        let shadow = self.shadow()?;
         let eop = self.eop_table()?;
         let constellations = self.constellations()?;
         let catalogue = self.catalogue(middle)?;
@@ -80,11 +84,21 @@ impl Setup {
         warnings.extend(eop_warning(&eop, first, last));
         provenance.state("satellites", elements.len());
         provenance.state("earth_orientation", eop.describe());
-        provenance.state("site", site_json(&site));
-        provenance.state("frame", "ICRS astrometric topocentric");
+        match &viewpoint {
+            Viewpoint::Site(observer) => {
+                provenance.state("site", site_json(observer.site()));
+                provenance.state("frame", "ICRS astrometric topocentric");
+            }
+            Viewpoint::Orbit(observer) => {
+                provenance.state("observer", self.observer_json(observer));
+                provenance.state("frame", "ICRS astrometric, from the observer's orbit");
+                warnings.extend(observer_warning(observer, first, last));
+            }
+        }
+        provenance.state("shadow", shadow.name());
 
         let choice = self.model_choice()?;
-        let sky = Sky::new(elements, Observer::new(site), eop.clone(), &choice);
+        let sky = Sky::new(elements, viewpoint, eop.clone(), &choice).with_shadow(shadow);
         if sky.left_out().len() == sky.elements().len() {
             return Err(nothing_propagates(&sky, sky.left_out(), middle));
         }
@@ -92,6 +106,16 @@ impl Setup {
             (0..sky.elements().len()).map(|index| sky.model(index).source().to_string()).collect();
         provenance.state("models", models.into_iter().collect::<Vec<_>>());
         Ok(Prepared { sky, eop, provenance, warnings })
+    }
+
+    fn observer_json(&self, observer: &OrbitingObserver) -> serde_json::Value {
+        json!({
+            "norad_id": observer.norad_id().0,
+            "name": observer.name(),
+            "elements_epoch_utc": format_utc(observer.elements_epoch(), 3),
+            "file": self.observer_elements.as_ref().map(|path| path.display().to_string()),
+            "limb_height_km": observer.limb().height_km,
+        })
     }
 
     /// The shipped models and those of the setup's own files, by name.
@@ -244,6 +268,19 @@ fn age_warning(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<Str
         old.len(),
         elements.len(),
     ))
+}
+
+/// The telescope's own place from elements that are days old.
+fn observer_warning(observer: &OrbitingObserver, first: Epoch, last: Epoch) -> Option<String> {
+    let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
+    let age_days = days(observer.elements_epoch(), last).max(days(first, observer.elements_epoch()));
+    (age_days > OLD_OBSERVER_DAYS).then(|| {
+        format!(
+            "the elements of the observer {} are {age_days:.1} days from the farthest exposure: its own place errs by kilometres, \
+             and with it every crossing",
+            observer.name()
+        )
+    })
 }
 
 fn eop_warning(eop: &EopTable, first: Epoch, last: Epoch) -> Option<String> {

@@ -6,8 +6,8 @@ use hifitime::{Epoch, TimeScale};
 
 use crate::catalogue::{Catalogue, Constellation, ElementSet, Keep, ReadOptions};
 use crate::frames::{Direction, EopTable, parse_declination_deg, parse_right_ascension_deg};
-use crate::geometry::{GeometryError, Site};
-use crate::passes::{Exposure, Field, SkyError};
+use crate::geometry::{EarthLimb, GeometryError, Observer, ShadowModel, Site};
+use crate::passes::{Exposure, Field, OrbitingObserver, SkyError, Viewpoint};
 use crate::photometry::{Band, PhotometryOptions};
 use crate::schedule::{MagnitudeLimit, Policy, PolicyError, ScheduleOptions, is_covered};
 use crate::telescope::{FieldOfView, Telescope};
@@ -66,6 +66,67 @@ impl Setup {
             Some(SiteSetup::Table(table)) => site_of(table),
             None => site_of(&flags),
         }
+    }
+
+    /// Where the telescope is for questions about `moment`: a site, or an orbit.
+    ///
+    /// # Errors
+    /// As [`Setup::site`]; a site and an orbit were said; the file holds no element set, several objects, or not the one asked for.
+    pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, SetupError> {
+        let (orbit, limb) = (self.observer_elements.is_some() || self.observer_norad.is_some(), self.limb_height_km);
+        let site = [&self.lat, &self.lon, &self.height].iter().any(|number| number.is_some());
+        match (orbit, site || self.site.is_some() || self.mpc.is_some()) {
+            (true, true) => Err(SetupError::Both {
+                first: "--observer-elements, --observer-norad",
+                second: "--site, --mpc, --lat, --lon, --height",
+            }),
+            (false, _) if limb.is_some() => Err(SetupError::Missing {
+                what: "telescope in orbit for the limb-height-km",
+                allowed: "--observer-elements FILE or --observer-norad ID",
+            }),
+            (false, _) => Ok(Observer::new(self.site()?).into()),
+            (true, false) => {
+                let height_km = limb.unwrap_or(0.0);
+                in_range("limb-height-km", height_km, "km", "0 to 1000 km", |value| (0.0..=1000.0).contains(&value))?;
+                let elements = self.observer_set(moment)?;
+                let observer = OrbitingObserver::new(&elements, EarthLimb { height_km });
+                Ok(observer.map_err(SetupError::Observer)?.into())
+            }
+        }
+    }
+
+    /// The element set of the telescope in orbit that is nearest to a moment.
+    fn observer_set(&self, moment: Epoch) -> Result<ElementSet, SetupError> {
+        let catalogue = match &self.observer_elements {
+            Some(path) => Some(Catalogue::read(std::slice::from_ref(path), &self.read_options(moment))?),
+            None => self.catalogue(moment)?,
+        };
+        let missing =
+            SetupError::Missing { what: "elements of the telescope in orbit", allowed: "--observer-elements FILE" };
+        let mut sets = catalogue.ok_or(missing)?.element_sets;
+        if let Some(id) = self.observer_norad {
+            let count = sets.len();
+            sets.retain(|set| set.norad_id.0 == id);
+            if sets.is_empty() {
+                return Err(SetupError::NoObserver { id, count });
+            }
+        }
+        let count = sets.len();
+        let first = sets.swap_remove(0);
+        if count > 1 { Err(SetupError::SeveralObservers { count, first: first.norad_id.0 }) } else { Ok(first) }
+    }
+
+    /// What casts the Earth's shadow; the solid Earth where nothing was said.
+    ///
+    /// # Errors
+    /// A model that is not known.
+    pub fn shadow(&self) -> Result<ShadowModel, SetupError> {
+        let Some(name) = &self.shadow else { return Ok(ShadowModel::default()) };
+        ShadowModel::by_name(name).ok_or_else(|| SetupError::Value {
+            what: "shadow",
+            given: name.clone(),
+            allowed: "geometric, atmosphere",
+        })
     }
 
     /// The field of view: as said, else that of the telescope.
@@ -220,11 +281,11 @@ impl Setup {
         let Some(paths) = self.elements.as_ref().map(OneOrMany::as_slice).filter(|paths| !paths.is_empty()) else {
             return Ok(None);
         };
-        let options = ReadOptions {
-            accept_bad_checksums: self.accept_bad_checksums.unwrap_or(false),
-            keep: Keep::Nearest(moment),
-        };
-        Ok(Some(Catalogue::read(paths, &options)?))
+        Ok(Some(Catalogue::read(paths, &self.read_options(moment))?))
+    }
+
+    fn read_options(&self, moment: Epoch) -> ReadOptions {
+        ReadOptions { accept_bad_checksums: self.accept_bad_checksums.unwrap_or(false), keep: Keep::Nearest(moment) }
     }
 
     /// The synthetic constellations that were said.

@@ -63,6 +63,18 @@ pub struct SharedArguments {
     /// Height above the ellipsoid, metres
     #[arg(long, value_name = "M", allow_hyphen_values = true, help_heading = "Site")]
     pub height: Option<f64>,
+    /// A telescope in orbit instead of a site: a file with its element set
+    #[arg(long, value_name = "FILE", help_heading = "Site")]
+    pub observer_elements: Option<PathBuf>,
+    /// NORAD number of the telescope in orbit, in that file, or where none is named among --elements
+    #[arg(long, value_name = "ID", help_heading = "Site")]
+    pub observer_norad: Option<u32>,
+    /// Height of the air, km, that hides what a telescope in orbit would see behind it; 0 where unsaid
+    #[arg(long, value_name = "KM", allow_hyphen_values = true, help_heading = "Site")]
+    pub limb_height_km: Option<f64>,
+    /// The Earth's shadow: geometric (the solid Earth), or atmosphere (bent and reddened light too)
+    #[arg(long, value_name = "MODEL", help_heading = "Satellites")]
+    pub shadow: Option<String>,
     /// Full diameter of a circular field with its unit, as 3.5deg or 40arcmin
     #[arg(long, value_name = "ANGLE", help_heading = "Camera")]
     pub fov: Option<String>,
@@ -248,6 +260,10 @@ impl SharedArguments {
             lat: self.lat,
             lon: self.lon,
             height: self.height,
+            observer_elements: self.observer_elements.clone(),
+            observer_norad: self.observer_norad,
+            limb_height_km: self.limb_height_km,
+            shadow: self.shadow.clone(),
             fov: self.fov.clone().map(Quantity::Text),
             field: self.field.clone().map(FieldSetup::File),
             rotation: self.rotation,

@@ -100,11 +100,13 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
 }
 
 fn above_the_horizon(exposure: &Exposure, prepared: &Prepared) -> anyhow::Result<()> {
-    let altitudes_rad = lowest_altitudes_rad(&[exposure], prepared.sky.observer(), &prepared.eop);
+    let viewpoint = prepared.sky.viewpoint();
+    let altitudes_rad = lowest_altitudes_rad(&[exposure], viewpoint, &prepared.eop);
     match altitudes_rad.first() {
         Some(altitude_rad) if *altitude_rad < 0.0 => Err(anyhow!(
-            "the pointing is below the horizon of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
-            prepared.sky.observer().site().name,
+            "the pointing is below {} of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
+            viewpoint.border_name(),
+            viewpoint.name(),
             format_utc(exposure.start, 0),
             altitude_rad.to_degrees()
         )),

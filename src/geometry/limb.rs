@@ -1,0 +1,91 @@
+//! The Earth's limb as an observer in space sees it.
+
+use nalgebra::Vector3;
+
+use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING};
+use crate::frames::{Direction, Gcrs, Position};
+
+/// The border of what the Earth hides: the WGS84 ellipsoid, or a shell above it.
+///
+/// z stretched by 1/(1 - f) makes the ellipsoid a sphere and keeps lines straight, so that hidden or not is exact for height 0 (the Earth's axis taken as z of
+/// GCRS, 60 m in 2026); angles from the limb are those of the stretched space, within 0.2°.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct EarthLimb {
+    /// Height of the shell above the ellipsoid, km, at least 0: what is seen through less air than this counts as hidden.
+    pub height_km: f64,
+}
+
+impl EarthLimb {
+    fn radius_km(&self) -> f64 {
+        EARTH_EQUATORIAL_RADIUS_KM + self.height_km
+    }
+
+    /// Least height of the straight line between two places above the limb's shell, km; negative where the Earth stands in between.
+    pub fn clearance_km(&self, observer: &Position<Gcrs>, target: &Position<Gcrs>) -> f64 {
+        let (from, to) = (stretch(observer.vector()), stretch(target.vector()));
+        let line = to - from;
+        let nearest = (-from.dot(&line) / line.norm_squared().max(1e-12)).clamp(0.0, 1.0);
+        (from + line * nearest).norm() - self.radius_km()
+    }
+
+    /// Angle of a direction above the limb, radians; negative where it meets the Earth. An observer below the shell sees nothing: -π/2 at most.
+    pub fn altitude_rad(&self, observer: &Position<Gcrs>, direction: &Direction<Gcrs>) -> f64 {
+        let (down, ahead) = (-stretch(observer.vector()), stretch(direction.vector()));
+        let from_nadir_rad = down.cross(&ahead).norm().atan2(down.dot(&ahead));
+        from_nadir_rad - limb_rad(self.radius_km(), down.norm())
+    }
+}
+
+/// Angular radius of the Earth; the whole sky for an observer below the shell.
+fn limb_rad(radius_km: f64, distance_km: f64) -> f64 {
+    if distance_km < radius_km { 1.5 * std::f64::consts::PI } else { (radius_km / distance_km).asin() }
+}
+
+fn stretch(v: &Vector3<f64>) -> Vector3<f64> {
+    Vector3::new(v.x, v.y, v.z / (1.0 - EARTH_FLATTENING))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    #[test]
+    fn up_down_and_over_the_limb() {
+        let (limb, shell) = (EarthLimb::default(), EarthLimb { height_km: 100.0 });
+        let observer = Position::new(6918.137, 0.0, 0.0);
+        let dip_rad = (6378.137_f64 / 6918.137).asin();
+        for (angle_rad, seen) in [(0.0, false), (dip_rad - 1e-9, false), (dip_rad + 1e-9, true), (3.0, true)] {
+            let direction = Direction::from_lon_lat_rad(std::f64::consts::PI - angle_rad, 0.0);
+            let altitude_rad = limb.altitude_rad(&observer, &direction);
+            assert!((altitude_rad - (angle_rad - dip_rad)).abs() < 1e-12);
+            let far = observer + direction.at_range(20_000.0);
+            assert_eq!(limb.clearance_km(&observer, &far) > 0.0, seen);
+            assert!(shell.altitude_rad(&observer, &direction) < altitude_rad);
+        }
+        // What stands this side of the Earth is seen against it.
+        assert!(limb.clearance_km(&observer, &Position::new(6600.0, 0.0, 0.0)) > 0.0);
+        assert!(EarthLimb { height_km: 700.0 }.altitude_rad(&observer, &Direction::from_lon_lat_rad(0.0, 0.0)) < 0.0);
+    }
+
+    proptest! {
+        /// Against points along the line on the ellipsoid's own equation.
+        #[test]
+        fn verif_hidden_is_what_meets_the_ellipsoid(
+            a in prop::array::uniform3(-1.0..1.0f64), b in prop::array::uniform3(-1.0..1.0f64), high in 6800.0..9000.0f64, far in 6800.0..40_000.0f64,
+        ) {
+            let (a, b) = (Vector3::from(a), Vector3::from(b));
+            prop_assume!(a.norm() > 0.1 && b.norm() > 0.1);
+            let (a, b) = (a.normalize() * high, b.normalize() * far);
+            let polar_km = EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING);
+            let level = |p: Vector3<f64>| (p.x.hypot(p.y) / EARTH_EQUATORIAL_RADIUS_KM).hypot(p.z / polar_km);
+            let lowest = (0..=4000).map(|step| level(a + (b - a) * (f64::from(step) / 4000.0))).fold(f64::INFINITY, f64::min);
+            let clearance_km = EarthLimb::default().clearance_km(&Position::from_vector(a), &Position::from_vector(b));
+            // Steps of s = 12 km miss the lowest point by up to s²/8r.
+            let step_km = (b - a).norm() / 4000.0;
+            let missed_km = step_km * step_km / (8.0 * EARTH_EQUATORIAL_RADIUS_KM * lowest.max(1e-6));
+            let sampled_km = (lowest - 1.0) * EARTH_EQUATORIAL_RADIUS_KM;
+            prop_assert!((clearance_km - sampled_km).abs() < 0.001 + 1.1 * missed_km, "{clearance_km} {sampled_km}");
+        }
+    }
+}

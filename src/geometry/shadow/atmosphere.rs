@@ -1,0 +1,396 @@
+//! What the air does to light that grazes the Earth: it bends it, spreads it, scatters and absorbs it.
+//!
+//! For a ray whose lowest point is h above the ground: β(h), the angle by which it is bent, and τ(h), its optical depth in V. Both are integrated
+//! once along the bent ray through the atmosphere below and kept in a table of 1 km.
+//!
+//! | what | number | source |
+//! |---|---|---|
+//! | density | seven layers, 1.225 kg/m³ at the ground | U.S. Standard Atmosphere 1976 |
+//! | refractivity at the ground, 550 nm | 2.7784·10⁻⁴ at 288.15 K, 1013.25 hPa | Ciddor (1996), Applied Optics 35, 1566 |
+//! | Rayleigh, vertical | τ = 0.0973 at 550 nm | Hansen & Travis (1974), Space Sci. Rev. 16, 527, eq. 2.30 |
+//! | ozone, column above h | 0.30 cm · (1 + e^(-20/5)) / (1 + e^((h-20)/5)) | form of Lacis & Hansen (1974), J. Atmos. Sci. 31, 118, eq. 17; 300 Dobson units |
+//! | ozone, absorption | 3.3·10⁻²¹ cm² at 550 nm: τ = 0.0266 vertical | Gorshelev et al. (2014), Atmos. Meas. Tech. 7, 609 |
+//! | aerosol of the troposphere | τ = 0.13 vertical, scale height 2 km | Remer et al. (2008), J. Geophys. Res. 113, D14S07 (mean over oceans); the height is a round number |
+//! | aerosol of the stratosphere | τ = 0.005 vertical, layer about 18 km | Kremser et al. (2016), Rev. Geophys. 54, 278 (years without eruptions); the layer's shape (logistic, 3 km) is chosen here |
+//!
+//! What is left out: clouds, which cut off most of what passes below some 8 km (a thousandth of the Sun's light by then); colours within V;
+//! volcanic years, which move half light up by several kilometres; weather, season and latitude, which move it by one or two; light scattered by
+//! the twilight sky into the satellite's shadow.
+
+use std::sync::LazyLock;
+
+use super::disk::strip;
+use super::quadrature::gauss_legendre;
+use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
+
+/// Above this no ray is bent or dimmed by as much as 10⁻⁵ of anything, km.
+pub(super) const TOP_KM: f64 = 100.0;
+/// Farther than this the shadow is no longer wide against the Sun and rays from all around meet, km.
+pub(super) const FARTHEST_KM: f64 = 400_000.0;
+
+const REFRACTIVITY: f64 = 2.7784e-4;
+const RAYLEIGH_VERTICAL: f64 = 0.0973;
+const OZONE_VERTICAL: f64 = 0.0266;
+const AEROSOL_VERTICAL: f64 = 0.13;
+const AEROSOL_HEIGHT_KM: f64 = 2.0;
+const STRATOSPHERE_VERTICAL: f64 = 0.005;
+
+/// Layers of the standard: lower border (geopotential km), temperature there (K), its gradient (K/km).
+const LAYERS: [(f64, f64, f64); 8] = [
+    (0.0, 288.15, -6.5),
+    (11.0, 216.65, 0.0),
+    (20.0, 216.65, 1.0),
+    (32.0, 228.65, 2.8),
+    (47.0, 270.65, 0.0),
+    (51.0, 270.65, -2.8),
+    (71.0, 214.65, -2.0),
+    (84.852, 186.946, 0.0),
+];
+/// g₀ M / R of the standard, K/km.
+const HYDROSTATIC_K_KM: f64 = 34.163_195;
+/// The Earth's radius of the standard, km.
+const STANDARD_RADIUS_KM: f64 = 6356.766;
+/// Column of air above the ground as a length of ground density, km: p₀ / (g₀ ρ₀).
+const COLUMN_KM: f64 = 8.434_5;
+
+/// Bottom density of each layer against that of the ground.
+static LAYER_DENSITY: LazyLock<[f64; 8]> = LazyLock::new(|| {
+    let mut densities = [1.0; 8];
+    for layer in 1..8 {
+        densities[layer] = densities[layer - 1] * fall(layer - 1, LAYERS[layer].0);
+    }
+    densities
+});
+
+/// Density against that at the bottom of the layer.
+fn fall(layer: usize, geopotential_km: f64) -> f64 {
+    let (base_km, base_k, gradient) = LAYERS[layer];
+    let above_km = geopotential_km - base_km;
+    if gradient == 0.0 {
+        (-HYDROSTATIC_K_KM * above_km / base_k).exp()
+    } else {
+        // ρ/ρ_b = (T/T_b)^-(1 + g₀M/(R L))
+        (1.0 + gradient * above_km / base_k).powf(-1.0 - HYDROSTATIC_K_KM / gradient)
+    }
+}
+
+/// Density against that of the ground, and its change per km.
+fn density(height_km: f64) -> (f64, f64) {
+    let scale = STANDARD_RADIUS_KM / (STANDARD_RADIUS_KM + height_km);
+    let geopotential_km = height_km * scale;
+    let layer = LAYERS.iter().rposition(|(base_km, ..)| geopotential_km >= *base_km).unwrap_or(0);
+    let (base_km, base_k, gradient) = LAYERS[layer];
+    let temperature_k = base_k + gradient * (geopotential_km - base_km);
+    let density = LAYER_DENSITY[layer] * fall(layer, geopotential_km);
+    (density, -density * (HYDROSTATIC_K_KM + gradient) / temperature_k * scale * scale)
+}
+
+/// Extinction in V, per km.
+fn extinction_km(height_km: f64, density: f64) -> f64 {
+    let logistic = |centre_km: f64, width_km: f64| {
+        let e = ((height_km - centre_km) / width_km).exp();
+        (1.0 + (-centre_km / width_km).exp()) * e / (width_km * (1.0 + e).powi(2))
+    };
+    RAYLEIGH_VERTICAL * density / COLUMN_KM
+        + OZONE_VERTICAL * logistic(20.0, 5.0)
+        + STRATOSPHERE_VERTICAL * logistic(18.0, 3.0)
+        + AEROSOL_VERTICAL * (-height_km / AEROSOL_HEIGHT_KM).exp() / AEROSOL_HEIGHT_KM
+}
+
+/// Bending (radians) and optical depth of the ray whose lowest point is at this height.
+///
+/// β = -2 p ∫ (dn/dr)/n dr / √(n²r² - p²),  τ = 2 ∫ k n r dr / √(n²r² - p²),  p = n(r₀) r₀; with r = r₀ + s² the root at r₀ goes.
+fn ray(height_km: f64) -> (f64, f64) {
+    const STEPS: usize = 150;
+    let radius = EARTH_EQUATORIAL_RADIUS_KM;
+    let index = |density: f64| 1.0 + REFRACTIVITY * density;
+    let lowest = radius + height_km;
+    let p = index(density(height_km).0) * lowest;
+    let longest = (TOP_KM + 30.0 - height_km).sqrt();
+    let (mut bending, mut depth) = (0.0, 0.0);
+    for step in 0..STEPS {
+        let s = longest * (step as f64 + 0.5) / STEPS as f64;
+        let z = height_km + s * s;
+        let (density, change) = density(z);
+        let (n, r) = (index(density), radius + z);
+        let root = ((n * r - p) * (n * r + p)).sqrt();
+        let dr = 2.0 * s * longest / STEPS as f64;
+        bending -= 2.0 * p * REFRACTIVITY * change / n * dr / root;
+        depth += 2.0 * extinction_km(z, density) * n * r * dr / root;
+    }
+    (bending, depth)
+}
+
+/// Logarithms of bending and optical depth at 0, 1, ... km, and one node more on either side of what is asked for.
+static TABLE: LazyLock<Vec<[f64; 2]>> = LazyLock::new(|| {
+    (0..=TOP_KM as usize + 2)
+        .map(|height_km| {
+            let (bending, depth) = ray(height_km as f64);
+            [bending.ln(), depth.ln()]
+        })
+        .collect()
+});
+
+/// Bending (radians) and optical depth in V of a ray whose lowest point is 0 to 100 km high: cubics through the table.
+fn bending_and_depth(height_km: f64) -> (f64, f64) {
+    let table = &*TABLE;
+    let first = ((height_km - 1.0).max(0.0) as usize).min(table.len() - 4);
+    let a = height_km - first as f64;
+    let (b, c, d) = (a - 1.0, a - 2.0, a - 3.0);
+    let weights = [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0];
+    let sum = |column: usize| -> f64 { (0..4).map(|node| weights[node] * table[first + node][column]).sum() };
+    (sum(0).exp(), sum(1).exp())
+}
+
+static AIR_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(48));
+static FREE_RULE: LazyLock<Vec<(f64, f64)>> = LazyLock::new(|| gauss_legendre(16));
+
+/// The share of the Sun's light in V that comes past the Earth and through its air, [0, 1].
+///
+/// `radius_km` is the satellite's distance from the Earth's centre (on the sphere), `separation_rad` the angle there between the Earth's centre
+/// and the Sun's, `sun_rad` the Sun's radius. A ray that passes at h meets the satellite at the angle θ' = asin(p/r) from the Earth's centre
+/// and comes from the part of the Sun at θ = θ' - β(h). What the satellite sees is an image as bright per area as the Sun, less extinction, flattened
+/// by dθ'/dθ (the spreading of light by refraction) and stretched sideways by sin θ'/sin θ (its focusing):
+///
+/// F = ∫ w((θ - σ)/α) e^-τ sin θ' / √(sin θ sin σ) dθ'/α
+///
+/// with w the light of a strip of the disk. Arcs about the Earth's centre stand for strips with √(sin θ/sin σ), which is exact to (α/8 sin σ)².
+pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) -> f64 {
+    let ground_km = EARTH_EQUATORIAL_RADIUS_KM;
+    // Below its own height a satellite has no air under it to look through.
+    let top_km = TOP_KM.min(radius_km - ground_km - 1e-3);
+    let sine_separation = separation_rad.sin().max(1e-6);
+    // Angle of arrival, and place on the disk, of the ray at this height.
+    let image = |height_km: f64, bending_rad: f64| {
+        let (density, _) = density(height_km);
+        let impact_km = (1.0 + REFRACTIVITY * density) * (ground_km + height_km);
+        let arrival_rad = (impact_km / radius_km).min(1.0).asin();
+        (arrival_rad, impact_km, (arrival_rad - bending_rad - separation_rad) / sun_rad)
+    };
+    let place = |height_km: f64| image(height_km, bending_and_depth(height_km).0).2;
+    let mut lit = 0.0;
+    if top_km > 0.0 {
+        let (low, high) = (height_where(&place, -1.0, top_km), height_where(&place, 1.0, top_km));
+        if high > low {
+            for &(s, weight) in AIR_RULE.iter() {
+                // h = low + (high - low) sin²(πs/2) takes the roots out of the ends of the disk.
+                let (sin, cos) = (std::f64::consts::FRAC_PI_2 * s).sin_cos();
+                let height_km = low + (high - low) * sin * sin;
+                let dh = std::f64::consts::PI * (high - low) * sin * cos * weight;
+                let (bending_rad, depth) = bending_and_depth(height_km);
+                let (arrival_rad, impact_km, u) = image(height_km, bending_rad);
+                // dp/dh = n + (R + h) dn/dh;  dθ' = dp / (r cos θ')
+                let (n, change) = density(height_km);
+                let dp = 1.0 + REFRACTIVITY * (n + (ground_km + height_km) * change);
+                let darrival = dp * dh / (radius_km.powi(2) - impact_km.powi(2)).max(1e-9).sqrt();
+                let sine = (arrival_rad - bending_rad).sin().max(1e-6);
+                lit += strip(u) * (-depth).exp() * arrival_rad.sin() / (sine * sine_separation).sqrt() * darrival
+                    / sun_rad;
+            }
+        }
+    }
+    // The part of the disk that is seen above the air.
+    let edge = if top_km > 0.0 { place(top_km).clamp(-1.0, 1.0) } else { -1.0 };
+    let turn = edge.acos();
+    for &(s, weight) in FREE_RULE.iter() {
+        let (sin, cos) = (turn * s).sin_cos();
+        let sine = (separation_rad + cos * sun_rad).sin().max(1e-6);
+        lit += strip(cos) * (sine / sine_separation).sqrt() * sin * turn * weight;
+    }
+    lit.clamp(0.0, 1.0)
+}
+
+/// The height in [0, `top_km`] at which a growing function reaches a value, or the end nearest to it; to 0.1 m.
+fn height_where(function: &impl Fn(f64) -> f64, value: f64, top_km: f64) -> f64 {
+    let (mut low, mut high) = (0.0, top_km);
+    if function(low) >= value {
+        return low;
+    }
+    if function(high) <= value {
+        return high;
+    }
+    for _ in 0..20 {
+        let middle = 0.5 * (low + high);
+        if function(middle) < value {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    0.5 * (low + high)
+}
+
+#[cfg(test)]
+mod tests {
+    use std::f64::consts::PI;
+
+    use super::*;
+    use crate::constants::{AU_KM, SUN_RADIUS_KM};
+    use crate::frames::{Gcrs, Position};
+    use crate::geometry::{Illumination, ShadowModel};
+
+    /// The standard's own table: height (km), density against 1.225 kg/m³.
+    #[test]
+    fn valid_densities_against_the_standard() {
+        for (height_km, expected) in [
+            (0.0, 1.0),
+            (5.0, 0.7364 / 1.225),
+            (10.0, 0.4135 / 1.225),
+            (20.0, 0.088_91 / 1.225),
+            (30.0, 0.018_41 / 1.225),
+        ]
+        .into_iter()
+        .chain([(50.0, 1.027e-3 / 1.225), (70.0, 8.283e-5 / 1.225), (80.0, 1.846e-5 / 1.225)])
+        {
+            let (found, change) = density(height_km);
+            assert!((found / expected - 1.0).abs() < 1e-3, "{height_km}: {found} {expected}");
+            let slope = (density(height_km + 0.01).0 - density((height_km - 0.01_f64).max(0.0)).0)
+                / (0.01 + 0.01_f64.min(height_km));
+            assert!((change / slope - 1.0).abs() < 2e-3, "{height_km}: {change} {slope}");
+        }
+    }
+
+    /// A grazing ray is bent by twice the refraction at the horizon, 34' to 35' for the standard atmosphere; a half of the air lies above 5.5 km.
+    #[test]
+    fn valid_bending_against_refraction_at_the_horizon() {
+        let minutes = |height_km: f64| ray(height_km).0.to_degrees() * 60.0;
+        assert!((66.0..70.0).contains(&minutes(0.0)), "{}", minutes(0.0));
+        // Without the curving of the ray itself: β ≈ ν √(2πR/H), an exponential atmosphere of the scale height there (6.34 km at 216.65 K).
+        let density_15 = density(15.0).0;
+        let expected = REFRACTIVITY * density_15 * (2.0 * PI * 6393.0 / 6.37).sqrt();
+        assert!((ray(15.0).0 / expected - 1.0).abs() < 0.02, "{} {expected}", ray(15.0).0);
+        // The airmass at the horizon is some 38, through the whole grazing path twice that: Rayleigh alone makes 7 optical depths of 0.0973.
+        let rayleigh = 0.0973 * 2.0 * 38.0;
+        assert!(ray(0.0).1 > rayleigh && ray(0.0).1 < 40.0, "{}", ray(0.0).1);
+        for height_km in [0.4, 3.3, 11.5, 20.2, 33.3, 47.5, 72.9, 99.5] {
+            let (exact, table) = (ray(height_km), bending_and_depth(height_km));
+            assert!((table.0 / exact.0 - 1.0).abs() < 0.01 && (table.1 / exact.1 - 1.0).abs() < 0.01, "{height_km}");
+        }
+    }
+
+    /// The Sun's disk cut into patches, each with the ray that comes from it, found by bisection, and its flattening by differences.
+    #[test]
+    fn verif_against_rays_from_every_part_of_the_disk() {
+        const TOLERANCE: f64 = 2e-5;
+        let sun_rad = 0.004_65;
+        for radius_km in [6728.0_f64, 6928.0, 7578.0, 26_560.0, 42_164.0] {
+            let limb_rad = (EARTH_EQUATORIAL_RADIUS_KM / radius_km).asin();
+            let air_rad = 60.0 / (radius_km.powi(2) - 6378.0_f64.powi(2)).sqrt();
+            for step in 0..10 {
+                let separation_rad = limb_rad - 0.008 + (0.016 + air_rad) * f64::from(step) / 10.0;
+                let found = lit_fraction(radius_km, separation_rad, sun_rad);
+                let arrival = |height_km: f64| {
+                    let impact_km =
+                        (1.0 + REFRACTIVITY * density(height_km).0) * (EARTH_EQUATORIAL_RADIUS_KM + height_km);
+                    (impact_km / radius_km).asin()
+                };
+                let origin = |height_km: f64| arrival(height_km) - bending_and_depth(height_km).0;
+                let cells = 1500;
+                let mut sum = 0.0;
+                for cell in 0..cells {
+                    let turn = PI * (f64::from(cell) + 0.5) / f64::from(cells);
+                    let u = -turn.cos();
+                    let theta = separation_rad + u * sun_rad;
+                    // A strip around the Earth's centre is longer than a straight one on the far side.
+                    let bent = (theta.sin() / separation_rad.sin()).sqrt();
+                    let weight = bent * strip(u) * turn.sin() * PI / f64::from(cells);
+                    if theta <= origin(0.0) {
+                        continue;
+                    }
+                    if theta >= origin(TOP_KM) {
+                        sum += weight;
+                        continue;
+                    }
+                    let height_km = height_where(&origin, theta, TOP_KM);
+                    let d = 0.01_f64.min(height_km);
+                    let flattening = (arrival(height_km + 0.01) - arrival(height_km - d))
+                        / (origin(height_km + 0.01) - origin(height_km - d));
+                    let focusing = arrival(height_km).sin() / theta.sin();
+                    sum += weight * (-bending_and_depth(height_km).1).exp() * flattening * focusing;
+                }
+                assert!((found - sum).abs() < TOLERANCE, "{radius_km} {step}: {found} {sum}");
+            }
+        }
+    }
+
+    fn lit(model: ShadowModel, angle_from_antisun_rad: f64, radius_km: f64) -> f64 {
+        let sun = Position::<Gcrs>::new(AU_KM, 0.0, 0.0);
+        let (sin, cos) = angle_from_antisun_rad.sin_cos();
+        model.illumination(&Position::new(-radius_km * cos, radius_km * sin, 0.0), &sun).lit_fraction()
+    }
+
+    /// Value, slope and order, from full light to none.
+    #[test]
+    fn fading_is_smooth_and_one_way() {
+        for radius_km in [6728.0, 6928.0, 7578.0, 26_560.0, 42_164.0] {
+            let limb = (EARTH_EQUATORIAL_RADIUS_KM / radius_km).asin();
+            // The air reaches 100 km up, some degrees for a low orbit.
+            let from = ((EARTH_EQUATORIAL_RADIUS_KM + 110.0) / radius_km).asin() + 0.006;
+            let to = limb - 0.035;
+            let steps = 8000;
+            let values: Vec<f64> = (0..=steps)
+                .map(|step| {
+                    lit(ShadowModel::Atmosphere, from + (to - from) * f64::from(step) / f64::from(steps), radius_km)
+                })
+                .collect();
+            assert!(values[0] == 1.0 && values[steps as usize] == 0.0);
+            let step_rad = (from - to) / f64::from(steps);
+            let steepest = disk_slope(&values);
+            // No slope is steeper than without air, and none changes by more than a few steps of its own scale.
+            assert!(steepest < 0.8 / 0.00465 * step_rad, "{radius_km}: {steepest}");
+            for (number, triple) in values.windows(3).enumerate() {
+                assert!(triple[1] <= triple[0] + 1e-7, "{radius_km} {number}: {triple:?}");
+                let bend = (triple[0] - 2.0 * triple[1] + triple[2]).abs();
+                assert!(bend < 40.0 * (step_rad / 0.00465).powi(2) + 3e-6, "{radius_km} {number}: {bend}");
+            }
+        }
+    }
+
+    fn disk_slope(values: &[f64]) -> f64 {
+        values.windows(2).map(|pair| pair[0] - pair[1]).fold(0.0, f64::max)
+    }
+
+    /// How far outside of the place where the solid Earth leaves one half of the light the air leaves this share, as the height of the ray to the
+    /// Sun's centre above the ground, km.
+    fn ray_height_km(share: f64, radius_km: f64, model: ShadowModel) -> f64 {
+        let (mut dark, mut bright) = (0.9, 1.5);
+        if radius_km > 20_000.0 {
+            (dark, bright) = (0.1, 0.4);
+        }
+        for _ in 0..50 {
+            let middle = 0.5 * (dark + bright);
+            if lit(model, middle, radius_km) < share { dark = middle } else { bright = middle }
+        }
+        // Lowest point of the line from the Sun's centre.
+        radius_km * dark.sin() - EARTH_EQUATORIAL_RADIUS_KM
+    }
+
+    /// Observers of satellites found that shadow entries fit a dark atmosphere of 15 to 20 km (Molczan and Matson, SeeSat-L, January 1997).
+    #[test]
+    fn valid_half_light_against_the_height_that_observers_found() {
+        for radius_km in [6728.0, 6928.0, 7578.0] {
+            let [half, tenth, ninth] =
+                [0.5, 0.1, 0.9].map(|share| ray_height_km(share, radius_km, ShadowModel::Atmosphere));
+            let solid = ray_height_km(0.5, radius_km, ShadowModel::Geometric);
+            assert!(solid.abs() < 0.2, "{solid}");
+            // What an eye calls the entry lies between half of the light and a tenth.
+            assert!(tenth < 15.0 && half > 20.0 && half < 30.0 && ninth < 60.0, "{tenth} {half} {ninth}");
+        }
+    }
+
+    /// A trace in the geometric umbra, and none deep inside.
+    #[test]
+    fn light_is_bent_into_the_umbra() {
+        let sun_rad = SUN_RADIUS_KM / AU_KM;
+        let limb = (EARTH_EQUATORIAL_RADIUS_KM / 6928.0_f64).asin();
+        assert_eq!(lit(ShadowModel::Geometric, limb - 1.01 * sun_rad, 6928.0), 0.0);
+        let inside = lit(ShadowModel::Atmosphere, limb - 1.01 * sun_rad, 6928.0);
+        assert!(inside > 1e-4 && inside < 0.05, "{inside}");
+        assert_eq!(lit(ShadowModel::Atmosphere, limb - 0.05, 6928.0), 0.0);
+        let sun = Position::<Gcrs>::new(AU_KM, 0.0, 0.0);
+        // Inside the air and beyond the Moon the shadow is geometric.
+        let near = Position::new(-100.0, 6400.0, 0.0);
+        assert_eq!(ShadowModel::Atmosphere.illumination(&near, &sun), ShadowModel::Geometric.illumination(&near, &sun));
+        assert_eq!(ShadowModel::Atmosphere.illumination(&Position::new(-6928.0, 0.0, 0.0), &sun), Illumination::Umbra);
+    }
+}

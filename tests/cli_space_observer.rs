@@ -1,0 +1,137 @@
+//! A telescope in orbit and the shadow's models through the command line.
+
+use std::fs;
+
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// An invented satellite, and 6,372 synthetic ones.
+const OBSERVER: &str = "tests/data/elements/sample.2le";
+const SHELLS: &[&str] = &["--shells", "oneweb", "--quiet"];
+const EXPOSURE: &[&str] =
+    &["--start", "2026-03-21T06:00:00Z", "--exposure", "660s", "--fov", "10deg", "--include-dark"];
+
+fn run(arguments: &[&[&str]]) -> (i32, String, String) {
+    let output = Command::new(env!("CARGO_BIN_EXE_streakcast")).args(arguments.concat()).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+/// The first of eight pointings around the sky that is clear of the Earth and crossed.
+fn crossed() -> (String, String, Value) {
+    for ra in (0..360).step_by(45) {
+        let (ra, dec) = (ra.to_string(), "20".to_owned());
+        let pointing = ["--ra", &ra, "--dec", &dec, "--observer-elements", OBSERVER, "--format", "json"];
+        let (code, stdout, stderr) = run(&[&["passes"], SHELLS, EXPOSURE, &pointing]);
+        match code {
+            0 => return (ra, dec, serde_json::from_str(&stdout).unwrap()),
+            1 => {}
+            _ => assert!(stderr.contains("below the Earth's limb of "), "{stderr}"),
+        }
+    }
+    panic!("no crossing in eight fields of 10 deg")
+}
+
+#[test]
+fn passes_and_flags_from_an_orbit() {
+    let (ra, dec, answer) = crossed();
+    let observer = &answer["provenance"]["observer"];
+    assert_eq!((&observer["norad_id"], &observer["limb_height_km"]), (&90001.into(), &0.0.into()));
+    assert!(answer["provenance"].get("site").is_none() && answer["provenance"]["shadow"] == "geometric");
+    let passes = answer["passes"].as_array().unwrap();
+    for pass in passes {
+        assert!(pass["altitude_deg"].is_null() && pass["azimuth_deg"].is_null());
+        assert!(pass["range_km"].as_f64().unwrap() > 0.0 && pass["norad_id"] != 90001);
+    }
+    // The same field in a schedule, and one on the other side of the sky: between them both verdicts of the limb.
+    let folder = TempDir::new().unwrap();
+    let path = folder.path().join("s.csv").display().to_string();
+    let mut rows = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n".to_owned();
+    rows += &format!("a,2026-03-21T06:00:00Z,660,{ra},{dec}\n");
+    for turn in 0..12 {
+        for tilt in [-60, 0, 60] {
+            rows += &format!("x{turn}{tilt},2026-03-21T06:00:00Z,10,{},{tilt}\n", 30 * turn);
+        }
+    }
+    fs::write(&path, rows).unwrap();
+    let flags = ["flag", "--schedule", &path, "--fov", "10deg", "--observer-elements", OBSERVER, "--format", "json"];
+    let (code, stdout, stderr) = run(&[&flags, SHELLS]);
+    assert_eq!(code, 0, "{stderr}");
+    let answer: Value = serde_json::from_str(&stdout).unwrap();
+    let flags = answer["flags"].as_array().unwrap();
+    let lit = passes.iter().filter(|pass| pass["illumination"] != "umbra").count();
+    assert!(flags[0]["n_streaks"].as_u64().unwrap() as usize >= lit.min(1), "{}", flags[0]);
+    let hidden = flags.iter().filter(|flag| flag["verdict"] == "invalid").collect::<Vec<_>>();
+    // The Earth fills 33 % of the sky at 550 km.
+    assert!((6..20).contains(&hidden.len()), "{}", hidden.len());
+    assert!(hidden[0]["reasons"].to_string().contains("meets the Earth ("), "{}", hidden[0]);
+}
+
+#[test]
+fn what_says_where_the_telescope_is_says_it_once() {
+    let folder = TempDir::new().unwrap();
+    let two = folder.path().join("two.tle").display().to_string();
+    let other = "1 25544U 98067A   26080.73419088  .00005258  00000+0  10370-3 0  9991\n\
+                 2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097\n";
+    fs::write(&two, fs::read_to_string(OBSERVER).unwrap() + other).unwrap();
+    let pointing = ["--ra", "10", "--dec", "20"];
+    for (more, told) in [
+        (&["--observer-elements", OBSERVER, "--mpc", "X05"][..], "exclude each other; say one of them"),
+        (&["--observer-norad", "90001", "--lat", "3", "--lon", "4"], "exclude each other; say one of them"),
+        (&["--observer-norad", "90001"], "no elements of the telescope in orbit; say --observer-elements FILE"),
+        (&["--observer-elements", OBSERVER, "--observer-norad", "5"], "no element set of the observer 5 among 1"),
+        (&["--observer-elements", &two, "--accept-bad-checksums"], "hold 2 objects; say which with --observer-norad"),
+        (&["--observer-elements", "nowhere.tle"], "nowhere.tle"),
+        (&["--observer-elements", OBSERVER, "--limb-height-km=-3"], "limb-height-km -3 km: allowed 0 to 1000 km"),
+        (&["--mpc", "X05", "--limb-height-km", "3"], "say --observer-elements FILE or --observer-norad ID"),
+        (&["--mpc", "X05", "--shadow", "round"], "shadow 'round' is not known; allowed: geometric, atmosphere"),
+    ] {
+        let (code, _, stderr) = run(&[&["passes"], SHELLS, EXPOSURE, &pointing, more]);
+        assert_eq!(code, 2, "{more:?}");
+        assert!(stderr.contains(told) && stderr.trim_end().lines().count() == 1, "{more:?}: {stderr}");
+    }
+    // Out of several by its number, and out of the satellites themselves.
+    for more in [
+        &["--observer-elements", &two, "--accept-bad-checksums", "--observer-norad", "90001"][..],
+        &["--elements", OBSERVER, "--observer-norad", "90001"],
+    ] {
+        let (code, _, stderr) = run(&[&["passes"], SHELLS, EXPOSURE, &pointing, more]);
+        assert!(code != 2 || stderr.contains("below the Earth's limb"), "{more:?}: {stderr}");
+    }
+}
+
+/// Over a site at dusk a wide field holds satellites that fade: with air none is brighter, and more of them have lost some light.
+#[test]
+fn the_shadow_with_air_dims_and_says_so() {
+    let lit = |shadow: &str| -> Vec<(u64, f64)> {
+        let question = [
+            "passes",
+            "--mpc",
+            "X05",
+            "--ra",
+            "12h",
+            "--dec=-10",
+            "--fov",
+            "140deg",
+            "--start",
+            "2026-03-21T01:00:00Z",
+        ];
+        let rest = ["--exposure", "60s", "--include-dark", "--format", "json", "--shadow", shadow];
+        let (code, stdout, stderr) = run(&[&question, &rest, SHELLS]);
+        assert_eq!(code, 0, "{stderr}");
+        let answer: Value = serde_json::from_str(&stdout).unwrap();
+        assert_eq!(answer["provenance"]["shadow"], shadow);
+        let passes = answer["passes"].as_array().unwrap();
+        passes.iter().map(|pass| (pass["norad_id"].as_u64().unwrap(), pass["lit_fraction"].as_f64().unwrap())).collect()
+    };
+    let (solid, air) = (lit("geometric"), lit("atmosphere"));
+    assert_eq!(solid.len(), air.len());
+    let fading = |all: &[(u64, f64)]| all.iter().filter(|(_, lit)| *lit > 0.0 && *lit < 1.0).count();
+    assert!(fading(&air) > fading(&solid) && fading(&air) > 2, "{} {}", fading(&solid), fading(&air));
+    for (solid, air) in solid.iter().zip(&air) {
+        assert_eq!(solid.0, air.0);
+        // Light bent into the umbra is all that the air adds.
+        assert!(air.1 <= solid.1 || solid.1 < 0.12, "{solid:?} {air:?}");
+    }
+}
