@@ -12,7 +12,7 @@ const RANGE_KM: f64 = 1e-6;
 /// The paper's arccos formulas lose half the digits near the nadir.
 const MAGNITUDE: f64 = 1e-6;
 
-/// 4000 rays to the Sun's disk, the limb of the ellipsoid stretched by 0.3 %.
+/// 4000 rays to the Sun's disk.
 const LIT_FRACTION: f64 = 0.005;
 
 fn v15() -> BrightnessModel {

@@ -21,7 +21,7 @@ COEFFICIENTS = (0.05, 0.0279, 0.0053, 0.1097, 0.0844, 5.0, 22.0)
 
 
 def lit(satellite, sun, flattening):
-    """Share of rays to the Sun's disk that miss the Earth."""
+    """Share of the light of rays to the Sun's disk that miss the Earth; limb darkening P5(mu) of Neckel (2005), 550 nm."""
     to = sun - satellite
     axis = to / np.linalg.norm(to)
     side = np.cross(axis, [0, 0, 1.0])
@@ -35,7 +35,9 @@ def lit(satellite, sun, flattening):
     p, d = satellite * stretch, rays * stretch
     a, b, c = (d * d).sum(1), 2 * d @ p, p @ p - A * A
     hit = (b * b - 4 * a * c > 0) & (b < 0)
-    return 1 - hit.mean()
+    mu = np.sqrt(1 - k / n)
+    light = np.polynomial.polynomial.polyval(mu, [0.26980, 1.34025, -1.64288, 2.08224, -1.47353, 0.42412])
+    return 1 - light[hit].sum() / light.sum()
 
 
 def main():
