@@ -352,3 +352,81 @@ fn messy_element_files_are_read_with_their_rejects_counted() {
         assert!(stderr.lines().all(|line| line.starts_with("warning: ") || line == "no passes"), "{path}: {stderr}");
     }
 }
+
+#[test]
+fn misspelt_columns_are_guessed_and_other_alphabets_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = |name: &str, bytes: &[u8], parts: &[&str]| fails(&[&flag(&file(&folder, name, bytes))], parts);
+    let misspelt = b"Exposure ID,start_utc,duraton_s,RA_deg,band\n1,2024-08-14T03:30:00Z,30,280,r\n";
+    schedule(
+        "m.csv",
+        misspelt,
+        &["exposure_id (is it Exposure ID?)", "duration_s (is it duraton_s?)", "ra_deg (is it RA_deg?), dec_deg;"],
+    );
+    // 0xf3 is ó in Latin-1.
+    let latin = [HEADER.as_bytes(), b"Pach\xf3n,2024-08-14T03:30:00Z,30,280,-30\n"].concat();
+    schedule("l.csv", &latin, &["not UTF-8 text from line 2", "Latin-1", "iconv -f LATIN1 -t UTF-8"]);
+    let elements = file(&folder, "empty.xml", b"<ndm><omm id=\"a\"><body><segment/></body></omm></ndm>");
+    fails(&[POINTING, SITE, &["--elements", &elements]], &["OMM XML", "this message holds no elements"]);
+}
+
+#[test]
+fn an_annotation_that_cannot_be_written_is_refused_before_any_work() {
+    let folder = tempfile::tempdir().unwrap();
+    // A schedule that is not even there: the folder is what is told of.
+    let nowhere = folder.path().join("no/such/out.csv").display().to_string();
+    fails(
+        &[&["annotate", "--schedule", "/nowhere.csv", "-o", &nowhere, "--fov", "1deg"], SITE, SHELLS],
+        &["no/such", "cannot"],
+    );
+    let (_, help, _) = run(&[&["annotate", "--help"]]);
+    assert!(help.contains("The schedule: opsim SQLite or CSV"), "{help}");
+}
+
+#[test]
+fn a_configurations_time_scale_yields_where_a_flags_contradicts() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = "1,60536.1,30,280,-30\n";
+    let named =
+        file(&folder, "n.csv", format!("exposure_id,start_mjd_utc,duration_s,ra_deg,dec_deg\n{row}").as_bytes());
+    let bare = file(&folder, "b.csv", format!("exposure_id,start_mjd,duration_s,ra_deg,dec_deg\n{row}").as_bytes());
+    let config = file(&folder, "c.toml", b"time_scale = 'tai'\n");
+    let start = |schedule: &str, more: &[&str]| {
+        let (code, stdout, stderr) = run(&[&flag(schedule), &["--format", "json"], more]);
+        assert_eq!(code, 0, "{stderr}");
+        let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        answer["provenance"]["schedule"]["first_start_utc"].as_str().unwrap()[14..19].to_owned()
+    };
+    assert_eq!(start(&named, &["--config", &config]), "24:00");
+    assert_eq!(start(&bare, &["--config", &config]), "23:23");
+    assert_eq!(start(&bare, &["--config", &config, "--time-scale", "utc"]), "24:00");
+    fails(&[&flag(&named), &["--time-scale", "tai"]], &["start_mjd_utc is in UTC", "--time-scale says TAI"]);
+}
+
+#[test]
+fn rows_that_cannot_be_judged_rest_on_no_moment() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,nan\n").as_bytes());
+    let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json"]]);
+    assert_eq!(code, 0, "{stderr}");
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(answer["flags"][0]["verdict"], "invalid");
+    let provenance = answer["provenance"].as_object().unwrap();
+    assert!(provenance["schedule"]["first_start_utc"].is_null());
+    for nothing in ["earth_orientation", "shells", "satellites", "models"] {
+        assert!(!provenance.contains_key(nothing), "{nothing}");
+    }
+}
+
+#[test]
+fn a_policy_that_asks_for_the_telescopes_limits_needs_a_telescope() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
+    let policy = file(&folder, "p.toml", b"saturation_mag = 'telescope'\n");
+    fails(
+        &[&flag(&schedule), &["--policy", &policy]],
+        &["no telescope, whose limits the policy asks for", "--telescope"],
+    );
+    let (code, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy, "--telescope", "rubin"]]);
+    assert_eq!(code, 0, "{stderr}");
+}

@@ -3,15 +3,10 @@
 mod common;
 
 use std::fs;
-use std::path::{Path, PathBuf};
 
-use assert_cmd::Command;
+use common::cli::{FLAG, SKY, done, json, path, records, run};
 use serde_json::Value;
-use tempfile::TempDir;
 
-const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
-/// Dusk over Rubin Observatory under a synthetic constellation: needs no data and always finds something.
-const SKY: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
 const PASSES: &[&str] = &[
     "passes",
     "--start",
@@ -25,34 +20,6 @@ const PASSES: &[&str] = &[
     "20deg",
 ];
 
-fn run(arguments: &[&[&str]]) -> (i32, String, String) {
-    let output = Command::new(STREAKCAST).args(arguments.concat()).output().unwrap();
-    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
-    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
-}
-
-#[track_caller]
-fn done(arguments: &[&[&str]]) -> String {
-    let (code, stdout, stderr) = run(arguments);
-    assert_eq!(code, 0, "{stderr}");
-    stdout
-}
-
-#[track_caller]
-fn json(arguments: &[&[&str]]) -> Value {
-    serde_json::from_str(&done(&[&arguments.concat(), &["--format", "json"]])).unwrap()
-}
-
-/// Header and rows of CSV, ECSV: what stands below the `#` lines.
-fn records(text: &str) -> Vec<csv::StringRecord> {
-    let reader = csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).from_reader(text.as_bytes());
-    reader.into_records().collect::<Result<_, _>>().unwrap()
-}
-
-fn path(folder: &TempDir, name: &str) -> String {
-    folder.path().join(name).display().to_string()
-}
-
 /// Forty exposures of an evening, as CSV.
 fn evening() -> String {
     let mut text = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,rotation_deg,band\n".to_owned();
@@ -63,8 +30,6 @@ fn evening() -> String {
     }
     text
 }
-
-const FLAG: &[&str] = &["--fov", "3.5deg", "--limit-mag", "6.5"];
 
 #[test]
 fn passes_say_the_same_in_every_format() {
@@ -403,6 +368,45 @@ fn csv_schedules_are_annotated_without_a_lost_byte() {
 }
 
 #[test]
+fn a_schedule_and_one_of_its_exposures_see_the_same_synthetic_satellites() {
+    let folder = tempfile::tempdir().unwrap();
+    let last = "b,2024-08-14T23:30:00.000Z,120,217.5,-30,,r\n";
+    let rows = format!("a,2024-08-14T09:00:00Z,30,250,-40,,r\n{last}");
+    fs::write(
+        path(&folder, "s.csv"),
+        format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg,rotation_deg,band\n{rows}"),
+    )
+    .unwrap();
+    let schedule = path(&folder, "s.csv");
+    let (code, _, stderr) =
+        run(&[&["annotate", "--schedule", &schedule, "--fov", "20deg", "-o", &path(&folder, "o.csv")], SKY]);
+    assert_eq!(code, 0, "{stderr}");
+    let of = |text: &str| -> Vec<(String, String, String)> {
+        let rows = records(text);
+        let place = |name: &str| rows[0].iter().position(|cell| cell == name).unwrap();
+        let (id, norad, enter, exit) = (place("exposure_id"), place("norad_id"), place("enter_utc"), place("exit_utc"));
+        let rows = rows[1..].iter().filter(|row| &row[id] != "a");
+        rows.map(|row| (row[norad].to_owned(), row[enter].to_owned(), row[exit].to_owned())).collect()
+    };
+    let passes = of(&done(&[PASSES, SKY, &["--format", "csv"]]));
+    assert!(passes.len() > 3);
+    assert_eq!(of(&fs::read_to_string(path(&folder, "o.streaks.csv")).unwrap()), passes);
+}
+
+#[test]
+fn limits_by_band_are_typed_as_a_policy_says_them() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(path(&folder, "s.csv"), evening().replace(",r\n", ",g\n")).unwrap();
+    let flags = |limit: &str| {
+        let answer =
+            json(&[&["flag", "--schedule", &path(&folder, "s.csv"), "--fov", "8deg", "--limit-mag", limit], SKY]);
+        answer["flags"].as_array().unwrap().iter().map(|flag| flag["verdict"].to_string()).collect::<Vec<_>>()
+    };
+    assert_eq!(flags("g=6.8,default=-9"), flags("6.8"));
+    assert_ne!(flags("g=6.8,default=-9"), flags("y=6.8,default=-9"));
+}
+
+#[test]
 fn lists_of_models_sites_and_shells() {
     let model: Value = serde_json::from_str(&done(&[&["model", "show", "starlink-v1.5", "--format", "json"]])).unwrap();
     for key in ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"] {
@@ -416,150 +420,6 @@ fn lists_of_models_sites_and_shells() {
     assert_eq!((sites.len(), &sites[1][0]), (2, "X05"));
     let shells = records(&done(&[&["shells", "--format", "csv"]]));
     assert!(shells.iter().any(|row| &row[0] == "starlink-gen2" && &row[1] == "29988"));
-}
-
-#[cfg(feature = "sqlite")]
-mod opsim {
-    use super::*;
-
-    fn dump(path: &Path) -> Vec<Vec<rusqlite::types::Value>> {
-        let connection =
-            rusqlite::Connection::open_with_flags(path, rusqlite::OpenFlags::SQLITE_OPEN_READ_ONLY).unwrap();
-        let mut statement = connection.prepare("SELECT rowid, * FROM observations ORDER BY rowid").unwrap();
-        let width = statement.column_count();
-        let rows = statement.query_map([], |row| (0..width).map(|index| row.get(index)).collect::<Result<Vec<_>, _>>());
-        rows.unwrap().collect::<Result<_, _>>().unwrap()
-    }
-
-    fn real() -> Option<(PathBuf, String)> {
-        let data = common::data_dir()?;
-        let elements = data.join("tle/active/active_2024-08-14.txt").display().to_string();
-        Some((data.join("schedules/opsim_prenight_2024-08-13_1.db"), elements))
-    }
-
-    #[test]
-    fn rubins_night_is_flagged() {
-        let Some((schedule, elements)) = real() else { return };
-        let schedule = schedule.display().to_string();
-        let words = [
-            "flag",
-            "--elements",
-            &elements,
-            "--schedule",
-            &schedule,
-            "--time-scale",
-            "utc",
-            "--site",
-            "Rubin Observatory",
-            "--fov",
-            "3.5deg",
-            "--limit-mag",
-            "7",
-        ];
-        let answer = json(&[&words, &["--quiet"]]);
-        let flags = answer["flags"].as_array().unwrap();
-        assert_eq!(flags.len(), 242);
-        let count = |verdict: &str| flags.iter().filter(|flag| flag["verdict"] == verdict).count();
-        // A night in August with ten thousand satellites: most visits are clear, some are not, all stand above the horizon.
-        assert!(count("clear") > 150 && count("streaked") > 5 && count("avoid") > 5, "{} clear", count("clear"));
-        assert_eq!(count("invalid"), 0);
-        let (code, _, stderr) = run(&[&words[..5], &words[7..]]);
-        assert_eq!(code, 2);
-        assert!(stderr.contains("observationStartMJD names no time scale"), "{stderr}");
-    }
-
-    /// 37 seconds turn every answer wrong: of visits of 30 s that one satellite crosses, hardly one keeps it.
-    #[test]
-    fn tai_read_as_utc_finds_other_satellites() {
-        let Some(data) = common::data_dir() else { return };
-        let path = |name: &str| data.join(name).display().to_string();
-        let (schedule, elements) =
-            (path("schedules/baseline_10klines_2.0.db"), path("tle/active/starlink_2023-10-16.txt"));
-        let flags = |scale: &str| {
-            let words =
-                ["flag", "--elements", &elements, "--schedule", &schedule, "--time-scale", scale, "--mpc", "X05"];
-            json(&[&words, &["--fov", "3.5deg", "--limit-mag", "7", "--quiet"]])["flags"].as_array().unwrap().clone()
-        };
-        let (right, wrong) = (flags("utc"), flags("tai"));
-        assert_eq!(right.len(), 10_000);
-        let pairs: Vec<(&Value, &Value)> =
-            right.iter().zip(&wrong).filter(|(flag, _)| flag["n_streaks"] == 1).collect();
-        let same = pairs.iter().filter(|(flag, wrong)| flag["norad_ids"] == wrong["norad_ids"]).count();
-        assert!(pairs.len() > 100 && same * 10 < pairs.len(), "{same} of {}", pairs.len());
-    }
-
-    #[test]
-    fn a_next_clear_start_is_clear_of_what_is_only_probable_too() {
-        let Some((schedule, elements)) = real() else {
-            eprintln!("SKIPPED: no data");
-            return;
-        };
-        let flags_of = |schedule: &str| {
-            let sky = ["--elements", &elements, "--mpc", "X05", "--time-scale", "utc", "--fov", "3.5deg", "--quiet"];
-            json(&[&["flag", "--schedule", schedule, "--min-probability", "0.05"], &sky])["flags"].clone()
-        };
-        let copy = rusqlite::Connection::open(&schedule).unwrap();
-        let mut statement =
-            copy.prepare("SELECT visitExposureTime, fieldRA, fieldDec, rotSkyPos FROM observations").unwrap();
-        let rows = statement.query_map([], |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?]));
-        let rows: Vec<[f64; 4]> = rows.unwrap().collect::<Result<_, _>>().unwrap();
-        let mut later = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,rotation_deg\n".to_owned();
-        let mut waiting = 0;
-        for (flag, [duration, ra, dec, rotation]) in
-            flags_of(&schedule.display().to_string()).as_array().unwrap().iter().zip(rows)
-        {
-            let (Some(start), true) = (flag["next_clear_start_utc"].as_str(), flag["verdict"] != "clear") else {
-                continue;
-            };
-            waiting += 1;
-            later += &format!("{},{start},{duration},{ra},{dec},{rotation}\n", flag["exposure_id"]);
-        }
-        assert!(waiting > 10, "{waiting} wait");
-        let folder = tempfile::tempdir().unwrap();
-        fs::write(path(&folder, "later.csv"), later).unwrap();
-        for flag in flags_of(&path(&folder, "later.csv")).as_array().unwrap() {
-            assert_eq!(flag["verdict"], "clear", "{flag}");
-        }
-    }
-
-    #[test]
-    fn rubins_night_is_annotated_without_a_lost_cell() {
-        let Some((schedule, elements)) = real() else { return };
-        let folder = tempfile::tempdir().unwrap();
-        let output = path(&folder, "annotated.db");
-        let shown = schedule.display().to_string();
-        done(&[&[
-            "annotate",
-            "--elements",
-            &elements,
-            "--schedule",
-            &shown,
-            "--time-scale",
-            "utc",
-            "--mpc",
-            "X05",
-            "--limit-mag",
-            "7",
-            "--telescope",
-            "rubin",
-            "-o",
-            &output,
-            "-q",
-        ]]);
-        assert_eq!(dump(&schedule), dump(Path::new(&output)));
-        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
-        let copy = rusqlite::Connection::open(&output).unwrap();
-        let number = |query: &str| copy.query_row(query, [], |row| row.get::<_, i64>(0)).unwrap();
-        assert_eq!(number("SELECT count(*) FROM streak_flags JOIN observations ON exposure_id = observationId"), 242);
-        assert_eq!(
-            number("SELECT sum(n_streaks) FROM streak_flags"),
-            number("SELECT count(*) FROM streaks JOIN observations ON exposure_id = observationId")
-        );
-        assert!(
-            number("SELECT count(*) FROM streaks WHERE width_arcsec > 0.7 AND effective_magnitude > magnitude") > 20
-        );
-        assert!(number("SELECT count(*) FROM streak_provenance WHERE name = 'elements'") == 1);
-    }
 }
 
 #[test]

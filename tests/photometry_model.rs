@@ -3,10 +3,11 @@
 mod common;
 
 use nalgebra::Vector3;
+use streakcast::frames::{Body, Direction};
 use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{
-    Band, BrightnessModel, ChassisBlocking, Coefficients, MagSystem, ModelLibrary, PhotometryOptions, SatelliteModel,
-    SatelliteShape, StandardMagnitude,
+    Band, BodyAngles, BrightnessModel, ChassisBlocking, Coefficients, MagSystem, ModelLibrary, PhotometryOptions,
+    SatelliteModel, SatelliteShape, StandardMagnitude,
 };
 
 /// Two double-precision chains of some hundred operations, one through GEOS, on magnitudes near 7.
@@ -275,4 +276,68 @@ fn verif_outside_the_fitted_range_the_answer_says_so_and_nothing_seen_is_none() 
     let brightness = sphere.brightness(&geometry, 1.0, &options).unwrap();
     assert!((brightness.magnitude.0 - 5.5).abs() < 1e-12);
     assert_eq!(brightness.source.to_string(), "stdmag");
+}
+
+/// Columns through the widest vectors against one direction at a time, every way a satellite may stand: 1e-9 mag.
+#[test]
+fn verif_many_magnitudes_at_once_equal_one_at_a_time() {
+    let mut uniform = Uniform(21);
+    let library = ModelLibrary::embedded();
+    let shipped = library.get("starlink-v1.5").unwrap();
+    let mut compared = 0;
+    for number in 0..60 {
+        let mut file = shipped.file().unwrap().clone();
+        if number > 0 {
+            let length = |uniform: &mut Uniform| uniform.between(0.5, 12.0);
+            let shape = file.shape.as_mut().unwrap();
+            shape.sail_length_m = length(&mut uniform);
+            shape.sail_width_m = length(&mut uniform);
+            shape.base_length_m = length(&mut uniform);
+            // Every other pair as wide as each other, as the paper's.
+            shape.base_width_m = if number % 2 == 0 { shape.sail_width_m } else { length(&mut uniform) };
+            shape.panel_offset_deg = if number % 3 == 0 { 0.0 } else { uniform.between(-40.0, 40.0) };
+            let c = file.coefficients.as_mut().unwrap();
+            for weight in [&mut c.c1, &mut c.c2, &mut c.c3, &mut c.c4, &mut c.c5] {
+                *weight = uniform.between(0.0, 0.5);
+            }
+            (c.n_sail, c.n_base) = (uniform.between(0.0, 60.0), uniform.between(0.0, 400.0));
+        }
+        let model = BrightnessModel::from_file(file, "own").unwrap();
+        // Not a multiple of any vector, and the directions where formulas are at their ends.
+        let mut columns = vec![
+            vec![0.0, -0.3, -0.3, -1.5707, -0.3],
+            vec![0.0, 0.0, 3.1415926, 1.0, 1.5707963],
+            vec![-0.9, -1.5707963, -0.3, -0.9, -0.9],
+        ];
+        for _ in 0..996 {
+            columns[0].push(uniform.between(-1.5, 1.5));
+            columns[1].push(uniform.between(-7.0, 7.0));
+            columns[2].push(uniform.between(-1.57, 1.57));
+        }
+        let angles = BodyAngles {
+            sun_latitude_rad: &columns[0],
+            observer_longitude_rad: &columns[1],
+            observer_latitude_rad: &columns[2],
+        };
+        let mut magnitudes = vec![0.0; 1001];
+        model.standard_magnitudes(&angles, &mut magnitudes);
+        for (row, magnitude) in magnitudes.into_iter().enumerate() {
+            let to_sun = Direction::<Body>::from_lon_lat_rad(0.0, columns[0][row]);
+            let to_observer = Direction::<Body>::from_lon_lat_rad(columns[1][row], columns[2][row]);
+            let terms = model.satellite().unwrap().terms_of_directions(to_sun.vector(), to_observer.vector());
+            // Light so faint (30 mag) that only rounding decides whether there is any.
+            if terms.b_total_m2_sr() < 1e-14 {
+                assert!(magnitude.is_nan() || magnitude > 35.0, "{magnitude} of {terms:?}");
+                continue;
+            }
+            let geometry =
+                ViewingGeometry::from_angles(columns[0][row], columns[1][row], columns[2][row], 1000.0, 550.0).unwrap();
+            let expected = model.standard_magnitude(&geometry).unwrap().0;
+            // What is left of a sail that is nearly all hidden carries the rounding of its whole area.
+            let allowed = 1e-9 + 1e-13 / terms.b_total_m2_sr();
+            assert!((magnitude - expected).abs() < allowed, "{number} {row}: {magnitude} {expected} {terms:?}");
+            compared += 1;
+        }
+    }
+    assert!(compared > 30_000, "{compared}");
 }

@@ -18,6 +18,7 @@ mod record;
 mod shell;
 mod source;
 mod tle;
+mod tle_fields;
 mod tle_file;
 mod tle_write;
 

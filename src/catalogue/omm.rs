@@ -13,7 +13,8 @@ use std::sync::Arc;
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch;
 use super::record::{Parsed, RecordError, checked, excerpt};
-use super::tle::{Checksums, parse_five_characters, parse_lines};
+use super::tle::{Checksums, parse_lines};
+use super::tle_fields::parse_five_characters;
 
 /// The keywords that count. Everything else in a record is skipped.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

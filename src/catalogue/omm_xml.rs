@@ -30,8 +30,7 @@ fn parse_piece(text: &str, checksums: Checksums) -> Parsed {
         let next = next_start(text, offset + 1);
         match parse_message(&text[offset..next.unwrap_or(text.len())]) {
             Ok(fields) if fields.is_empty() => {
-                let what = "this message holds no elements".into();
-                parsed.rejected.push((offset, RecordError::Syntax { format: "XML", what }));
+                parsed.rejected.push((offset, RecordError::NoElements));
             }
             Ok(fields) => fields.finish(offset, checksums, &mut parsed),
             Err(what) => parsed.rejected.push((offset, RecordError::Syntax { format: "XML", what })),

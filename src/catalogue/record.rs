@@ -35,6 +35,9 @@ pub enum RecordError {
         /// What stands there.
         text: String,
     },
+    /// A message without any of the fields of an element set, or with empty ones only.
+    #[error("this message holds no elements")]
+    NoElements,
     /// A line of a TLE is too short or too long.
     #[error("line {line} has {length} characters; 69 are allowed, or 68 where the checksum is missing")]
     LineLength {

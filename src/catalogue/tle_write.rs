@@ -4,7 +4,7 @@ use thiserror::Error;
 
 use super::element_set::{ElementSet, NoradId};
 use super::epoch;
-use super::tle::{ALPHA5, BODY, checksum};
+use super::tle_fields::{ALPHA5, BODY, checksum};
 
 /// Why an element set cannot be written as a TLE.
 #[derive(Clone, Debug, PartialEq, Error)]

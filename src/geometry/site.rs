@@ -163,7 +163,7 @@ fn is_within(part: &str, whole: &str) -> bool {
 }
 
 /// Levenshtein's count of letters to insert, drop or change.
-fn edit_distance(a: &str, b: &str) -> usize {
+pub(crate) fn edit_distance(a: &str, b: &str) -> usize {
     let b: Vec<char> = b.chars().collect();
     let mut row: Vec<usize> = (0..=b.len()).collect();
     for (i, letter) in a.chars().enumerate() {

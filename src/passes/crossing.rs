@@ -60,10 +60,7 @@ const POLYGON_TURN_RAD: f64 = 5e-4;
 pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, field: &FieldOnSky) -> Crossing {
     let samples = sample(track, start_s, end_s);
     let with_extremes = extremes(track, &samples, field.centre());
-    let (closest_s, min_separation_rad) = with_extremes
-        .iter()
-        .map(|(time_s, sight)| (*time_s, sight.angle_rad(field.centre())))
-        .fold((start_s, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best });
+    let (closest_s, min_separation_rad) = nearest(&with_extremes, field);
     let mut chords = Vec::new();
     if min_separation_rad <= field.bounding_radius_rad() {
         let mut near = None;
@@ -85,6 +82,15 @@ pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, fie
         }
     }
     Crossing { chords: merge(chords), min_separation_rad, closest_s }
+}
+
+/// The nearest of some sights to the centre of a field: when, and its angle.
+fn nearest(samples: &[(f64, Sight)], field: &FieldOnSky) -> (f64, f64) {
+    let first_s = samples.first().map_or(0.0, |(time_s, _)| *time_s);
+    samples
+        .iter()
+        .map(|(time_s, sight)| (*time_s, sight.angle_rad(field.centre())))
+        .fold((first_s, f64::INFINITY), |best, next| if next.1 < best.1 { next } else { best })
 }
 
 /// Times and sights from start to end, at steps short enough for one extreme each.

@@ -14,9 +14,10 @@ use super::sightline::{ObserverMotion, SightLine};
 use super::sky::{PassOptions, Sky, SkyError};
 use super::track::TrackPoint;
 use crate::catalogue::NoradId;
-use crate::frames::seconds_between;
+use crate::constants::DAY_S;
+use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::Observer;
-use crate::orbit::{Arc, LeftOut, OrbitError, Propagator};
+use crate::orbit::{Arc, LeftOut, OrbitError, OrbitUncertainty, Propagator};
 
 /// Steps of the search are this share of the orbital period, at most [`LONGEST_STEP_S`].
 const STEPS_PER_REVOLUTION: f64 = 72.0;
@@ -104,6 +105,12 @@ impl Sky {
 }
 
 impl Follow<'_> {
+    /// Errors of the prediction at a moment, seconds of the scene.
+    fn uncertainty(&self, element_index: usize, time_s: f64) -> OrbitUncertainty {
+        let moment = seconds_after(self.scene.start, time_s);
+        self.sky.uncertainty(element_index, seconds_between(self.propagator.epoch(), moment) / DAY_S)
+    }
+
     /// Sine of the altitude at a moment, seconds of the scene.
     fn sine_of_altitude(&self, time_s: f64) -> Result<f64, OrbitError> {
         let orientation = self.scene.orientation.at_s(time_s);
@@ -216,6 +223,7 @@ impl Follow<'_> {
                 line: &line,
                 model: self.sky.model(element_index),
                 options,
+                uncertainty: self.uncertainty(element_index, time_s),
             };
             Ok::<_, OrbitError>(look.point(time_s))
         };

@@ -1,13 +1,16 @@
 //! What the telescope sees of one satellite along its line of sight: places, light, motion.
 
+use nalgebra::Vector3;
+
 use super::crossing::root;
 use super::scene::Scene;
 use super::sightline::SightLine;
 use super::sky::PassOptions;
 use super::track::{Chord, TrackPoint};
 use super::viewpoint::Viewpoint;
-use crate::frames::seconds_after;
+use crate::frames::{Gcrs, Position, seconds_after};
 use crate::geometry::{Illumination, ShadowModel, ViewingGeometry};
+use crate::orbit::OrbitUncertainty;
 use crate::photometry::{Brightness, BrightnessModel, PhotometryOptions};
 
 /// Points along a pass at which shadow and peak are first looked for.
@@ -23,6 +26,12 @@ const HORIZON_STEP_S: f64 = 30.0;
 /// The same for the limb of the Earth as seen from an orbit, seconds.
 const LIMB_STEP_S: f64 = 5.0;
 
+/// Errors along the track are followed along the tangent this far at most, seconds: beyond it the path bends away (½ g t², 0.4 km
+/// here) and the slope found is carried on.
+const LONGEST_GEOMETRY_STEP_S: f64 = 10.0;
+/// What an unknown place can do to a magnitude at most, mag: a satellite that may be dark is not infinitely uncertain.
+const MOST_GEOMETRY_SIGMA_MAG: f64 = 3.0;
+
 /// A line of sight with all that light needs. Times are seconds of the scene.
 pub(super) struct Look<'a> {
     pub scene: &'a Scene,
@@ -31,6 +40,8 @@ pub(super) struct Look<'a> {
     pub line: &'a SightLine<'a>,
     pub model: &'a BrightnessModel,
     pub options: &'a PassOptions,
+    /// Of the satellite's place at the age of its elements.
+    pub uncertainty: OrbitUncertainty,
 }
 
 impl Look<'_> {
@@ -38,6 +49,7 @@ impl Look<'_> {
     pub fn point(&self, time_s: f64) -> Option<TrackPoint> {
         let (_, _, aspect) = self.line.aspect_at(time_s);
         let (geometry, illumination, brightness) = self.light(time_s)?;
+        let brightness = brightness.map(|light| self.widened(time_s, light));
         let horizontal = match self.viewpoint {
             Viewpoint::Site(observer) => {
                 let here = observer.state(&self.scene.orientation.at_s(time_s));
@@ -58,10 +70,20 @@ impl Look<'_> {
     }
 
     fn light(&self, time_s: f64) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
-        let (state, site, _) = self.line.aspect_at(time_s);
+        let (state, place, _) = self.line.aspect_at(time_s);
+        self.light_at(time_s, &state.position, &place)
+    }
+
+    /// The light of a satellite that stands at this place.
+    fn light_at(
+        &self,
+        time_s: f64,
+        satellite: &Position<Gcrs>,
+        place: &Position<Gcrs>,
+    ) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
         let sun = self.scene.sun.at_s(time_s).sun;
-        let geometry = ViewingGeometry::new(&state.position, &site, &sun)?;
-        let illumination = self.shadow.illumination(&state.position, &sun);
+        let geometry = ViewingGeometry::new(satellite, place, &sun)?;
+        let illumination = self.shadow.illumination(satellite, &sun);
         let photometry = match self.viewpoint {
             Viewpoint::Site(_) => self.options.photometry,
             // There is no air over a telescope in orbit.
@@ -69,6 +91,26 @@ impl Look<'_> {
         };
         let brightness = self.model.brightness(&geometry, illumination.lit_fraction(), &photometry);
         Some((geometry, illumination, brightness))
+    }
+
+    /// The same light with a sigma that knows how far the satellite may be from its prediction: in range, in aspect, and
+    /// in the Earth's shadow.
+    fn widened(&self, time_s: f64, light: Brightness) -> Brightness {
+        let (state, place, _) = self.line.aspect_at(time_s);
+        let (position, velocity) = (state.position.vector(), state.velocity.vector());
+        let Some(across) = position.cross(velocity).try_normalize(0.0) else { return light };
+        // How much fainter or brighter from one side to the other, mag; where it is dark, as faint as is counted.
+        let faintest = light.magnitude.0 + MOST_GEOMETRY_SIGMA_MAG;
+        let magnitude = |moved_km: Vector3<f64>| {
+            let lit = self.light_at(time_s, &Position::from_vector(position + moved_km), &place);
+            lit.and_then(|(_, _, light)| light).map_or(faintest, |light| light.magnitude.0.min(faintest))
+        };
+        let half_difference = |moved_km: Vector3<f64>| 0.5 * (magnitude(moved_km) - magnitude(-moved_km)).abs();
+        let step_s = self.uncertainty.along_track_s.min(LONGEST_GEOMETRY_STEP_S);
+        let along = half_difference(velocity * step_s) * (self.uncertainty.along_track_s / step_s.max(1e-9));
+        let cross = half_difference(across * self.uncertainty.cross_track_km);
+        let geometry = along.hypot(cross).min(MOST_GEOMETRY_SIGMA_MAG);
+        Brightness { sigma_mag: light.sigma_mag.hypot(geometry), ..light }
     }
 
     /// True where any part of the Sun reaches the satellite at any of the points looked at.

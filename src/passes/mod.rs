@@ -1,5 +1,6 @@
 //! Which satellites cross a field while the shutter is open, and what the telescope sees of them.
 
+mod chance;
 mod crossing;
 mod exposure;
 mod field;
@@ -14,6 +15,7 @@ mod track;
 mod viewpoint;
 mod windows;
 
+pub use chance::Chance;
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
 pub use horizon::HorizonPass;

@@ -424,6 +424,8 @@ impl Sky {
         if crossing.chords.is_empty() && wanted.is_none() {
             return Ok(None);
         }
+        let age_days = |time_s| seconds_between(propagator.epoch(), seconds_after(scene.start, time_s)) / DAY_S;
+        let sigma = self.uncertainty(run.element_index, age_days(mid_s));
         let look = Look {
             scene,
             viewpoint: &self.viewpoint,
@@ -431,6 +433,7 @@ impl Sky {
             line: &line,
             model: &self.models[run.element_index],
             options,
+            uncertainty: sigma,
         };
         if self.reaches_the_ground(exposure, field, &orientation) {
             let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };
@@ -448,8 +451,7 @@ impl Sky {
         }
 
         let middle_s = 0.5 * (enter_s + exit_s);
-        let element_age_days = seconds_between(propagator.epoch(), seconds_after(scene.start, middle_s)) / DAY_S;
-        let sigma = self.uncertainty(run.element_index, element_age_days);
+        let element_age_days = age_days(middle_s);
         let (Some(enter), Some(mid), Some(exit)) = (look.point(enter_s), look.point(middle_s), look.point(exit_s))
         else {
             return Ok(None);

@@ -84,6 +84,16 @@ impl ChassisBlocking {
         Vector3::new(self.cos_panel_offset, 0.0, self.sin_panel_offset)
     }
 
+    /// Width of the sail, along the hinge, m.
+    pub fn sail_width_m(&self) -> f64 {
+        self.sail_width_m
+    }
+
+    /// Width of the chassis, along the hinge, m.
+    pub fn base_width_m(&self) -> f64 {
+        self.base_width_m
+    }
+
     /// Area of the sail, m².
     pub fn sail_area_m2(&self) -> f64 {
         self.sail_length_m * self.sail_width_m

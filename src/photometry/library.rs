@@ -17,6 +17,7 @@ shipped!(
     "direct-to-cell.json",
     "guowang.json",
     "kuiper.json",
+    "oneweb-panels.json",
     "oneweb.json",
     "qianfan.json",
     "rocket-body.json",
@@ -24,7 +25,9 @@ shipped!(
     "starlink-v1.5-phase.json",
     "starlink-v1.5.json",
     "unknown.json",
+    "v2mini-panels.json",
     "v2mini.json",
+    "visorsat-panels.json",
     "visorsat.json",
 );
 

@@ -1,6 +1,7 @@
 //! From geometry to magnitude: laws of reflection, panels, phase functions, and the models made of them by name.
 
 mod band;
+mod batch;
 mod blocking;
 pub mod brdf;
 mod brightness;
@@ -19,6 +20,7 @@ mod sphere;
 mod standard_magnitudes;
 
 pub use band::{Band, BandError, MagSystem};
+pub use batch::BodyAngles;
 pub use blocking::{Blocked, ChassisBlocking};
 pub use brightness::{Brightness, MagnitudeSource, PhotometryOptions};
 pub use library::ModelLibrary;

@@ -43,6 +43,30 @@ impl Terms {
     }
 }
 
+/// The numbers of a two-panel satellite, for loops over many directions.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub(super) struct TwoPanelNumbers {
+    pub c1: f64,
+    pub c2: f64,
+    pub c3: f64,
+    pub c4: f64,
+    pub c5: f64,
+    pub n_sail: f64,
+    pub n_base: f64,
+    pub sin_panel_offset: f64,
+    pub cos_panel_offset: f64,
+    pub sail_m2: f64,
+    pub base_m2: f64,
+    pub sail_length_m: f64,
+    pub base_length_m: f64,
+    /// The smaller width.
+    pub narrow_m: f64,
+    /// Half the sum of both widths.
+    pub half_sum_m: f64,
+    /// Half the sum of the smaller width and the chassis'.
+    pub half_both_m: f64,
+}
+
 /// Panels and laws made ready: no allocation and no choice is left when it is asked.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct SatelliteModel {
@@ -77,6 +101,31 @@ impl SatelliteModel {
             base_glossy: Phong { weight: coefficients.c4, exponent: coefficients.n_base },
             base_diffuse: Lambert { albedo: coefficients.c5 },
         })
+    }
+
+    /// All numbers at once.
+    pub(super) fn numbers(&self) -> TwoPanelNumbers {
+        let widths = [self.blocking.sail_width_m(), self.blocking.base_width_m()];
+        let narrow_m = widths[0].min(widths[1]);
+        let normal = self.blocking.sail_normal();
+        TwoPanelNumbers {
+            c1: self.sail_glossy.weight,
+            c2: self.sail_diffuse.albedo,
+            c3: self.sail_back.albedo,
+            c4: self.base_glossy.weight,
+            c5: self.base_diffuse.albedo,
+            n_sail: self.sail_glossy.exponent,
+            n_base: self.base_glossy.exponent,
+            sin_panel_offset: normal.z,
+            cos_panel_offset: normal.x,
+            sail_m2: self.sail.area_m2,
+            base_m2: self.base.area_m2,
+            sail_length_m: self.sail.area_m2 / widths[0],
+            base_length_m: self.base.area_m2 / widths[1],
+            narrow_m,
+            half_sum_m: 0.5 * (widths[0] + widths[1]),
+            half_both_m: 0.5 * (narrow_m + widths[1]),
+        }
     }
 
     /// The five terms for full sunlight.

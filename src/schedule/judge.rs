@@ -1,9 +1,9 @@
 //! From the passes of one exposure to its verdict. Pure: no sky is asked here.
 
-use crate::passes::{Exposure, FieldPass};
+use crate::passes::{Chance, Exposure, FieldPass};
 
 use super::exposure_flag::{ExposureFlag, Verdict};
-use super::policy::Policy;
+use super::policy::{MagnitudeLimit, Policy};
 
 /// Satellites named in the reasons; under many shells there are dozens.
 const NAMED_REASONS: usize = 5;
@@ -12,17 +12,63 @@ const NAMED_REASONS: usize = 5;
 pub struct Rules<'a> {
     /// The limits.
     pub policy: &'a Policy,
-    /// Share of the field's pixels that a pass costs if it comes, [0, 1]; `None` where no telescope says how wide a streak is.
-    pub lost_fraction: Option<&'a dyn Fn(&FieldPass) -> f64>,
+    /// The camera's own limits, for a policy that names them.
+    pub camera: Option<&'a dyn CameraLimits>,
+}
+
+/// The magnitudes at which a camera suffers, as a telescope's file states them: of a satellite standing still at 550 km overhead.
+pub trait CameraLimits {
+    /// The limit of a kind in a band; `None` where the file has none.
+    fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64>;
+    /// How bright a pass of this magnitude is to the camera: the magnitude of a satellite at 550 km overhead in the limit's band that
+    /// leaves as much light in each pixel of its streak.
+    fn as_at_550_km_mag(&self, pass: &FieldPass, magnitude: f64, band: Option<&str>) -> f64;
+}
+
+/// What happens beyond a limit.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum LimitKind {
+    /// Pixels of the trail saturate.
+    Saturation,
+    /// Crosstalk that cannot be corrected.
+    Crosstalk,
+}
+
+/// What is to be expected of all satellites together, those that may only just come by included.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct Expected {
+    /// Probability that at least one lit satellite crosses.
+    pub p_any: f64,
+    /// Share of the field's pixels expected lost, [0, 1]; `None` where no telescope says how wide a streak is.
+    pub lost_pixel_fraction: Option<f64>,
+}
+
+impl Expected {
+    /// From the chances of all satellites, their errors taken as independent; `lost_fraction` is the share of the pixels that each is
+    /// expected to cost, where a telescope tells.
+    pub fn of(chances: &[Chance], lost_fraction: Option<&dyn Fn(&Chance) -> f64>) -> Self {
+        Self {
+            // 1 - Π(1 - p)
+            p_any: 1.0 - chances.iter().map(|chance| 1.0 - chance.probability.clamp(0.0, 1.0)).product::<f64>(),
+            lost_pixel_fraction: lost_fraction
+                .map(|lost_fraction| chances.iter().map(lost_fraction).sum::<f64>().min(1.0)),
+        }
+    }
 }
 
 /// Judges an exposure by the passes that cross it, or nearly cross it.
 ///
 /// Dark passes do not count. A near miss counts only where the policy names a `min_probability` and it is at least that
-/// probable; all passes count in `p_any`. `avoid` = a crossing at least as probable as the policy asks (0.5 unless it says
+/// probable. `avoid` = a crossing at least as probable as the policy asks (0.5 unless it says
 /// otherwise) that is brighter, at its peak, than a limit of the policy; or more expected loss than it allows. `streaked` =
 /// any other lit crossing. The next clear start of what is not clear is left open: it needs the sky.
-pub fn flag(exposure: &Exposure, band: Option<&str>, passes: &[FieldPass], rules: &Rules<'_>) -> ExposureFlag {
+pub fn flag(
+    exposure: &Exposure,
+    band: Option<&str>,
+    passes: &[FieldPass],
+    expected: &Expected,
+    rules: &Rules<'_>,
+) -> ExposureFlag {
     let policy = rules.policy;
     let lit = || passes.iter().filter(|pass| pass.lit);
     let counted: Vec<&FieldPass> = lit().filter(|pass| counts(pass, policy)).collect();
@@ -30,34 +76,25 @@ pub fn flag(exposure: &Exposure, band: Option<&str>, passes: &[FieldPass], rules
 
     let mut reasons = Vec::new();
     let mut more_reasons = 0;
-    let limits = [
-        ("limit", policy.limit_mag.as_ref()),
-        ("saturation limit", policy.saturation_mag.as_ref()),
-        ("crosstalk limit", policy.crosstalk_mag.as_ref()),
-    ];
     let mut avoid = false;
     for pass in counted.iter().filter(|pass| pass.probability >= policy.avoid_probability()) {
         let Some(magnitude) = peak_magnitude(pass) else { continue };
-        for (name, limit) in limits {
-            if let Some(limit) = limit.and_then(|limit| limit.of(band)).filter(|limit| magnitude < *limit) {
-                avoid = true;
-                if reasons.len() == NAMED_REASONS {
-                    more_reasons += 1;
-                    continue;
-                }
-                reasons.push(format!(
-                    "{} reaches mag {magnitude:.2}, brighter than the {name} {limit} (probability {:.2})",
-                    pass.norad_id, pass.probability
-                ));
+        for what in broken_limits(pass, magnitude, band, rules) {
+            avoid = true;
+            if reasons.len() == NAMED_REASONS {
+                more_reasons += 1;
+                continue;
             }
+            reasons.push(format!(
+                "{} reaches mag {magnitude:.2}{what} (probability {:.2})",
+                pass.norad_id, pass.probability
+            ));
         }
     }
     if more_reasons > 0 {
         reasons.push(format!("and {more_reasons} more"));
     }
-    let lost = rules
-        .lost_fraction
-        .map(|lost_fraction| lit().map(|pass| lost_fraction(pass) * pass.probability).sum::<f64>().min(1.0));
+    let lost = expected.lost_pixel_fraction;
     if let (Some(lost), Some(most)) = (lost, policy.max_lost_fraction)
         && lost > most
     {
@@ -79,13 +116,35 @@ pub fn flag(exposure: &Exposure, band: Option<&str>, passes: &[FieldPass], rules
         n_streaks: nominal().count(),
         brightest_mag: counted.iter().filter_map(|pass| peak_magnitude(pass)).min_by(f64::total_cmp),
         expected_lost_pixel_fraction: lost,
-        p_any: 1.0 - lit().map(|pass| 1.0 - pass.probability.clamp(0.0, 1.0)).product::<f64>(),
+        p_any: expected.p_any,
         streak_length_deg: nominal().map(|pass| pass.streak_length_rad.to_degrees()).sum(),
         reasons,
         next_clear_start: clear.then_some(exposure.start),
         delay_s: clear.then_some(0.0),
         norad_ids: counted.iter().map(|pass| pass.norad_id).collect(),
     }
+}
+
+/// The limits that a pass of this magnitude breaks, in words.
+fn broken_limits(pass: &FieldPass, magnitude: f64, band: Option<&str>, rules: &Rules<'_>) -> Vec<String> {
+    let policy = rules.policy;
+    let limits = [
+        ("limit", None, policy.limit_mag.as_ref()),
+        ("saturation limit", Some(LimitKind::Saturation), policy.saturation_mag.as_ref()),
+        ("crosstalk limit", Some(LimitKind::Crosstalk), policy.crosstalk_mag.as_ref()),
+    ];
+    let words = |(name, kind, limit): (&str, Option<LimitKind>, Option<&MagnitudeLimit>)| {
+        if let (Some(kind), Some(MagnitudeLimit::OfTelescope(_)), Some(camera)) = (kind, limit, rules.camera) {
+            let limit = camera.limit_mag(kind, band)?;
+            let seen = camera.as_at_550_km_mag(pass, magnitude, band);
+            let band = band.unwrap_or_default();
+            return (seen < limit)
+                .then(|| format!(", to the camera as {band} {seen:.2} at 550 km, brighter than its {name} {limit}"));
+        }
+        let limit = limit?.of(band)?;
+        (magnitude < limit).then(|| format!(", brighter than the {name} {limit}"))
+    };
+    limits.into_iter().filter_map(words).collect()
 }
 
 /// True where a lit pass is a streak to this policy: it crosses, or is a near miss more probable than the policy lets pass.
@@ -173,10 +232,22 @@ mod tests {
         }
     }
 
+    fn chances(passes: &[FieldPass]) -> Vec<Chance> {
+        let lit = passes.iter().filter(|pass| pass.lit);
+        lit.map(|pass| Chance {
+            element_index: pass.element_index,
+            probability: pass.probability,
+            streak_length_rad: pass.probability * pass.streak_length_rad,
+            range_km: pass.mid.range_km,
+        })
+        .collect()
+    }
+
     fn judge(passes: &[FieldPass], policy: &str) -> ExposureFlag {
         let policy = Policy::from_toml(policy).unwrap();
-        let each = |_: &FieldPass| 0.01;
-        flag(&exposure(), Some("r"), passes, &Rules { policy: &policy, lost_fraction: Some(&each) })
+        // As near misses and crossings would add up.
+        let expected = Expected::of(&chances(passes), Some(&|chance: &Chance| 0.01 * chance.probability));
+        flag(&exposure(), Some("r"), passes, &expected, &Rules { policy: &policy, camera: None })
     }
 
     fn verdict(passes: &[FieldPass], policy: &str) -> Verdict {
@@ -243,6 +314,44 @@ mod tests {
             assert_eq!(flag.verdict, expected, "{policy}");
             assert!(flag.reasons[0].contains(word), "{policy}: {:?}", flag.reasons);
         }
+    }
+
+    /// A camera that saturates at g = 3.2 and sees every pass 0.5 mag brighter than it is.
+    struct Camera;
+
+    impl CameraLimits for Camera {
+        fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64> {
+            (kind == LimitKind::Saturation && band == Some("g")).then_some(3.2)
+        }
+
+        fn as_at_550_km_mag(&self, _: &FieldPass, magnitude: f64, _: Option<&str>) -> f64 {
+            magnitude - 0.5
+        }
+    }
+
+    #[test]
+    fn a_cameras_own_limits_hold_where_the_policy_names_them() {
+        let verdict = |band: &str, magnitude: f64, policy: &str| {
+            let policy = Policy::from_toml(policy).unwrap();
+            let rules = Rules { policy: &policy, camera: Some(&Camera) };
+            let passes = [pass(1, Some(magnitude), 1.0)];
+            flag(&exposure(), Some(band), &passes, &Expected::default(), &rules)
+        };
+        let both = "saturation_mag = 'telescope'\ncrosstalk_mag = 'telescope'";
+        let avoided = verdict("g", 3.6, both);
+        assert_eq!(avoided.verdict, Verdict::Avoid);
+        assert_eq!(
+            avoided.reasons,
+            [
+                "1 reaches mag 3.60, to the camera as g 3.10 at 550 km, brighter than its saturation limit 3.2 (probability 1.00)"
+            ]
+        );
+        assert_eq!(verdict("g", 3.8, both).verdict, Verdict::Streaked);
+        // No limit in this band, and a policy that says nothing: nothing to break.
+        assert_eq!(verdict("r", 0.0, both).verdict, Verdict::Streaked);
+        assert_eq!(verdict("g", 0.0, "limit_mag = -1").verdict, Verdict::Streaked);
+        // A number of the policy is compared with the magnitude itself.
+        assert_eq!(verdict("g", 3.6, "saturation_mag = 3.2").verdict, Verdict::Streaked);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 //! writes the answer beside every original cell. A row that cannot be judged stays in its place with its reason.
 
 mod annotate;
+mod camera;
 mod error;
 mod exposure_flag;
 mod exposure_table;
@@ -28,9 +29,9 @@ pub use flag_table::flag_table;
 pub use formats::ScheduleFormat;
 pub use horizon::lowest_altitudes_rad;
 pub use instant::{InstantError, is_covered, parse_instant};
-pub use judge::{Rules, flag};
+pub use judge::{CameraLimits, Expected, LimitKind, Rules, flag};
 pub(crate) use policy::one_line as toml_error_on_one_line;
-pub use policy::{MagnitudeLimit, Policy, PolicyError};
+pub use policy::{MagnitudeLimit, OfTelescope, Policy, PolicyError};
 pub use report::{FlagReport, FlagRequest, flag_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 pub use shift::{Interval, next_clear_start};

@@ -1,11 +1,12 @@
 //! What an observatory calls bad: limits on magnitude, lost pixels and probability, margins, patience.
 
 use std::collections::BTreeMap;
+use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-/// A limiting magnitude for all bands, or one for each.
+/// A limiting magnitude for all bands, one for each, or the telescope's own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged)]
 pub enum MagnitudeLimit {
@@ -13,23 +14,56 @@ pub enum MagnitudeLimit {
     All(f64),
     /// By the band of the exposure; the key `default` is for all others.
     PerBand(BTreeMap<String, f64>),
+    /// The word `telescope`: what the telescope's file says of its camera, by the band of the exposure. For saturation and crosstalk.
+    OfTelescope(OfTelescope),
+}
+
+/// The word `telescope`.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum OfTelescope {
+    /// The telescope's limits hold.
+    Telescope,
+}
+
+impl FromStr for MagnitudeLimit {
+    type Err = PolicyError;
+
+    /// As it is typed: `7`, or by band `g=7,y=5,default=6`.
+    fn from_str(text: &str) -> Result<Self, PolicyError> {
+        let number = |text: &str| text.trim().parse::<f64>().ok();
+        if let Some(limit) = number(text) {
+            return Ok(MagnitudeLimit::All(limit));
+        }
+        let pairs = text.split(',').map(|part| {
+            let (band, limit) = part.split_once('=')?;
+            Some((band.trim().to_owned(), number(limit)?)).filter(|(band, _)| !band.is_empty())
+        });
+        pairs
+            .collect::<Option<BTreeMap<_, _>>>()
+            .map(MagnitudeLimit::PerBand)
+            .ok_or_else(|| PolicyError::Limit { given: text.to_owned() })
+    }
 }
 
 impl MagnitudeLimit {
-    /// The limit for an exposure in this band; `None` where the table has neither the band nor `default`.
+    /// The limit for an exposure in this band; `None` where the table has neither the band nor `default`, and where the telescope has it.
     pub fn of(&self, band: Option<&str>) -> Option<f64> {
         match self {
             MagnitudeLimit::All(limit) => Some(*limit),
             MagnitudeLimit::PerBand(limits) => {
                 band.and_then(|band| limits.get(band)).or_else(|| limits.get("default")).copied()
             }
+            MagnitudeLimit::OfTelescope(_) => None,
         }
     }
 
-    fn numbers(&self) -> Vec<f64> {
+    /// All its numbers.
+    pub fn numbers(&self) -> Vec<f64> {
         match self {
             MagnitudeLimit::All(limit) => vec![*limit],
             MagnitudeLimit::PerBand(limits) => limits.values().copied().collect(),
+            MagnitudeLimit::OfTelescope(_) => Vec::new(),
         }
     }
 }
@@ -37,7 +71,8 @@ impl MagnitudeLimit {
 /// Rules for verdicts. What is `None` does not count; the default is no rule at all.
 ///
 /// Magnitudes are those of the satellite as predicted (apparent, steady, at its brightest in the field), in the band of
-/// the prediction; a table by band chooses the limit by the band of the *exposure*.
+/// the prediction; a table by band chooses the limit by the band of the *exposure*. The word `telescope` in the place of a
+/// saturation or crosstalk limit stands for those of the telescope's file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Policy {
@@ -65,6 +100,12 @@ pub enum PolicyError {
         "policy: {0}; allowed: limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s, max_delay_s"
     )]
     Syntax(String),
+    /// A magnitude limit that is neither a number nor numbers by band.
+    #[error("'{given}' is no magnitude limit; allowed: a number, or numbers by band as g=7,y=5,default=6")]
+    Limit {
+        /// What was given.
+        given: String,
+    },
     /// A number out of its range.
     #[error("policy: {field} is {value}, allowed {allowed}")]
     OutOfRange {
@@ -100,6 +141,10 @@ impl Policy {
     /// # Errors
     /// The first number out of its range.
     pub fn validate(&self) -> Result<(), PolicyError> {
+        if matches!(self.limit_mag, Some(MagnitudeLimit::OfTelescope(_))) {
+            let what = "limit_mag needs a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
+            return Err(PolicyError::Syntax(what.to_owned()));
+        }
         let magnitudes = [
             ("limit_mag", &self.limit_mag),
             ("saturation_mag", &self.saturation_mag),
@@ -126,6 +171,15 @@ impl Policy {
             }
         }
         Ok(())
+    }
+
+    /// The first of the limits that the telescope is asked for; `None` where no telescope is needed.
+    pub fn limit_of_telescope(&self) -> Option<&'static str> {
+        let limits = [("saturation_mag", &self.saturation_mag), ("crosstalk_mag", &self.crosstalk_mag)];
+        limits
+            .into_iter()
+            .find(|(_, limit)| matches!(limit, Some(MagnitudeLimit::OfTelescope(_))))
+            .map(|(name, _)| name)
     }
 
     /// Probability from which a crossing counts as one to avoid.
@@ -175,6 +229,17 @@ mod tests {
     }
 
     #[test]
+    fn limits_as_they_are_typed() {
+        let limit = |text: &str| text.parse::<MagnitudeLimit>();
+        assert_eq!(limit(" 7 ").unwrap(), MagnitudeLimit::All(7.0));
+        let by_band = limit("g=7, y=-5.5,default=6").unwrap();
+        assert_eq!((by_band.of(Some("y")), by_band.of(Some("r"))), (Some(-5.5), Some(6.0)));
+        for text in ["bright", "g=", "=7", "g=7,", "", "g7"] {
+            assert!(limit(text).unwrap_err().to_string().contains("g=7,y=5,default=6"), "{text}");
+        }
+    }
+
+    #[test]
     fn what_is_not_a_policy_is_refused_on_one_line() {
         for (text, part) in [
             ("limit = 7", "line 1: unknown field `limit`"),
@@ -185,6 +250,8 @@ mod tests {
             ("max_delay_s = nan", "max_delay_s is NaN"),
             ("limit_mag = {g = inf}", "limit_mag is inf"),
             ("limit_mag = ", "line 1"),
+            ("limit_mag = 'telescope'", "only saturation_mag and crosstalk_mag"),
+            ("saturation_mag = 'camera'", "line 1"),
         ] {
             let message = Policy::from_toml(text).unwrap_err().to_string();
             assert!(message.contains(part) && !message.contains('\n'), "{text}: {message}");

@@ -1,14 +1,17 @@
 //! A whole schedule against a whole sky: passes, verdicts, and when each field is clear next.
 
+use std::collections::HashMap;
+
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
+use crate::passes::{Chance, Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::telescope::Telescope;
 
+use super::camera::Camera;
 use super::exposure_flag::{ExposureFlag, Verdict};
 use super::horizon::{last_starts_s, lowest_altitudes_rad};
-use super::judge::{Rules, counts, flag};
+use super::judge::{CameraLimits, Expected, Rules, counts, flag};
 use super::policy::Policy;
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
@@ -17,8 +20,8 @@ use super::shift::{Interval, next_clear_start};
 const GUARD_S: f64 = 0.002;
 /// Starts are given to the millisecond, and never rounded towards the satellite, seconds.
 const TICK_S: f64 = 0.001;
-/// Passes less probable than this add nothing worth their time to the probability that any satellite crosses.
-const LEAST_PROBABILITY: f64 = 0.01;
+/// Starts that are tried at most where the sky does not agree with the first.
+const MOST_STEPS: f64 = 60.0;
 /// How far a satellite may be early or late where a probability counts, sigmas along the track: beyond it lies 0.00135.
 const LATE_SIGMAS: f64 = 3.0;
 
@@ -76,25 +79,30 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
     let judged: Vec<(usize, &Exposure)> = above_the_horizon(rows, request, &mut flags);
 
     let exposures: Vec<Exposure> = judged.iter().map(|(_, exposure)| (*exposure).clone()).collect();
-    let least = request.policy.min_probability.unwrap_or(LEAST_PROBABILITY).min(LEAST_PROBABILITY);
-    let options =
-        PassOptions { min_probability: Some(least), photometry: *request.photometry, ..PassOptions::default() };
+    let options = PassOptions {
+        min_probability: request.policy.min_probability,
+        photometry: *request.photometry,
+        ..PassOptions::default()
+    };
     let mut answer = request.sky.field_passes(&exposures, request.field, &options)?;
     report.left_out.append(&mut answer.left_out);
 
+    let chances = request.sky.chances(&exposures, request.field)?;
+
     let lost_fraction =
-        request.telescope.map(|telescope| move |pass: &FieldPass| lost_fraction(pass, telescope, request));
-    let rules = Rules {
-        policy: request.policy,
-        lost_fraction: lost_fraction.as_ref().map(|lost_fraction| lost_fraction as &dyn Fn(&FieldPass) -> f64),
-    };
-    for ((row, exposure), passes) in judged.iter().zip(answer.by_exposure) {
-        flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &rules));
+        request.telescope.map(|telescope| move |chance: &Chance| lost_fraction(chance, telescope, request));
+    let lost_fraction = lost_fraction.as_ref().map(|lost_fraction| lost_fraction as &dyn Fn(&Chance) -> f64);
+    let camera =
+        request.telescope.map(|telescope| Camera { telescope, sky: request.sky, photometry: request.photometry });
+    let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
+    for (((row, exposure), passes), chances) in judged.iter().zip(answer.by_exposure).zip(chances) {
+        let expected = Expected::of(&chances, lost_fraction);
+        flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &expected, &rules));
         report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
-    shift(&judged, request, &mut flags, &mut report)?;
+    let waits = shift(&judged, request, &mut flags, &mut report)?;
     if request.policy.min_probability.is_some() {
-        confirm(&judged, request, &mut flags)?;
+        confirm(&judged, waits, request, &mut flags)?;
     }
     report.name_each_once();
     // Every row has one by now: those above the horizon were judged, the others are invalid.
@@ -144,9 +152,9 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     }
 }
 
-fn lost_fraction(pass: &FieldPass, telescope: &Telescope, request: &FlagRequest<'_>) -> f64 {
-    let width_arcsec = telescope.width_arcsec(pass.mid.range_km, request.sky.model(pass.element_index).size_m());
-    telescope.lost_pixel_fraction(pass.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
+fn lost_fraction(chance: &Chance, telescope: &Telescope, request: &FlagRequest<'_>) -> f64 {
+    let width_arcsec = telescope.width_arcsec(chance.range_km, request.sky.model(chance.element_index).size_m());
+    telescope.lost_pixel_fraction(chance.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
 }
 
 /// Looks for the next clear start of all exposures that are not clear, or whose margins may not be.
@@ -155,8 +163,9 @@ fn shift(
     request: &FlagRequest<'_>,
     flags: &mut [Option<ExposureFlag>],
     report: &mut FlagReport,
-) -> Result<(), SkyError> {
+) -> Result<Vec<Wait>, SkyError> {
     let policy = request.policy;
+    let mut waits = Vec::new();
     let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
     let waiting: Vec<(usize, &Exposure)> = judged
         .iter()
@@ -201,53 +210,87 @@ fn shift(
             flag.verdict = Verdict::Streaked;
             flag.reasons.push(format!("a lit satellite crosses within {margin_s} s of the exposure"));
         }
-        // A start given to the millisecond lies within a tick of the exact one: the guard covers both.
-        let guard_s = GUARD_S + TICK_S;
         let late_s = |pass: &FieldPass| match policy.min_probability {
             Some(_) => (LATE_SIGMAS * pass.along_track_sigma_s).min(max_delay_s),
             None => 0.0,
         };
-        let found = next_clear_start(&blocked(&late_s), exposure.duration_s, margin_s, guard_s, 0.0, max_delay_s);
+        let wait = Wait { row: *row, blocked: blocked(&late_s), last_start_s };
+        wait.look(exposure, policy, 0.0, flag);
+        waits.push(wait);
+    }
+    Ok(waits)
+}
+
+/// What one exposure waits for.
+struct Wait {
+    row: usize,
+    /// When satellites may stand in the field, seconds after the scheduled opening.
+    blocked: Vec<Interval>,
+    /// The last start before the pointing sets, seconds.
+    last_start_s: f64,
+}
+
+impl Wait {
+    /// Sets the next clear start from a delay on, or says why there is none.
+    fn look(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut ExposureFlag) {
+        // A start given to the millisecond lies within a tick of the exact one: the guard covers both.
+        let guard_s = GUARD_S + TICK_S;
+        let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
+        let rest_s = max_delay_s - from_s;
+        let found = next_clear_start(&self.blocked, exposure.duration_s, margin_s, guard_s, from_s, rest_s);
         let delay_s = found.map(|delay_s| (delay_s / TICK_S).ceil() * TICK_S);
-        let sets = delay_s.is_some_and(|delay_s| delay_s > last_start_s);
+        let sets = delay_s.is_some_and(|delay_s| delay_s > self.last_start_s);
         flag.delay_s = delay_s.filter(|_| !sets);
         flag.next_clear_start = flag.delay_s.map(|delay_s| seconds_after(exposure.start, delay_s));
         if flag.delay_s.is_none() {
             flag.reasons.push(if sets {
-                format!("no clear start before the pointing sets, {last_start_s:.0} s on")
+                format!("no clear start before the pointing sets, {:.0} s on", self.last_start_s)
             } else {
                 format!("no clear start within {max_delay_s} s")
             });
         }
     }
-    Ok(())
 }
 
-/// Asks the sky again at the starts found: what is only probable depends on more than intervals tell. A start at which any
-/// satellite still counts is taken back.
+/// Asks the sky again at the starts found: what is only probable depends on more than intervals tell. A start at which any satellite
+/// still counts is given up, and the next one looked for, until the sky agrees or the delay is over.
 fn confirm(
     judged: &[(usize, &Exposure)],
+    mut waits: Vec<Wait>,
     request: &FlagRequest<'_>,
     flags: &mut [Option<ExposureFlag>],
 ) -> Result<(), SkyError> {
-    let (rows, later): (Vec<usize>, Vec<Exposure>) = judged
-        .iter()
-        .filter_map(|(row, exposure)| {
-            let start = flags[*row].as_ref()?.next_clear_start?;
-            Some((*row, Exposure { start, ..(*exposure).clone() }))
-        })
-        .unzip();
+    let policy = request.policy;
     let options = PassOptions {
-        min_probability: request.policy.min_probability,
+        min_probability: policy.min_probability,
         photometry: *request.photometry,
         ..PassOptions::default()
     };
-    let answer = request.sky.field_passes(&later, request.field, &options)?;
-    for (row, passes) in rows.into_iter().zip(&answer.by_exposure) {
-        let Some(flag) = flags[row].as_mut() else { continue };
-        if passes.iter().any(|pass| counts(pass, request.policy)) {
-            (flag.delay_s, flag.next_clear_start) = (None, None);
-            flag.reasons.push("no start found that late satellites leave clear".to_owned());
+    let scheduled: HashMap<usize, &Exposure> = judged.iter().copied().collect();
+    while !waits.is_empty() {
+        let (open, later): (Vec<Wait>, Vec<Exposure>) = waits
+            .into_iter()
+            .filter_map(|wait| {
+                let start = flags[wait.row].as_ref()?.next_clear_start?;
+                let exposure = Exposure { start, ..(*scheduled.get(&wait.row)?).clone() };
+                Some((wait, exposure))
+            })
+            .unzip();
+        let answer = request.sky.field_passes(&later, request.field, &options)?;
+        waits = Vec::new();
+        for (wait, passes) in open.into_iter().zip(&answer.by_exposure) {
+            let (Some(flag), Some(exposure)) = (flags[wait.row].as_mut(), scheduled.get(&wait.row)) else { continue };
+            let longest_sigma_s = passes
+                .iter()
+                .filter(|pass| counts(pass, policy))
+                .map(|pass| pass.along_track_sigma_s)
+                .max_by(f64::total_cmp);
+            // Half a sigma on, what still counts is less probable by a tenth or more; the steps end with the delay.
+            if let (Some(sigma_s), Some(delay_s)) = (longest_sigma_s, flag.delay_s) {
+                let step_s = (0.5 * sigma_s).max(policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S);
+                wait.look(exposure, policy, delay_s + step_s, flag);
+                waits.push(wait);
+            }
         }
     }
     Ok(())

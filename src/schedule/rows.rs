@@ -82,6 +82,7 @@ fn start_scale(
         .scale
         .or(stated)
         .or(options.time_scale)
+        .or(options.default_time_scale)
         .or_else(|| zoned().then_some(TimeScale::UTC))
         .ok_or_else(|| ScheduleError::NoTimeScale { path: display(path), column: start.name.clone() })
 }

@@ -28,8 +28,11 @@ pub struct ScheduledExposure {
 /// How to read what a file leaves unsaid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScheduleOptions {
-    /// The scale of times that name none. Without it, bare MJD, JD and times without `Z` are refused.
+    /// The scale of times that name none. Without it, bare MJD, JD and times without `Z` are refused. It must not contradict what the
+    /// file itself says.
     pub time_scale: Option<TimeScale>,
+    /// The same, as a habit: it yields to what the file itself says.
+    pub default_time_scale: Option<TimeScale>,
     /// Rotation of the field where a row gives none, radians.
     pub default_rotation_rad: f64,
 }
@@ -75,11 +78,12 @@ impl Schedule {
         self.exposures.len() - distinct.len()
     }
 
-    /// Bands of the rows for which a limit has no number, each once.
+    /// Bands of the rows for which a limit has no number, each once; none where the telescope has the numbers.
     pub fn bands_without(&self, limit: &MagnitudeLimit) -> BTreeSet<&str> {
+        let has_numbers = !matches!(limit, MagnitudeLimit::OfTelescope(_));
         self.exposures
             .iter()
-            .filter(|row| limit.of(row.band.as_deref()).is_none())
+            .filter(|row| has_numbers && limit.of(row.band.as_deref()).is_none())
             .map(|row| row.band.as_deref().unwrap_or("none"))
             .collect()
     }

@@ -8,6 +8,7 @@ use super::choices::{
     FieldSetup, ModelsSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, TelescopeSetup, is_file_name,
 };
 use super::error::SetupError;
+use crate::schedule::MagnitudeLimit;
 
 /// Everything that the shared flags say, by their names. What is `None` was not said.
 ///
@@ -44,6 +45,9 @@ pub struct Setup {
     pub eop: Option<PathBuf>,
     /// Scale of times that name none: `utc`, `tai`, `tt`.
     pub time_scale: Option<String>,
+    /// The same as a configuration file says it: for times of which nothing else tells, never against a column's name.
+    #[serde(skip)]
+    pub default_time_scale: Option<String>,
     /// Shutter opening.
     pub start: Option<Quantity>,
     /// Length of the exposure with its unit.
@@ -64,8 +68,8 @@ pub struct Setup {
     pub band: Option<String>,
     /// Zero point of the magnitudes, `Vega` or `AB`.
     pub mag_system: Option<String>,
-    /// Crossings brighter than this make an exposure one to avoid.
-    pub limit_mag: Option<f64>,
+    /// Crossings brighter than this make an exposure one to avoid: one number, or a table by band.
+    pub limit_mag: Option<MagnitudeLimit>,
     /// Near misses at least this probable count too.
     pub min_probability: Option<f64>,
     /// The longest wait for a clear field, with its unit.
@@ -102,6 +106,7 @@ impl Setup {
         })?;
         let mut setup = Self::from_toml(&text, &shown)?;
         setup.start_paths_from(path.parent().unwrap_or(Path::new("")));
+        setup.default_time_scale = setup.time_scale.take();
         Ok(setup)
     }
 
@@ -183,6 +188,7 @@ impl Setup {
             shadow: self.shadow.or(base.shadow),
             eop: self.eop.or(base.eop),
             time_scale: self.time_scale.or(base.time_scale),
+            default_time_scale: self.default_time_scale.or(base.default_time_scale),
             start: self.start.or(base.start),
             exposure: self.exposure.or(base.exposure),
             ra: self.ra.or(base.ra),
@@ -221,7 +227,7 @@ mod tests {
         )
         .unwrap();
         assert_eq!(setup.shells.as_ref().unwrap().as_slice(), ["starlink-gen1"]);
-        assert_eq!(setup.limit_mag, Some(7.0));
+        assert_eq!(setup.limit_mag, Some(MagnitudeLimit::All(7.0)));
         assert_eq!(setup.ra.as_ref().unwrap().text(), "188.5");
         assert!(matches!(&setup.site, Some(SiteSetup::Table(table)) if table.mpc.as_deref() == Some("X05")));
         assert!(matches!(&setup.policy, Some(PolicySetup::Table(policy)) if policy.margin_s == Some(3.0)));
@@ -248,9 +254,10 @@ mod tests {
             fov: Some(Quantity::Text("1deg".into())),
             ..Setup::default()
         };
-        let flags = Setup { mpc: Some("X05".into()), limit_mag: Some(6.0), ..Setup::default() };
+        let flags = Setup { mpc: Some("X05".into()), limit_mag: Some(MagnitudeLimit::All(6.0)), ..Setup::default() };
         let both = flags.over(base);
-        assert_eq!((both.lat, both.height, both.mpc.as_deref(), both.limit_mag), (None, None, Some("X05"), Some(6.0)));
+        assert_eq!((both.lat, both.height, both.mpc.as_deref()), (None, None, Some("X05")));
+        assert_eq!(both.limit_mag, Some(MagnitudeLimit::All(6.0)));
         assert!(both.fov.is_some());
     }
 

@@ -42,7 +42,8 @@ pub struct Prepared {
 impl Setup {
     /// Reads all that was named and makes the sky ready for questions from `first` to `last`.
     ///
-    /// Of several element sets of one object the one nearest to the middle is taken.
+    /// Of several element sets of one object the one nearest to the middle is taken; shells are made for the beginning of the UTC day
+    /// of `first`.
     ///
     /// # Errors
     /// Neither elements nor shells were said, or whatever is wrong with what was.
@@ -72,7 +73,8 @@ impl Setup {
         if !constellations.is_empty() {
             let stated: Vec<_> = constellations.iter().map(constellation_json).collect();
             provenance.state("shells", stated);
-            let satellites = synthetic(&constellations, middle);
+            // One epoch for all questions of a day, so that a schedule and a single exposure of it see the same satellites.
+            let satellites = synthetic(&constellations, start_of_utc_day(first));
             let names: Vec<&str> = constellations.iter().map(|constellation| constellation.name.as_str()).collect();
             warnings.push(format!(
                 "{} satellites are synthetic (shells {}): none of them is claimed to be there",
@@ -291,6 +293,11 @@ fn eop_warning(eop: &EopTable, first: Epoch, last: Epoch) -> Option<String> {
         _ => "there is no Earth orientation table".to_owned(),
     };
     Some(format!("{why}: UT1 = UTC was taken (0.1 s of UT1 is 46 m at the equator); give a newer one with --eop"))
+}
+
+fn start_of_utc_day(epoch: Epoch) -> Epoch {
+    let (year, month, day, ..) = epoch.to_gregorian_utc();
+    Epoch::from_gregorian_utc_at_midnight(year, month, day)
 }
 
 fn day(epoch: Epoch) -> String {

@@ -9,7 +9,7 @@ use crate::frames::{Direction, EopTable, parse_declination_deg, parse_right_asce
 use crate::geometry::{EarthLimb, GeometryError, Observer, ShadowModel, Site};
 use crate::passes::{Exposure, Field, OrbitingObserver, SkyError, Viewpoint};
 use crate::photometry::{Band, PhotometryOptions};
-use crate::schedule::{MagnitudeLimit, Policy, PolicyError, ScheduleOptions, is_covered};
+use crate::schedule::{Policy, PolicyError, ScheduleOptions, is_covered};
 use crate::telescope::{FieldOfView, Telescope};
 
 use super::choices::{
@@ -171,9 +171,11 @@ impl Setup {
             Some(PolicySetup::File(path)) => policy_of_file(path)?,
             Some(PolicySetup::Table(policy)) => policy.clone(),
         };
-        if let Some(limit) = self.limit_mag {
-            in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
-            policy.limit_mag = Some(MagnitudeLimit::All(limit));
+        if let Some(limit) = &self.limit_mag {
+            for limit in limit.numbers() {
+                in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
+            }
+            policy.limit_mag = Some(limit.clone());
         }
         if let Some(probability) = self.min_probability {
             in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
@@ -183,6 +185,10 @@ impl Setup {
             policy.max_delay_s = Some(parse_duration_s("max-delay", &delay.text())?);
         }
         policy.validate()?;
+        if policy.limit_of_telescope().is_some() && self.telescope.is_none() {
+            let what = "telescope, whose limits the policy asks for (saturation_mag or crosstalk_mag = \"telescope\")";
+            return Err(SetupError::Missing { what, allowed: "--telescope NAME" });
+        }
         Ok(policy)
     }
 
@@ -212,7 +218,12 @@ impl Setup {
     /// # Errors
     /// A scale that is not known.
     pub fn time_scale(&self) -> Result<Option<TimeScale>, SetupError> {
-        self.time_scale.as_deref().map(parse_time_scale).transpose()
+        self.said_time_scale().map(parse_time_scale).transpose()
+    }
+
+    /// The scale as it was said: by a flag, else by the configuration file.
+    pub fn said_time_scale(&self) -> Option<&str> {
+        self.time_scale.as_deref().or(self.default_time_scale.as_deref())
     }
 
     /// Position angle of the field where no exposure says its own, radians.
@@ -228,7 +239,11 @@ impl Setup {
     /// # Errors
     /// A scale that is not known, or a rotation out of range.
     pub fn schedule_options(&self) -> Result<ScheduleOptions, SetupError> {
-        Ok(ScheduleOptions { time_scale: self.time_scale()?, default_rotation_rad: self.rotation_rad()? })
+        Ok(ScheduleOptions {
+            time_scale: self.time_scale.as_deref().map(parse_time_scale).transpose()?,
+            default_time_scale: self.default_time_scale.as_deref().map(parse_time_scale).transpose()?,
+            default_rotation_rad: self.rotation_rad()?,
+        })
     }
 
     /// The table of the Earth's orientation: the file said, else UT1 from the bundled one.
@@ -315,6 +330,7 @@ fn policy_of_file(path: &Path) -> Result<Policy, SetupError> {
     Policy::from_toml(&read_text("policy", path)?).map_err(|error| {
         let message = match error {
             PolicyError::Syntax(what) => what,
+            PolicyError::Limit { .. } => error.to_string(),
             PolicyError::OutOfRange { field, value, allowed } => format!("{field} is {value}, allowed {allowed}"),
         };
         SetupError::PolicyFile { path: path.display().to_string(), message }
@@ -416,6 +432,9 @@ mod tests {
             (Some(6.0), Some(3.0), Some(120.0))
         );
         assert!(message(setup("min_probability = 2").policy()).contains("min-probability 2: allowed"));
+        let camera = "[policy]\ncrosstalk_mag = 'telescope'";
+        assert!(message(setup(camera).policy()).contains("no telescope, whose limits"));
+        assert!(setup(&format!("telescope = 'rubin'\n{camera}")).policy().is_ok());
     }
 
     #[test]

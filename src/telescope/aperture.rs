@@ -6,6 +6,9 @@ use serde::{Deserialize, Serialize};
 
 use super::streak::{ARCSEC_PER_RAD, expected_lost_pixel_fraction};
 
+/// Speed on the sky of a satellite 550 km overhead, arcsec/s: √(μ / (R + h)) / h.
+const RATE_AT_550_KM_ARCSEC_S: f64 = 2844.7;
+
 /// A telescope with its camera. Made by [`Telescope::by_name`] or from a TOML file with these same keys.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -28,7 +31,7 @@ pub struct Telescope {
     /// the width.
     #[serde(default = "default_mask_widths")]
     pub mask_widths: f64,
-    /// Brightest streaks that the detector bears, by band name.
+    /// Brightest streaks that the detector bears, by band name. They make verdicts where a policy says `"telescope"`.
     #[serde(default)]
     pub limits: BTreeMap<String, BandLimits>,
     /// Where these numbers come from.
@@ -95,6 +98,24 @@ impl Telescope {
         // θ² = θ_atm² + (D_sat² + D_mirror²) / d²                        Tyson et al. (2020), eq. 1
         let satellite = satellite_size_m / (range_km * 1000.0) * ARCSEC_PER_RAD;
         self.seeing_arcsec.hypot(satellite).hypot(self.defocus_outer_arcsec(range_km))
+    }
+
+    /// Magnitude of a satellite at 550 km overhead whose streak is as bright per area as this one: what the limits of a camera are
+    /// compared with.
+    ///
+    /// `magnitude` is the apparent one, as if the satellite stood still. A pixel gets the light of m for the time that the streak needs
+    /// to pass it, spread over the streak's width: a satellite that is farther is slower and more in focus, and worse for the same
+    /// magnitude. With the seeing alone this is the rule of SATCON1, 2.5 log10(h / 550 km).
+    pub fn as_at_550_km_mag(
+        &self,
+        magnitude: f64,
+        range_km: f64,
+        angular_rate_arcsec_s: f64,
+        satellite_size_m: f64,
+    ) -> f64 {
+        // m + 2.5 log10(ω θ / ω₀ θ₀)
+        let width = self.width_arcsec(range_km, satellite_size_m) / self.width_arcsec(550.0, satellite_size_m);
+        magnitude + 2.5 * (width * angular_rate_arcsec_s / RATE_AT_550_KM_ARCSEC_S).log10()
     }
 
     /// Share of a field's pixels that masking one streak costs; see [`expected_lost_pixel_fraction`].

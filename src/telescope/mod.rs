@@ -11,6 +11,6 @@ mod streak;
 pub use aperture::{BandLimits, FieldOfView, Telescope};
 pub use file::TelescopeError;
 pub use streak::{
-    effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag, surface_brightness_mag_arcsec2,
-    time_on_pixel_s,
+    ARCSEC_PER_RAD, effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag,
+    surface_brightness_mag_arcsec2, time_on_pixel_s,
 };

@@ -1,7 +1,7 @@
 //! Streaks in numbers: how faint a moving satellite looks, and how many pixels it costs.
 
 /// Arcseconds in a radian.
-pub(super) const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
+pub const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
 
 /// Magnitude of the star whose image would be as bright per area as the streak, in the same exposure.
 ///
@@ -94,6 +94,22 @@ mod tests {
         assert_eq!(satcon1_limit_mag(550.0), 7.0);
         // OneWeb at 1200 km: 7.85 mag.
         assert!((satcon1_limit_mag(1200.0) - 7.85).abs() < 0.005);
+    }
+
+    #[test]
+    fn valid_limits_at_other_heights_are_those_of_satcon1_where_seeing_alone_is_wide() {
+        let rubin = Telescope::by_name("rubin").unwrap();
+        let seeing = Telescope { outer_radius_m: 0.001, inner_radius_m: 0.0, ..rubin.clone() };
+        let rate = |height_km: f64| (398_600.4_f64 / (6378.137 + height_km)).sqrt() / height_km * ARCSEC_PER_RAD;
+        assert!((rubin.as_at_550_km_mag(5.0, 550.0, rate(550.0), 3.0) - 5.0).abs() < 1e-4);
+        for height_km in [340.0_f64, 600.0, 1200.0] {
+            let as_limit = 7.0 + (7.0 - seeing.as_at_550_km_mag(7.0, height_km, rate(height_km), 0.0));
+            // SATCON1 leaves out that higher satellites fly more slowly: 0.05 mag at 1200 km.
+            assert!((as_limit - (7.0 + 2.5 * (height_km / 550.0).log10())).abs() < 0.055, "{height_km}: {as_limit}");
+        }
+        // In focus, a satellite at 1200 km is worse still: 3.1 against 1.6 arcsec.
+        let shift = |telescope: &Telescope| telescope.as_at_550_km_mag(7.0, 1200.0, rate(1200.0), 0.0);
+        assert!(shift(&rubin) < shift(&seeing) - 0.6, "{} {}", shift(&rubin), shift(&seeing));
     }
 
     #[test]

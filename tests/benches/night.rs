@@ -44,7 +44,7 @@ fn sky(elements: Vec<ElementSet>) -> Sky {
 }
 
 fn exposures(schedule: &str) -> Vec<Exposure> {
-    let options = ScheduleOptions { time_scale: None, default_rotation_rad: 0.0 };
+    let options = ScheduleOptions::default();
     let schedule = Schedule::read(&PathBuf::from(schedule), &options).expect("the schedule reads");
     schedule.judged().map(|(_, exposure)| exposure.clone()).collect()
 }

@@ -1,6 +1,9 @@
 //! What the integration tests share: where the folder of real data is, and a loud word when it is not there.
 #![allow(dead_code)]
 
+#[cfg(feature = "cli")]
+pub mod cli;
+
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
+use streakcast::schedule::MagnitudeLimit;
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
 use crate::map_arguments::MapArguments;
+use crate::output::Output;
 
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
 #[derive(Parser)]
@@ -123,6 +125,13 @@ pub struct OutputArguments {
     pub output: Option<PathBuf>,
 }
 
+impl OutputArguments {
+    /// Where the answer goes, and how; what a configuration says counts where nothing was typed.
+    pub fn open(self, setup: &Setup) -> anyhow::Result<Output> {
+        Output::new(self.format.as_deref().or(setup.format.as_deref()), self.output)
+    }
+}
+
 #[derive(Args)]
 pub struct PassesArguments {
     /// Shutter opening, as 2024-08-14T00:30:00.000Z
@@ -142,7 +151,7 @@ pub struct PassesArguments {
     pub include_dark: bool,
     /// Tell how many of the crossings are brighter than this, in the band asked for; all of them are listed
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
-    pub limit_mag: Option<f64>,
+    pub limit_mag: Option<MagnitudeLimit>,
     /// Points along each track
     #[arg(long, value_name = "N")]
     pub samples: Option<usize>,
@@ -155,15 +164,12 @@ pub struct PassesArguments {
 /// What makes an exposure bad.
 #[derive(Args)]
 pub struct RulesArguments {
-    /// The schedule: opsim SQLite, CSV, ECSV or JSON
-    #[arg(long, value_name = "FILE")]
-    pub schedule: PathBuf,
     /// Policy file (TOML)
     #[arg(long, value_name = "FILE")]
     pub policy: Option<PathBuf>,
-    /// Crossings brighter than this, in the band asked for, make an exposure one to avoid
+    /// Crossings brighter than this, in the band asked for, make an exposure one to avoid: 7, or by the exposure's band g=7,y=5,default=6
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
-    pub limit_mag: Option<f64>,
+    pub limit_mag: Option<MagnitudeLimit>,
     /// The longest wait for a clear field with its unit, as 10min
     #[arg(long, value_name = "TIME")]
     pub max_delay: Option<String>,
@@ -171,6 +177,9 @@ pub struct RulesArguments {
 
 #[derive(Args)]
 pub struct FlagArguments {
+    /// The schedule: opsim SQLite, CSV, ECSV or JSON
+    #[arg(long, value_name = "FILE")]
+    pub schedule: PathBuf,
     #[command(flatten)]
     pub rules: RulesArguments,
     /// End with exit code 1 where any exposure is streaked (or worse), or one to avoid
@@ -190,6 +199,9 @@ pub enum FailOn {
 
 #[derive(Args)]
 pub struct AnnotateArguments {
+    /// The schedule: opsim SQLite or CSV
+    #[arg(long, value_name = "FILE")]
+    pub schedule: PathBuf,
     #[command(flatten)]
     pub rules: RulesArguments,
     /// File to write; it may be the schedule itself
@@ -290,7 +302,7 @@ impl RulesArguments {
     pub fn setup(&self) -> Setup {
         Setup {
             policy: self.policy.clone().map(PolicySetup::File),
-            limit_mag: self.limit_mag,
+            limit_mag: self.limit_mag.clone(),
             max_delay: self.max_delay.clone().map(Quantity::Text),
             ..Setup::default()
         }

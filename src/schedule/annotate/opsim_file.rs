@@ -95,14 +95,21 @@ fn write_table(
     Ok(())
 }
 
-/// The type of the exposure ids: whole numbers where the schedule's own are declared so (SQLite: a type with `INT` in it), else
-/// text. As whole numbers '007', '1e3' or '7.0' would join with nothing.
+/// The type of the exposure ids: whole numbers where the schedule's own are declared so (SQLite: a type with `INT` in it) or, where
+/// their column has no type (as after `CREATE TABLE ... AS`), all are; else text (where numbers and texts are mixed, the texts join). As whole numbers '007', '1e3' or '7.0' would join with nothing.
 fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
     let mut statement = connection.prepare("SELECT name, type FROM pragma_table_info('observations')")?;
     let columns: Vec<(String, String)> =
         statement.query_map([], |row| Ok((row.get(0)?, row.get(1)?)))?.collect::<Result<_, _>>()?;
     let declared = ID.iter().find_map(|id| columns.iter().find(|(name, _)| name == id));
-    let is_integer = declared.is_some_and(|(_, declared)| declared.to_ascii_uppercase().contains("INT"));
+    let is_integer = match declared {
+        None => false,
+        Some((name, declared)) if declared.is_empty() => {
+            let others = format!("SELECT count(*) FROM observations WHERE typeof(\"{name}\") <> 'integer'");
+            connection.query_row(&others, [], |row| row.get::<_, i64>(0))? == 0
+        }
+        Some((_, declared)) => declared.to_ascii_uppercase().contains("INT"),
+    };
     Ok(if is_integer { "INTEGER" } else { "TEXT" })
 }
 
@@ -180,6 +187,33 @@ mod tests {
         let query = "SELECT count(*) FROM observations JOIN streak_flags ON exposure_id = observationId";
         let joined: i64 = Connection::open(&output).unwrap().query_row(query, [], |row| row.get(0)).unwrap();
         assert_eq!(joined, 5);
+    }
+
+    #[test]
+    fn ids_of_no_declared_type_join_as_what_they_are() {
+        let folder = tempfile::tempdir().unwrap();
+        for (number, (values, ids)) in
+            [("(7), (8)", ["7", "8"]), ("('007'), ('8')", ["007", "8"])].into_iter().enumerate()
+        {
+            let input = folder.path().join(format!("in{number}.db"));
+            let output = folder.path().join(format!("out{number}.db"));
+            Connection::open(&input)
+                .unwrap()
+                .execute_batch(&format!(
+                    "CREATE TABLE observations (observationId); INSERT INTO observations VALUES {values};"
+                ))
+                .unwrap();
+            let (flags, streaks) = tables(&ids);
+            let provenance = Provenance::default();
+            let annotation = Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false };
+            annotate(&input, &output, &annotation).unwrap();
+            let copy = Connection::open(&output).unwrap();
+            let query = "SELECT count(*) FROM observations JOIN streak_flags ON exposure_id = observationId";
+            let joined: i64 = copy.query_row(query, [], |row| row.get(0)).unwrap();
+            let kind: String =
+                copy.query_row("SELECT typeof(exposure_id) FROM streak_flags", [], |row| row.get(0)).unwrap();
+            assert_eq!((joined, kind.as_str()), if number == 0 { (2, "integer") } else { (2, "text") });
+        }
     }
 
     #[test]

@@ -6,6 +6,7 @@ use hifitime::TimeScale;
 
 use super::super::error::ScheduleError;
 use super::sniff::display;
+use crate::geometry::edit_distance;
 
 /// Names of the exposure's own name, in the order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "id"];
@@ -99,10 +100,26 @@ impl ColumnMap {
         .collect();
         Err(ScheduleError::MissingColumns {
             path: display(path),
-            missing: missing.join(", "),
+            missing: missing.iter().map(|name| with_hint(name, names)).collect::<Vec<_>>().join(", "),
             found: names_text(names),
         })
     }
+}
+
+/// A missing name, with the column that may be meant by it: another case, other signs between the words, a letter or two, or the
+/// name without its unit.
+fn with_hint(missing: &str, names: &[String]) -> String {
+    let key = |name: &str| name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase();
+    let wanted = key(missing);
+    // A third of the letters may be wrong; two of any six-letter word.
+    let near = names
+        .iter()
+        .filter(|name| name.len() <= 40)
+        .map(|name| (key(name), name))
+        .map(|(key, name)| (edit_distance(&wanted, &key), key, name))
+        .filter(|(distance, key, _)| 3 * distance <= wanted.len() || (key.len() > 1 && wanted.starts_with(&**key)))
+        .min_by_key(|(distance, ..)| *distance);
+    near.map_or_else(|| missing.to_owned(), |(.., name)| format!("{missing} (is it {name}?)"))
 }
 
 /// The names, shortened where a file that is no schedule shows a whole line of them.
@@ -138,7 +155,9 @@ mod tests {
     fn all_that_is_missing_stands_in_one_message() {
         let message = find(&["exposure_id", "ra", "dec_deg", "start_mjd"]).unwrap_err().to_string();
         assert!(
-            message.starts_with("schedule night.csv: missing duration_s, ra_deg; found exposure_id, ra, dec_deg"),
+            message.starts_with(
+                "schedule night.csv: missing duration_s, ra_deg (is it ra?); found exposure_id, ra, dec_deg"
+            ),
             "{message}"
         );
         assert!(message.contains("allowed: exposure_id, start_utc"), "{message}");

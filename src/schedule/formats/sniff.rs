@@ -65,9 +65,13 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
     }
     let mut bytes = head;
     file.read_to_end(&mut bytes).map_err(io_error)?;
-    let text = String::from_utf8(bytes).map_err(|error| ScheduleError::Format {
-        path: display(path),
-        what: format!("is not UTF-8 text from byte {} on", error.utf8_error().valid_up_to()),
+    let text = String::from_utf8(bytes).map_err(|error| {
+        let valid = error.utf8_error().valid_up_to();
+        let line = 1 + error.as_bytes()[..valid].iter().filter(|byte| **byte == b'\n').count();
+        let what = format!(
+            "is not UTF-8 text from line {line} (byte {valid}) on; a file in Latin-1 becomes it by iconv -f LATIN1 -t UTF-8"
+        );
+        ScheduleError::Format { path: display(path), what }
     })?;
     let text = text.strip_prefix('\u{feff}').unwrap_or(&text);
     let body = text.trim_start();

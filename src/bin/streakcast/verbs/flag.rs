@@ -7,7 +7,7 @@ use super::judged::judge;
 use super::passes::left_out_table;
 use crate::arguments::{FailOn, FlagArguments};
 use crate::failure::Outcome;
-use crate::output::{Answer, Output};
+use crate::output::Answer;
 use crate::screen::{Shown, Style, rounded, shown};
 
 const ON_SCREEN: &[Shown] = &[
@@ -24,14 +24,14 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     let setup = typed.shared.setup(typed.rules.setup())?;
-    let output = Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output)?;
-    let judged = judge(&setup, &typed.rules.schedule)?;
+    let output = typed.output.open(&setup)?;
+    let judged = judge(&setup, &typed.schedule)?;
     let flags = flag_table(&judged.report.flags);
     let left_out = left_out_table(&judged.report.left_out);
     output.write(&Answer {
         sections: vec![Section { name: "flags", table: &flags }, Section { name: "left_out", table: &left_out }],
         main: &flags,
-        provenance: &judged.prepared.provenance,
+        provenance: &judged.provenance,
         style: Style { columns: ON_SCREEN, bold_row: None },
     })?;
     let fails = |verdict| match typed.fail_on {

@@ -6,12 +6,14 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Value, json};
 use streakcast::frames::seconds_after;
-use streakcast::passes::Exposure;
+use streakcast::passes::{Exposure, Field};
+use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
-    FlagReport, FlagRequest, Policy, Schedule, StreakRow, Verdict, flag_exposures, streak_table,
+    ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, StreakRow, Verdict, flag_exposures, streak_table,
 };
-use streakcast::setup::{FieldSetup, Prepared, Setup};
-use streakcast::table::{Table, format_utc};
+use streakcast::setup::{FieldSetup, Setup};
+use streakcast::table::{Provenance, Table, format_utc};
+use streakcast::telescope::Telescope;
 
 use crate::notices::Notices;
 
@@ -22,7 +24,8 @@ const ROWS_AT_A_TIME: usize = 1000;
 pub struct Judged {
     pub schedule: Schedule,
     pub report: FlagReport,
-    pub prepared: Prepared,
+    /// What the answers rest on.
+    pub provenance: Provenance,
     pub notices: Notices,
     /// One row for each exposure and satellite.
     pub streaks: Table,
@@ -48,23 +51,73 @@ pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
     let photometry = setup.photometry()?;
     let schedule = Schedule::read(path, &setup.schedule_options()?)?;
     let judgeable = span(&schedule);
-    // Without a row to judge any moment does: only the invalid rows are written.
-    let nothing = Epoch::from_gregorian_utc_at_midnight(2024, 1, 1);
-    let (first, last) = judgeable.unwrap_or((nothing, nothing));
-    let mut prepared = setup.prepare(first, last)?;
-    if judgeable.is_some() {
-        notices.warn(&prepared.warnings);
-    } else {
-        notices.warn(&[none_judged(&schedule, path)]);
-    }
-    notices.warn(&schedule_warnings(&schedule, &policy));
+    let asked = Asked { field, telescope, policy, photometry };
+    let (report, streaks, mut provenance) = match judgeable {
+        Some(span) => judge_rows(setup, &schedule, span, &asked, &notices)?,
+        None => {
+            // No moment to ask any satellite about: the rows come back with their reasons, and rest on nothing.
+            notices.warn(&[none_judged(&schedule, path)]);
+            (invalid_rows(&schedule), streak_table(std::iter::empty(), false, false), Provenance::new())
+        }
+    };
+    let Asked { policy, telescope, photometry, .. } = &asked;
+    notices.warn(&schedule_warnings(&schedule, policy));
+    let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
+    state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), photometry);
+    provenance.state(
+        "schedule",
+        json!({
+            "file": path.display().to_string(),
+            "format": schedule.format.to_string(),
+            "exposures": schedule.exposures.len(),
+            "start_column": schedule.start_column,
+            "first_start_utc": judgeable.map(|(first, _)| format_utc(first, 3)),
+        }),
+    );
+    provenance.state("options", options_json(setup, policy, telescope));
+    summary(&notices, &report);
+    Ok(Judged { schedule, report, provenance, notices, streaks })
+}
 
+/// What a schedule is judged by.
+struct Asked {
+    field: Field,
+    telescope: Option<Telescope>,
+    policy: Policy,
+    photometry: PhotometryOptions,
+}
+
+/// Time scale, band and zero point, as every verb states them.
+pub fn state_scales(provenance: &mut Provenance, time_scale: &str, photometry: &PhotometryOptions) {
+    provenance.state("time_scale", time_scale);
+    provenance.state("band", photometry.band.name());
+    provenance.state("mag_system", photometry.system.to_string());
+}
+
+/// A report in which no row was judged.
+fn invalid_rows(schedule: &Schedule) -> FlagReport {
+    let reasons = schedule.exposures.iter().filter_map(|row| Some((row, row.exposure.as_ref().err()?)));
+    let flags: Vec<_> = reasons.map(|(row, reason)| ExposureFlag::invalid(&row.id, reason.clone())).collect();
+    FlagReport { passes: vec![Vec::new(); flags.len()], flags, ..FlagReport::default() }
+}
+
+/// Judges all rows between two moments: the report, its streaks, and what they rest on.
+fn judge_rows(
+    setup: &Setup,
+    schedule: &Schedule,
+    (first, last): (Epoch, Epoch),
+    asked: &Asked,
+    notices: &Notices,
+) -> anyhow::Result<(FlagReport, Table, Provenance)> {
+    let Asked { field, telescope, policy, photometry } = asked;
+    let prepared = setup.prepare(first, last)?;
+    notices.warn(&prepared.warnings);
     let request = FlagRequest {
         sky: &prepared.sky,
-        field: &field,
-        policy: &policy,
+        field,
+        policy,
         telescope: telescope.as_ref(),
-        photometry: &photometry,
+        photometry,
         eop: &prepared.eop,
     };
     let rows: Vec<_> = schedule.exposures.iter().collect();
@@ -91,30 +144,13 @@ pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
                 elements: &prepared.sky.elements()[pass.element_index],
                 satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
                 telescope: telescope.as_ref(),
-                photometry: &photometry,
+                photometry,
             })
         }),
         false,
         false,
     );
-    let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
-    let provenance = &mut prepared.provenance;
-    provenance.state("time_scale", schedule.time_scale.to_string().to_ascii_lowercase());
-    provenance.state("band", photometry.band.name());
-    provenance.state("mag_system", photometry.system.to_string());
-    provenance.state(
-        "schedule",
-        json!({
-            "file": path.display().to_string(),
-            "format": schedule.format.to_string(),
-            "exposures": schedule.exposures.len(),
-            "start_column": schedule.start_column,
-            "first_start_utc": judgeable.map(|(first, _)| format_utc(first, 3)),
-        }),
-    );
-    provenance.state("options", options_json(setup, &policy, telescope));
-    summary(&notices, &report);
-    Ok(Judged { schedule, report, prepared, notices, streaks })
+    Ok((report, streaks, prepared.provenance))
 }
 
 /// What the user may not have noticed about the schedule.

@@ -11,7 +11,7 @@ use streakcast::table::{Column, Kind, Section, Table, format_utc};
 use crate::arguments::PassesArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
-use crate::output::{Answer, Output};
+use crate::output::Answer;
 use crate::screen::{Shown, Style, rounded, shown};
 
 const ON_SCREEN: &[Shown] = &[
@@ -47,7 +47,7 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
         samples: typed.samples,
         ..Setup::default()
     })?;
-    let output = Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output)?;
+    let output = typed.output.open(&setup)?;
     let notices = super::judged::begin(&setup)?;
 
     let exposure = setup.one_exposure()?;
@@ -117,10 +117,8 @@ fn above_the_horizon(exposure: &Exposure, prepared: &Prepared) -> anyhow::Result
 fn state(prepared: &mut Prepared, setup: &Setup, exposure: &Exposure, options: &PassOptions, telescope: Option<&str>) {
     // A start that ends in Z says its scale itself.
     let names_its_own = setup.start.as_ref().is_some_and(|start| parse_moment(&start.text(), None).is_ok());
-    let scale = setup.time_scale.as_deref().filter(|_| !names_its_own).unwrap_or("utc").to_ascii_lowercase();
-    prepared.provenance.state("time_scale", scale);
-    prepared.provenance.state("band", options.photometry.band.name());
-    prepared.provenance.state("mag_system", options.photometry.system.to_string());
+    let scale = setup.said_time_scale().filter(|_| !names_its_own).unwrap_or("utc").to_ascii_lowercase();
+    super::judged::state_scales(&mut prepared.provenance, &scale, &options.photometry);
     prepared.provenance.state(
         "options",
         json!({
@@ -159,7 +157,8 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
 
 fn summary(notices: &Notices, setup: &Setup, count: usize, magnitudes: impl Iterator<Item = f64>) {
     let crossings = if count == 1 { "1 pass".to_owned() } else { format!("{count} passes") };
-    match setup.limit_mag {
+    let limit = setup.limit_mag.as_ref().and_then(|limit| limit.of(Some(setup.band.as_deref().unwrap_or("V"))));
+    match limit {
         Some(limit) => {
             let bright = magnitudes.filter(|magnitude| *magnitude < limit).count();
             notices.say(&format!("{crossings}, {bright} brighter than mag {limit}"));

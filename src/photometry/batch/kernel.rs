@@ -1,0 +1,186 @@
+//! The two-panel model over arrays of angles.
+//!
+//! The same formulas as `satellite` and `blocking`, written without branches over fixed blocks of directions; the compiler
+//! turns each loop into vectors of four or eight. Which instructions the machine has is found out at run time.
+
+#![expect(clippy::needless_range_loop, reason = "several columns run side by side, and plain indices become vectors")]
+
+use std::f64::consts::{FRAC_1_PI, LN_10, TAU};
+
+use pulp::{Arch, NullaryFnOnce};
+
+use super::elementary::{exp, fused, ln, sin_cos};
+use crate::photometry::satellite::TwoPanelNumbers;
+
+/// Directions of Sun and observer in the body frame as columns of one length, radians; a shorter column cuts the others.
+#[derive(Copy, Clone, Debug)]
+pub struct BodyAngles<'a> {
+    /// Of the Sun above the chassis plane.
+    pub sun_latitude_rad: &'a [f64],
+    /// Of the observer, from the Sun's azimuth.
+    pub observer_longitude_rad: &'a [f64],
+    /// Of the observer above the chassis plane.
+    pub observer_latitude_rad: &'a [f64],
+}
+
+/// Directions that are worked on together: their intermediate numbers, some 8 kB, stay in the nearest cache.
+const BLOCK: usize = 64;
+
+/// Magnitudes at 1000 km into `out`; not a number where nothing lit is seen. `zero_mag` is the magnitude of 1 m² sr⁻¹.
+pub(in crate::photometry) fn standard_magnitudes(
+    model: &TwoPanelNumbers,
+    zero_mag: f64,
+    angles: &BodyAngles,
+    out: &mut [f64],
+) {
+    match Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(simd) => simd.vectorize(Run { model, zero_mag, angles, out }),
+        #[cfg(target_arch = "x86_64")]
+        Arch::V3(simd) => simd.vectorize(Run { model, zero_mag, angles, out }),
+        _ => run::<false>(model, zero_mag, angles, out),
+    }
+}
+
+/// One call of [`run`], as an object that is certain to be inlined where the wide instructions are allowed.
+struct Run<'a> {
+    model: &'a TwoPanelNumbers,
+    zero_mag: f64,
+    angles: &'a BodyAngles<'a>,
+    out: &'a mut [f64],
+}
+
+impl NullaryFnOnce for Run<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        // A copy: behind the reference the compiler could not know that writing magnitudes leaves it alone, and would
+        // not make vectors of the loop.
+        let model = *self.model;
+        run::<true>(&model, self.zero_mag, self.angles, self.out);
+    }
+}
+
+#[inline(always)]
+fn run<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, angles: &BodyAngles, out: &mut [f64]) {
+    let columns = [angles.sun_latitude_rad, angles.observer_longitude_rad, angles.observer_latitude_rad];
+    let count = columns.iter().map(|column| column.len()).min().unwrap_or(0).min(out.len());
+    let mut start = 0;
+    while start < count {
+        let end = (start + BLOCK).min(count);
+        let mut block = [[0.0; BLOCK]; 3];
+        for (block, column) in block.iter_mut().zip(columns) {
+            block[..end - start].copy_from_slice(&column[start..end]);
+        }
+        out[start..end].copy_from_slice(&of_block::<F>(model, zero_mag, &block)[..end - start]);
+        start = end;
+    }
+}
+
+/// One block, step by step: each step is a short loop, so that the next vector begins while the last one waits for its
+/// results.
+#[inline(always)]
+fn of_block<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, angles: &[[f64; BLOCK]; 3]) -> [f64; BLOCK] {
+    let [(sun_z, sun_x), (longitude_sin, longitude_cos), (eye_z, latitude_cos)] =
+        [sines_and_cosines::<F>(&angles[0]), sines_and_cosines::<F>(&angles[1]), sines_and_cosines::<F>(&angles[2])];
+    let [mut front_m2, mut back_m2, mut base_m2, mut sail_mirror, mut base_mirror] = [[0.0; BLOCK]; 5];
+    for lane in 0..BLOCK {
+        let (sun_z, sun_x, eye_z) = (sun_z[lane], sun_x[lane], eye_z[lane]);
+        let (eye_x, eye_y) = (latitude_cos[lane] * longitude_cos[lane], latitude_cos[lane] * longitude_sin[lane]);
+        let sun_eye = fused::<F>(sun_x, eye_x, sun_z * eye_z);
+        // n_sail = (cos POA, 0, sin POA), n_base = -z                     Lu (2024), section 2.1
+        let sail_in = fused::<F>(model.cos_panel_offset, sun_x, model.sin_panel_offset * sun_z);
+        let sail_out = fused::<F>(model.cos_panel_offset, eye_x, model.sin_panel_offset * eye_z);
+        let (sun_below, eye_below) = (-sun_z, -eye_z);
+
+        // What the chassis stops, as in `blocking`.
+        let shade_m = height(model, sun_below, sail_in);
+        let view_m = height(model, eye_below, sail_out);
+        let slope = (model.cos_panel_offset * eye_y / positive(eye_below)).abs();
+        let per_slope = 1.0 / greater(slope, 1e-300);
+        let view_m2 = overlap(model.half_sum_m, model.narrow_m, slope, per_slope, view_m);
+        let both_m2 = overlap(model.half_both_m, model.narrow_m, slope, per_slope, lesser(view_m, shade_m));
+        let shade_m2 = model.narrow_m * shade_m;
+        let open_m2 = lesser(greater(model.sail_m2 - (shade_m2 + (view_m2 - both_m2)), 0.0), model.sail_m2);
+        let lit = greater(sail_in, 0.0);
+        front_m2[lane] = open_m2 * lit * greater(sail_out, 0.0);
+        back_m2[lane] = greater(model.sail_m2 - shade_m2, 0.0) * lit * greater(-sail_out, 0.0);
+        base_m2[lane] = model.base_m2 * greater(sun_below, 0.0) * greater(eye_below, 0.0);
+        sail_mirror[lane] = fused::<F>(2.0 * lit, sail_out, -sun_eye);
+        base_mirror[lane] = fused::<F>(2.0 * sun_below, eye_below, -sun_eye);
+    }
+    let sail_lobe = lobes::<F>(model.c1, model.n_sail, &sail_mirror);
+    let base_lobe = lobes::<F>(model.c4, model.n_base, &base_mirror);
+    let mut magnitudes = [0.0; BLOCK];
+    for lane in 0..BLOCK {
+        // B_total                                                         Lu (2024), eqs. 1-6
+        let front = (sail_lobe[lane] + model.c2 * FRAC_1_PI) * front_m2[lane];
+        let base = (base_lobe[lane] + model.c5 * FRAC_1_PI) * base_m2[lane];
+        let b_total = front + base + model.c3 * FRAC_1_PI * back_m2[lane];
+        // m = -2.5 log₁₀ B + zero                                         Lu (2024), eq. 19
+        let seen = fused::<F>(-2.5 / LN_10, ln::<F>(greater(b_total, 1e-300)), zero_mag);
+        magnitudes[lane] = if b_total > 0.0 { seen } else { f64::NAN };
+    }
+    magnitudes
+}
+
+#[inline(always)]
+fn sines_and_cosines<const F: bool>(angles: &[f64; BLOCK]) -> ([f64; BLOCK], [f64; BLOCK]) {
+    let (mut sines, mut cosines) = ([0.0; BLOCK], [0.0; BLOCK]);
+    for lane in 0..BLOCK {
+        (sines[lane], cosines[lane]) = sin_cos::<F>(angles[lane]);
+    }
+    (sines, cosines)
+}
+
+/// c (n + 2)/2π cosⁿθ; 0 where cos θ is not positive.
+#[inline(always)]
+fn lobes<const F: bool>(weight: f64, exponent: f64, cos_mirror: &[f64; BLOCK]) -> [f64; BLOCK] {
+    let mut values = [0.0; BLOCK];
+    if weight == 0.0 {
+        return values;
+    }
+    let mut logarithms = [0.0; BLOCK];
+    for lane in 0..BLOCK {
+        logarithms[lane] = exponent * ln::<F>(positive(cos_mirror[lane]));
+    }
+    let scale = weight * (exponent + 2.0) / TAU;
+    for lane in 0..BLOCK {
+        let value = scale * exp::<F>(logarithms[lane]);
+        values[lane] = if cos_mirror[lane] > 0.0 { value } else { 0.0 };
+    }
+    values
+}
+
+/// How far up the sail the chassis stops light to or from a direction, m; eqs. 15 and 17 (mended).
+#[inline(always)]
+fn height(model: &TwoPanelNumbers, below: f64, facing: f64) -> f64 {
+    let met = lesser(model.base_length_m * below / positive(facing), model.sail_length_m);
+    if below > 0.0 && facing > 0.0 { met } else { 0.0 }
+}
+
+/// ∫ clamp(reach - slope v, 0, flat) dv over 0 ≤ v ≤ height, as in `blocking`.
+#[inline(always)]
+fn overlap(reach: f64, flat: f64, slope: f64, per_slope: f64, height: f64) -> f64 {
+    let full = lesser((reach - flat) * per_slope, height);
+    let none_from = greater(lesser(reach * per_slope, height), full);
+    let last = greater(lesser(reach - slope * none_from, flat), 0.0);
+    flat * full + 0.5 * (flat + last) * (none_from - full)
+}
+
+/// The number itself where it is positive, and 1 where a quotient or logarithm by it is not looked at.
+#[inline(always)]
+fn positive(x: f64) -> f64 {
+    if x > 0.0 { x } else { 1.0 }
+}
+
+#[inline(always)]
+fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+#[inline(always)]
+fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}

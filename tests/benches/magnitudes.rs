@@ -1,0 +1,54 @@
+//! Magnitudes in bulk: directions a second on one core, for the two-panel model.
+//!
+//! ```text
+//! cargo bench --bench magnitudes            medians of columns at once and one by one
+//! ```
+
+use std::time::Instant;
+
+use streakcast::geometry::ViewingGeometry;
+use streakcast::photometry::{BodyAngles, BrightnessModel, ModelLibrary};
+
+const DIRECTIONS: usize = 20_000;
+const ROUNDS: usize = 51;
+
+fn main() {
+    let mut state = 1_u64;
+    let mut between = |least: f64, greatest: f64| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        least + (greatest - least) * (state >> 11) as f64 / (1_u64 << 53) as f64
+    };
+    let columns: [Vec<f64>; 3] = [(-0.4, -0.05), (0.0, 6.28), (-1.5, -0.3)]
+        .map(|(least, greatest)| (0..DIRECTIONS).map(|_| between(least, greatest)).collect());
+    let shipped = ModelLibrary::embedded().get("starlink-v1.5").expect("shipped");
+    let mut glossy = shipped.file().expect("from a file").clone();
+    glossy.coefficients.as_mut().expect("two panels").c1 = 0.05;
+    let glossy = BrightnessModel::from_file(glossy, "glossy").expect("sound");
+    for (name, model) in [("starlink-v1.5 (no sail lobe)", &*shipped), ("both lobes", &glossy)] {
+        let [sun_latitude_rad, observer_longitude_rad, observer_latitude_rad] = &columns;
+        let angles = BodyAngles { sun_latitude_rad, observer_longitude_rad, observer_latitude_rad };
+        let mut out = vec![0.0; DIRECTIONS];
+        let at_once = median(|| model.standard_magnitudes(&angles, &mut out));
+        let one_by_one = median(|| {
+            for row in 0..DIRECTIONS {
+                let geometry =
+                    ViewingGeometry::from_angles(columns[0][row], columns[1][row], columns[2][row], 1000.0, 550.0);
+                out[row] = geometry.and_then(|g| model.standard_magnitude(&g)).map_or(f64::NAN, |m| m.0);
+            }
+        });
+        println!("{name}: {at_once:.1} ns a direction at once, {one_by_one:.1} ns one by one");
+    }
+}
+
+/// Nanoseconds a direction.
+fn median(mut work: impl FnMut()) -> f64 {
+    let mut times: Vec<f64> = (0..ROUNDS)
+        .map(|_| {
+            let start = Instant::now();
+            work();
+            start.elapsed().as_secs_f64() * 1e9 / DIRECTIONS as f64
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    times[ROUNDS / 2]
+}

@@ -1,0 +1,89 @@
+"""Ours, a vectorised numpy form of the same model, and lumos-sat on the same directions, in one interleaved run.
+
+    pip install numpy && pip install --no-deps lumos-sat==1.0.9 && pip install astropy matplotlib scipy sgp4 requests opencv-python-headless
+    python tests/benches/peers/photometry.py [--rounds 5]
+
+Each round runs every tool once, ratios are taken within a round, the medians of both are printed. Ours is `cargo bench --bench magnitudes`
+(columns on one core; its first lines) and `--bench photometry` (earthshine computed and from the table), numpy the form of
+tests/reference/fit_provisional_models.py on one thread, lumos its published calculator, one direction a call as its interface wants it.
+"""
+
+import argparse
+import os
+import re
+import statistics
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+for variable in ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"):
+    os.environ[variable] = "1"
+
+import numpy as np  # noqa: E402
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.insert(0, str(ROOT / "tests/reference"))
+from fit_provisional_models import basis, magnitude  # noqa: E402
+
+SHAPE = (8.1, 2.8, 1.3, 2.8)
+COEFFICIENTS = (0.05, 0.0279, 0.0053, 0.1097, 0.0844, 5.0, 22.0)
+
+
+def ours_ns():
+    text = subprocess.run(["cargo", "bench", "-q", "--bench", "magnitudes"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    return float(re.search(r"both lobes: ([0-9.]+) ns a direction at once", text)[1])
+
+
+def numpy_ns(n=20_000, repeats=11):
+    rng = np.random.default_rng(1)
+    angles = rng.uniform(-0.4, -0.05, n), rng.uniform(0, 6.28, n), rng.uniform(-1.5, -0.3, n)
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        magnitude(basis(SHAPE, *angles), COEFFICIENTS)
+        times.append(time.perf_counter() - start)
+    return statistics.median(times) / n * 1e9
+
+
+def lumos_ns(earthshine, n):
+    import lumos.brdf.library as brdf
+    import lumos.calculator as calculator
+    from lumos.geometry import Surface
+
+    c1, c2, _, c4, c5, n_sail, n_base = COEFFICIENTS
+    surfaces = [
+        Surface(SHAPE[2] * SHAPE[3], np.array([0.0, 0.0, -1.0]), brdf.PHONG(c5, c4, n_base)),
+        Surface(SHAPE[0] * SHAPE[1], np.array([0.0, 1.0, 0.0]), brdf.PHONG(c2, c1, n_sail)),
+    ]
+    rng = np.random.default_rng(1)
+    earth_m = 6.371e6
+    times = []
+    for _ in range(n):
+        away, around, past = rng.uniform(0, 0.25), rng.uniform(0, 6.28), rng.uniform(0.05, 0.35)
+        place = earth_m * np.array([np.sin(away) * np.cos(around), np.sin(away) * np.sin(around), np.cos(away)])
+        start = time.perf_counter()
+        calculator.get_intensity_satellite_frame(
+            surfaces, 550e3, past, place, include_earthshine=earthshine, earth_brdf=brdf.LAMBERTIAN(0.3)
+        )
+        times.append(time.perf_counter() - start)
+    return statistics.median(times) * 1e9
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--rounds", type=int, default=5)
+    rounds = parser.parse_args().rounds
+    subprocess.run(["cargo", "bench", "-q", "--bench", "magnitudes", "--no-run"], cwd=ROOT, check=True)
+    rows = []
+    for _ in range(rounds):
+        rows.append((ours_ns(), numpy_ns(), lumos_ns(False, 2000), lumos_ns(True, 50)))
+    names = ("streakcast, columns", f"numpy {np.__version__}", "lumos-sat, Sun only", "lumos-sat, earthshine 150")
+    print(f"{'':28} {'ns a direction':>16} {'times ours':>12}")
+    for place, name in enumerate(names):
+        ratio = statistics.median(row[place] / row[0] for row in rows)
+        print(f"{name:28} {statistics.median(row[place] for row in rows):16,.1f} {ratio:12,.1f}")
+
+
+if __name__ == "__main__":
+    main()

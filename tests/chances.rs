@@ -1,0 +1,156 @@
+//! How likely any satellite is: against draws of the errors, with elements a day, a month and half a year old.
+
+use hifitime::{Epoch, Unit};
+use streakcast::catalogue::{Constellation, ElementSet, Origin};
+use streakcast::frames::{Direction, EopTable, seconds_after};
+use streakcast::geometry::{Observer, Site};
+use streakcast::orbit::{OrbitClass, uncertainty};
+use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
+use streakcast::photometry::ModelLibrary;
+
+fn sky(elements: Vec<ElementSet>) -> Sky {
+    let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    Sky::new(elements, Observer::new(site), EopTable::embedded(), &choice)
+}
+
+/// Uniform numbers in (0, 1), the same in every run (Knuth's MMIX congruence), and normal ones of them (Box and Muller).
+struct Draws(u64);
+
+impl Draws {
+    fn uniform(&mut self) -> f64 {
+        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        ((self.0 >> 11) as f64 + 0.5) / (1u64 << 53) as f64
+    }
+
+    fn normal(&mut self) -> f64 {
+        (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
+    }
+}
+
+/// Satellites of a shell as if their elements were published, `age_days` before the exposures.
+fn published(age_days: f64, at: Epoch, count: usize) -> Vec<ElementSet> {
+    let epoch = at - age_days * Unit::Day;
+    let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(epoch);
+    // Every satellite of the first shell counts: thinned out evenly.
+    elements.truncate(1584);
+    let step = elements.len() / count;
+    let mut elements: Vec<ElementSet> = elements.into_iter().step_by(step).collect();
+    for set in &mut elements {
+        set.origin = Origin::Published;
+        set.name = "STARLINK-1".into();
+    }
+    elements
+}
+
+/// The same satellites as they may be: each early or late, and off its track, by errors drawn once.
+fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Draws) -> Vec<ElementSet> {
+    elements
+        .iter()
+        .map(|set| {
+            let sigma = uncertainty(OrbitClass::of(set), age_days);
+            let mut set = set.clone();
+            // SGP4 knows of time only since epoch: a later epoch is a later satellite on the same path.
+            set.epoch = seconds_after(set.epoch, sigma.along_track_s * draws.normal());
+            // Off the plane by σ at every argument of latitude: r Δi and r sin i ΔΩ, each with σ.
+            let tilt_deg = (sigma.cross_track_km / 6928.0).to_degrees();
+            set.inclination_deg += tilt_deg * draws.normal();
+            set.right_ascension_of_node_deg = (set.right_ascension_of_node_deg
+                + tilt_deg * draws.normal() / set.inclination_deg.to_radians().sin())
+            .rem_euclid(360.0);
+            set
+        })
+        .collect()
+}
+
+/// Exposures of a twilight all over the sky.
+fn exposures(start: Epoch, count: usize, draws: &mut Draws) -> Vec<Exposure> {
+    (0..count)
+        .map(|number| {
+            let zenith_deg = 60.0 * draws.uniform().sqrt();
+            let turn = std::f64::consts::TAU * draws.uniform();
+            Exposure {
+                id: number.to_string(),
+                start: seconds_after(start, 6.0 * number as f64),
+                duration_s: 30.0,
+                // Around the zenith of that hour: the site's latitude and its sidereal time (16 h at the start), roughly.
+                pointing: Direction::from_lon_lat_rad(
+                    (240.0 + 0.025 * number as f64 + zenith_deg * turn.cos() / 0.86).to_radians(),
+                    (-30.0 + zenith_deg * turn.sin()).to_radians().clamp(-1.5, 1.5),
+                ),
+                rotation_rad: 0.0,
+            }
+        })
+        .collect()
+}
+
+/// Expected numbers of streaks, of streaked exposures, and streak length, against as many draws of all errors.
+///
+/// Tolerance: three sigma of the draws, and 4 % for what the first form leaves out (planes that turn during the delay, the
+/// site standing still, one error across for two directions).
+#[test]
+fn verif_chances_against_draws_of_the_errors() {
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    for (age_days, rounds) in [(1.0, 40), (30.0, 60), (180.0, 60)] {
+        let mut draws = Draws(20_261_121);
+        let exposures = exposures(start, 360, &mut draws);
+        let elements = published(age_days, exposures[180].start, 1584);
+        let chances = sky(elements.clone()).chances(&exposures, &field).expect("chances");
+        let count: f64 = chances.iter().flatten().map(|chance| chance.probability).sum();
+        let any: f64 = chances
+            .iter()
+            .map(|chances| 1.0 - chances.iter().map(|chance| 1.0 - chance.probability).product::<f64>())
+            .sum();
+        let length_deg: f64 = chances.iter().flatten().map(|chance| chance.streak_length_rad.to_degrees()).sum();
+
+        let mut seen = [Vec::new(), Vec::new(), Vec::new()];
+        for _ in 0..rounds {
+            let sky = sky(drawn(&elements, age_days, &mut draws));
+            let passes = sky.field_passes(&exposures, &field, &PassOptions::default()).expect("passes").by_exposure;
+            seen[0].push(passes.iter().map(Vec::len).sum::<usize>() as f64);
+            seen[1].push(passes.iter().filter(|passes| !passes.is_empty()).count() as f64);
+            seen[2].push(passes.iter().flatten().map(|pass| pass.streak_length_rad.to_degrees()).sum());
+        }
+        for ((what, expected), seen) in
+            [("streaks", count), ("exposures", any), ("degrees", length_deg)].iter().zip(&seen)
+        {
+            let n = seen.len() as f64;
+            let mean = seen.iter().sum::<f64>() / n;
+            let sigma = (seen.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
+            println!("{age_days} d: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn");
+            assert!(mean > 1.0, "{age_days} d: too few {what} to tell anything");
+            assert!(
+                (expected - mean).abs() < 3.0 * sigma + 0.04 * mean,
+                "{age_days} d: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn"
+            );
+        }
+    }
+}
+
+/// A pass takes its range, and with it the angle of the error across, in the middle of its chord, a chance where it is nearest.
+const SAME: f64 = 1e-3;
+
+/// Every crossing that is listed is among the chances, as probable as it says, also where it enters or leaves the Earth's shadow.
+#[test]
+fn verif_chances_hold_every_crossing() {
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    for (age_days, at_least) in [(0.0, 12), (3.0, 12)] {
+        let mut draws = Draws(7);
+        // Later in the evening: half of the satellites cross the edge of the shadow.
+        let exposures = exposures(Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 15, 0), 1500, &mut draws);
+        let sky = sky(published(age_days, exposures[750].start, 1584));
+        let passes = sky.field_passes(&exposures, &field, &PassOptions::default()).expect("passes").by_exposure;
+        let chances = sky.chances(&exposures, &field).expect("chances");
+        let mut checked = 0;
+        for (passes, chances) in passes.iter().zip(&chances) {
+            for pass in passes.iter().filter(|pass| pass.probability > 1e-6) {
+                let chance = chances.iter().find(|chance| chance.element_index == pass.element_index);
+                let probability = chance.map_or(0.0, |chance| chance.probability);
+                assert!((probability - pass.probability).abs() < SAME, "{pass:?}: {probability}");
+                checked += 1;
+            }
+        }
+        assert!(checked > at_least, "{age_days} d: only {checked}");
+    }
+}

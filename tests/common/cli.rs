@@ -1,0 +1,40 @@
+//! What the tests of the command line share: running it, and reading what it wrote.
+
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
+/// Dusk over Rubin Observatory under a synthetic constellation: needs no data and always finds something.
+pub const SKY: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
+
+pub fn run(arguments: &[&[&str]]) -> (i32, String, String) {
+    let output = Command::new(STREAKCAST).args(arguments.concat()).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+#[track_caller]
+pub fn done(arguments: &[&[&str]]) -> String {
+    let (code, stdout, stderr) = run(arguments);
+    assert_eq!(code, 0, "{stderr}");
+    stdout
+}
+
+#[track_caller]
+pub fn json(arguments: &[&[&str]]) -> Value {
+    serde_json::from_str(&done(&[&arguments.concat(), &["--format", "json"]])).unwrap()
+}
+
+/// Header and rows of CSV, ECSV: what stands below the `#` lines.
+pub fn records(text: &str) -> Vec<csv::StringRecord> {
+    let reader = csv::ReaderBuilder::new().has_headers(false).comment(Some(b'#')).from_reader(text.as_bytes());
+    reader.into_records().collect::<Result<_, _>>().unwrap()
+}
+
+pub fn path(folder: &TempDir, name: &str) -> String {
+    folder.path().join(name).display().to_string()
+}
+
+/// Field and limit of the schedules.
+pub const FLAG: &[&str] = &["--fov", "3.5deg", "--limit-mag", "6.5"];
