@@ -50,7 +50,9 @@ fn verif_body_table() {
         assert!((-90.0..=0.0).contains(&latitude) && row[0].parse::<f64>().unwrap() < 360.0);
         assert!(row[2].is_empty() || row[2].parse::<f64>().unwrap().is_finite(), "{row:?}");
     }
-    // The height of a satellite that nothing but the Sun lights does not count.
+    assert!(text.contains("# earthshine: \"computed\""));
+    let sunlight = answers(&[BODY, &["--no-earthshine", "--format", "csv"]]);
+    assert!(sunlight.contains("# earthshine: \"off\"") && rows != self::rows(&sunlight));
     assert!(rows.iter().any(|row| row[2].is_empty()) && rows.iter().filter(|row| !row[2].is_empty()).count() > 8000);
 }
 

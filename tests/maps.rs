@@ -4,7 +4,7 @@ mod common;
 
 use streakcast::geometry::Site;
 use streakcast::maps::{BodyView, DEFAULT_STEP_DEG, Earth, FigurePanel, Grid, PAPER_FIGURES, SkyMap, SkyView};
-use streakcast::photometry::{BrightnessModel, Coefficients, ModelLibrary, PhotometryOptions};
+use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelLibrary, PhotometryOptions};
 
 /// One km of range would be 10⁻³ mag; what is left here is the rounding of a quadratic's roots.
 const RANGE_KM: f64 = 1e-6;
@@ -44,7 +44,8 @@ fn valid_sky_against_numpy_rays_and_the_papers_formulas() {
             None => Earth::Sphere,
         };
         let (sun_azimuth, sun_altitude) = (n(4).to_radians(), n(5).to_radians());
-        let view = SkyView::new(&model, earth, n(3), sun_azimuth, sun_altitude, options()).unwrap();
+        let sunlight = PhotometryOptions { earthshine: Earthshine::Off, ..options() };
+        let view = SkyView::new(&model, earth, n(3), sun_azimuth, sun_altitude, sunlight).unwrap();
         let point = view.at(n(6).to_radians(), n(7).to_radians());
         assert!((point.range_km - n(8)).abs() < RANGE_KM, "row {rows}: {} km, {line}", point.range_km);
         let lit = point.lit_fraction;
@@ -93,7 +94,7 @@ fn verif_maps_agree_with_single_predictions() {
     use streakcast::geometry::{ViewingGeometry, illumination};
     let library = ModelLibrary::embedded();
     let site = Site::by_mpc_code("X05").unwrap();
-    let options = PhotometryOptions::in_band("g".parse().unwrap(), "AB".parse().unwrap());
+    let in_g = PhotometryOptions::in_band("g".parse().unwrap(), "AB".parse().unwrap());
     let (sun_azimuth, sun_altitude) = (4.0, -0.3);
     let horizontal = |azimuth: f64, altitude: f64| {
         let direction = Direction::<Horizontal>::from_lon_lat_rad(azimuth, altitude);
@@ -101,7 +102,9 @@ fn verif_maps_agree_with_single_predictions() {
     };
     let observer = *site.itrs().vector();
     let sun = Position::<Gcrs>::from_vector(horizontal(sun_azimuth, sun_altitude) * AU_KM);
-    for name in library.names() {
+    let ways = [Earthshine::Off, Earthshine::Computed];
+    for (name, earthshine) in library.names().flat_map(|name| ways.map(|way| (name, way))) {
+        let options = PhotometryOptions { earthshine, ..in_g };
         let model = library.get(name).unwrap();
         let earth = Earth::Ellipsoid(site.clone());
         let view = SkyView::new(&model, earth, 1200.0, sun_azimuth, sun_altitude, options).unwrap();
@@ -130,6 +133,23 @@ fn verif_maps_agree_with_single_predictions() {
         }
         assert!(lit > 400, "{name}: {lit}");
     }
+}
+
+/// The Earth lights the chassis: most where the Sun stands high, nothing where no lit ground is in view.
+#[test]
+fn verif_earthshine_brightens_a_map() {
+    let model = v15();
+    let gain = |sun_deg: f64| {
+        let at = |earthshine| {
+            let options = PhotometryOptions { earthshine, ..options() };
+            let view = BodyView::new(&model, sun_deg.to_radians(), 550.0, options).unwrap();
+            view.at(std::f64::consts::PI, -1.0).unwrap().0
+        };
+        at(Earthshine::Off) - at(Earthshine::Computed)
+    };
+    assert!(gain(-2.0) > gain(-8.0) && gain(-8.0) > gain(-14.0) && gain(-14.0) >= 0.0);
+    assert!(gain(-2.0) > 0.02, "{}", gain(-2.0));
+    assert!(gain(-30.0).abs() < 1e-9, "{}", gain(-30.0));
 }
 
 #[test]

@@ -6,10 +6,7 @@ use crate::photometry::{BrightnessModel, PhotometryOptions, StandardMagnitude};
 use super::error::{MapError, height, latitude};
 use super::facts::{Fact, FactValue};
 use super::grid::{Grid, fill};
-use super::light::Light;
-
-/// The distance of standard magnitudes, km.
-const STANDARD_RANGE_KM: f64 = 1000.0;
+use super::light::{Light, STANDARD_RANGE_KM};
 
 /// A satellite in full sunlight, to be asked how bright it is from any direction, as figure 6 of Lu (2024) shows it.
 ///
@@ -82,7 +79,7 @@ impl<'a> BodyView<'a> {
     /// Magnitude at 1000 km in one direction; `None` where nothing lit is seen.
     pub fn at(&self, observer_longitude_rad: f64, observer_latitude_rad: f64) -> Option<StandardMagnitude> {
         let to_observer = Direction::from_lon_lat_rad(observer_longitude_rad, observer_latitude_rad);
-        self.light.standard_magnitude(&self.to_sun, &to_observer)
+        self.light.standard_magnitude(&self.to_sun, &to_observer, self.height_km, 1.0)
     }
 
     /// What the answers rest on.

@@ -1,9 +1,13 @@
 //! From directions to magnitudes: the model's light in the band that was asked for.
 
 use crate::frames::{Body, Direction};
-use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, StandardMagnitude, airmass};
+use crate::geometry::ViewingGeometry;
+use crate::photometry::{BrightnessModel, Earthshine, Magnitude, PhotometryOptions, StandardMagnitude, airmass};
 
 use super::facts::{Fact, FactValue};
+
+/// The distance of standard magnitudes, km.
+pub(super) const STANDARD_RANGE_KM: f64 = 1000.0;
 
 /// A model with what is the same in every direction.
 ///
@@ -25,14 +29,30 @@ impl<'a> Light<'a> {
         Self { model, options, colour_mag }
     }
 
-    /// At 1000 km in full sunlight, the Sun at 1 au; `None` where nothing lit is seen.
+    /// At 1000 km by sunlight of which `lit_fraction` (above 0) is left and, where it is not off, earthshine; the Sun at 1 au. `None` where nothing
+    /// lit is seen.
     pub fn standard_magnitude(
         &self,
         to_sun: &Direction<Body>,
         to_observer: &Direction<Body>,
+        height_km: f64,
+        lit_fraction: f64,
     ) -> Option<StandardMagnitude> {
+        if self.options.earthshine != Earthshine::Off && self.model.satellite().is_some() {
+            let geometry = ViewingGeometry::from_angles(
+                to_sun.latitude_rad(),
+                to_observer.longitude_rad(),
+                to_observer.latitude_rad(),
+                STANDARD_RANGE_KM,
+                height_km,
+            )?;
+            let options = PhotometryOptions { sun_distance: false, extinction_mag_per_airmass: None, ..self.options };
+            let bright = self.model.brightness(&geometry, lit_fraction, &options)?;
+            return Some(StandardMagnitude(bright.magnitude.0));
+        }
         let standard = self.model.standard_magnitude_towards(to_sun, to_observer)?;
-        Some(StandardMagnitude(standard.0 + self.colour_mag))
+        let shade = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
+        Some(StandardMagnitude(standard.0 + self.colour_mag + shade))
     }
 
     /// What distance and air add to a standard magnitude; `None` where the air lets nothing through, at the horizon.
@@ -51,6 +71,7 @@ impl<'a> Light<'a> {
             Fact::new("model", "MODEL", text(&self.model.source()), "what magnitudes rest on"),
             Fact::new("band", "BAND", text(&self.options.band), "passband"),
             Fact::new("mag_system", "MAGSYS", text(&self.options.system), "zero point"),
+            Fact::new("earthshine", "ERTHSHIN", text(&self.options.earthshine.name()), "on two-panel models"),
         ];
         if self.model.file().is_some_and(|file| file.provenance.provisional) {
             facts.push(Fact::new("model_status", "MODSTAT", text(&"provisional"), "as the model file says"));

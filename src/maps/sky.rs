@@ -221,9 +221,8 @@ impl<'a> SkyView<'a> {
         let lit_fraction = self.lit_fraction(&satellite);
         let magnitude = dimming.filter(|_| lit_fraction > 0.0).and_then(|dimming| {
             let (to_sun, to_observer) = self.body_directions(&satellite, &direction);
-            let standard = self.light.standard_magnitude(&to_sun, &to_observer)?;
-            let shade = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
-            Some(dimming.dimmed_by(standard.0 + shade))
+            let standard = self.light.standard_magnitude(&to_sun, &to_observer, self.height_km(), lit_fraction)?;
+            Some(dimming.dimmed_by(standard.0))
         });
         SkyPoint { azimuth_rad, altitude_rad: row.altitude_rad, range_km, lit_fraction, magnitude }
     }

@@ -13,7 +13,6 @@
 //! near misses of [`Sky::field_passes`] are summed.
 
 use std::f64::consts::{PI, TAU};
-use std::sync::Arc as Shared;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
@@ -27,10 +26,11 @@ use super::scene::{Scene, end_s, groups};
 use super::sightline::{ObserverMotion, SightLine};
 use super::sky::{PassOptions, Sky, SkyError, check_epoch};
 use super::track::FieldPass;
+use super::windows::Wanted;
 use crate::constants::DAY_S;
 use crate::frames::{Gcrs, Orientation, Position, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel};
-use crate::orbit::{Arc, Cone, MAX_WINDOW_S, OrbitUncertainty, Propagator, Reach};
+use crate::orbit::{Arc, Cone, OrbitUncertainty, Propagator, Reach};
 
 /// Earth's gravity in the WGS72 constants of SGP4, km³/s².
 const MU_KM3_S2: f64 = 398_600.8;
@@ -90,23 +90,11 @@ impl Sky {
             let start = exposures[group[0]].start;
             let span_s = group.iter().map(|&one| end_s(start, &exposures[one])).fold(0.0, f64::max);
             let mut scene = self.scene_without_windows(start, span_s);
-            let middle = seconds_after(start, 0.5 * span_s);
-            let reach = |element_index: usize| {
-                let sigma =
-                    self.uncertainty_at(element_index, seconds_between(self.elements()[element_index].epoch, middle));
-                Reach {
-                    along_track_s: REACH_SIGMAS * sigma.along_track_s,
-                    cross_track_km: REACH_SIGMAS * sigma.cross_track_km,
-                }
+            let reach = |sigma: OrbitUncertainty| Reach {
+                along_track_s: REACH_SIGMAS * sigma.along_track_s,
+                cross_track_km: REACH_SIGMAS * sigma.cross_track_km,
             };
-            let count = (span_s / MAX_WINDOW_S).ceil().max(1.0);
-            let length_s = span_s / count;
-            scene.windows = (0..count as usize)
-                .map(|number| {
-                    let window_start = seconds_after(start, length_s * number as f64);
-                    Shared::new(self.index().window(window_start, seconds_after(window_start, length_s), &reach))
-                })
-                .collect();
+            scene.windows = self.windows_over(start, seconds_after(start, span_s), Wanted::Anyone, reach);
             let found: Vec<(usize, Vec<Chance>)> = group
                 .par_iter()
                 .map_init(Vec::new, |candidates, &one| {

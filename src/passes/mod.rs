@@ -2,6 +2,7 @@
 
 mod chance;
 mod crossing;
+mod expose;
 mod exposure;
 mod field;
 mod horizon;

@@ -11,11 +11,22 @@ use hifitime::{Duration, Epoch};
 use crate::frames::{seconds_after, seconds_between};
 use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, Window};
 
-/// Windows that are kept: a day and a night on both sides of midnight. About 2 MB each for 15,000 satellites.
-const KEPT: usize = 6;
+/// Windows that are kept: a night of three, for crossings and for chances, and room. About 2 MB each for 15,000 satellites.
+const KEPT: usize = 8;
 
-/// A window's place on the grid, and whether it looks for near misses.
-type Key = (i64, bool);
+/// How far from its prediction a window still wants a satellite.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(super) enum Wanted {
+    /// Nominal crossings alone.
+    Crossings,
+    /// Near misses that are listed.
+    NearMisses,
+    /// Whoever may come by, however late.
+    Anyone,
+}
+
+/// A window's place on the grid, and what it wants.
+type Key = (i64, Wanted);
 
 /// The last windows that were asked for, newest last.
 #[derive(Debug, Default)]
@@ -33,27 +44,27 @@ impl Windows {
     /// The windows that hold the time from `start` to `end`, in order; those that are not kept are made on all threads.
     ///
     /// `reach` gives, for an element index and the two ends of a window, how far from its prediction a satellite is still
-    /// wanted; `None` asks for nominal crossings alone.
+    /// wanted; it must be the same function for the same `wanted`.
     pub fn over(
         &self,
         index: &SatelliteIndex,
         start: Epoch,
         end: Epoch,
-        reach: Option<&(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync)>,
+        wanted: Wanted,
+        reach: &(dyn Fn(usize, [Epoch; 2]) -> Reach + Sync),
     ) -> Vec<Arc<Window>> {
         let grid = Epoch::from_tai_duration(Duration::ZERO);
         let number = |epoch: Epoch| (seconds_between(grid, epoch) / MAX_WINDOW_S).floor() as i64;
         (number(start)..=number(end))
             .map(|number| {
-                let key = (number, reach.is_some());
+                let key = (number, wanted);
                 if let Some(window) = self.kept(key) {
                     return window;
                 }
                 // Made outside of the lock: the threads that help may come here with questions of their own.
                 let from = seconds_after(grid, MAX_WINDOW_S * number as f64);
                 let ends = [from, seconds_after(from, MAX_WINDOW_S)];
-                let reach_of = |element_index| reach.map_or_else(Reach::default, |reach| reach(element_index, ends));
-                let window = Arc::new(index.window(ends[0], ends[1], &reach_of));
+                let window = Arc::new(index.window(ends[0], ends[1], &|element_index| reach(element_index, ends)));
                 self.keep(key, &window);
                 window
             })

@@ -51,9 +51,32 @@ pub struct Brightness {
     pub grey_reflectance: bool,
 }
 
+/// Light that the Earth throws on the chassis of a two-panel model.
+///
+/// The paper is of two minds on whether its final model has it (section 4.3 against 4.4). Phase functions and
+/// means rest on measured magnitudes, which hold it already, and ignore the switch; so do models that list their panels.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Earthshine {
+    /// Sunlight alone.
+    Off,
+    /// A spherical Lambertian Earth of albedo 0.3, summed for each geometry to 0.001 mag.
+    #[default]
+    Computed,
+}
+
+impl Earthshine {
+    /// As provenance spells it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Off => "off",
+            Self::Computed => "computed",
+        }
+    }
+}
+
 /// Which magnitude is asked for.
 ///
-/// The default is what the paper computes: V in the Vega system, the Sun at 1 au, no atmosphere.
+/// The default is what the paper computes: V in the Vega system, the Sun at 1 au, no atmosphere, with earthshine.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PhotometryOptions {
     /// Passband of the answer.
@@ -65,11 +88,19 @@ pub struct PhotometryOptions {
     /// Extinction coefficient k of the site, mag per airmass; `None` gives magnitudes above the atmosphere.
     /// With it a satellite at or below the observer's horizon has no magnitude.
     pub extinction_mag_per_airmass: Option<f64>,
+    /// Earthshine on two-panel models.
+    pub earthshine: Earthshine,
 }
 
 impl Default for PhotometryOptions {
     fn default() -> Self {
-        Self { band: Band::V, system: MagSystem::Vega, sun_distance: false, extinction_mag_per_airmass: None }
+        Self {
+            band: Band::V,
+            system: MagSystem::Vega,
+            sun_distance: false,
+            extinction_mag_per_airmass: None,
+            earthshine: Earthshine::default(),
+        }
     }
 }
 

@@ -7,7 +7,7 @@ use crate::geometry::ViewingGeometry;
 
 use super::band::{Band, MagSystem};
 use super::batch::{BodyAngles, standard_magnitudes};
-use super::brightness::{Brightness, MagnitudeSource, PhotometryOptions};
+use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 use super::magnitude::{StandardMagnitude, airmass};
 use super::model_file::{GeometryRange, ModelFile, ModelFileError, ModelKind};
 use super::panels::PanelAssembly;
@@ -185,9 +185,10 @@ impl BrightnessModel {
         }
     }
 
-    /// Magnitude at 1000 km in full sunlight, in the model's own band and system; `None` where nothing lit is seen.
+    /// Magnitude at 1000 km by full sunlight alone, in the model's own band and system; `None` where nothing lit is
+    /// seen.
     pub fn standard_magnitude(&self, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
-        self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer())
+        self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), 0.0)
     }
 
     /// The same from unit vectors in the body frame (the Sun's y is 0), for those who have them and need no angles.
@@ -196,10 +197,31 @@ impl BrightnessModel {
         to_sun: &Direction<Body>,
         to_observer: &Direction<Body>,
     ) -> Option<StandardMagnitude> {
-        self.standard_magnitude_of(to_sun, to_observer)
+        self.standard_magnitude_of(to_sun, to_observer, 0.0)
     }
 
-    /// Magnitudes at 1000 km in full sunlight for many directions at once, into `out`; not a number where nothing lit is
+    /// Magnitude at 1000 km by full sunlight and, where it is not off, earthshine.
+    pub fn standard_magnitude_with(
+        &self,
+        geometry: &ViewingGeometry,
+        earthshine: Earthshine,
+    ) -> Option<StandardMagnitude> {
+        let earth_m2_sr = self.earthshine_m2_sr(geometry, earthshine);
+        self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), earth_m2_sr)
+    }
+
+    /// 0 for models that are not a chassis and a sail.
+    fn earthshine_m2_sr(&self, geometry: &ViewingGeometry, earthshine: Earthshine) -> f64 {
+        match (&self.law, earthshine) {
+            (Law::TwoPanel(model), Earthshine::Computed) => {
+                let earth = model.earth_terms(geometry);
+                earth.glossy_m2_sr + earth.diffuse_m2_sr
+            }
+            _ => 0.0,
+        }
+    }
+
+    /// Magnitudes at 1000 km by full sunlight alone for many directions at once, into `out`; not a number where nothing lit is
     /// seen. As many are written as the shortest column holds; the rest of `out` stays.
     ///
     /// The same as [`Self::standard_magnitude`] to 1e-9 mag. The two-panel form runs through the machine's widest vectors,
@@ -213,7 +235,7 @@ impl BrightnessModel {
         let rows = angles.sun_latitude_rad.iter().zip(angles.observer_longitude_rad).zip(angles.observer_latitude_rad);
         for (((&sun, &longitude), &latitude), out) in rows.zip(out) {
             let to_sun = Direction::from_lon_lat_rad(0.0, sun);
-            let magnitude = self.standard_magnitude_of(&to_sun, &Direction::from_lon_lat_rad(longitude, latitude));
+            let magnitude = self.standard_magnitude_of(&to_sun, &Direction::from_lon_lat_rad(longitude, latitude), 0.0);
             *out = magnitude.map_or(f64::NAN, |magnitude| magnitude.0);
         }
     }
@@ -222,11 +244,12 @@ impl BrightnessModel {
         &self,
         to_sun: &Direction<Body>,
         to_observer: &Direction<Body>,
+        earth_m2_sr: f64,
     ) -> Option<StandardMagnitude> {
         match &self.law {
             Law::TwoPanel(model) => {
-                let b_total = model.terms_of_directions(to_sun.vector(), to_observer.vector()).b_total_m2_sr();
-                StandardMagnitude::from_reflection(b_total, self.band.sun_magnitude(self.system))
+                let sunlight = model.terms_of_directions(to_sun.vector(), to_observer.vector()).b_total_m2_sr();
+                StandardMagnitude::from_reflection(sunlight + earth_m2_sr, self.band.sun_magnitude(self.system))
             }
             Law::Panels(assembly) => {
                 let b_total = assembly.b_total_m2_sr(to_sun.vector(), to_observer.vector());
@@ -252,7 +275,9 @@ impl BrightnessModel {
             return None;
         }
         let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
-        let standard = self.standard_magnitude_of(&to_sun, &to_observer)?;
+        // The Earth's shadow dims the Sun and not the Earth: what the dimming below takes away is added before.
+        let earth_m2_sr = self.earthshine_m2_sr(geometry, options.earthshine) / lit_fraction.min(1.0);
+        let standard = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr)?;
         let grey_reflectance = options.band != self.band;
         // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
         let colour = options.band.sun_magnitude(options.system) - self.band.sun_magnitude(self.system);

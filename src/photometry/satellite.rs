@@ -1,8 +1,8 @@
-//! The paper's satellite: a chassis and a sail, five terms of reflected light, each to be had apart.
+//! The paper's satellite: a chassis and a sail, five terms of reflected sunlight and two of earthshine, each to be had apart.
 //!
 //! B_total = glossy + diffuse of the sail's front, light leaking through its back, glossy + diffuse of the chassis
 //! (Lu 2024, section 2.1). The sail is kept turned to the Sun about the zenith and stands on the chassis, leaning by
-//! the panel offset angle; the chassis looks straight down. Earthshine on the chassis is not in these terms.
+//! the panel offset angle; the chassis looks straight down. Earthshine falls on the chassis alone (section 2.4).
 
 use std::f64::consts::{FRAC_1_PI, TAU};
 
@@ -12,10 +12,12 @@ use crate::geometry::ViewingGeometry;
 
 use super::blocking::{Blocked, ChassisBlocking};
 use super::brdf::{Lambert, Phong};
+use super::brightness::Earthshine;
+use super::earthshine::{EarthTerms, PAPER_ALBEDO, Shine};
 use super::model_file::{Coefficients, SatelliteShape};
 use super::panel::Panel;
 
-/// Reflected sunlight term by term, and what the chassis hides of the sail. All in m² sr⁻¹, cosines and areas included.
+/// Reflected light term by term, and what the chassis hides of the sail. All in m² sr⁻¹, cosines and areas included.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Terms {
     /// Glossy lobe of the sail's front (c1, n_sail), eq. 2.
@@ -28,13 +30,27 @@ pub struct Terms {
     pub base_glossy_m2_sr: f64,
     /// Diffuse light of the chassis (c5), eq. 6.
     pub base_diffuse_m2_sr: f64,
+    /// Earthshine in the glossy lobe of the chassis (c4, n_base), section 2.4; 0 where it was not asked for.
+    pub earth_glossy_m2_sr: f64,
+    /// Earthshine as diffuse light of the chassis (c5); 0 where it was not asked for.
+    pub earth_diffuse_m2_sr: f64,
     /// Shares of the sail that the chassis hides or shades.
     pub blocked: Blocked,
 }
 
 impl Terms {
-    /// Their sum, m² sr⁻¹; eq. 1.
+    /// Their sum, m² sr⁻¹; eq. 1 and earthshine.
     pub fn b_total_m2_sr(&self) -> f64 {
+        self.sunlight_m2_sr() + self.earthshine_m2_sr()
+    }
+
+    /// The two terms of earthshine.
+    pub fn earthshine_m2_sr(&self) -> f64 {
+        self.earth_glossy_m2_sr + self.earth_diffuse_m2_sr
+    }
+
+    /// The five terms of light straight from the Sun; eq. 1.
+    pub fn sunlight_m2_sr(&self) -> f64 {
         self.sail_glossy_m2_sr
             + self.sail_diffuse_m2_sr
             + self.sail_back_m2_sr
@@ -42,6 +58,9 @@ impl Terms {
             + self.base_diffuse_m2_sr
     }
 }
+
+/// Stands for the exponent where there is no lobe: the fewest nodes serve.
+const BROAD_EXPONENT: f64 = 4.0;
 
 /// The numbers of a two-panel satellite, for loops over many directions.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -103,6 +122,48 @@ impl SatelliteModel {
         })
     }
 
+    /// All seven terms for full sunlight, or five where earthshine is off.
+    pub fn terms_with(&self, geometry: &ViewingGeometry, earthshine: Earthshine) -> Terms {
+        let mut terms = self.terms(geometry);
+        if earthshine == Earthshine::Computed {
+            let earth = self.earth_terms(geometry);
+            terms.earth_glossy_m2_sr = earth.glossy_m2_sr;
+            terms.earth_diffuse_m2_sr = earth.diffuse_m2_sr;
+        }
+        terms
+    }
+
+    /// Earthshine on the chassis under the paper's Earth (Lambertian, albedo 0.3), computed: 1 to 5 µs at n_base = 22,
+    /// and nothing where no ground in view is lit.
+    pub fn earth_terms(&self, geometry: &ViewingGeometry) -> EarthTerms {
+        let to_observer = geometry.to_observer();
+        if to_observer.vector().dot(&self.base.normal) <= 0.0 {
+            return EarthTerms::default();
+        }
+        // Where there is no lobe none need be resolved.
+        let exponent = if self.base_glossy.weight > 0.0 { self.base_glossy.exponent } else { BROAD_EXPONENT };
+        let shine = Shine::on_panel(
+            geometry.sun_latitude_rad,
+            geometry.height_km,
+            PAPER_ALBEDO,
+            &self.base.normal,
+            to_observer.vector(),
+            exponent,
+        );
+        self.earth_terms_of(&shine, to_observer.vector())
+    }
+
+    /// Earthshine on the chassis from what falls on it: by a table, or under another Earth.
+    pub fn earth_terms_of(&self, shine: &Shine, to_observer: &Vector3<f64>) -> EarthTerms {
+        let cos_out = self.base.normal.dot(to_observer);
+        shine.reflected(self.base.area_m2, cos_out, &self.base_diffuse, &self.base_glossy)
+    }
+
+    /// Exponent of the chassis' glossy lobe: what a table of earthshine is made for.
+    pub fn base_exponent(&self) -> f64 {
+        self.base_glossy.exponent
+    }
+
     /// All numbers at once.
     pub(super) fn numbers(&self) -> TwoPanelNumbers {
         let widths = [self.blocking.sail_width_m(), self.blocking.base_width_m()];
@@ -128,14 +189,14 @@ impl SatelliteModel {
         }
     }
 
-    /// The five terms for full sunlight.
+    /// The five terms of full sunlight.
     pub fn terms(&self, geometry: &ViewingGeometry) -> Terms {
         let to_sun = geometry.to_sun();
         let to_observer = geometry.to_observer();
         self.terms_of_directions(to_sun.vector(), to_observer.vector())
     }
 
-    /// The five terms from unit vectors to Sun (its y is 0) and observer, in the body frame.
+    /// The five terms of sunlight from unit vectors to Sun (its y is 0) and observer, in the body frame.
     pub fn terms_of_directions(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Terms {
         let sail = self.sail.incidence(to_sun, to_observer);
         let base = self.base.incidence(to_sun, to_observer);
@@ -149,6 +210,8 @@ impl SatelliteModel {
             sail_back_m2_sr: self.sail.through_m2_sr(&self.sail_back, &sail) * (1.0 - blocked.shadow),
             base_glossy_m2_sr: self.base.front_m2_sr(&self.base_glossy, &base),
             base_diffuse_m2_sr: self.base.front_m2_sr(&self.base_diffuse, &base),
+            earth_glossy_m2_sr: 0.0,
+            earth_diffuse_m2_sr: 0.0,
             blocked,
         }
     }

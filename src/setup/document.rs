@@ -68,6 +68,8 @@ pub struct Setup {
     pub band: Option<String>,
     /// Zero point of the magnitudes, `Vega` or `AB`.
     pub mag_system: Option<String>,
+    /// Light from the Earth on two-panel models; true where nothing is said.
+    pub earthshine: Option<bool>,
     /// Crossings brighter than this make an exposure one to avoid: one number, or a table by band.
     pub limit_mag: Option<MagnitudeLimit>,
     /// Near misses at least this probable count too.
@@ -199,6 +201,7 @@ impl Setup {
             telescope: self.telescope.or(base.telescope),
             band: self.band.or(base.band),
             mag_system: self.mag_system.or(base.mag_system),
+            earthshine: self.earthshine.or(base.earthshine),
             limit_mag: self.limit_mag.or(base.limit_mag),
             min_probability: self.min_probability.or(base.min_probability),
             max_delay: self.max_delay.or(base.max_delay),

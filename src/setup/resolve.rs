@@ -8,7 +8,7 @@ use crate::catalogue::{Catalogue, Constellation, ElementSet, Keep, ReadOptions};
 use crate::frames::{Direction, EopTable, parse_declination_deg, parse_right_ascension_deg};
 use crate::geometry::{EarthLimb, GeometryError, Observer, ShadowModel, Site};
 use crate::passes::{Exposure, Field, OrbitingObserver, SkyError, Viewpoint};
-use crate::photometry::{Band, PhotometryOptions};
+use crate::photometry::{Band, Earthshine, PhotometryOptions};
 use crate::schedule::{Policy, PolicyError, ScheduleOptions, is_covered};
 use crate::telescope::{FieldOfView, Telescope};
 
@@ -192,14 +192,16 @@ impl Setup {
         Ok(policy)
     }
 
-    /// Band and zero point of the magnitudes; V (Vega) where nothing was said.
+    /// Band and zero point of the magnitudes, and whether the Earth shines on satellites; V (Vega) and yes where nothing
+    /// was said.
     ///
     /// # Errors
     /// A band or system that is not known.
     pub fn photometry(&self) -> Result<PhotometryOptions, SetupError> {
         let band: Band = self.band.as_deref().unwrap_or("V").parse()?;
         let system = self.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
-        Ok(PhotometryOptions::in_band(band, system))
+        let earthshine = if self.earthshine.unwrap_or(true) { Earthshine::Computed } else { Earthshine::Off };
+        Ok(PhotometryOptions { earthshine, ..PhotometryOptions::in_band(band, system) })
     }
 
     /// Points along each track; 0 where nothing was said.
@@ -460,5 +462,10 @@ mod tests {
             ("Vega", "AB", "Vega")
         );
         assert!(setup("band = 'q'").photometry().is_err());
+        let earthshine = |text: &str| setup(text).photometry().unwrap().earthshine;
+        assert_eq!(
+            [earthshine(""), earthshine("earthshine = true"), earthshine("earthshine = false")],
+            [Earthshine::Computed, Earthshine::Computed, Earthshine::Off]
+        );
     }
 }

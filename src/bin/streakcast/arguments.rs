@@ -95,6 +95,9 @@ pub struct SharedArguments {
     /// Zero point of the magnitudes: Vega or AB; each band has its usual one
     #[arg(long, value_name = "SYSTEM", help_heading = "Camera")]
     pub mag_system: Option<String>,
+    /// Two-panel models by sunlight alone, without the light that the Earth throws on the chassis
+    #[arg(long, help_heading = "Camera")]
+    pub no_earthshine: bool,
     /// Near misses count too where they are at least this probable
     #[arg(long, value_name = "P", help_heading = "Camera")]
     pub min_probability: Option<f64>,
@@ -282,6 +285,7 @@ impl SharedArguments {
             telescope: self.telescope.clone().map(TelescopeSetup::Name),
             band: self.band.clone(),
             mag_system: self.mag_system.clone(),
+            earthshine: self.no_earthshine.then_some(false),
             min_probability: self.min_probability,
             time_scale: self.time_scale.clone(),
             eop: self.eop.clone(),

@@ -38,6 +38,9 @@ pub struct LightArguments {
     /// Zero point of the magnitudes: Vega or AB; each band has its usual one
     #[arg(long, value_name = "SYSTEM")]
     pub mag_system: Option<String>,
+    /// No light from the Earth on two-panel models: sunlight alone
+    #[arg(long)]
+    pub no_earthshine: bool,
     /// Configuration file: band, site and models of one's own; flags that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     pub config: Option<PathBuf>,
@@ -139,6 +142,9 @@ pub struct MapPaperArguments {
     /// Brightness model by name (streakcast model list), or a model file
     #[arg(long, value_name = "NAME", default_value = "starlink-v1.5")]
     pub model: String,
+    /// No light from the Earth on two-panel models: sunlight alone
+    #[arg(long)]
+    pub no_earthshine: bool,
 }
 
 impl LightArguments {
@@ -147,6 +153,7 @@ impl LightArguments {
         let light = Setup {
             band: self.band.clone(),
             mag_system: self.mag_system.clone(),
+            earthshine: self.no_earthshine.then_some(false),
             threads: self.threads,
             quiet: self.quiet.then_some(true),
             ..Setup::default()

@@ -22,10 +22,17 @@ pub struct Lambert {
     pub albedo: f64,
 }
 
-impl Brdf for Lambert {
-    fn value_per_sr(&self, _incidence: &Incidence) -> f64 {
+impl Lambert {
+    /// Reflectance, the same for every incidence, sr⁻¹.
+    pub fn per_sr(&self) -> f64 {
         // f = c / π                                                      Lu (2024), eq. 3
         self.albedo * FRAC_1_PI
+    }
+}
+
+impl Brdf for Lambert {
+    fn value_per_sr(&self, _incidence: &Incidence) -> f64 {
+        self.per_sr()
     }
 }
 

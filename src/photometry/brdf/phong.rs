@@ -28,6 +28,14 @@ pub struct Phong {
     pub exponent: f64,
 }
 
+impl Phong {
+    /// Reflectance in the mirror direction, sr⁻¹.
+    pub fn peak_per_sr(&self) -> f64 {
+        // c (n + 2) / 2π                                                 Lu (2024), eq. 2
+        self.weight * (self.exponent + 2.0) / TAU
+    }
+}
+
 impl Brdf for Phong {
     fn value_per_sr(&self, incidence: &Incidence) -> f64 {
         // A lobe of no weight costs nothing; and 0 · 0⁰ has no say.
@@ -35,7 +43,7 @@ impl Brdf for Phong {
             return 0.0;
         }
         // f = c (n + 2) / 2π · cosⁿθ                                     Lu (2024), eq. 2
-        self.weight * (self.exponent + 2.0) / TAU * incidence.cos_mirror.powf(self.exponent)
+        self.peak_per_sr() * incidence.cos_mirror.powf(self.exponent)
     }
 }
 

@@ -87,11 +87,12 @@ struct Asked {
     photometry: PhotometryOptions,
 }
 
-/// Time scale, band and zero point, as every verb states them.
+/// Time scale and what magnitudes are of, as every verb states them.
 pub fn state_scales(provenance: &mut Provenance, time_scale: &str, photometry: &PhotometryOptions) {
     provenance.state("time_scale", time_scale);
     provenance.state("band", photometry.band.name());
     provenance.state("mag_system", photometry.system.to_string());
+    provenance.state("earthshine", photometry.earthshine.name());
 }
 
 /// A report in which no row was judged.

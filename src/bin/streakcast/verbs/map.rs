@@ -208,7 +208,7 @@ mod pictures {
 
     use anyhow::anyhow;
     use streakcast::maps::PAPER_FIGURES;
-    use streakcast::photometry::{ModelLibrary, PhotometryOptions};
+    use streakcast::photometry::{Earthshine, ModelLibrary, PhotometryOptions};
     use streakcast::plot::{Picture, PictureFormat, paper_picture};
 
     use crate::failure::Outcome;
@@ -238,11 +238,13 @@ mod pictures {
         if !folder.is_dir() {
             fs::create_dir(folder).map_err(|error| anyhow!("cannot make the folder {}: {error}", folder.display()))?;
         }
+        let earthshine = if typed.no_earthshine { Earthshine::Off } else { Earthshine::default() };
+        let options = PhotometryOptions { earthshine, ..PhotometryOptions::default() };
         let mut pictures = Vec::new();
         for figure in &PAPER_FIGURES {
             let path = folder.join(format!("figure-{}.{end}", figure.number));
             check(&path)?;
-            let picture = paper_picture(figure, &model, PhotometryOptions::default())?;
+            let picture = paper_picture(figure, &model, options)?;
             pictures.push((path, picture.to_bytes(format)?));
         }
         for (path, bytes) in &pictures {
