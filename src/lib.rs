@@ -19,9 +19,13 @@ pub mod catalogue;
 pub mod constants;
 pub mod frames;
 pub mod geometry;
+pub mod healpix;
+pub mod maps;
 pub mod orbit;
 pub mod passes;
 pub mod photometry;
+#[cfg(feature = "plot")]
+pub mod plot;
 pub mod schedule;
 pub mod setup;
 pub mod table;

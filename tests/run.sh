@@ -53,7 +53,9 @@ else
     step "without features" cargo check --quiet --no-default-features
     step "cli alone" cargo check --quiet --no-default-features --features cli
     step "sqlite alone" cargo check --quiet --no-default-features --features sqlite
+    step "fits and plot alone" cargo check --quiet --no-default-features --features fits,plot
     step "example flag_exposures" cargo run --quiet --example flag_exposures
+    step "example sky_map" cargo run --quiet --example sky_map
     # What the pages show is what comes out: every line of the answer stands in them.
     transcript() {
         local page=$1

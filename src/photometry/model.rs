@@ -191,7 +191,16 @@ impl BrightnessModel {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), 0.0)
     }
 
-    /// The same by sunlight and, where it is not off, earthshine.
+    /// The same from unit vectors in the body frame (the Sun's y is 0), for those who have them and need no angles.
+    pub fn standard_magnitude_towards(
+        &self,
+        to_sun: &Direction<Body>,
+        to_observer: &Direction<Body>,
+    ) -> Option<StandardMagnitude> {
+        self.standard_magnitude_of(to_sun, to_observer, 0.0)
+    }
+
+    /// Magnitude at 1000 km by full sunlight and, where it is not off, earthshine.
     pub fn standard_magnitude_with(
         &self,
         geometry: &ViewingGeometry,

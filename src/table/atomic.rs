@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 
-use tempfile::{Builder, NamedTempFile};
+use tempfile::{Builder, NamedTempFile, TempDir};
 
 /// A file in the making. Dropped without [`finish`](AtomicFile::finish), it leaves nothing behind.
 #[derive(Debug)]
@@ -49,6 +49,25 @@ impl AtomicFile {
     pub fn finish(self) -> io::Result<()> {
         self.temporary.as_file().sync_all()?;
         self.temporary.persist(&self.target).map(drop).map_err(|error| error.error)
+    }
+}
+
+/// A folder for files that only pass through; removed with all in it when dropped.
+#[derive(Debug)]
+pub struct ScratchFolder(TempDir);
+
+impl ScratchFolder {
+    /// Makes one in `parent`.
+    ///
+    /// # Errors
+    /// `parent` is missing or cannot be written to.
+    pub fn new(parent: &Path) -> io::Result<Self> {
+        Builder::new().prefix("streakcast-").tempdir_in(parent).map(Self).map_err(|error| of_folder(parent, &error))
+    }
+
+    /// Where it is.
+    pub fn path(&self) -> &Path {
+        self.0.path()
     }
 }
 

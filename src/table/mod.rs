@@ -13,7 +13,7 @@ mod provenance;
 mod value;
 
 pub use self::csv::write_csv;
-pub use atomic::{AtomicFile, check_target, write_atomically};
+pub use atomic::{AtomicFile, ScratchFolder, check_target, write_atomically};
 pub use column::{Column, Kind};
 pub use ecsv::write_ecsv;
 pub use instant::format_utc;

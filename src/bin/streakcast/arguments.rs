@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use streakcast::schedule::MagnitudeLimit;
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
+use crate::map_arguments::MapArguments;
 use crate::output::Output;
 
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
@@ -24,6 +25,8 @@ pub enum Verb {
     Flag(Box<FlagArguments>),
     /// The schedule file again, every cell as it was, with flags and streaks beside
     Annotate(Box<AnnotateArguments>),
+    /// Maps of magnitude over a satellite's own sky and over that of a site
+    Map(MapArguments),
     /// The brightness models: list, show, check
     Model(ModelArguments),
     /// The observatories known by name and MPC code

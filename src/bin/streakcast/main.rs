@@ -2,6 +2,7 @@
 
 mod arguments;
 mod failure;
+mod map_arguments;
 mod notices;
 mod output;
 mod screen;
@@ -23,6 +24,7 @@ fn main() -> ExitCode {
         Verb::Passes(typed) => verbs::passes::run(*typed),
         Verb::Flag(typed) => verbs::flag::run(*typed),
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
+        Verb::Map(typed) => verbs::map::run(typed),
         Verb::Model(typed) => verbs::model::run(typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),
         Verb::Shells(typed) => verbs::shells::run(&typed),

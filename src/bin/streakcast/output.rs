@@ -71,7 +71,7 @@ impl Output {
         };
         let format = format.map(Format::by_name).transpose()?.unwrap_or_else(unsaid);
         if let Some(path) = &path {
-            check_target(path).map_err(|error| cannot_write(path, &error))?;
+            check(path)?;
         }
         Ok(Self { format, path })
     }
@@ -110,6 +110,17 @@ impl Output {
             }
         }
     }
+}
+
+/// That a file can be made there, asked before any work.
+pub fn check(path: &Path) -> anyhow::Result<()> {
+    check_target(path).map_err(|error| cannot_write(path, &error))
+}
+
+/// Writes a file of bytes, whole or not at all.
+#[cfg(any(feature = "fits", feature = "plot"))]
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
+    write_atomically(path, |out| out.write_all(bytes)).map_err(|error| cannot_write(path, &error))
 }
 
 pub fn cannot_write(path: &Path, error: &io::Error) -> anyhow::Error {

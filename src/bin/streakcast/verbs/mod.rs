@@ -3,6 +3,7 @@
 pub mod annotate;
 pub mod flag;
 mod judged;
+pub mod map;
 pub mod model;
 pub mod passes;
 pub mod shells;

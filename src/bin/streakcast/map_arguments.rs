@@ -1,0 +1,177 @@
+//! What can be typed after `map`.
+
+use std::path::PathBuf;
+
+#[cfg(feature = "plot")]
+use clap::ValueEnum;
+use clap::{Args, Subcommand};
+use streakcast::setup::{Setup, SiteSetup};
+
+use crate::arguments::setup_of;
+
+#[derive(Args)]
+pub struct MapArguments {
+    #[command(subcommand)]
+    pub verb: MapVerb,
+}
+
+#[derive(Subcommand)]
+pub enum MapVerb {
+    /// Magnitude at 1000 km in every direction below a satellite
+    Body(MapBodyArguments),
+    /// Apparent magnitude over the sky of a site, for satellites of one height
+    Sky(Box<MapSkyArguments>),
+    /// The twelve maps of figures 6 to 9 of Lu (2024) as four pictures
+    #[cfg(feature = "plot")]
+    Paper(MapPaperArguments),
+}
+
+/// Whose light, and how it is measured.
+#[derive(Args)]
+pub struct LightArguments {
+    /// Brightness model by name (streakcast model list), or a model file
+    #[arg(long, value_name = "NAME")]
+    pub model: String,
+    /// Passband of the magnitudes: B V R I u g r i z y G
+    #[arg(long, value_name = "BAND")]
+    pub band: Option<String>,
+    /// Zero point of the magnitudes: Vega or AB; each band has its usual one
+    #[arg(long, value_name = "SYSTEM")]
+    pub mag_system: Option<String>,
+    /// No light from the Earth on two-panel models: sunlight alone
+    #[arg(long)]
+    pub no_earthshine: bool,
+    /// Configuration file: band, site and models of one's own; flags that are typed win
+    #[arg(long, value_name = "FILE", help_heading = "Run")]
+    pub config: Option<PathBuf>,
+    /// Threads; all cores where unsaid
+    #[arg(long, value_name = "N", help_heading = "Run")]
+    pub threads: Option<usize>,
+    /// No warnings
+    #[arg(long, short, help_heading = "Run")]
+    pub quiet: bool,
+}
+
+/// Which directions, and where the map goes.
+#[derive(Args)]
+pub struct MapOutputArguments {
+    /// Steps of the grid in degrees, 0.1 to 5, a whole number of them in 90; 2 where unsaid
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, conflicts_with = "nside", help_heading = "Output")]
+    pub step_deg: Option<f64>,
+    /// HEALPix cells in RING order instead of steps: 1 to 1024; 64 where the format is fits
+    #[arg(long, value_name = "N", help_heading = "Output")]
+    pub nside: Option<u32>,
+    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, fits (HEALPix, needs -o)
+    #[arg(long, value_name = "FORMAT", help_heading = "Output")]
+    pub format: Option<String>,
+    /// File to write, whole or not at all; standard output where unsaid, nothing there where only a picture is wanted
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
+    pub output: Option<PathBuf>,
+    /// Picture of the same map: a file that ends in .png or .svg
+    #[cfg(feature = "plot")]
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub picture: Option<PathBuf>,
+}
+
+#[derive(Args)]
+pub struct MapBodyArguments {
+    /// The Sun above the plane of the chassis, degrees (negative below it)
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    pub sun_latitude_deg: f64,
+    /// Height of the satellite above 6378.137 km, km
+    #[arg(long, value_name = "KM", default_value_t = 550.0, allow_hyphen_values = true)]
+    pub height_km: f64,
+    #[command(flatten)]
+    pub light: LightArguments,
+    #[command(flatten)]
+    pub output: MapOutputArguments,
+}
+
+#[derive(Args)]
+pub struct MapSkyArguments {
+    /// The Sun above the horizon, degrees (negative below it)
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
+    pub sun_altitude_deg: f64,
+    /// Azimuth of the Sun from north through east, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
+    pub sun_azimuth_deg: f64,
+    /// Height of the satellites above 6378.137 km, km
+    #[arg(long, value_name = "KM", default_value_t = 550.0, allow_hyphen_values = true)]
+    pub height_km: f64,
+    /// Extinction of the air, mag per airmass; magnitudes above the air where unsaid
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
+    pub extinction: Option<f64>,
+    /// Observatory by name (streakcast sites lists them); a spherical Earth where no site is said
+    #[arg(long, value_name = "NAME", help_heading = "Site")]
+    pub site: Option<String>,
+    /// Observatory by MPC code
+    #[arg(long, value_name = "CODE", help_heading = "Site")]
+    pub mpc: Option<String>,
+    /// Latitude, degrees north (WGS84)
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
+    pub lat: Option<f64>,
+    /// Longitude, degrees east
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
+    pub lon: Option<f64>,
+    /// Height above the ellipsoid, metres
+    #[arg(long, value_name = "M", allow_hyphen_values = true, help_heading = "Site")]
+    pub height: Option<f64>,
+    #[command(flatten)]
+    pub light: LightArguments,
+    #[command(flatten)]
+    pub output: MapOutputArguments,
+}
+
+/// Which pictures.
+#[cfg(feature = "plot")]
+#[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
+pub enum PictureName {
+    Png,
+    Svg,
+}
+
+#[cfg(feature = "plot")]
+#[derive(Args)]
+pub struct MapPaperArguments {
+    /// Folder for figure-6 to figure-9; it is made where it is missing
+    #[arg(long, short, value_name = "FOLDER")]
+    pub output: PathBuf,
+    /// Pixels or lines
+    #[arg(long, value_name = "FORMAT", default_value = "png")]
+    pub format: PictureName,
+    /// Brightness model by name (streakcast model list), or a model file
+    #[arg(long, value_name = "NAME", default_value = "starlink-v1.5")]
+    pub model: String,
+    /// No light from the Earth on two-panel models: sunlight alone
+    #[arg(long)]
+    pub no_earthshine: bool,
+}
+
+impl LightArguments {
+    /// What was typed, over what the configuration file says.
+    pub fn setup(&self, typed: Setup) -> anyhow::Result<Setup> {
+        let light = Setup {
+            band: self.band.clone(),
+            mag_system: self.mag_system.clone(),
+            earthshine: self.no_earthshine.then_some(false),
+            threads: self.threads,
+            quiet: self.quiet.then_some(true),
+            ..Setup::default()
+        };
+        Ok(typed.over(light).over(setup_of(self.config.as_deref())?))
+    }
+}
+
+impl MapSkyArguments {
+    /// The site as a setup holds it.
+    pub fn site(&self) -> Setup {
+        Setup {
+            site: self.site.clone().map(SiteSetup::Name),
+            mpc: self.mpc.clone(),
+            lat: self.lat,
+            lon: self.lon,
+            height: self.height,
+            ..Setup::default()
+        }
+    }
+}

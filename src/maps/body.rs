@@ -1,0 +1,121 @@
+//! Magnitude at 1000 km over a satellite's own sky: what it sends in each direction below its chassis.
+
+use crate::frames::{Body, Direction};
+use crate::photometry::{BrightnessModel, PhotometryOptions, StandardMagnitude};
+
+use super::error::{MapError, height, latitude};
+use super::facts::{Fact, FactValue};
+use super::grid::{Grid, fill};
+use super::light::{Light, STANDARD_RANGE_KM};
+
+/// A satellite in full sunlight, to be asked how bright it is from any direction, as figure 6 of Lu (2024) shows it.
+///
+/// Directions are longitudes from the Sun's azimuth, growing right-handed about the satellite's zenith (0 to 2π), and latitudes above the
+/// plane of the chassis (-π/2 straight below). The Sun is at 1 au and no air lies between. The height counts where the Earth shines on the
+/// satellite and nowhere else: no direction is left out because it would miss the ground.
+#[derive(Clone, Debug)]
+pub struct BodyView<'a> {
+    light: Light<'a>,
+    sun_latitude_rad: f64,
+    to_sun: Direction<Body>,
+    height_km: f64,
+}
+
+/// One direction of a [`BodyMap`].
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct BodyPoint {
+    /// From the Sun's azimuth, [0, 2π), radians.
+    pub observer_longitude_rad: f64,
+    /// Above the plane of the chassis, [-π/2, 0], radians.
+    pub observer_latitude_rad: f64,
+    /// At 1000 km; `None` where nothing lit is seen.
+    pub standard_magnitude: Option<StandardMagnitude>,
+}
+
+/// Standard magnitudes over the half sphere below a satellite.
+#[derive(Clone, Debug, PartialEq)]
+pub struct BodyMap {
+    /// Which directions.
+    pub grid: Grid,
+    /// What it rests on.
+    pub facts: Vec<Fact>,
+    /// In the order of the grid; regular grids begin straight below.
+    pub points: Vec<BodyPoint>,
+}
+
+impl<'a> BodyView<'a> {
+    /// With the Sun at `sun_latitude_rad` above the plane of the chassis and the satellite `height_km` above 6378.137 km.
+    ///
+    /// Of `options`, the Sun's distance and extinction are not used: a standard magnitude has neither.
+    ///
+    /// # Errors
+    /// A latitude beyond ±90°, a height that is not above 0 km or is above 100,000 km.
+    pub fn new(
+        model: &'a BrightnessModel,
+        sun_latitude_rad: f64,
+        height_km: f64,
+        options: PhotometryOptions,
+    ) -> Result<Self, MapError> {
+        let sun_latitude_rad = latitude("Sun's latitude", sun_latitude_rad)?;
+        Ok(Self {
+            light: Light::new(model, options),
+            sun_latitude_rad,
+            to_sun: Direction::from_lon_lat_rad(0.0, sun_latitude_rad),
+            height_km: height(height_km)?,
+        })
+    }
+
+    /// Latitude of the Earth's limb as the satellite sees it, radians: -acos(R / (R + h)). Observers on the ground stand below it.
+    pub fn limb_latitude_rad(&self) -> f64 {
+        let radius_km = crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
+        -(radius_km / (radius_km + self.height_km)).acos()
+    }
+
+    /// The Sun above the plane of the chassis, radians.
+    pub fn sun_latitude_rad(&self) -> f64 {
+        self.sun_latitude_rad
+    }
+
+    /// Magnitude at 1000 km in one direction; `None` where nothing lit is seen.
+    pub fn at(&self, observer_longitude_rad: f64, observer_latitude_rad: f64) -> Option<StandardMagnitude> {
+        let to_observer = Direction::from_lon_lat_rad(observer_longitude_rad, observer_latitude_rad);
+        self.light.standard_magnitude(&self.to_sun, &to_observer, self.height_km, 1.0)
+    }
+
+    /// What the answers rest on.
+    pub fn facts(&self) -> Vec<Fact> {
+        let degrees = |angle: f64| FactValue::Real(super::facts::rounded(angle.to_degrees()));
+        let mut facts = vec![
+            Fact::new(
+                "frame",
+                "COORDSYS",
+                FactValue::text("BODY"),
+                "longitude from the Sun, latitude above the chassis",
+            ),
+            Fact::new(
+                "sun_latitude_deg",
+                "SUNLAT",
+                degrees(self.sun_latitude_rad),
+                "[deg] Sun above the chassis plane",
+            ),
+            Fact::new("height_km", "HEIGHT", FactValue::Real(self.height_km), "[km] satellite above 6378.137 km"),
+            Fact::new("range_km", "RANGE", FactValue::Real(STANDARD_RANGE_KM), "[km] satellite to observer"),
+        ];
+        facts.extend(self.light.facts());
+        facts
+    }
+
+    /// All directions of a grid at or below the plane of the chassis, on all threads of the caller's pool.
+    pub fn map(&self, grid: Grid) -> BodyMap {
+        let point = |observer_latitude_rad: f64| {
+            move |observer_longitude_rad: f64| BodyPoint {
+                observer_longitude_rad,
+                observer_latitude_rad,
+                standard_magnitude: self.at(observer_longitude_rad, observer_latitude_rad),
+            }
+        };
+        let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
+        let points = fill(grid.southern(), blank, point);
+        BodyMap { grid, facts: self.facts(), points }
+    }
+}

@@ -1,0 +1,212 @@
+//! The directions of a map: steps of longitude and latitude, or the centres of HEALPix cells.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use rayon::prelude::*;
+
+use crate::healpix::{MOST_NSIDE, cell_count, northern_cell_count, ring_centre_rad};
+
+use super::error::{MapError, in_range};
+
+/// Steps of a map for which none were said, degrees.
+pub const DEFAULT_STEP_DEG: f64 = 2.0;
+
+/// Division of a HEALPix map for which none was said: cells of 0.92°.
+pub const DEFAULT_NSIDE: u32 = 64;
+
+/// Which directions a map holds.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum Grid {
+    /// Longitudes 0, s, 2s, ... below 360° at latitudes 0, s, ... 90° (or their negatives), the pole once for each longitude.
+    Regular {
+        /// s, degrees.
+        step_deg: f64,
+    },
+    /// Centres of HEALPix cells in RING order, those on the equator included.
+    Healpix {
+        /// Division of the twelve base cells.
+        nside: u32,
+    },
+}
+
+/// Directions of one latitude, equally spaced.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub(super) struct GridRow {
+    /// Radians.
+    pub latitude_rad: f64,
+    first_rad: f64,
+    step_rad: f64,
+    count: usize,
+}
+
+impl GridRow {
+    /// Longitudes in [0, 2π), radians, in order.
+    pub fn longitudes_rad(self) -> impl Iterator<Item = f64> {
+        (0..self.count).map(move |column| self.first_rad + column as f64 * self.step_rad)
+    }
+}
+
+/// One value for each direction of the rows, in order, on all threads of the caller's pool. `of_latitude` makes ready what a row shares.
+pub(super) fn fill<T, F, G>(rows: Vec<GridRow>, blank: T, of_latitude: F) -> Vec<T>
+where
+    T: Copy + Send,
+    F: Fn(f64) -> G + Sync,
+    G: Fn(f64) -> T,
+{
+    let mut all = vec![blank; rows.iter().map(|row| row.count).sum()];
+    let mut rest = all.as_mut_slice();
+    let mut parts = Vec::with_capacity(rows.len());
+    for row in rows {
+        let (part, tail) = rest.split_at_mut(row.count);
+        parts.push((row, part));
+        rest = tail;
+    }
+    parts.into_par_iter().for_each(|(row, part)| {
+        let value = of_latitude(row.latitude_rad);
+        for (place, longitude_rad) in part.iter_mut().zip(row.longitudes_rad()) {
+            *place = value(longitude_rad);
+        }
+    });
+    all
+}
+
+impl Grid {
+    /// A grid of steps that divide 90°.
+    ///
+    /// # Errors
+    /// A step below 0.1 or above 5 degrees, or one of which 90 is no multiple.
+    pub fn regular(step_deg: f64) -> Result<Self, MapError> {
+        let allowed = "0.1 to 5 deg, a whole number of them in 90";
+        let steps = 90.0 / step_deg;
+        let is_allowed = (0.1..=5.0).contains(&step_deg) && (steps - steps.round()).abs() < 1e-6;
+        Ok(Self::Regular { step_deg: in_range("step", step_deg, " deg", allowed, is_allowed)? })
+    }
+
+    /// The centres of 12 N² cells.
+    ///
+    /// # Errors
+    /// N below 1 or above 1024.
+    pub fn healpix(nside: u32) -> Result<Self, MapError> {
+        in_range("nside", f64::from(nside), "", "1 to 1024", (1..=MOST_NSIDE).contains(&nside))?;
+        Ok(Self::Healpix { nside })
+    }
+
+    /// How many directions the half sphere from the equator to a pole has.
+    pub fn half_len(&self) -> usize {
+        match *self {
+            Self::Regular { step_deg } => {
+                let steps = (90.0 / step_deg).round() as usize;
+                4 * steps * (steps + 1)
+            }
+            Self::Healpix { nside } => northern_cell_count(nside) as usize,
+        }
+    }
+
+    /// The half from the equator to the north pole: regular grids from the equator up, cells in RING order.
+    pub(super) fn northern(&self) -> Vec<GridRow> {
+        match *self {
+            Self::Regular { step_deg } => {
+                let steps = (90.0 / step_deg).round() as usize;
+                let step_rad = FRAC_PI_2 / steps as f64;
+                let row = |row: usize| GridRow {
+                    latitude_rad: (row as f64 * step_rad).min(FRAC_PI_2),
+                    first_rad: 0.0,
+                    step_rad,
+                    count: 4 * steps,
+                };
+                (0..=steps).map(row).collect()
+            }
+            Self::Healpix { nside } => {
+                let mut first_cell = 0;
+                (1..=2 * nside)
+                    .map(|ring| {
+                        // Rings of the cap have 4, 8, 12 ... cells, those of the belt 4 N.
+                        let count = 4 * ring.min(nside);
+                        let (first_rad, latitude_rad) = ring_centre_rad(nside, first_cell).unwrap_or_default();
+                        first_cell += u64::from(count);
+                        let count = count as usize;
+                        GridRow { latitude_rad, first_rad, step_rad: TAU / count as f64, count }
+                    })
+                    .collect()
+            }
+        }
+    }
+
+    /// The half from the equator to the south pole: regular grids from the pole up, cells in RING order.
+    pub(super) fn southern(&self) -> Vec<GridRow> {
+        // The sphere of cells is its own mirror image; rings in the north run towards the equator, in the south away from it.
+        let mirrored = self.northern().into_iter().rev();
+        mirrored.map(|row| GridRow { latitude_rad: -row.latitude_rad, ..row }).collect()
+    }
+
+    /// The HEALPix cell of point `index` of a northern half; `None` where the grid has none.
+    pub fn northern_cell(&self, index: usize) -> Option<u64> {
+        matches!(self, Self::Healpix { .. }).then_some(index as u64)
+    }
+
+    /// The HEALPix cell of point `index` of a southern half; `None` where the grid has none.
+    pub fn southern_cell(&self, index: usize) -> Option<u64> {
+        match *self {
+            Self::Regular { .. } => None,
+            Self::Healpix { nside } => Some(cell_count(nside) - northern_cell_count(nside) + index as u64),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn directions(rows: Vec<GridRow>) -> Vec<(f64, f64)> {
+        rows.into_iter()
+            .flat_map(|row| row.longitudes_rad().map(move |longitude| (longitude, row.latitude_rad)))
+            .collect()
+    }
+
+    #[test]
+    fn verif_regular_grids_hold_every_step_once() {
+        let grid = Grid::regular(5.0).unwrap();
+        let all = directions(grid.northern());
+        assert_eq!((all.len(), grid.half_len()), (72 * 19, 72 * 19));
+        assert_eq!(all[0], (0.0, 0.0));
+        assert!((all[73].0.to_degrees() - 5.0).abs() < 1e-12);
+        assert!((all[73].1.to_degrees() - 5.0).abs() < 1e-12);
+        assert_eq!(all[all.len() - 1].1, FRAC_PI_2);
+        let below = directions(grid.southern());
+        assert_eq!((below[0].1, below[below.len() - 1].1), (-FRAC_PI_2, 0.0));
+        assert!(below.windows(2).all(|pair| pair[0].1 <= pair[1].1));
+        assert_eq!(grid.northern_cell(3), None);
+    }
+
+    #[test]
+    fn verif_rows_of_cells_hold_their_centres() {
+        for nside in [1, 2, 3, 4, 17, 64] {
+            let grid = Grid::healpix(nside).unwrap();
+            for (half, cell) in [
+                (grid.northern(), Grid::northern_cell as fn(&Grid, usize) -> Option<u64>),
+                (grid.southern(), Grid::southern_cell),
+            ] {
+                let all = directions(half);
+                assert_eq!(all.len(), grid.half_len());
+                for (index, (longitude, latitude)) in all.into_iter().enumerate() {
+                    let centre = ring_centre_rad(nside, cell(&grid, index).unwrap()).unwrap();
+                    assert!(
+                        (longitude - centre.0).abs() < 1e-13 && (latitude - centre.1).abs() < 1e-14,
+                        "{nside} {index}"
+                    );
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn verif_grids_that_are_none() {
+        for step in [0.0, -1.0, 0.05, 7.0, 5.1, f64::NAN] {
+            assert!(Grid::regular(step).is_err(), "{step}");
+        }
+        for step in [0.1, 0.5, 1.0, 2.0, 2.5, 4.5, 5.0] {
+            assert!(Grid::regular(step).is_ok(), "{step}");
+        }
+        assert!(Grid::healpix(0).is_err() && Grid::healpix(1025).is_err());
+    }
+}

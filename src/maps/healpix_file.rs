@@ -1,0 +1,158 @@
+//! Maps as HEALPix tables in FITS files, in the form that healpy and Aladin read.
+//!
+//! One row a cell of the whole sphere in RING order. Cells of the other half, and those without a magnitude, hold -1.6375e30, the mark of
+//! HEALPix for missing data. Longitude and latitude of the cells are azimuth and altitude, or the observer's in the satellite's frame: the
+//! keyword COORDSYS says which; neither is a place among the stars.
+
+use std::fs;
+use std::io;
+use std::path::Path;
+
+use fitsio::FitsFile;
+use fitsio::tables::{ColumnDataType, ColumnDescription};
+
+use crate::healpix::cell_count;
+use crate::table::ScratchFolder;
+
+use super::body::BodyMap;
+use super::error::MapError;
+use super::facts::{Fact, FactValue};
+use super::grid::Grid;
+use super::sky::SkyMap;
+
+/// What HEALPix holds for missing data.
+const BAD_DATA: f64 = -1.6375e30;
+
+/// The longest text of one FITS card; CFITSIO would cut it without a word.
+const LONGEST_TEXT: usize = 68;
+
+/// FITS files are made of blocks of this many bytes.
+const BLOCK: u64 = 2880;
+
+/// A column: name, unit, and for each cell its value.
+type CellColumn<'a> = (&'static str, &'static str, Box<dyn Fn(usize) -> Option<f64> + 'a>);
+
+impl BodyMap {
+    /// The bytes of a FITS file with the column `standard_magnitude`.
+    ///
+    /// CFITSIO works on files alone: one is made in the folder `scratch` and removed.
+    ///
+    /// # Errors
+    /// The grid is none of HEALPix; the name of `scratch` holds characters that CFITSIO takes for its own syntax; whatever CFITSIO reports.
+    pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
+        let magnitude = |index: usize| self.points[index].standard_magnitude.map(|magnitude| magnitude.0);
+        let columns: [CellColumn<'_>; 1] = [("standard_magnitude", "mag", Box::new(magnitude))];
+        to_fits(
+            self.grid,
+            &self.facts,
+            &columns,
+            (0..self.points.len()).map(|index| self.grid.southern_cell(index)),
+            scratch,
+        )
+    }
+}
+
+impl SkyMap {
+    /// The bytes of a FITS file with the columns `magnitude` and `range_km`.
+    ///
+    /// # Errors
+    /// As [`BodyMap::to_fits`].
+    pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
+        let magnitude = |index: usize| self.points[index].magnitude.map(|magnitude| magnitude.0);
+        let range = |index: usize| Some(self.points[index].range_km);
+        let columns: [CellColumn<'_>; 2] =
+            [("magnitude", "mag", Box::new(magnitude)), ("range_km", "km", Box::new(range))];
+        to_fits(
+            self.grid,
+            &self.facts,
+            &columns,
+            (0..self.points.len()).map(|index| self.grid.northern_cell(index)),
+            scratch,
+        )
+    }
+}
+
+fn to_fits(
+    grid: Grid,
+    facts: &[Fact],
+    columns: &[CellColumn<'_>],
+    cells: impl Iterator<Item = Option<u64>>,
+    scratch: &Path,
+) -> Result<Vec<u8>, MapError> {
+    let Grid::Healpix { nside } = grid else {
+        return Err(MapError::Fits("a map of steps has no HEALPix cells; make it with an nside".to_owned()));
+    };
+    let system = |error: io::Error| MapError::Fits(format!("scratch folder {}: {error}", scratch.display()));
+    let folder = ScratchFolder::new(scratch).map_err(system)?;
+    let path = folder.path().join("map.fits");
+    // CFITSIO reads a name as an expression: filters in brackets, templates, protocols, pipes.
+    let is_plain = |text: &str| !text.contains(['[', ']', '(', ')', '!', '*', '?', '+', '|', '@', ':']);
+    if !path.to_str().is_some_and(is_plain) {
+        let text = format!("scratch folder {}: its name holds one of []()!*?+|@: or is no UTF-8", scratch.display());
+        return Err(MapError::Fits(text));
+    }
+    write(&path, nside, facts, columns, &cells.collect::<Vec<_>>())
+        .map_err(|error| MapError::Fits(error.to_string()))?;
+    let bytes = fs::read(&path).map_err(system)?;
+    // Closing tells of no failure; a full disk shows here.
+    let rows = cell_count(nside) * 8 * columns.len() as u64;
+    let length = bytes.len() as u64;
+    if length < rows + 2 * BLOCK || !length.is_multiple_of(BLOCK) {
+        return Err(MapError::Fits(format!("the file broke off at {length} bytes; is the disk full?")));
+    }
+    Ok(bytes)
+}
+
+fn write(
+    path: &Path,
+    nside: u32,
+    facts: &[Fact],
+    columns: &[CellColumn<'_>],
+    cells: &[Option<u64>],
+) -> Result<(), fitsio::errors::Error> {
+    let mut file = FitsFile::create(path).open()?;
+    let described = columns
+        .iter()
+        .map(|(name, ..)| ColumnDescription::new(*name).with_type(ColumnDataType::Double).create())
+        .collect::<Result<Vec<_>, _>>()?;
+    let hdu = file.create_table("HEALPIX", &described)?;
+    let count = cell_count(nside);
+    let head = [("PIXTYPE", "HEALPIX", "HEALPix cells"), ("ORDERING", "RING", "order of the cells")];
+    for (keyword, value, comment) in head {
+        hdu.write_key(&mut file, keyword, (value, comment))?;
+    }
+    hdu.write_key(&mut file, "NSIDE", (i64::from(nside), "division of the base cells"))?;
+    hdu.write_key(&mut file, "FIRSTPIX", (0_i64, "first cell"))?;
+    hdu.write_key(&mut file, "LASTPIX", (count as i64 - 1, "last cell"))?;
+    hdu.write_key(&mut file, "INDXSCHM", ("IMPLICIT", "row is the number of the cell"))?;
+    hdu.write_key(&mut file, "OBJECT", ("FULLSKY", "every cell has its row"))?;
+    hdu.write_key(&mut file, "BAD_DATA", (BAD_DATA, "nothing lit is seen, or not in this half"))?;
+    for (number, (_, unit, _)) in columns.iter().enumerate() {
+        hdu.write_key(&mut file, &format!("TUNIT{}", number + 1), (*unit, "unit"))?;
+    }
+    let version = concat!("streakcast ", env!("CARGO_PKG_VERSION"));
+    hdu.write_key(&mut file, "CREATOR", (version, "software"))?;
+    for fact in facts {
+        match &fact.value {
+            FactValue::Text(text) => hdu.write_key(&mut file, fact.keyword, (card_text(text), fact.comment))?,
+            FactValue::Real(number) => hdu.write_key(&mut file, fact.keyword, (*number, fact.comment))?,
+        }
+    }
+    for (name, _, value) in columns {
+        let mut rows = vec![BAD_DATA; count as usize];
+        for (index, cell) in cells.iter().enumerate() {
+            let place = cell.and_then(|cell| rows.get_mut(cell as usize));
+            if let (Some(place), Some(value)) = (place, value(index)) {
+                *place = value;
+            }
+        }
+        hdu.write_col(&mut file, *name, &rows)?;
+    }
+    Ok(())
+}
+
+/// Text as a card can hold it: ASCII, and no longer than the card.
+fn card_text(text: &str) -> String {
+    let plain = |c: char| if (' '..='~').contains(&c) && c != '\'' { c } else { '?' };
+    text.chars().map(plain).take(LONGEST_TEXT).collect()
+}

@@ -1,0 +1,22 @@
+//! Magnitude maps: over a satellite's own sky, and over the sky of a site.
+//!
+//! `grid` says which directions are asked, `body` and `sky` answer for any direction and for all of a grid, `tables` makes tables of the
+//! answers, `healpix_file` FITS files, `light` turns directions into magnitudes, `facts` says what all rests on, and `paper` knows the panels of figures 6 to 9 of Lu (2024).
+
+mod body;
+mod error;
+mod facts;
+mod grid;
+#[cfg(feature = "fits")]
+mod healpix_file;
+mod light;
+mod paper;
+mod sky;
+mod tables;
+
+pub use body::{BodyMap, BodyPoint, BodyView};
+pub use error::MapError;
+pub use facts::{Fact, FactValue};
+pub use grid::{DEFAULT_NSIDE, DEFAULT_STEP_DEG, Grid};
+pub use paper::{FigurePanel, PAPER_FIGURES, PaperFigure};
+pub use sky::{Earth, SkyMap, SkyPoint, SkyView};

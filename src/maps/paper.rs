@@ -1,0 +1,59 @@
+//! The panels of figures 6 to 9 of Lu (2024), section 5: which Sun, which height.
+
+/// One panel.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum FigurePanel {
+    /// Standard magnitudes below the satellite.
+    Body {
+        /// The Sun above the plane of the chassis, degrees.
+        sun_latitude_deg: f64,
+        /// Of the satellite, km.
+        height_km: f64,
+    },
+    /// Apparent magnitudes over the sky.
+    Sky {
+        /// The Sun above the horizon, degrees.
+        sun_altitude_deg: f64,
+        /// Of the satellites, km.
+        height_km: f64,
+    },
+}
+
+/// One figure of three panels, (a) to (c).
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PaperFigure {
+    /// Its number in the paper.
+    pub number: u8,
+    /// From high Sun to low Sun.
+    pub panels: [FigurePanel; 3],
+    /// Magnitudes from and to, as the paper's captions state them; none are stated for figure 6.
+    pub stated_range_mag: Option<[f64; 2]>,
+}
+
+const fn body(sun_latitude_deg: f64) -> FigurePanel {
+    FigurePanel::Body { sun_latitude_deg, height_km: 550.0 }
+}
+
+const fn sky(height_km: f64, sun_altitude_deg: f64) -> FigurePanel {
+    FigurePanel::Sky { sun_altitude_deg, height_km }
+}
+
+/// Figures 6 to 9.
+pub const PAPER_FIGURES: [PaperFigure; 4] = [
+    PaperFigure { number: 6, panels: [body(-8.0), body(-14.0), body(-20.0)], stated_range_mag: None },
+    PaperFigure {
+        number: 7,
+        panels: [sky(550.0, -8.0), sky(550.0, -16.0), sky(550.0, -24.0)],
+        stated_range_mag: Some([5.0, 9.0]),
+    },
+    PaperFigure {
+        number: 8,
+        panels: [sky(340.0, -6.0), sky(340.0, -12.0), sky(340.0, -18.0)],
+        stated_range_mag: Some([4.0, 8.0]),
+    },
+    PaperFigure {
+        number: 9,
+        panels: [sky(1200.0, -18.0), sky(1200.0, -26.0), sky(1200.0, -34.0)],
+        stated_range_mag: Some([6.0, 10.0]),
+    },
+];

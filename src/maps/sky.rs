@@ -1,0 +1,297 @@
+//! Apparent magnitude over the sky of a site: satellites of one height, the Sun in one place.
+//!
+//! ```text
+//!            satellite ·---- ρ = -b + √(b² + r² - q²)          q  observer's distance from the Earth's centre
+//!                     /                                        r  6378.137 km + height
+//!           observer /                                         b  = q · d, the observer along the direction d
+//!      ─────────────·───────────  horizon
+//!                   |  q
+//!                   |
+//!            Earth's centre
+//! ```
+//!
+//! A direction above the horizon meets the sphere of the satellites in one place. Without a site the Earth is a sphere of 6378.137 km with the
+//! observer on it, and so is its shadow; with a site the observer stands on the WGS84 ellipsoid, altitudes are above the plane square to its
+//! normal, and the shadow is that of the ellipsoid. Air bends no light here: altitudes are geometric.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
+use crate::frames::{Body, Direction, Gcrs, Horizontal, Position, itrs_to_horizontal};
+use crate::geometry::{Site, illumination};
+use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions};
+
+use super::error::{MapError, height, latitude};
+use super::facts::{Fact, FactValue, rounded};
+use super::grid::{Grid, fill};
+use super::light::Light;
+
+/// On what Earth the observer stands.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Earth {
+    /// A sphere of 6378.137 km, the observer on its surface, as in the paper.
+    Sphere,
+    /// The WGS84 ellipsoid, the observer at this site.
+    Ellipsoid(Site),
+}
+
+/// The sky of a site, to be asked how bright a satellite would be in any direction.
+///
+/// Azimuths from north through east, altitudes above the horizon. The Sun is at 1 au.
+#[derive(Clone, Debug)]
+pub struct SkyView<'a> {
+    light: Light<'a>,
+    earth: Earth,
+    /// From north, east, zenith to the Earth's own axes.
+    axes: Matrix3<f64>,
+    observer: Position<Gcrs>,
+    sun: Position<Gcrs>,
+    radius_km: f64,
+    per_radius_km: f64,
+    /// q² - r² of the drawing above, km²; negative.
+    below_km2: f64,
+    sun_azimuth_rad: f64,
+    sun_altitude_rad: f64,
+}
+
+/// One direction of a [`SkyMap`].
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct SkyPoint {
+    /// From north through east, [0, 2π), radians.
+    pub azimuth_rad: f64,
+    /// Above the horizon, [0, π/2], radians.
+    pub altitude_rad: f64,
+    /// Observer to satellite, km.
+    pub range_km: f64,
+    /// The part of the Sun's disk that the satellite there sees, [0, 1]; 0 in the umbra.
+    pub lit_fraction: f64,
+    /// `None` in the umbra and where nothing lit is seen.
+    pub magnitude: Option<Magnitude>,
+}
+
+/// Apparent magnitudes over the sky of a site.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkyMap {
+    /// Which directions.
+    pub grid: Grid,
+    /// What it rests on.
+    pub facts: Vec<Fact>,
+    /// In the order of the grid; regular grids begin on the horizon.
+    pub points: Vec<SkyPoint>,
+}
+
+impl<'a> SkyView<'a> {
+    /// Satellites `height_km` above 6378.137 km, the Sun at an azimuth and an altitude (geometric, negative below the horizon), radians.
+    ///
+    /// # Errors
+    /// A Sun's altitude beyond ±90°, an azimuth beyond ±360°, a height that is not above 0 km, is above 100,000 km, or lies below the site.
+    pub fn new(
+        model: &'a BrightnessModel,
+        earth: Earth,
+        height_km: f64,
+        sun_azimuth_rad: f64,
+        sun_altitude_rad: f64,
+        options: PhotometryOptions,
+    ) -> Result<Self, MapError> {
+        let sun_altitude_rad = latitude("Sun's altitude", sun_altitude_rad)?;
+        let azimuth_deg = sun_azimuth_rad.to_degrees();
+        let is_angle = azimuth_deg.abs() <= 360.0 + 1e-9;
+        super::error::in_range("Sun's azimuth", azimuth_deg, " deg", "-360 to 360 deg", is_angle)?;
+        let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height(height_km)?;
+        // A turn of the Earth about its axis changes nothing here, so its own axes stand for the celestial ones.
+        let (horizon, observer) = match &earth {
+            Earth::Sphere => (itrs_to_horizontal(0.0, 0.0), Vector3::new(EARTH_EQUATORIAL_RADIUS_KM, 0.0, 0.0)),
+            Earth::Ellipsoid(site) => {
+                let observer = *site.itrs().vector();
+                if observer.norm() >= radius_km {
+                    let site_km = observer.norm() - EARTH_EQUATORIAL_RADIUS_KM;
+                    return Err(MapError::BelowSite { height_km, site: site.name.clone(), site_km });
+                }
+                (site.horizon(), observer)
+            }
+        };
+        let axes = horizon.inverse().matrix().to_owned();
+        let sun = axes * Direction::<Horizontal>::from_lon_lat_rad(sun_azimuth_rad, sun_altitude_rad).vector() * AU_KM;
+        Ok(Self {
+            light: Light::new(model, options),
+            earth,
+            axes,
+            observer: Position::from_vector(observer),
+            sun: Position::from_vector(sun),
+            radius_km,
+            per_radius_km: 1.0 / radius_km,
+            below_km2: observer.norm_squared() - radius_km * radius_km,
+            sun_azimuth_rad,
+            sun_altitude_rad,
+        })
+    }
+
+    /// On what Earth.
+    pub fn earth(&self) -> &Earth {
+        &self.earth
+    }
+
+    /// Azimuth of the Sun, radians.
+    pub fn sun_azimuth_rad(&self) -> f64 {
+        self.sun_azimuth_rad
+    }
+
+    /// Altitude of the Sun, radians.
+    pub fn sun_altitude_rad(&self) -> f64 {
+        self.sun_altitude_rad
+    }
+
+    /// Satellites above 6378.137 km, km.
+    pub fn height_km(&self) -> f64 {
+        self.radius_km - EARTH_EQUATORIAL_RADIUS_KM
+    }
+
+    /// What stands in one direction. Below the horizon it is where the line of sight leaves the Earth on the other side.
+    pub fn at(&self, azimuth_rad: f64, altitude_rad: f64) -> SkyPoint {
+        self.point(&self.row(altitude_rad), azimuth_rad)
+    }
+
+    /// What the answers rest on.
+    pub fn facts(&self) -> Vec<Fact> {
+        let degrees = |angle: f64| FactValue::Real(rounded(angle.to_degrees()));
+        let earth = match &self.earth {
+            Earth::Sphere => "sphere of 6378.137 km".to_owned(),
+            Earth::Ellipsoid(_) => "WGS84 ellipsoid".to_owned(),
+        };
+        let mut facts = vec![
+            Fact::new("frame", "COORDSYS", FactValue::text("HORIZON"), "longitude azimuth (N to E), latitude altitude"),
+            Fact::new("sun_altitude_deg", "SUNALT", degrees(self.sun_altitude_rad), "[deg] Sun above the horizon"),
+            Fact::new("sun_azimuth_deg", "SUNAZ", degrees(self.sun_azimuth_rad), "[deg] Sun from north through east"),
+            Fact::new(
+                "height_km",
+                "HEIGHT",
+                FactValue::Real(rounded(self.height_km())),
+                "[km] satellites above 6378.137 km",
+            ),
+            Fact::new("earth", "EARTH", FactValue::Text(earth), "figure of the Earth and its shadow"),
+        ];
+        if let Earth::Ellipsoid(site) = &self.earth {
+            let number = |value: f64| FactValue::Real(rounded(value));
+            facts.extend([
+                Fact::new("site", "SITE", FactValue::Text(site.name.clone()), "observer"),
+                Fact::new("latitude_deg", "SITELAT", degrees(site.latitude_rad), "[deg] geodetic"),
+                Fact::new("longitude_deg", "SITELONG", degrees(site.longitude_rad), "[deg] east"),
+                Fact::new("site_height_m", "SITEELEV", number(site.height_m), "[m] above the ellipsoid"),
+            ]);
+        }
+        facts.extend(self.light.facts());
+        if let Some(k) = self.light.extinction() {
+            facts.push(Fact::new("extinction_mag_per_airmass", "EXTINCT", FactValue::Real(k), "[mag] per airmass"));
+        }
+        facts
+    }
+
+    /// All directions of a grid at or above the horizon, on all threads of the caller's pool.
+    pub fn map(&self, grid: Grid) -> SkyMap {
+        let point = |altitude_rad: f64| {
+            let row = self.row(altitude_rad);
+            move |azimuth_rad: f64| self.point(&row, azimuth_rad)
+        };
+        let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
+        let points = fill(grid.northern(), blank, point);
+        SkyMap { grid, facts: self.facts(), points }
+    }
+
+    /// What is the same at every azimuth.
+    fn row(&self, altitude_rad: f64) -> Row {
+        let (sin, cos) = altitude_rad.sin_cos();
+        // On a sphere the way to the satellites depends on nothing else.
+        let way = (self.earth == Earth::Sphere).then(|| {
+            let range_km = self.range_km(EARTH_EQUATORIAL_RADIUS_KM * sin);
+            (range_km, self.light.dimming(range_km, altitude_rad))
+        });
+        let axis = |index: usize| self.axes.column(index).into_owned();
+        Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, way }
+    }
+
+    fn point(&self, row: &Row, azimuth_rad: f64) -> SkyPoint {
+        let (east, north) = azimuth_rad.sin_cos();
+        let direction = row.up + row.north * north + row.east * east;
+        let observer = self.observer.vector();
+        let (range_km, dimming) = row.way.unwrap_or_else(|| {
+            let range_km = self.range_km(observer.dot(&direction));
+            (range_km, self.light.dimming(range_km, row.altitude_rad))
+        });
+        let satellite = observer + direction * range_km;
+        let lit_fraction = self.lit_fraction(&satellite);
+        let magnitude = dimming.filter(|_| lit_fraction > 0.0).and_then(|dimming| {
+            let (to_sun, to_observer) = self.body_directions(&satellite, &direction);
+            let standard = self.light.standard_magnitude(&to_sun, &to_observer, self.height_km(), lit_fraction)?;
+            Some(dimming.dimmed_by(standard.0))
+        });
+        SkyPoint { azimuth_rad, altitude_rad: row.altitude_rad, range_km, lit_fraction, magnitude }
+    }
+
+    /// The way to the satellites' sphere along a direction on which the observer's place has the component `along_km` (b above).
+    fn range_km(&self, along_km: f64) -> f64 {
+        // ρ = -b + √(b² - c), c = q² - r² < 0; without the difference of near numbers where b > 0.
+        let root = (along_km * along_km - self.below_km2).sqrt();
+        if along_km > 0.0 { -self.below_km2 / (along_km + root) } else { root - along_km }
+    }
+
+    fn lit_fraction(&self, satellite: &Vector3<f64>) -> f64 {
+        match self.earth {
+            Earth::Ellipsoid(_) => illumination(&Position::from_vector(*satellite), &self.sun).lit_fraction(),
+            Earth::Sphere => {
+                let towards_sun = satellite.dot(self.sun.vector());
+                if towards_sun >= 0.0 {
+                    return 1.0;
+                }
+                let cos = (towards_sun * (self.per_radius_km / AU_KM)).max(-1.0);
+                let sin = (1.0 - cos * cos).sqrt();
+                // Off the shadow's axis, and the Earth's radius narrowed or widened by the Sun's disk (0.0047 rad), with room.
+                let (across_km, slope_km) = (self.radius_km * sin, -0.005 * self.radius_km * cos);
+                if across_km > EARTH_EQUATORIAL_RADIUS_KM * 1.0002 + slope_km {
+                    return 1.0;
+                }
+                if across_km < EARTH_EQUATORIAL_RADIUS_KM * 0.9998 - slope_km {
+                    return 0.0;
+                }
+                // On a sphere only the angle to the Sun counts; in the plane of the equator the ellipsoid is one.
+                let turned = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
+                illumination(&turned, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
+            }
+        }
+    }
+
+    /// Unit vectors to the Sun and the observer in the satellite's frame, without a detour over angles.
+    fn body_directions(
+        &self,
+        satellite: &Vector3<f64>,
+        direction: &Vector3<f64>,
+    ) -> (Direction<Body>, Direction<Body>) {
+        // A division takes as long as a dozen products.
+        let zenith = satellite * self.per_radius_km;
+        let to_sun = self.sun.vector() - satellite;
+        let to_sun = to_sun * (1.0 / to_sun.norm());
+        let to_observer = -direction;
+        let (sun_up, observer_up) = (zenith.dot(&to_sun), zenith.dot(&to_observer));
+        // x of the body frame points to the Sun's foot on the plane of the chassis, y = z × x.     Lu (2024), eqs. 8, 9
+        let foot = to_sun - zenith * sun_up;
+        let level = foot.norm();
+        // With the Sun in the zenith every direction along the plane will do.
+        let x = if level > 0.0 { foot * (1.0 / level) } else { zenith.cross(&Vector3::z()).normalize() };
+        let across = zenith.cross(&x).dot(&to_observer);
+        (
+            Direction::from_vector(Vector3::new(level, 0.0, sun_up)),
+            Direction::from_vector(Vector3::new(x.dot(&to_observer), across, observer_up)),
+        )
+    }
+}
+
+/// Directions of one altitude.
+#[derive(Copy, Clone, Debug)]
+struct Row {
+    altitude_rad: f64,
+    /// A direction is up + north cos(azimuth) + east sin(azimuth).
+    up: Vector3<f64>,
+    north: Vector3<f64>,
+    east: Vector3<f64>,
+    /// Range, and what it and the air do to a standard magnitude, where they are the same for all.
+    way: Option<(f64, Option<Magnitude>)>,
+}

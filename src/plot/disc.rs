@@ -1,0 +1,119 @@
+//! A half sphere on a disc: the pole in the middle, the equator at the rim, equal angles at equal distances.
+//!
+//! Longitude 0 is up and longitudes grow against the clock: for azimuths that is the sky as one sees it lying on the back, north up and east
+//! left; for longitudes of a satellite's frame it is the view from above.
+
+use std::f64::consts::{FRAC_PI_2, TAU};
+
+use rayon::prelude::*;
+
+/// What is seen in one direction.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum Seen {
+    /// A satellite of this magnitude.
+    Magnitude(f64),
+    /// A satellite in the Earth's shadow.
+    Shadow,
+    /// Nothing lit.
+    Nothing,
+}
+
+/// One disc with its words.
+pub struct Disc<'a> {
+    /// Above it.
+    pub title: String,
+    /// What is seen at a longitude and at an angle from the middle in [0, π/2], radians.
+    pub seen: Box<dyn Fn(f64, f64) -> Seen + Sync + 'a>,
+    /// Longitude of the Sun, radians.
+    pub sun_longitude_rad: f64,
+    /// Words outside of the rim, at longitudes in degrees.
+    pub rim: [(f64, &'static str); 4],
+    /// Thin circles with their words, at angles from the middle in degrees.
+    pub circles: Vec<(f64, String)>,
+    /// A dashed circle at an angle from the middle, radians: the Earth's limb.
+    pub limb_rad: Option<f64>,
+}
+
+/// What a disc shows, pixel by pixel.
+#[derive(Clone, Debug)]
+pub(super) struct Raster {
+    /// Pixels a side.
+    pub side: usize,
+    /// Row by row from the top; `None` outside of the disc.
+    pub pixels: Vec<Option<Seen>>,
+}
+
+impl Disc<'_> {
+    /// Asks for every pixel of a disc of this radius, in pixels; the raster is a pixel wider on every side, so that no rim is ragged.
+    pub(super) fn raster(&self, radius: usize) -> Raster {
+        let side = 2 * radius + 2;
+        let middle = side as f64 / 2.0;
+        let pixels = (0..side * side)
+            .into_par_iter()
+            .map(|index| {
+                // Pixel centres, right and up of the middle.
+                let right = (index % side) as f64 + 0.5 - middle;
+                let up = middle - (index / side) as f64 - 0.5;
+                let distance = right.hypot(up) / radius as f64;
+                // A pixel that the rim cuts shows what stands at the rim.
+                (distance <= 1.0 + 1.0 / radius as f64).then(|| {
+                    let longitude = (-right).atan2(up).rem_euclid(TAU);
+                    (self.seen)(longitude, distance.min(1.0) * FRAC_PI_2)
+                })
+            })
+            .collect();
+        Raster { side, pixels }
+    }
+}
+
+/// Right of and below the middle of a disc of radius 1: where a direction is drawn.
+pub(super) fn place(longitude_rad: f64, from_middle_rad: f64) -> (f64, f64) {
+    let (sin, cos) = longitude_rad.sin_cos();
+    let distance = from_middle_rad / FRAC_PI_2;
+    (-distance * sin, -distance * cos)
+}
+
+impl Raster {
+    /// All magnitudes shown.
+    pub fn magnitudes(&self) -> impl Iterator<Item = f64> {
+        self.pixels.iter().filter_map(|pixel| match pixel {
+            Some(Seen::Magnitude(magnitude)) => Some(*magnitude),
+            _ => None,
+        })
+    }
+
+    /// True where any pixel is so.
+    pub fn shows(&self, seen: Seen) -> bool {
+        self.pixels.contains(&Some(seen))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_pixels_ask_for_the_direction_that_is_drawn_there() {
+        let disc = Disc {
+            title: String::new(),
+            // The longitude and the angle in one number.
+            seen: Box::new(|longitude, angle| Seen::Magnitude(longitude + 10.0 * angle)),
+            sun_longitude_rad: 0.0,
+            rim: [(0.0, ""); 4],
+            circles: Vec::new(),
+            limb_rad: None,
+        };
+        let raster = disc.raster(100);
+        let middle = raster.side as f64 / 2.0;
+        for (longitude, angle) in [(0.1, 0.5), (1.6, 1.2), (3.0, 0.9), (5.0, 0.3)] {
+            let (right, down) = place(longitude, angle);
+            let (column, row) = ((middle + 100.0 * right) as usize, (middle + 100.0 * down) as usize);
+            let Some(Seen::Magnitude(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
+            // Half a pixel is 0.008 rad of angle, and 0.03 rad of longitude at 0.3 rad.
+            assert!((shown - longitude - 10.0 * angle).abs() < 0.2, "{longitude} {angle}: {shown}");
+        }
+        // East is left.
+        assert!(place(FRAC_PI_2, 0.5).0 < 0.0);
+        assert!(raster.pixels[0].is_none());
+    }
+}

@@ -1,0 +1,120 @@
+//! Pictures as PNG and SVG bytes.
+
+use std::ffi::OsStr;
+use std::path::Path;
+
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder};
+use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
+
+use super::error::PlotError;
+use super::picture::{Picture, Underlay};
+
+/// PNGs are drawn this many times as large and averaged: smooth lines and letters.
+const FINE: usize = 2;
+
+/// Lines of an SVG are laid out on a mesh this many times as fine as its pixels.
+const MESH: usize = 8;
+
+/// PNG or SVG.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum PictureFormat {
+    /// Pixels.
+    Png,
+    /// Lines and letters that scale; what is coloured is pixels all the same.
+    Svg,
+}
+
+impl PictureFormat {
+    /// By the end of a file's name.
+    ///
+    /// # Errors
+    /// It ends in neither `.png` nor `.svg`.
+    pub fn of(path: &Path) -> Result<Self, PlotError> {
+        let end = path.extension().and_then(OsStr::to_str).map(str::to_ascii_lowercase);
+        match end.as_deref() {
+            Some("png") => Ok(Self::Png),
+            Some("svg") => Ok(Self::Svg),
+            _ => Err(PlotError::UnknownFormat { name: path.display().to_string() }),
+        }
+    }
+}
+
+impl Picture<'_> {
+    /// The bytes of a file.
+    ///
+    /// # Errors
+    /// What the drawing or encoding crate reports.
+    pub fn to_bytes(&self, format: PictureFormat) -> Result<Vec<u8>, PlotError> {
+        match format {
+            PictureFormat::Png => self.to_png(),
+            PictureFormat::Svg => self.to_svg().map(String::into_bytes),
+        }
+    }
+
+    /// A PNG of [`size`](Picture::size).
+    ///
+    /// # Errors
+    /// What the drawing or encoding crate reports.
+    pub fn to_png(&self) -> Result<Vec<u8>, PlotError> {
+        let Underlay { width, height, mut rgb } = self.underlay(FINE);
+        let area = BitMapBackend::with_buffer(&mut rgb, (width as u32, height as u32)).into_drawing_area();
+        self.draw(&area, FINE as f64)?;
+        area.present().map_err(|error| PlotError::Drawing(error.to_string()))?;
+        drop(area);
+        png(&averaged(&rgb, width), width / FINE, height / FINE)
+    }
+
+    /// An SVG of [`size`](Picture::size) that needs nothing but itself.
+    ///
+    /// # Errors
+    /// What the drawing or encoding crate reports.
+    pub fn to_svg(&self) -> Result<String, PlotError> {
+        let (width, height) = self.size();
+        let (across, down) = (width * MESH, height * MESH);
+        let mut text = String::new();
+        {
+            let area = SVGBackend::with_string(&mut text, (across as u32, down as u32)).into_drawing_area();
+            self.draw(&area, MESH as f64)?;
+            area.present().map_err(|error| PlotError::Drawing(error.to_string()))?;
+        }
+        let underlay = self.underlay(FINE);
+        let pixels = STANDARD.encode(png(&underlay.rgb, underlay.width, underlay.height)?);
+        // The pixels come first, below everything: behind the opening tag, which is given the size in pixels.
+        let broken = || PlotError::Drawing("the SVG has no beginning".to_owned());
+        let rest = text.strip_prefix("<svg").and_then(|text| text.split_once('>')).ok_or_else(broken)?.1;
+        Ok(format!(
+            "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {across} {down}\" xmlns=\"http://www.w3.org/2000/svg\" \
+             xmlns:xlink=\"http://www.w3.org/1999/xlink\">\n<image x=\"0\" y=\"0\" width=\"{across}\" height=\"{down}\" \
+             xlink:href=\"data:image/png;base64,{pixels}\"/>{rest}"
+        ))
+    }
+}
+
+/// Blocks of [`FINE`] by [`FINE`] pixels as one.
+fn averaged(rgb: &[u8], width: usize) -> Vec<u8> {
+    let height = rgb.len() / 3 / width;
+    let mut small = Vec::with_capacity(rgb.len() / (FINE * FINE));
+    for row in 0..height / FINE {
+        for column in 0..width / FINE {
+            for channel in 0..3 {
+                let one = |right: usize, down: usize| {
+                    u32::from(rgb[3 * ((row * FINE + down) * width + column * FINE + right) + channel])
+                };
+                let sum: u32 = (0..FINE * FINE).map(|index| one(index % FINE, index / FINE)).sum();
+                small.push((sum as f64 / (FINE * FINE) as f64).round() as u8);
+            }
+        }
+    }
+    small
+}
+
+fn png(rgb: &[u8], width: usize, height: usize) -> Result<Vec<u8>, PlotError> {
+    let mut bytes = Vec::new();
+    PngEncoder::new(&mut bytes)
+        .write_image(rgb, width as u32, height as u32, ExtendedColorType::Rgb8)
+        .map_err(|error| PlotError::Drawing(error.to_string()))?;
+    Ok(bytes)
+}

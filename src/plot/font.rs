@@ -1,0 +1,20 @@
+//! The one font of all pictures: DejaVu Sans, cut down to Latin, Greek and a few signs, its licence beside it.
+
+use std::sync::OnceLock;
+
+use plotters::style::{FontStyle, register_font};
+
+use super::error::PlotError;
+
+/// DejaVu Sans 2.37 as matplotlib 3.11.2 brings it, through fonttools 4.68.0 (`pyftsubset`, unhinted) on 2026-11-21.
+const DEJAVU_SANS: &[u8] = include_bytes!("fonts/DejaVuSans-subset.ttf");
+
+/// The name under which it is known to the drawing crate; in SVG, what the viewer has for it.
+pub(super) const FAMILY: &str = "sans-serif";
+
+/// Makes the font known, once a process.
+pub(super) fn make_ready() -> Result<(), PlotError> {
+    static READY: OnceLock<bool> = OnceLock::new();
+    let is_ready = READY.get_or_init(|| register_font(FAMILY, FontStyle::Normal, DEJAVU_SANS).is_ok());
+    if *is_ready { Ok(()) } else { Err(PlotError::Drawing("the built-in font could not be read".to_owned())) }
+}

@@ -1,0 +1,148 @@
+//! Pictures of magnitude maps, and of the paper's figures 6 to 9.
+
+use std::f64::consts::FRAC_PI_2;
+
+use crate::maps::{BodyView, Earth, Fact, FactValue, FigurePanel, PaperFigure, SkyView};
+use crate::photometry::{BrightnessModel, PhotometryOptions};
+
+use super::disc::{Disc, Seen};
+use super::error::PlotError;
+use super::picture::Picture;
+
+/// Radius of a disc that stands alone, and of one of three, pixels.
+const ALONE: usize = 270;
+const OF_THREE: usize = 210;
+
+/// The limit that the astronomers' union asks of operators, mag: the line drawn in every map.
+const LIMIT_MAG: f64 = 7.0;
+
+const SKY_CAPTION: &str = "Zenith in the middle, horizon at the rim, east left.";
+const BODY_CAPTION: &str = "Below the satellite, seen from above: nadir in the middle, longitudes from the Sun.";
+
+/// A map of the sky.
+pub fn sky_picture<'a>(view: &'a SkyView<'a>) -> Picture<'a> {
+    let facts = view.facts();
+    let title = format!("{}, {}, {} km", apparent(&facts), text_of(&facts, "model"), tidy(view.height_km()));
+    let site = match view.earth() {
+        Earth::Sphere => String::new(),
+        Earth::Ellipsoid(site) => format!(" Site: {}.", site.name),
+    };
+    let caption = format!("{SKY_CAPTION}{site}{}", status(&facts));
+    let (altitude, azimuth) = (degrees(view.sun_altitude_rad()), degrees(view.sun_azimuth_rad()));
+    let disc = sky_disc(view.clone(), format!("Sun at altitude {altitude}°, azimuth {azimuth}°"));
+    Picture::new(title, caption, vec![disc], ALONE, LIMIT_MAG)
+}
+
+/// A map of a satellite's own sky.
+pub fn body_picture<'a>(view: &'a BodyView<'a>) -> Picture<'a> {
+    let facts = view.facts();
+    let disc = body_disc(view.clone(), format!("Sun at latitude {}°", degrees(view.sun_latitude_rad())));
+    let title = format!("{}, {}", standard(&facts), text_of(&facts, "model"));
+    let caption = format!("{BODY_CAPTION}{}", status(&facts));
+    Picture::new(title, caption, vec![disc], ALONE, LIMIT_MAG)
+}
+
+/// A figure of the paper: three maps with one scale, Sun in the north, spherical Earth.
+///
+/// # Errors
+/// A panel that is no map.
+pub fn paper_picture<'a>(
+    figure: &PaperFigure,
+    model: &'a BrightnessModel,
+    options: PhotometryOptions,
+) -> Result<Picture<'a>, PlotError> {
+    let mut discs = Vec::new();
+    let mut words = (String::new(), "", String::new());
+    for (panel, letter) in figure.panels.iter().zip(["a", "b", "c"]) {
+        match *panel {
+            FigurePanel::Body { sun_latitude_deg, height_km } => {
+                let view = BodyView::new(model, sun_latitude_deg.to_radians(), height_km, options)?;
+                let facts = view.facts();
+                words = (standard(&facts), BODY_CAPTION, status(&facts));
+                let title = format!("({letter}) Sun at latitude {}°", degrees(view.sun_latitude_rad()));
+                discs.push(body_disc(view, title));
+            }
+            FigurePanel::Sky { sun_altitude_deg, height_km } => {
+                let sun_altitude_rad = sun_altitude_deg.to_radians();
+                let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_altitude_rad, options)?;
+                let facts = view.facts();
+                words = (format!("{}, {height_km} km", apparent(&facts)), SKY_CAPTION, status(&facts));
+                let title = format!("({letter}) Sun at altitude {}°", degrees(view.sun_altitude_rad()));
+                discs.push(sky_disc(view, title));
+            }
+        }
+    }
+    let title = format!("{}, {}", words.0, model.source());
+    let caption = format!("{} After figure {} of Lu (2024).{}", words.1, figure.number, words.2);
+    Ok(Picture::new(title, caption, discs, OF_THREE, LIMIT_MAG))
+}
+
+fn sky_disc(view: SkyView<'_>, title: String) -> Disc<'_> {
+    let sun_longitude_rad = view.sun_azimuth_rad();
+    Disc {
+        title,
+        seen: Box::new(move |azimuth, from_zenith| {
+            let point = view.at(azimuth, FRAC_PI_2 - from_zenith);
+            match point.magnitude {
+                Some(magnitude) => Seen::Magnitude(magnitude.0),
+                None if point.lit_fraction <= 0.0 => Seen::Shadow,
+                None => Seen::Nothing,
+            }
+        }),
+        sun_longitude_rad,
+        rim: [(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
+        circles: vec![(30.0, "60°".to_owned()), (60.0, "30°".to_owned())],
+        limb_rad: None,
+    }
+}
+
+fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
+    let limb_rad = Some(FRAC_PI_2 + view.limb_latitude_rad());
+    Disc {
+        title,
+        seen: Box::new(move |longitude, from_nadir| {
+            view.at(longitude, from_nadir - FRAC_PI_2).map_or(Seen::Nothing, |magnitude| Seen::Magnitude(magnitude.0))
+        }),
+        sun_longitude_rad: 0.0,
+        rim: [(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")],
+        circles: vec![(30.0, "−60°".to_owned()), (60.0, "−30°".to_owned())],
+        limb_rad,
+    }
+}
+
+/// What a reader must know of the model.
+fn status(facts: &[Fact]) -> String {
+    match text_of(facts, "model_status").as_str() {
+        "" => String::new(),
+        status => format!(" The model is {status}."),
+    }
+}
+
+/// What the colours of a sky map show.
+fn apparent(facts: &[Fact]) -> String {
+    format!("Apparent magnitude {} ({})", text_of(facts, "band"), text_of(facts, "mag_system"))
+}
+
+/// What the colours of a body map show.
+fn standard(facts: &[Fact]) -> String {
+    format!("Magnitude {} ({}) at 1000 km", text_of(facts, "band"), text_of(facts, "mag_system"))
+}
+
+fn text_of(facts: &[Fact], name: &str) -> String {
+    let fact = facts.iter().find(|fact| fact.name == name);
+    match fact.map(|fact| &fact.value) {
+        Some(FactValue::Text(text)) => text.clone(),
+        Some(FactValue::Real(number)) => number.to_string(),
+        None => String::new(),
+    }
+}
+
+/// Degrees with a true minus sign, as many decimals as they have.
+fn degrees(angle_rad: f64) -> String {
+    tidy(angle_rad.to_degrees()).replace('-', "−")
+}
+
+/// As many decimals as it has, three at most.
+fn tidy(number: f64) -> String {
+    ((number * 1e3).round() / 1e3).to_string()
+}
