@@ -40,7 +40,7 @@ impl<'a> Light<'a> {
         height_km: f64,
         lit_fraction: f64,
     ) -> Option<StandardMagnitude> {
-        if self.options.earthshine != Earthshine::Off && self.model.satellite().is_some() {
+        if self.options.earthshine != Earthshine::Off && self.model.is_of_panels() {
             let geometry = ViewingGeometry::from_angles(
                 to_sun.latitude_rad(),
                 to_observer.longitude_rad(),
@@ -90,7 +90,7 @@ impl<'a> Light<'a> {
             Fact::new("model", "MODEL", text(&self.model.source()), "what magnitudes rest on"),
             Fact::new("band", "BAND", text(&self.options.band), "passband"),
             Fact::new("mag_system", "MAGSYS", text(&self.options.system), "zero point"),
-            Fact::new("earthshine", "ERTHSHIN", text(&self.options.earthshine.name()), "on two-panel models"),
+            Fact::new("earthshine", "ERTHSHIN", text(&self.options.earthshine.name()), "on models made of panels"),
         ];
         if self.model.file().is_some_and(|file| file.provenance.provisional) {
             facts.push(Fact::new("model_status", "MODSTAT", text(&"provisional"), "as the model file says"));

@@ -1,6 +1,6 @@
 //! A catalogue made ready: one propagator each, and the list of those that cannot be propagated.
 
-use hifitime::{Epoch, Unit};
+use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::propagator::{OrbitError, Propagator};
@@ -27,17 +27,9 @@ pub struct SatelliteIndex {
 }
 
 impl SatelliteIndex {
-    /// Makes every element set ready, on all threads. Elements of half-day and one-day orbits that are years older than the
-    /// rest take up to a millisecond each.
+    /// Makes every element set ready, on all threads.
     pub fn new(elements: &[ElementSet]) -> Self {
-        let settle = settling_epoch(elements);
-        let made: Vec<Result<Propagator, OrbitError>> = elements
-            .par_iter()
-            .map(|elements| {
-                let propagator = Propagator::new(elements)?;
-                Ok(settle.and_then(|epoch| propagator.settled(epoch)).unwrap_or(propagator))
-            })
-            .collect();
+        let made: Vec<Result<Propagator, OrbitError>> = elements.par_iter().map(Propagator::new).collect();
         let mut left_out = Vec::new();
         let propagators = made
             .into_iter()
@@ -83,15 +75,6 @@ impl SatelliteIndex {
     pub(super) fn propagators(&self) -> &[Option<Propagator>] {
         &self.propagators
     }
-}
-
-/// A moment shortly before the questions that a catalogue is asked: two days before the median of its epochs.
-///
-/// It decides only how quickly old deep-space elements are propagated, never where to.
-fn settling_epoch(elements: &[ElementSet]) -> Option<Epoch> {
-    let mut epochs: Vec<Epoch> = elements.iter().map(|elements| elements.epoch).collect();
-    let middle = epochs.len() / 2;
-    (!epochs.is_empty()).then(|| *epochs.select_nth_unstable(middle).1 - 2.0 * Unit::Day)
 }
 
 /// How far from its predicted place a satellite is still looked for; zero for nominal crossings alone.

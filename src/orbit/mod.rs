@@ -5,6 +5,7 @@ mod index;
 mod kepler;
 mod phase;
 mod propagator;
+mod resonance;
 mod sight;
 mod uncertainty;
 mod window;

@@ -1,12 +1,13 @@
 //! SGP4 made ready for one satellite. TEME never leaves this room.
 
 use hifitime::{Epoch, Unit};
-use sgp4::{Constants, MinutesSinceEpoch, Orbit, ResonanceState, WGS72, afspc_epoch_to_sidereal_time};
+use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
 use thiserror::Error;
 
 use super::kepler::MU_KM3_S2;
+use super::resonance::Resonance;
 use crate::catalogue::{ElementSet, NoradId};
 use crate::constants::DAY_S;
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
@@ -67,8 +68,8 @@ pub struct Propagator {
     period_s: f64,
     /// Beyond this distance from the Earth's centre the prediction is nonsense.
     farthest_km: f64,
-    /// Where the integration of a resonant deep-space orbit starts; none for all other orbits.
-    resonance: Option<ResonanceState>,
+    /// Of half-day and one-day orbits alone.
+    resonance: Option<Resonance>,
 }
 
 impl fmt::Debug for Propagator {
@@ -103,21 +104,16 @@ impl Propagator {
         let period_s = DAY_S / elements.mean_motion_rev_day;
         // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for what Moon and Sun may add.
         let farthest_km = 2.2 * (MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
-        let resonance = constants.initial_state();
+        let resonance = Resonance::of(&constants);
         Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id, period_s, farthest_km, resonance })
     }
 
-    /// The same orbit, made quick for times from `epoch` on, away from its element epoch; `None` where there is nothing to gain.
-    ///
-    /// SDP4 integrates the resonances of half-day and one-day orbits in steps of 720 minutes from the element epoch on. For
-    /// elements years old that is a thousand times the work of all else; it is done once here. The answers stay the same bit
-    /// for bit.
-    pub(super) fn settled(&self, epoch: Epoch) -> Option<Self> {
-        let mut resonance = self.resonance?;
-        let minutes = self.minutes_since_epoch(epoch);
-        // An orbit that breaks down has no state worth keeping.
-        self.constants.propagate_from_state(MinutesSinceEpoch(minutes), Some(&mut resonance), true).ok()?;
-        (resonance.t() != 0.0).then(|| Self { resonance: Some(resonance), ..self.clone() })
+    /// Position integrated all the way from the element epoch; `None` for orbits without resonances.
+    #[cfg(test)]
+    pub(super) fn position_from_the_epoch(&self, minutes: f64) -> Option<[f64; 3]> {
+        let mut initial = self.resonance.as_ref().and_then(|_| self.constants.initial_state())?;
+        let way = self.constants.propagate_from_state(MinutesSinceEpoch(minutes), Some(&mut initial), true);
+        way.ok().map(|prediction| prediction.position)
     }
 
     /// Whose orbit.
@@ -167,13 +163,7 @@ impl Propagator {
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
     pub fn teme_state_at_minutes(&self, minutes: f64) -> Result<([f64; 3], [f64; 3]), OrbitError> {
-        // A settled state serves its own side of the epoch, and times beyond it.
-        let mut resonance = self.resonance.filter(|state| {
-            state.t() == 0.0 || (state.t().signum() == minutes.signum() && minutes.abs() >= state.t().abs())
-        });
-        if resonance.is_none() && self.resonance.is_some() {
-            resonance = self.constants.initial_state();
-        }
+        let mut resonance = self.resonance.as_ref().map(|kept| kept.state_before(&self.constants, minutes));
         let prediction = self
             .constants
             .propagate_from_state(MinutesSinceEpoch(minutes), resonance.as_mut(), true)

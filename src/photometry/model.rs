@@ -90,7 +90,7 @@ enum Doubt {
     Pairs(Vec<[PanelAssembly; 2]>),
 }
 
-/// A model that answers with magnitudes, whatever it is made of. Shared by reference; asking allocates nothing.
+/// A model that answers with magnitudes, whatever it is made of. Shared by reference; asking allocates nothing, but for the Earth's light on lists of panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrightnessModel {
     law: Law,
@@ -314,7 +314,8 @@ impl BrightnessModel {
         let magnitude = standard.at_range(geometry.range_km).dimmed_by(colour + dimming + sun + air);
         let in_fitted_range = self.covers_phase(geometry, to_sun.cosine(&to_observer));
         let scatter = if in_fitted_range { self.sigma_mag } else { self.sigma_outside_mag };
-        let sigma = self.parameter_sigma_mag(&to_sun, &to_observer).map_or(scatter, |doubt| scatter.hypot(doubt));
+        let sigma =
+            self.parameter_sigma_mag(&to_sun, &to_observer, earth_m2_sr).map_or(scatter, |doubt| scatter.hypot(doubt));
         magnitude.0.is_finite().then(|| Brightness {
             magnitude,
             sigma_mag: if grey_reflectance { sigma.hypot(GREY_REFLECTANCE_SIGMA_MAG) } else { sigma },
@@ -326,8 +327,14 @@ impl BrightnessModel {
 
     /// One sigma of the magnitude that comes from the uncertainty of the fitted parameters alone, mag: √(J Σ Jᵀ).
     ///
-    /// `None` where the model has no covariance, and where nothing lit is seen.
-    pub fn parameter_sigma_mag(&self, to_sun: &Direction<Body>, to_observer: &Direction<Body>) -> Option<f64> {
+    /// By sunlight: light from the Earth (`earth_m2_sr`, 0 without) dilutes it and is taken as certain, though it comes by the
+    /// same coefficients. `None` where the model has no covariance, and where nothing lit is seen.
+    pub fn parameter_sigma_mag(
+        &self,
+        to_sun: &Direction<Body>,
+        to_observer: &Direction<Body>,
+        earth_m2_sr: f64,
+    ) -> Option<f64> {
         let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());
         let (variance, b_total) = match (&self.doubt, &self.law) {
             (Doubt::Gradient(sigmas), Law::TwoPanel(model)) => {
@@ -342,6 +349,7 @@ impl BrightnessModel {
             _ => return None,
         };
         // m = -2.5 log₁₀ B + …, dm/dp = -(2.5 / ln 10) (dB/dp) / B
+        let b_total = b_total + earth_m2_sr;
         (b_total > 0.0).then(|| 2.5 / std::f64::consts::LN_10 * variance.sqrt() / b_total)
     }
 
@@ -374,6 +382,11 @@ impl BrightnessModel {
             Law::Panels(assembly) => Some(assembly),
             _ => None,
         }
+    }
+
+    /// True where it is made of panels, two or any number: only these receive earthshine.
+    pub fn is_of_panels(&self) -> bool {
+        matches!(self.law, Law::TwoPanel(_) | Law::Panels(_))
     }
 
     /// What its magnitudes rest on.

@@ -1,0 +1,96 @@
+//! The integration of half-day and one-day orbits, kept where questions are asked.
+//!
+//! SDP4 integrates the resonances of such orbits in steps of 720 minutes from the element epoch on. For elements years old
+//! that is a thousand times the work of all else, again for each moment asked. So the state reached is kept, a few days
+//! on the epoch's side of the last far question, and later questions go on from there. The steps are the same ones from
+//! the same place, so answers stay the same bit for bit, whatever was asked before.
+
+use std::sync::{Mutex, PoisonError};
+
+use sgp4::{Constants, MinutesSinceEpoch, ResonanceState};
+
+/// A question farther than this from the kept state moves it, minutes: below, the steps cost less than one evaluation.
+const FAR_MIN: f64 = 20.0 * 1440.0;
+/// The kept state stays this far on the epoch's side of the question, minutes: arcs and waits go back and forth by days.
+const BACK_MIN: f64 = 5.0 * 1440.0;
+
+/// Where the integration of one orbit starts, and how far it has come.
+pub(super) struct Resonance {
+    initial: ResonanceState,
+    kept: Mutex<ResonanceState>,
+}
+
+impl Clone for Resonance {
+    fn clone(&self) -> Self {
+        Self { initial: self.initial, kept: Mutex::new(self.kept()) }
+    }
+}
+
+impl Resonance {
+    /// Of an orbit that has any.
+    pub fn of(constants: &Constants) -> Option<Self> {
+        constants.initial_state().map(|initial| Self { initial, kept: Mutex::new(initial) })
+    }
+
+    /// The state to go on from towards a moment, `minutes` after the element epoch.
+    pub fn state_before(&self, constants: &Constants, minutes: f64) -> ResonanceState {
+        let kept = self.kept();
+        // A kept state serves its own side of the epoch, and times beyond it.
+        let serves = kept.t() == 0.0 || (kept.t().signum() == minutes.signum() && minutes.abs() >= kept.t().abs());
+        let state = if serves { kept } else { self.initial };
+        if (minutes - state.t()).abs() < FAR_MIN {
+            return state;
+        }
+        let mut nearer = state;
+        let back = MinutesSinceEpoch(minutes - BACK_MIN.copysign(minutes));
+        // An orbit that breaks down on the way has no state worth keeping.
+        if constants.propagate_from_state(back, Some(&mut nearer), true).is_err() {
+            return state;
+        }
+        *self.kept.lock().unwrap_or_else(PoisonError::into_inner) = nearer;
+        nearer
+    }
+
+    fn kept(&self) -> ResonanceState {
+        *self.kept.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use hifitime::{Epoch, Unit};
+
+    use super::super::propagator::Propagator;
+    use crate::catalogue::{ElementSet, NoradId, Origin};
+
+    /// A half-day and a one-day orbit, asked near and far, back and forth, before and after the epoch: the same to the last
+    /// bit as integrated all the way from the epoch.
+    #[test]
+    fn verif_what_was_asked_before_changes_no_bit() {
+        for (mean_motion_rev_day, eccentricity, inclination_deg) in [(2.0056, 0.7, 63.4), (1.0027, 0.0002, 0.05)] {
+            let elements = ElementSet {
+                norad_id: NoradId(7),
+                name: "".into(),
+                international_designator: "".into(),
+                epoch: Epoch::from_gregorian_utc_at_noon(2020, 1, 1),
+                mean_motion_rev_day,
+                eccentricity,
+                inclination_deg,
+                right_ascension_of_node_deg: 80.0,
+                argument_of_perigee_deg: 270.0,
+                mean_anomaly_deg: 30.0,
+                bstar_per_earth_radius: 0.0,
+                mean_motion_dot_rev_day2: 0.0,
+                mean_motion_ddot_rev_day3: 0.0,
+                revolution_at_epoch: 0,
+                origin: Origin::Published,
+            };
+            let asked = Propagator::new(&elements).expect("starts");
+            for days in [650.0, 651.3, 646.0, 600.0, 30.0, 1400.0, -400.0, 0.2, -399.0, 650.0] {
+                let minutes = days * Unit::Day.in_seconds() / 60.0;
+                let (position, _) = asked.teme_state_at_minutes(minutes).expect("in orbit");
+                assert_eq!(Some(position), asked.position_from_the_epoch(minutes), "{days} days");
+            }
+        }
+    }
+}
