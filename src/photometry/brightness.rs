@@ -51,10 +51,11 @@ pub struct Brightness {
     pub grey_reflectance: bool,
 }
 
-/// Light that the Earth throws on the chassis of a two-panel model.
+/// Light that the Earth throws on the chassis of a two-panel model, and on the panels of others that ask for it.
 ///
 /// The paper is of two minds on whether its final model has it (section 4.3 against 4.4). Phase functions and
-/// means rest on measured magnitudes, which hold it already, and ignore the switch; so do models that list their panels.
+/// means rest on measured magnitudes, which hold it already, and ignore the switch. Models of panels that were fitted
+/// by sunlight alone hold some of it in their coefficients too: their files say so.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Earthshine {
     /// Sunlight alone.
@@ -88,7 +89,7 @@ pub struct PhotometryOptions {
     /// Extinction coefficient k of the site, mag per airmass; `None` gives magnitudes above the atmosphere.
     /// With it a satellite at or below the observer's horizon has no magnitude.
     pub extinction_mag_per_airmass: Option<f64>,
-    /// Earthshine on two-panel models.
+    /// Earthshine on models made of panels.
     pub earthshine: Earthshine,
 }
 

@@ -95,11 +95,11 @@ pub struct SharedArguments {
     /// Zero point of the magnitudes: Vega or AB; each band has its usual one
     #[arg(long, value_name = "SYSTEM", help_heading = "Camera")]
     pub mag_system: Option<String>,
-    /// Two-panel models by sunlight alone, without the light that the Earth throws on the chassis
+    /// Sunlight alone on models made of panels, without the light that the Earth throws on them
     #[arg(long, help_heading = "Camera")]
     pub no_earthshine: bool,
     /// Extinction of the site in the band, mag per airmass: magnitudes below the air
-    #[arg(long, value_name = "MAG", help_heading = "Camera")]
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Camera")]
     pub extinction: Option<f64>,
     /// Magnitudes with the Sun's distance of the day (up to 0.04 mag), not at 1 au
     #[arg(long, help_heading = "Camera")]

@@ -38,7 +38,7 @@ pub struct LightArguments {
     /// Zero point of the magnitudes: Vega or AB; each band has its usual one
     #[arg(long, value_name = "SYSTEM")]
     pub mag_system: Option<String>,
-    /// No light from the Earth on two-panel models: sunlight alone
+    /// Sunlight alone on models made of panels, without the light that the Earth throws on them
     #[arg(long)]
     pub no_earthshine: bool,
     /// Configuration file: band, site and models of one's own; flags that are typed win
@@ -142,7 +142,7 @@ pub struct MapPaperArguments {
     /// Brightness model by name (streakcast model list), or a model file
     #[arg(long, value_name = "NAME", default_value = "starlink-v1.5")]
     pub model: String,
-    /// No light from the Earth on two-panel models: sunlight alone
+    /// Sunlight alone on models made of panels, without the light that the Earth throws on them
     #[arg(long)]
     pub no_earthshine: bool,
 }

@@ -83,13 +83,8 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
     let setup = typed.light.setup(typed.site())?;
     let notices = begin(&setup)?;
     let model = model_of(&setup.model_library()?, &typed.light.model)?;
-    let mut options = setup.photometry()?;
-    options.extinction_mag_per_airmass = match typed.extinction {
-        Some(k) if !(0.0..=10.0).contains(&k) => {
-            return Err(anyhow!("extinction {k} mag per airmass: allowed 0 to 10"));
-        }
-        k => k,
-    };
+    let setup = Setup { extinction: typed.extinction.or(setup.extinction), ..setup };
+    let options = setup.photometry()?;
     let earth = site_of(&setup)?.map_or(Earth::Sphere, Earth::Ellipsoid);
     let (sun_azimuth, sun_altitude) = (typed.sun_azimuth_deg.to_radians(), typed.sun_altitude_deg.to_radians());
     let view = SkyView::new(&model, earth, typed.height_km, sun_azimuth, sun_altitude, options)?;
