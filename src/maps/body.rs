@@ -107,15 +107,14 @@ impl<'a> BodyView<'a> {
 
     /// All directions of a grid at or below the plane of the chassis, on all threads of the caller's pool.
     pub fn map(&self, grid: Grid) -> BodyMap {
-        let point = |observer_latitude_rad: f64| {
-            move |observer_longitude_rad: f64| BodyPoint {
-                observer_longitude_rad,
-                observer_latitude_rad,
-                standard_magnitude: self.at(observer_longitude_rad, observer_latitude_rad),
-            }
-        };
         let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
-        let points = fill(grid.southern(), blank, point);
+        let points = fill(grid.southern(), blank, |row, points| {
+            for (point, observer_longitude_rad) in points.iter_mut().zip(row.longitudes_rad()) {
+                let standard_magnitude = self.at(observer_longitude_rad, row.latitude_rad);
+                *point =
+                    BodyPoint { observer_longitude_rad, observer_latitude_rad: row.latitude_rad, standard_magnitude };
+            }
+        });
         BodyMap { grid, facts: self.facts(), points }
     }
 }

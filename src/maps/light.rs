@@ -2,7 +2,9 @@
 
 use crate::frames::{Body, Direction};
 use crate::geometry::ViewingGeometry;
-use crate::photometry::{BrightnessModel, Earthshine, Magnitude, PhotometryOptions, StandardMagnitude, airmass};
+use crate::photometry::{
+    BrightnessModel, Earthshine, Magnitude, PhotometryOptions, Places, StandardMagnitude, airmass,
+};
 
 use super::facts::{Fact, FactValue};
 
@@ -51,8 +53,25 @@ impl<'a> Light<'a> {
             return Some(StandardMagnitude(bright.magnitude.0));
         }
         let standard = self.model.standard_magnitude_towards(to_sun, to_observer)?;
+        self.shaded(StandardMagnitude(standard.0 + self.colour_mag), lit_fraction)
+    }
+
+    /// True where magnitudes are those of panels under the Sun alone: many at once cost a fraction of each by itself.
+    pub fn is_sunlight_on_panels(&self) -> bool {
+        self.options.earthshine == Earthshine::Off && self.model.satellite().is_some()
+    }
+
+    /// At 1000 km by full sunlight, many at once; not a number where nothing lit is seen.
+    pub fn sunlight_at(&self, places: &Places, out: &mut [f64]) {
+        self.model.standard_magnitudes_at(places, out);
+        out.iter_mut().for_each(|magnitude| *magnitude += self.colour_mag);
+    }
+
+    /// What the Earth's shadow leaves of a magnitude by full sunlight; `None` where that is nothing, or there was none.
+    pub fn shaded(&self, standard: StandardMagnitude, lit_fraction: f64) -> Option<StandardMagnitude> {
         let shade = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
-        Some(StandardMagnitude(standard.0 + self.colour_mag + shade))
+        let magnitude = standard.0 + shade;
+        magnitude.is_finite().then_some(StandardMagnitude(magnitude))
     }
 
     /// What distance and air add to a standard magnitude; `None` where the air lets nothing through, at the horizon.

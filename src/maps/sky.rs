@@ -19,11 +19,11 @@ use nalgebra::{Matrix3, Vector3};
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::frames::{Body, Direction, Gcrs, Horizontal, Position, itrs_to_horizontal};
 use crate::geometry::{Site, illumination};
-use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions};
+use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, Places, StandardMagnitude};
 
 use super::error::{MapError, height, latitude};
 use super::facts::{Fact, FactValue, rounded};
-use super::grid::{Grid, fill};
+use super::grid::{Grid, GridRow, fill};
 use super::light::Light;
 
 /// On what Earth the observer stands.
@@ -188,12 +188,16 @@ impl<'a> SkyView<'a> {
 
     /// All directions of a grid at or above the horizon, on all threads of the caller's pool.
     pub fn map(&self, grid: Grid) -> SkyMap {
-        let point = |altitude_rad: f64| {
-            let row = self.row(altitude_rad);
-            move |azimuth_rad: f64| self.point(&row, azimuth_rad)
-        };
         let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
-        let points = fill(grid.northern(), blank, point);
+        let points = fill(grid.northern(), blank, |grid_row, points| {
+            let row = self.row(grid_row.latitude_rad);
+            if self.light.is_sunlight_on_panels() {
+                return self.fill_by_columns(&row, grid_row, points);
+            }
+            for (point, azimuth_rad) in points.iter_mut().zip(grid_row.longitudes_rad()) {
+                *point = self.point(&row, azimuth_rad);
+            }
+        });
         SkyMap { grid, facts: self.facts(), points }
     }
 
@@ -209,15 +213,50 @@ impl<'a> SkyView<'a> {
         Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, way }
     }
 
-    fn point(&self, row: &Row, azimuth_rad: f64) -> SkyPoint {
-        let (east, north) = azimuth_rad.sin_cos();
+    /// A row of one altitude, all its magnitudes at once; the same as point by point to 1e-9 mag.
+    fn fill_by_columns(&self, row: &Row, grid_row: &GridRow, points: &mut [SkyPoint]) {
+        let mut columns = [const { Vec::new() }; 3];
+        columns.iter_mut().for_each(|column: &mut Vec<f64>| column.reserve(points.len()));
+        let azimuths = grid_row.longitudes_rad().zip(grid_row.sines_and_cosines());
+        for (point, (azimuth_rad, sine_and_cosine)) in points.iter_mut().zip(azimuths) {
+            let (direction, range_km, dimming) = self.sight(row, sine_and_cosine);
+            let satellite = self.observer.vector() + direction * range_km;
+            columns.iter_mut().zip(satellite.iter()).for_each(|(column, coordinate)| column.push(*coordinate));
+            let lit_fraction = self.lit_fraction(&satellite);
+            *point =
+                SkyPoint { azimuth_rad, altitude_rad: row.altitude_rad, range_km, lit_fraction, magnitude: dimming };
+        }
+        let places = Places {
+            x_km: &columns[0],
+            y_km: &columns[1],
+            z_km: &columns[2],
+            observer_km: (*self.observer.vector()).into(),
+            sun_km: (*self.sun.vector()).into(),
+        };
+        let mut standard = vec![0.0; points.len()];
+        self.light.sunlight_at(&places, &mut standard);
+        for (point, standard) in points.iter_mut().zip(standard) {
+            let shaded = self.light.shaded(StandardMagnitude(standard), point.lit_fraction);
+            point.magnitude = match (point.magnitude, shaded) {
+                (Some(dimming), Some(standard)) => Some(dimming.dimmed_by(standard.0)),
+                _ => None,
+            };
+        }
+    }
+
+    /// Where the direction at an azimuth (its sine and cosine) points to, how far the satellite there is, and what distance and air add to its standard magnitude.
+    fn sight(&self, row: &Row, (east, north): (f64, f64)) -> (Vector3<f64>, f64, Option<Magnitude>) {
         let direction = row.up + row.north * north + row.east * east;
-        let observer = self.observer.vector();
         let (range_km, dimming) = row.way.unwrap_or_else(|| {
-            let range_km = self.range_km(observer.dot(&direction));
+            let range_km = self.range_km(self.observer.vector().dot(&direction));
             (range_km, self.light.dimming(range_km, row.altitude_rad))
         });
-        let satellite = observer + direction * range_km;
+        (direction, range_km, dimming)
+    }
+
+    fn point(&self, row: &Row, azimuth_rad: f64) -> SkyPoint {
+        let (direction, range_km, dimming) = self.sight(row, azimuth_rad.sin_cos());
+        let satellite = self.observer.vector() + direction * range_km;
         let lit_fraction = self.lit_fraction(&satellite);
         let magnitude = dimming.filter(|_| lit_fraction > 0.0).and_then(|dimming| {
             let (to_sun, to_observer) = self.body_directions(&satellite, &direction);

@@ -21,7 +21,7 @@ mod sphere;
 mod standard_magnitudes;
 
 pub use band::{Band, BandError, MagSystem};
-pub use batch::BodyAngles;
+pub use batch::{BodyAngles, Places};
 pub use blocking::{Blocked, ChassisBlocking};
 pub use brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 pub use library::ModelLibrary;

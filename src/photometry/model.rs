@@ -2,11 +2,13 @@
 
 use std::sync::Arc;
 
-use crate::frames::{Body, Direction};
+use nalgebra::Vector3;
+
+use crate::frames::{Body, Direction, Gcrs, Position};
 use crate::geometry::ViewingGeometry;
 
 use super::band::{Band, MagSystem};
-use super::batch::{BodyAngles, standard_magnitudes};
+use super::batch::{BodyAngles, Columns, Places, standard_magnitudes};
 use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 use super::magnitude::{StandardMagnitude, airmass};
 use super::model_file::{GeometryRange, ModelFile, ModelFileError, ModelKind};
@@ -229,9 +231,7 @@ impl BrightnessModel {
     /// some 20 ns each on one core; the others are asked one by one.
     pub fn standard_magnitudes(&self, angles: &BodyAngles, out: &mut [f64]) {
         if let Law::TwoPanel(model) = &self.law {
-            let zero_mag = StandardMagnitude::from_reflection(1.0, self.band.sun_magnitude(self.system));
-            let zero_mag = zero_mag.map_or(f64::NAN, |zero| zero.0);
-            return standard_magnitudes(&model.numbers(), zero_mag, angles, out);
+            return standard_magnitudes(&model.numbers(), self.zero_mag(), Columns::Angles(angles), out);
         }
         let rows = angles.sun_latitude_rad.iter().zip(angles.observer_longitude_rad).zip(angles.observer_latitude_rad);
         for (((&sun, &longitude), &latitude), out) in rows.zip(out) {
@@ -239,6 +239,29 @@ impl BrightnessModel {
             let magnitude = self.standard_magnitude_of(&to_sun, &Direction::from_lon_lat_rad(longitude, latitude), 0.0);
             *out = magnitude.map_or(f64::NAN, |magnitude| magnitude.0);
         }
+    }
+
+    /// The same for satellites at many places over one observer, some 15 ns each on one core in the two-panel form.
+    ///
+    /// A satellite at the observer's own place or at the Earth's centre gives no number.
+    pub fn standard_magnitudes_at(&self, places: &Places, out: &mut [f64]) {
+        if let Law::TwoPanel(model) = &self.law {
+            return standard_magnitudes(&model.numbers(), self.zero_mag(), Columns::Places(places), out);
+        }
+        let [observer, sun] =
+            [places.observer_km, places.sun_km].map(|place| Position::<Gcrs>::from_vector(Vector3::from(place)));
+        let rows = places.x_km.iter().zip(places.y_km).zip(places.z_km);
+        for (((&x, &y), &z), out) in rows.zip(out) {
+            let geometry = ViewingGeometry::new(&Position::from_vector(Vector3::new(x, y, z)), &observer, &sun);
+            let magnitude = geometry.and_then(|geometry| self.standard_magnitude(&geometry));
+            *out = magnitude.map_or(f64::NAN, |magnitude| magnitude.0);
+        }
+    }
+
+    /// Magnitude at 1000 km of 1 m² sr⁻¹.
+    fn zero_mag(&self) -> f64 {
+        let unit = StandardMagnitude::from_reflection(1.0, self.band.sun_magnitude(self.system));
+        unit.map_or(f64::NAN, |unit| unit.0)
     }
 
     fn standard_magnitude_of(

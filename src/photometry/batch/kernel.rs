@@ -24,19 +24,42 @@ pub struct BodyAngles<'a> {
 /// Directions that are worked on together: their intermediate numbers, some 8 kB, stay in the nearest cache.
 const BLOCK: usize = 64;
 
+/// Places of satellites as columns of one length, km, in the same axes as the observer's and the Sun's place; a shorter
+/// column cuts the others.
+#[derive(Copy, Clone, Debug)]
+pub struct Places<'a> {
+    /// First coordinate of each satellite, from the Earth's centre.
+    pub x_km: &'a [f64],
+    /// Second.
+    pub y_km: &'a [f64],
+    /// Third.
+    pub z_km: &'a [f64],
+    /// The observer, from the Earth's centre.
+    pub observer_km: [f64; 3],
+    /// The Sun, from the Earth's centre.
+    pub sun_km: [f64; 3],
+}
+
+/// Where directions in the body frame come from.
+#[derive(Copy, Clone)]
+pub(in crate::photometry) enum Columns<'a> {
+    Angles(&'a BodyAngles<'a>),
+    Places(&'a Places<'a>),
+}
+
 /// Magnitudes at 1000 km into `out`; not a number where nothing lit is seen. `zero_mag` is the magnitude of 1 m² sr⁻¹.
 pub(in crate::photometry) fn standard_magnitudes(
     model: &TwoPanelNumbers,
     zero_mag: f64,
-    angles: &BodyAngles,
+    columns: Columns,
     out: &mut [f64],
 ) {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]
-        Arch::V4(simd) => simd.vectorize(Run { model, zero_mag, angles, out }),
+        Arch::V4(simd) => simd.vectorize(Run { model, zero_mag, columns, out }),
         #[cfg(target_arch = "x86_64")]
-        Arch::V3(simd) => simd.vectorize(Run { model, zero_mag, angles, out }),
-        _ => run::<false>(model, zero_mag, angles, out),
+        Arch::V3(simd) => simd.vectorize(Run { model, zero_mag, columns, out }),
+        _ => run::<false>(model, zero_mag, columns, out),
     }
 }
 
@@ -44,7 +67,7 @@ pub(in crate::photometry) fn standard_magnitudes(
 struct Run<'a> {
     model: &'a TwoPanelNumbers,
     zero_mag: f64,
-    angles: &'a BodyAngles<'a>,
+    columns: Columns<'a>,
     out: &'a mut [f64],
 }
 
@@ -56,36 +79,108 @@ impl NullaryFnOnce for Run<'_> {
         // A copy: behind the reference the compiler could not know that writing magnitudes leaves it alone, and would
         // not make vectors of the loop.
         let model = *self.model;
-        run::<true>(&model, self.zero_mag, self.angles, self.out);
+        run::<true>(&model, self.zero_mag, self.columns, self.out);
     }
 }
 
 #[inline(always)]
-fn run<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, angles: &BodyAngles, out: &mut [f64]) {
-    let columns = [angles.sun_latitude_rad, angles.observer_longitude_rad, angles.observer_latitude_rad];
-    let count = columns.iter().map(|column| column.len()).min().unwrap_or(0).min(out.len());
+fn run<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, columns: Columns, out: &mut [f64]) {
+    let three = match columns {
+        Columns::Angles(angles) => {
+            [angles.sun_latitude_rad, angles.observer_longitude_rad, angles.observer_latitude_rad]
+        }
+        Columns::Places(places) => [places.x_km, places.y_km, places.z_km],
+    };
+    let count = three.iter().map(|column| column.len()).min().unwrap_or(0).min(out.len());
     let mut start = 0;
     while start < count {
         let end = (start + BLOCK).min(count);
         let mut block = [[0.0; BLOCK]; 3];
-        for (block, column) in block.iter_mut().zip(columns) {
+        for (block, column) in block.iter_mut().zip(three) {
             block[..end - start].copy_from_slice(&column[start..end]);
         }
-        out[start..end].copy_from_slice(&of_block::<F>(model, zero_mag, &block)[..end - start]);
+        let directions = match columns {
+            Columns::Angles(_) => of_angles::<F>(&block),
+            Columns::Places(places) => of_places::<F>(&block, places.observer_km, places.sun_km),
+        };
+        let magnitudes = of_block::<F>(model, zero_mag, &directions);
+        out[start..end].copy_from_slice(&magnitudes[..end - start]);
         start = end;
     }
+}
+
+/// Unit vectors to the Sun (x, 0, z) and the observer in the body frame.
+struct Directions {
+    sun_x: [f64; BLOCK],
+    sun_z: [f64; BLOCK],
+    eye_x: [f64; BLOCK],
+    eye_y: [f64; BLOCK],
+    eye_z: [f64; BLOCK],
+}
+
+#[inline(always)]
+fn of_angles<const F: bool>(angles: &[[f64; BLOCK]; 3]) -> Directions {
+    let [(sun_z, sun_x), (longitude_sin, longitude_cos), (eye_z, latitude_cos)] =
+        [sines_and_cosines::<F>(&angles[0]), sines_and_cosines::<F>(&angles[1]), sines_and_cosines::<F>(&angles[2])];
+    let (mut eye_x, mut eye_y) = ([0.0; BLOCK], [0.0; BLOCK]);
+    for lane in 0..BLOCK {
+        eye_x[lane] = latitude_cos[lane] * longitude_cos[lane];
+        eye_y[lane] = latitude_cos[lane] * longitude_sin[lane];
+    }
+    Directions { sun_x, sun_z, eye_x, eye_y, eye_z }
+}
+
+#[inline(always)]
+fn of_places<const F: bool>(places: &[[f64; BLOCK]; 3], observer: [f64; 3], sun: [f64; 3]) -> Directions {
+    let [mut sun_x, mut sun_z, mut eye_x, mut eye_y, mut eye_z] = [[0.0; BLOCK]; 5];
+    for lane in 0..BLOCK {
+        let place = [places[0][lane], places[1][lane], places[2][lane]];
+        // z to the zenith, x to the Sun's foot on the plane of the chassis, y = z × x     Lu (2024), eqs. 8, 9
+        let zenith = unit::<F>(place);
+        let to_sun = unit::<F>([sun[0] - place[0], sun[1] - place[1], sun[2] - place[2]]);
+        let to_eye = unit::<F>([observer[0] - place[0], observer[1] - place[1], observer[2] - place[2]]);
+        let up = dot::<F>(zenith, to_sun);
+        let foot = [
+            fused::<F>(-up, zenith[0], to_sun[0]),
+            fused::<F>(-up, zenith[1], to_sun[1]),
+            fused::<F>(-up, zenith[2], to_sun[2]),
+        ];
+        let level = dot::<F>(foot, foot).sqrt();
+        // With the Sun in the zenith every direction along the plane will do: none is taken, and nothing below is lit.
+        let per_level = 1.0 / positive(level);
+        let across = [
+            zenith[1] * foot[2] - zenith[2] * foot[1],
+            zenith[2] * foot[0] - zenith[0] * foot[2],
+            zenith[0] * foot[1] - zenith[1] * foot[0],
+        ];
+        sun_x[lane] = level;
+        sun_z[lane] = up;
+        eye_x[lane] = dot::<F>(foot, to_eye) * per_level;
+        eye_y[lane] = dot::<F>(across, to_eye) * per_level;
+        eye_z[lane] = dot::<F>(zenith, to_eye);
+    }
+    Directions { sun_x, sun_z, eye_x, eye_y, eye_z }
+}
+
+#[inline(always)]
+fn dot<const F: bool>(a: [f64; 3], b: [f64; 3]) -> f64 {
+    fused::<F>(a[0], b[0], fused::<F>(a[1], b[1], a[2] * b[2]))
+}
+
+#[inline(always)]
+fn unit<const F: bool>(a: [f64; 3]) -> [f64; 3] {
+    let scale = 1.0 / dot::<F>(a, a).sqrt();
+    [a[0] * scale, a[1] * scale, a[2] * scale]
 }
 
 /// One block, step by step: each step is a short loop, so that the next vector begins while the last one waits for its
 /// results.
 #[inline(always)]
-fn of_block<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, angles: &[[f64; BLOCK]; 3]) -> [f64; BLOCK] {
-    let [(sun_z, sun_x), (longitude_sin, longitude_cos), (eye_z, latitude_cos)] =
-        [sines_and_cosines::<F>(&angles[0]), sines_and_cosines::<F>(&angles[1]), sines_and_cosines::<F>(&angles[2])];
+fn of_block<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, directions: &Directions) -> [f64; BLOCK] {
     let [mut front_m2, mut back_m2, mut base_m2, mut sail_mirror, mut base_mirror] = [[0.0; BLOCK]; 5];
     for lane in 0..BLOCK {
-        let (sun_z, sun_x, eye_z) = (sun_z[lane], sun_x[lane], eye_z[lane]);
-        let (eye_x, eye_y) = (latitude_cos[lane] * longitude_cos[lane], latitude_cos[lane] * longitude_sin[lane]);
+        let (sun_z, sun_x, eye_z) = (directions.sun_z[lane], directions.sun_x[lane], directions.eye_z[lane]);
+        let (eye_x, eye_y) = (directions.eye_x[lane], directions.eye_y[lane]);
         let sun_eye = fused::<F>(sun_x, eye_x, sun_z * eye_z);
         // n_sail = (cos POA, 0, sin POA), n_base = -z                     Lu (2024), section 2.1
         let sail_in = fused::<F>(model.cos_panel_offset, sun_x, model.sin_panel_offset * sun_z);

@@ -3,5 +3,5 @@
 mod elementary;
 mod kernel;
 
-pub use kernel::BodyAngles;
-pub(super) use kernel::standard_magnitudes;
+pub use kernel::{BodyAngles, Places};
+pub(super) use kernel::{Columns, standard_magnitudes};

@@ -70,19 +70,56 @@ def lumos_ns(earthshine, n):
     return statistics.median(times) * 1e9
 
 
+def ours_map_ns():
+    text = subprocess.run(["cargo", "bench", "-q", "--bench", "maps", "--", "nside_64/0"], cwd=ROOT, capture_output=True, text=True, check=True).stdout
+    number, unit = re.search(r"0 [^│]*│[^│]*│ ([0-9.]+) (ns|µs|ms)", text.split("with_earthshine")[0]).groups()
+    return float(number) * {"ns": 1, "µs": 1e3, "ms": 1e6}[unit]
+
+
+def numpy_map_ns(repeats=7, nside=64, height_km=550.0):
+    """All directions of an nside 64 sky: places on the satellites' sphere, body-frame angles, magnitudes, range; the Sun on the horizon."""
+    n = 6 * nside**2 + 2 * nside
+    altitude = np.arcsin((np.arange(n) + 0.5) / n)
+    azimuth = np.mod(2.399963 * np.arange(n), 2 * np.pi)
+    earth_km, sun = 6378.137, np.array([1.0, 0.0, 0.0]) * 149_597_870.7
+    times = []
+    for _ in range(repeats):
+        start = time.perf_counter()
+        d = np.stack([np.cos(altitude) * np.cos(azimuth), np.cos(altitude) * np.sin(azimuth), np.sin(altitude)])
+        b = earth_km * d[2]
+        rho = -b + np.sqrt(b * b + (earth_km + height_km) ** 2 - earth_km**2)
+        place = d * rho
+        place[2] += earth_km
+        z = place / np.sqrt((place**2).sum(0))
+        s = sun[:, None] - place
+        s /= np.sqrt((s**2).sum(0))
+        sin_s, sin_o = (s * z).sum(0), -(d * z).sum(0)
+        ds, do = np.arcsin(sin_s), np.arcsin(sin_o)
+        cos_a = ((s * -d).sum(0) - sin_s * sin_o) / (np.cos(ds) * np.cos(do))
+        a = np.arccos(np.clip(cos_a, -1, 1))
+        m = magnitude(basis(SHAPE, ds, a, do), COEFFICIENTS) + 5 * np.log10(rho / 1000)
+        times.append(time.perf_counter() - start)
+        assert np.isfinite(m).all()
+    return statistics.median(times) * 1e9
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--rounds", type=int, default=5)
     rounds = parser.parse_args().rounds
     subprocess.run(["cargo", "bench", "-q", "--bench", "magnitudes", "--no-run"], cwd=ROOT, check=True)
-    rows = []
+    rows, maps = [], []
     for _ in range(rounds):
         rows.append((ours_ns(), numpy_ns(), lumos_ns(False, 2000), lumos_ns(True, 50)))
+        maps.append((ours_map_ns(), numpy_map_ns()))
     names = ("streakcast, columns", f"numpy {np.__version__}", "lumos-sat, Sun only", "lumos-sat, earthshine 150")
     print(f"{'':28} {'ns a direction':>16} {'times ours':>12}")
     for place, name in enumerate(names):
         ratio = statistics.median(row[place] / row[0] for row in rows)
         print(f"{name:28} {statistics.median(row[place] for row in rows):16,.1f} {ratio:12,.1f}")
+    ours, theirs = (statistics.median(row[place] for row in maps) / 1e6 for place in (0, 1))
+    ratio = statistics.median(row[1] / row[0] for row in maps)
+    print(f"all sky at nside 64: {ours:.2f} ms on all cores, numpy on one {theirs:.1f} ms, times ours {ratio:.1f}")
 
 
 if __name__ == "__main__":
