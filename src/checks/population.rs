@@ -112,8 +112,8 @@ mod tests {
 
     #[test]
     fn verif_weights_add_up_to_the_satellites_there_are() {
-        // At 36,000 km nothing within the cone is in the shadow at dusk of an equinox but what stands behind the Earth; a polar shell
-        // has the density 1/cos φ. Compared with a sum over rings of the shell about its pole, which knows no altitude.
+        // A polar shell has the density 1/cos φ: compared with a sum over cells of longitude and latitude about the Earth's axis, which
+        // knows neither altitudes nor ranges. High enough for the cone to be large.
         let height_km = 20_000.0;
         let seen: f64 = Population::of_shell(height_km, 90.0).viewed.iter().map(|v| v.weight).sum();
         let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;
