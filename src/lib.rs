@@ -16,6 +16,7 @@
 //! calibrated image. The library never prints, and never asks the environment, the clock or the network.
 
 pub mod catalogue;
+pub mod checks;
 pub mod constants;
 pub mod frames;
 pub mod geometry;

@@ -207,6 +207,7 @@ fn words_that_mean_nothing() {
     fails(&[&flag(&schedule), &["--fail-on", "clear"]], &["clear", "streaked", "avoid"]);
     fails(&[&["model", "show", "nonsense"]], &["unknown model 'nonsense'", "starlink-v1.5"]);
     fails(&[&["model", "check", &config]], &["c.toml"]);
+    fails(&[&["model", "check", "--data", "no-such-folder"]], &["no photometry in no-such-folder", "pomenis"]);
 }
 
 #[test]

@@ -17,6 +17,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("passes", &["catalogue", "frames", "geometry", "orbit", "photometry"]),
     ("maps", &["frames", "geometry", "healpix", "photometry", "table"]),
     ("plot", &["maps", "photometry"]),
+    ("checks", &["frames", "geometry", "photometry", "table"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),
 ];
@@ -28,7 +29,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("cdshealpix", &["healpix", "photometry"]),
     ("rusqlite", &["schedule"]),
     ("quick_xml", &["catalogue"]),
-    ("flate2", &["catalogue"]),
+    ("flate2", &["catalogue", "checks"]),
     ("sha2", &["catalogue"]),
     ("saphyr", &["schedule"]),
     ("tempfile", &["table"]),

@@ -71,6 +71,10 @@ else
     step "the README's passes" transcript README.md passes "${first[@]}" --start 2026-08-14T23:29:05Z \
         --exposure 30s --ra 198.9 --dec 7.7
     step "docs/policy.md" transcript docs/policy.md flag --config examples/streakcast.toml --schedule examples/night.csv
+    data=${STREAKCAST_DATA:-../shared/data}
+    if [ -f "$data/INDEX.md" ]; then
+        step "docs/models.md" transcript docs/models.md model check --data "$data"
+    fi
     step "examples/field.json" cargo run --quiet -- flag "${first[@]:0:4}" --field examples/field.json \
         --schedule examples/night.csv
 fi

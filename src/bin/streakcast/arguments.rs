@@ -235,11 +235,22 @@ pub enum ModelVerb {
     List(ModelListArguments),
     /// One model: its file, with coefficients, covariance and provenance
     Show(ModelShowArguments),
-    /// Holds model files to the rules: those shipped, or those named
-    Check {
-        /// Model files
-        files: Vec<PathBuf>,
-    },
+    /// Holds models, those shipped or those named, to the rules, to published means and phase curves, and to photometry
+    Check(ModelCheckArguments),
+}
+
+#[derive(Args)]
+pub struct ModelCheckArguments {
+    /// Model files; a name that begins with that of a shipped model (visorsat-mine) says which satellites
+    pub files: Vec<PathBuf>,
+    /// Folder of published photometry (see docs/models.md); without it, what was published alone
+    #[arg(long, value_name = "FOLDER")]
+    pub data: Option<PathBuf>,
+    /// No word on standard error but errors
+    #[arg(long, short)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub output: OutputArguments,
 }
 
 #[derive(Args)]

@@ -1,0 +1,119 @@
+//! MMT-9 (Karpov et al. 2016, Beskin et al. 2017): time, distance and phase angle with each magnitude, from which the geometry follows.
+//!
+//! ```text
+//! sin δ_obs = -(R² + d² - q²) / (2 R d)                       R  orbit's radius, a circle at the shell's height
+//! sin δ_sun = (q · s - d cos φ) / R                           d  distance, φ  phase angle
+//! cos α     = (cos φ - sin δ_sun sin δ_obs) / (cos δ_sun cos δ_obs)     q  the telescope, s  unit vector to the Sun
+//! ```
+//!
+//! up to the mirror image α → -α, which a satellite symmetric about the Sun's plane does not tell apart.
+
+use std::path::Path;
+
+use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
+use crate::frames::{EopTable, OrientationTable, seconds_between};
+use crate::geometry::{Site, SunTable, ViewingGeometry};
+use crate::photometry::Magnitude;
+
+use super::error::CheckError;
+use super::photometry::Measurement;
+use super::rows::Rows;
+
+const COLUMNS: [&str; 6] = ["Date", "Mag", "Filter", "Penumbra", "Distance", "Phase"];
+
+/// Geodetic latitude and longitude, degrees, and height, m, of the telescope.
+const SITE: (f64, f64, f64) = (43.649_861, 41.431_472, 2030.0);
+
+/// A cosine so far beyond 1 is put down to the orbit not being a circle of this height; farther, the row has no geometry.
+const GREATEST_COSINE: f64 = 1.05;
+/// Nearer to straight below, α is no longer determined, degrees.
+const LEAST_LATITUDE_DEG: f64 = -85.0;
+
+/// Rows through no filter and out of the penumbra, of circular orbits `height_km` above 6378.137 km.
+pub(super) fn read(path: &Path, height_km: f64) -> Result<Vec<Measurement>, CheckError> {
+    let rows = Rows::read(path, COLUMNS)?;
+    let mut clear = Vec::new();
+    for row in rows.iter().filter(|row| row.text(2) == "Clear" && row.text(3) == "0") {
+        let distance_km = row.number(4, [100.0, 100_000.0], "a distance of 100 to 100000 km")?;
+        let phase_rad = row.number(5, [0.0, 180.0], "an angle of 0 to 180 deg")?.to_radians();
+        clear.push((row.utc(0)?, row.magnitude(1)?, distance_km, phase_rad));
+    }
+    let ends = clear.iter().map(|row| row.0).min().zip(clear.iter().map(|row| row.0).max());
+    let Some((first, last)) = ends else { return Ok(Vec::new()) };
+    let (latitude, longitude, height_m) = SITE;
+    let site = Site::new_deg("MMT-9", latitude, longitude, height_m)
+        .map_err(|error| CheckError::Unreadable { path: path.to_owned(), problem: error.to_string() })?
+        .itrs();
+    let (orientations, suns) = (OrientationTable::new(first, last, &EopTable::embedded()), SunTable::new(first, last));
+    let seen = clear.into_iter().map(|(epoch, magnitude, distance_km, phase_rad)| {
+        let seconds = seconds_between(first, epoch);
+        let telescope = orientations.at_s(seconds).itrs_to_gcrs * site;
+        let to_sun = suns.at_s(seconds).sun.vector().normalize();
+        let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;
+        let along_km = telescope.vector().dot(&to_sun);
+        let geometry = geometry(radius_km, distance_km, phase_rad, telescope.norm_km(), along_km);
+        Measurement::with_phase(Magnitude(magnitude).to_standard(distance_km), phase_rad, geometry)
+    });
+    Ok(seen.collect())
+}
+
+/// The formulas above; `along_km` is q · s.
+fn geometry(
+    radius_km: f64,
+    distance_km: f64,
+    phase_rad: f64,
+    telescope_km: f64,
+    along_km: f64,
+) -> Option<ViewingGeometry> {
+    let squares = radius_km * radius_km + distance_km * distance_km - telescope_km * telescope_km;
+    let sin_observer = -squares / (2.0 * radius_km * distance_km);
+    let sin_sun = ((along_km - distance_km * phase_rad.cos()) / radius_km).clamp(-1.0, 1.0);
+    if sin_observer.abs() >= 1.0 || sin_observer <= LEAST_LATITUDE_DEG.to_radians().sin() {
+        return None;
+    }
+    let (observer, sun) = (sin_observer.asin(), sin_sun.asin());
+    let cos_longitude = (phase_rad.cos() - sin_sun * sin_observer) / (sun.cos() * observer.cos());
+    if cos_longitude.is_nan() || cos_longitude.abs() >= GREATEST_COSINE {
+        return None;
+    }
+    let longitude = cos_longitude.clamp(-1.0, 1.0).acos();
+    ViewingGeometry::from_angles(sun, longitude, observer, distance_km, radius_km - EARTH_EQUATORIAL_RADIUS_KM)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::constants::AU_KM;
+    use crate::frames::{Gcrs, Position};
+    use proptest::prelude::*;
+
+    proptest! {
+        #[test]
+        fn verif_geometry_comes_back_from_distance_and_phase(
+            longitude in -0.3..0.3_f64, latitude in -0.3..0.3_f64, sun_angle in 0.0..std::f64::consts::TAU, sun_rise in -1.0..1.0_f64,
+        ) {
+            let telescope = Position::<Gcrs>::new(6370.0, 0.0, 0.0);
+            let satellite = crate::frames::Direction::<Gcrs>::from_lon_lat_rad(longitude, latitude).at_range(6928.137);
+            let sun = crate::frames::Direction::<Gcrs>::from_lon_lat_rad(sun_angle, sun_rise).at_range(AU_KM);
+            let truth = ViewingGeometry::new(&satellite, &telescope, &sun).expect("a geometry");
+            prop_assume!(truth.observer_latitude_rad > -1.4 && truth.sun_latitude_rad.abs() < 1.4);
+            let along_km = telescope.vector().dot(&sun.vector().normalize());
+            let found = geometry(6928.137, truth.range_km, truth.phase_angle_rad(), 6370.0, along_km).expect("a geometry");
+            // The Sun's parallax, 4.6e-5 rad over 6928 km, is not in the formulas; the longitude suffers from it by 1/(cos cos sin).
+            const PARALLAX_RAD: f64 = 1e-4;
+            prop_assert!((found.observer_latitude_rad - truth.observer_latitude_rad).abs() < 1e-9);
+            prop_assert!((found.sun_latitude_rad - truth.sun_latitude_rad).abs() < PARALLAX_RAD / truth.sun_latitude_rad.cos());
+            let apart = (found.observer_longitude_rad - truth.folded().observer_longitude_rad).abs();
+            let sin = truth.folded().observer_longitude_rad.sin();
+            prop_assert!(apart * sin.abs().max(1e-2) < 20.0 * PARALLAX_RAD, "{apart}");
+        }
+    }
+
+    #[test]
+    fn verif_what_cannot_be_is_no_geometry() {
+        // Nearer than the height, farther than the horizon's other side, and straight below.
+        assert_eq!(geometry(6928.0, 300.0, 1.5, 6378.0, 0.0), None);
+        assert_eq!(geometry(6928.0, 20_000.0, 1.5, 6378.0, 0.0), None);
+        assert_eq!(geometry(6928.0, 551.0, 1.5, 6378.0, -1000.0), None);
+    }
+}

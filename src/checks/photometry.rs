@@ -1,0 +1,161 @@
+//! Measured magnitudes with the geometry they were measured in, out of a folder of published files.
+
+use std::collections::BTreeMap;
+use std::f64::consts::{FRAC_PI_2, PI};
+use std::path::Path;
+
+use nalgebra::Vector3;
+
+use crate::geometry::ViewingGeometry;
+use crate::photometry::{BrightnessModel, StandardMagnitude};
+
+use super::error::CheckError;
+use super::{amateurs, mmt9, pomenis, slingshot};
+
+/// A published set of measurements.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub enum DataSet {
+    /// Starlink V1.5, Pomenis.
+    Pomenis,
+    /// Starlink V2 mini, Slingshot.
+    SlingshotV2,
+    /// Starlink VisorSat, MMT-9.
+    Mmt9VisorSat,
+    /// OneWeb, MMT-9.
+    Mmt9OneWeb,
+    /// Payloads of qs.mag.
+    AmateursPayloads,
+    /// Rocket bodies of qs.mag.
+    AmateursRocketBodies,
+}
+
+impl DataSet {
+    /// All of them.
+    pub const ALL: [Self; 6] = [
+        Self::Pomenis,
+        Self::SlingshotV2,
+        Self::Mmt9VisorSat,
+        Self::Mmt9OneWeb,
+        Self::AmateursPayloads,
+        Self::AmateursRocketBodies,
+    ];
+
+    /// Whose it is.
+    pub fn source(self) -> &'static str {
+        match self {
+            Self::Pomenis => "Pomenis (Fankhauser, Tyson and Askari 2023)",
+            Self::SlingshotV2 => "Slingshot (Kandula et al. 2025)",
+            Self::Mmt9VisorSat | Self::Mmt9OneWeb => "MMT-9 (Karpov et al. 2016, Beskin et al. 2017)",
+            Self::AmateursPayloads | Self::AmateursRocketBodies => "qs.mag (McCants)",
+        }
+    }
+
+    /// Where it lies in a data folder.
+    pub fn path(self) -> &'static str {
+        match self {
+            Self::Pomenis => "photometry/pomenis/pomenis_observations.csv",
+            Self::SlingshotV2 => "photometry/slingshot_v2/Observations_in_field.csv",
+            Self::Mmt9VisorSat => "derived/mmt9_starlink_visorsat.csv.gz",
+            Self::Mmt9OneWeb => "derived/mmt9_oneweb.csv.gz",
+            Self::AmateursPayloads | Self::AmateursRocketBodies => "metadata/qs.mag",
+        }
+    }
+
+    fn read(self, path: &Path) -> Result<Vec<Measurement>, CheckError> {
+        match self {
+            Self::Pomenis => pomenis::read(path),
+            Self::SlingshotV2 => slingshot::read(path),
+            Self::Mmt9VisorSat => mmt9::read(path, 550.0),
+            Self::Mmt9OneWeb => mmt9::read(path, 1200.0),
+            Self::AmateursPayloads => amateurs::read(path, false),
+            Self::AmateursRocketBodies => amateurs::read(path, true),
+        }
+    }
+}
+
+/// One measured magnitude.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// Brought to 1000 km.
+    pub magnitude: StandardMagnitude,
+    /// Angle Sun-satellite-observer, [0, π], radians.
+    pub phase_rad: f64,
+    /// All angles; `None` where only the phase is known.
+    pub geometry: Option<ViewingGeometry>,
+}
+
+impl Measurement {
+    pub(super) fn seen(magnitude: StandardMagnitude, geometry: ViewingGeometry) -> Self {
+        Self { magnitude, phase_rad: geometry.phase_angle_rad(), geometry: Some(geometry) }
+    }
+
+    pub(super) fn with_phase(magnitude: StandardMagnitude, phase_rad: f64, geometry: Option<ViewingGeometry>) -> Self {
+        Self { magnitude, phase_rad, geometry }
+    }
+
+    /// What the model says, magnitude at 1000 km; `None` where it says nothing: nothing lit is seen, or it needs angles that are not known.
+    pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
+        let of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
+        let geometry = if of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
+        geometry.and_then(|geometry| model.standard_magnitude(&geometry))
+    }
+}
+
+/// A geometry of this phase: the Sun on the plane of the chassis, the observer in its half plane, turned over the zenith past 90°.
+fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
+    let (longitude, latitude) = if phase_rad <= FRAC_PI_2 { (0.0, -phase_rad) } else { (PI, phase_rad - PI) };
+    ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)
+}
+
+/// How far along a line of sight a satellite of this height (above a sphere about the geocentre through the site) is, km.
+pub(super) fn range_to_height_km(site_km: &Vector3<f64>, sight: &Vector3<f64>, height_km: f64) -> f64 {
+    let (site, rise) = (site_km.norm(), site_km.dot(sight));
+    let radius = site + height_km;
+    -rise + (rise * rise + radius * radius - site * site).sqrt()
+}
+
+/// All measurements that a folder holds.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Photometry {
+    sets: BTreeMap<DataSet, Vec<Measurement>>,
+}
+
+impl Photometry {
+    /// Reads every known file that is there.
+    ///
+    /// # Errors
+    /// [`CheckError::Nothing`] where none is; the others for a file that is there and cannot be understood.
+    pub fn read(folder: &Path) -> Result<Self, CheckError> {
+        let mut sets = BTreeMap::new();
+        for set in DataSet::ALL {
+            let path = folder.join(set.path());
+            if path.is_file() {
+                sets.insert(set, set.read(&path)?);
+            }
+        }
+        if sets.is_empty() {
+            let mut looked_for = DataSet::ALL.map(DataSet::path).to_vec();
+            looked_for.dedup();
+            return Err(CheckError::Nothing { folder: folder.to_owned(), looked_for: looked_for.join(", ") });
+        }
+        Ok(Self { sets })
+    }
+
+    /// The measurements of one set; `None` where the folder lacks it.
+    pub fn get(&self, set: DataSet) -> Option<&[Measurement]> {
+        self.sets.get(&set).map(Vec::as_slice)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_a_phase_has_a_geometry_of_that_phase() {
+        for degrees in [0.0_f64, 1.0, 89.0, 90.0, 91.0, 179.0, 180.0] {
+            let geometry = at_phase(degrees.to_radians()).expect("a geometry");
+            assert!((geometry.phase_angle_rad().to_degrees() - degrees).abs() < 1e-9, "{degrees}");
+        }
+    }
+}

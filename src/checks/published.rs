@@ -1,0 +1,209 @@
+//! Published means and phase functions of satellites, magnitudes at 1000 km, each with its source.
+//!
+//! They stand here a second time, apart from the model files, so that a slip of the pen in either shows. Angles in degrees.
+
+use crate::photometry::ModelFile;
+
+use super::photometry::DataSet;
+
+/// The mean of a survey.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PublishedMean {
+    /// Mean magnitude at 1000 km.
+    pub mean_mag: f64,
+    /// Standard deviation of the sample, mag; `None` where the source gives none.
+    pub sd_mag: Option<f64>,
+    /// Where it was published.
+    pub source: &'static str,
+}
+
+/// A polynomial in the angle Sun-satellite-observer.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PublishedCurve {
+    /// Of φ⁰, φ¹, … with φ in degrees, mag.
+    pub coefficients: &'static [f64],
+    /// Where it was published.
+    pub source: &'static str,
+}
+
+impl PublishedCurve {
+    /// Phases over which the polynomials are believed, degrees: what lies outside is no part of a comparison.
+    pub const PHASES_DEG: [f64; 2] = [30.0, 150.0];
+
+    /// Magnitude at 1000 km; `None` outside of [`Self::PHASES_DEG`].
+    pub fn at(&self, phase_angle_rad: f64) -> Option<f64> {
+        let phase = phase_angle_rad.to_degrees();
+        let [least, greatest] = Self::PHASES_DEG;
+        // m = a0 + φ (a1 + φ (a2 + …))
+        (least..=greatest).contains(&phase).then(|| self.coefficients.iter().rev().fold(0.0, |sum, a| sum * phase + a))
+    }
+}
+
+/// Satellites of one kind, and what is known of their brightness.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Subject {
+    /// Their name.
+    pub name: &'static str,
+    /// A model whose name or alias is one of these, or begins with one and a hyphen, is a model of them.
+    pub model_names: &'static [&'static str],
+    /// Height (above 6378.137 km) and inclination (degrees) of the shell in which they are averaged; `None` for any orbit.
+    pub shell: Option<(f64, f64)>,
+    /// Means.
+    pub means: &'static [PublishedMean],
+    /// A phase function.
+    pub curve: Option<PublishedCurve>,
+    /// Measurements that a data folder may hold.
+    pub photometry: Option<DataSet>,
+}
+
+impl Subject {
+    /// Whose model a file is, by its name first and then by its aliases; the longest name that fits counts.
+    pub fn of(file: &ModelFile) -> Option<&'static Self> {
+        std::iter::once(&file.name).chain(&file.aliases).find_map(|name| Self::by_name(name))
+    }
+
+    fn by_name(name: &str) -> Option<&'static Self> {
+        let fits = |known: &str| name.strip_prefix(known).is_some_and(|rest| rest.is_empty() || rest.starts_with('-'));
+        SUBJECTS
+            .iter()
+            .flat_map(|subject| subject.model_names.iter().map(move |known| (*known, subject)))
+            .filter(|(known, _)| fits(known))
+            .max_by_key(|(known, _)| known.len())
+            .map(|(_, subject)| subject)
+    }
+}
+
+const fn mean(mean_mag: f64, sd_mag: Option<f64>, source: &'static str) -> PublishedMean {
+    PublishedMean { mean_mag, sd_mag, source }
+}
+
+const fn curve(coefficients: &'static [f64], source: &'static str) -> Option<PublishedCurve> {
+    Some(PublishedCurve { coefficients, source })
+}
+
+/// All that is known.
+pub const SUBJECTS: &[Subject] = &[
+    Subject {
+        name: "Starlink V1.0",
+        model_names: &["starlink-v1.0", "v1.0"],
+        shell: Some((550.0, 53.0)),
+        means: &[mean(5.93, Some(0.67), "Mallama, arXiv 2006.08422")],
+        curve: None,
+        photometry: None,
+    },
+    Subject {
+        name: "Starlink VisorSat",
+        model_names: &["visorsat", "starlink-visorsat"],
+        shell: Some((550.0, 53.0)),
+        means: &[mean(7.22, Some(0.85), "Mallama, arXiv 2101.00374")],
+        curve: curve(&[5.732, 0.03352, -0.000177], "Mallama, arXiv 2101.00374"),
+        photometry: Some(DataSet::Mmt9VisorSat),
+    },
+    Subject {
+        name: "Starlink V1.5",
+        model_names: &["starlink-v1.5", "v1.5"],
+        shell: Some((540.0, 53.2)),
+        means: &[mean(6.34, Some(0.86), "Mallama, arXiv 2210.17268, 2507.00107")],
+        curve: curve(&[3.944, 0.06893, -0.0004089], "Mallama, arXiv 2210.17268"),
+        photometry: Some(DataSet::Pomenis),
+    },
+    Subject {
+        name: "Starlink V2 Mini",
+        model_names: &["v2mini", "starlink-v2mini"],
+        shell: Some((525.0, 53.0)),
+        means: &[
+            mean(7.87, None, "Mallama et al., arXiv 2306.06657 (mitigated)"),
+            mean(7.22, None, "Mallama et al., arXiv 2502.03651"),
+        ],
+        curve: curve(&[2.630, 0.1065, -0.0005167], "Mallama et al., arXiv 2306.06657"),
+        photometry: Some(DataSet::SlingshotV2),
+    },
+    Subject {
+        name: "Starlink Direct-to-Cell",
+        model_names: &["direct-to-cell", "starlink-dtc"],
+        shell: Some((360.0, 53.0)),
+        means: &[mean(6.47, Some(1.32), "Mallama et al. 2025")],
+        curve: curve(&[3.365, 0.06376, -1.716e-4, -1.139e-6], "Mallama et al. 2025"),
+        photometry: None,
+    },
+    Subject {
+        name: "OneWeb",
+        model_names: &["oneweb"],
+        shell: Some((1200.0, 87.9)),
+        means: &[mean(7.18, Some(0.68), "Mallama, arXiv 2012.05100")],
+        curve: None,
+        photometry: Some(DataSet::Mmt9OneWeb),
+    },
+    Subject {
+        name: "Amazon Leo (Kuiper)",
+        model_names: &["kuiper", "amazon-leo"],
+        shell: Some((630.0, 51.9)),
+        means: &[mean(6.81, Some(0.64), "Mallama et al., arXiv 2601.07708")],
+        curve: None,
+        photometry: None,
+    },
+    Subject {
+        name: "Qianfan",
+        model_names: &["qianfan"],
+        shell: Some((1070.0, 89.0)),
+        means: &[mean(5.24, None, "Mallama et al., arXiv 2505.07194")],
+        curve: None,
+        photometry: None,
+    },
+    Subject {
+        name: "Guowang",
+        model_names: &["guowang"],
+        shell: Some((1145.0, 50.0)),
+        means: &[mean(4.21, None, "Mallama, benchmark of constellations (raising)")],
+        curve: None,
+        photometry: None,
+    },
+    Subject {
+        name: "BlueBird",
+        model_names: &["bluebird"],
+        shell: Some((520.0, 53.0)),
+        means: &[mean(3.84, None, "Mallama et al., arXiv 2505.05820")],
+        curve: None,
+        photometry: None,
+    },
+    Subject {
+        name: "payloads",
+        model_names: &["unknown"],
+        shell: None,
+        means: &[],
+        curve: None,
+        photometry: Some(DataSet::AmateursPayloads),
+    },
+    Subject {
+        name: "rocket bodies",
+        model_names: &["rocket-body"],
+        shell: None,
+        means: &[],
+        curve: None,
+        photometry: Some(DataSet::AmateursRocketBodies),
+    },
+];
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_the_longest_name_counts_and_part_of_a_word_does_not() {
+        let name = |model: &str| Subject::by_name(model).map(|subject| subject.name);
+        assert_eq!(name("starlink-v1.5-phase"), Some("Starlink V1.5"));
+        assert_eq!(name("v2mini-panels"), Some("Starlink V2 Mini"));
+        assert_eq!(name("oneweb"), Some("OneWeb"));
+        assert_eq!(name("onewebs"), None);
+        assert_eq!(name("starlink"), None);
+    }
+
+    #[test]
+    fn verif_curves_end_where_they_are_no_longer_believed() {
+        let curve = SUBJECTS[1].curve.expect("VisorSat has one");
+        // 5.732 + 3.0168 - 1.4337
+        assert!((curve.at(90_f64.to_radians()).expect("in range") - 7.3151).abs() < 1e-9);
+        assert_eq!(curve.at(20_f64.to_radians()), None);
+        assert_eq!(curve.at(160_f64.to_radians()), None);
+    }
+}

@@ -1,0 +1,63 @@
+"""Means of shipped models over the population of `streakcast model check`, by another way: satellites at evenly spread nodes and
+arguments of latitude on circular orbits, each asked whether it stands above 30 deg and in full sunlight. Spherical Earth and shadow.
+
+    venv/bin/python tests/reference/make_population_means.py > tests/data/population_means.csv
+"""
+import json
+import pathlib
+import sys
+
+import numpy as np
+
+sys.path.insert(0, str(pathlib.Path(__file__).parent))
+from fit_provisional_models import basis, magnitude
+
+MODELS = pathlib.Path(__file__).parents[2] / "src/photometry/models"
+EARTH_KM, AU_KM, SUN_KM = 6378.137, 149597870.7, 695700.0
+SHELLS = {"visorsat": (550, 53), "visorsat-panels": (550, 53), "starlink-v1.5": (540, 53.2), "starlink-v1.5-phase": (540, 53.2),
+          "v2mini": (525, 53), "v2mini-panels": (525, 53), "direct-to-cell": (360, 53), "oneweb-panels": (1200, 87.9)}
+MOMENTS = 48
+
+
+def angles(height_km, inclination_deg):
+    """Sun's latitude, observer's longitude and latitude of all satellites that count, over all moments."""
+    r, i, site = EARTH_KM + height_km, np.radians(inclination_deg), np.radians(40)
+    node, u = np.meshgrid(np.arange(1200) * 2 * np.pi / 1200, (np.arange(1201) + 0.5) * 2 * np.pi / 1201, indexing="ij")
+    z = np.stack([np.cos(node) * np.cos(u) - np.sin(node) * np.sin(u) * np.cos(i),
+                  np.sin(node) * np.cos(u) + np.cos(node) * np.sin(u) * np.cos(i), np.sin(u) * np.sin(i)]).reshape(3, -1)
+    up = np.array([np.cos(site), 0, np.sin(site)])
+    way = r * z - EARTH_KM * up[:, None]
+    way /= np.linalg.norm(way, axis=0)
+    high = up @ way > 0.5
+    z, way = z[:, high], way[:, high]
+    ends = [np.arccos(np.sin(np.radians(a)) / np.cos(site)) for a in (-12, -30)]
+    found = []
+    for k in range(MOMENTS):
+        h = ends[0] + (ends[1] - ends[0]) * (k + 0.5) / MOMENTS
+        sun = np.array([np.cos(h), -np.sin(h), 0])
+        # Full sunlight: the Earth's limb, seen from the satellite, below all of the Sun's disk.
+        s = sun[:, None] * AU_KM - r * z
+        s /= np.linalg.norm(s, axis=0)
+        to_sun_from_nadir = np.arccos(-(s * z).sum(0))
+        lit = to_sun_from_nadir > np.arcsin(EARTH_KM / r) + np.arcsin(SUN_KM / AU_KM)
+        s, o, n = s[:, lit], -way[:, lit], z[:, lit]
+        ds, do = np.arcsin((s * n).sum(0)), np.arcsin((o * n).sum(0))
+        a = np.arccos(np.clip(((s * o).sum(0) - np.sin(ds) * np.sin(do)) / (np.cos(ds) * np.cos(do)), -1, 1))
+        found.append(np.stack([ds, a, do, np.degrees(np.arccos((s * o).sum(0)))]))
+    return np.concatenate(found, axis=1)
+
+
+print("# Mean and standard deviation of model magnitudes at 1000 km over satellites of a shell in twilight.")
+print(f"# numpy {np.__version__}; python tests/reference/make_population_means.py; 2026-11-21")
+print("model,mean_mag,sd_mag")
+for name, shell in SHELLS.items():
+    ds, a, do, phase = angles(*shell)
+    m = json.load(open(MODELS / f"{name}.json"))
+    if m["kind"] == "two_panel":
+        c, s = m["coefficients"], m["shape"]
+        g = basis([s[k] for k in ("sail_length_m", "sail_width_m", "base_length_m", "base_width_m")], ds, a, do)
+        value = magnitude(g, [c[k] for k in ("c1", "c2", "c3", "c4", "c5", "n_sail", "n_base")])
+    else:
+        f = m["phase_function"]
+        value = np.polyval(f["coefficients"][::-1], np.clip(phase, f["min_phase_deg"], f["max_phase_deg"]))
+    print(f"{name},{value.mean():.4f},{value.std():.4f}")
