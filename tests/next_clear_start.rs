@@ -9,13 +9,13 @@ use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, ScheduledExposure, Verdict, flag_exposures};
 use streakcast::telescope::Telescope;
 
-const LIMIT: f64 = 1e-4;
+const LIMIT: f64 = 1e-5;
 
-/// Every eighth satellite of a shell with elements 20 days old: each may be minutes early or late.
+/// The satellites of a shell with elements 90 days old: each may be minutes early or late.
 fn old_elements(at: Epoch) -> Vec<ElementSet> {
-    let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(at - 20.0 * Unit::Day);
+    let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(at - 90.0 * Unit::Day);
     elements.truncate(1584);
-    let mut elements: Vec<ElementSet> = elements.into_iter().step_by(8).collect();
+
     for set in &mut elements {
         set.origin = Origin::Published;
         set.name = "STARLINK-1".into();
