@@ -430,4 +430,13 @@ fn a_policy_that_asks_for_the_telescopes_limits_needs_a_telescope() {
     );
     let (code, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy, "--telescope", "rubin"]]);
     assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("saturation_mag has no number for band none in the file of the telescope"), "{stderr}");
+    // A telescope that has none of these limits at all cannot be asked for them.
+    fails(
+        &[&flag(&schedule), &["--policy", &policy, "--telescope", "decam"]],
+        &["the policy says saturation_mag = \"telescope\", but the file of decam has no such limit in any band"],
+    );
+    let policy = file(&folder, "q.toml", b"saturation_mag = 'Telescope'\n");
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["allowed: a number, a table of numbers by band, or"]);
+    fails(&[&flag(&schedule), &["--limit-mag", "g=7,g=6"]], &["band g has two limits in 'g=7,g=6'"]);
 }

@@ -84,6 +84,7 @@ fn what_says_where_the_telescope_is_says_it_once() {
         (&["--observer-elements", &two, "--accept-bad-checksums"], "hold 2 objects; say which with --observer-norad"),
         (&["--observer-elements", "nowhere.tle"], "nowhere.tle"),
         (&["--observer-elements", OBSERVER, "--limb-height-km=-3"], "limb-height-km -3 km: allowed 0 to 1000 km"),
+        (&["--observer-elements", OBSERVER, "--limb-height-km", "900"], "km, below the limb height of 900 km; allowed"),
         (&["--mpc", "X05", "--limb-height-km", "3"], "say --observer-elements FILE or --observer-norad ID"),
         (&["--mpc", "X05", "--shadow", "round"], "shadow 'round' is not known; allowed: geometric, atmosphere"),
     ] {

@@ -1,5 +1,7 @@
 //! The Earth's limb as an observer in space sees it.
 
+use std::f64::consts::FRAC_PI_2;
+
 use nalgebra::Vector3;
 
 use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING};
@@ -28,17 +30,20 @@ impl EarthLimb {
         (from + line * nearest).norm() - self.radius_km()
     }
 
-    /// Angle of a direction above the limb, radians; negative where it meets the Earth. An observer below the shell sees nothing: -π/2 at most.
+    /// Height of a place above the ellipsoid, km, within 10 km at heights below 3000 km: in the stretched space, as all of the limb.
+    pub fn height_of_km(&self, observer: &Position<Gcrs>) -> f64 {
+        stretch(observer.vector()).norm() - EARTH_EQUATORIAL_RADIUS_KM
+    }
+
+    /// Angle of a direction above the limb, radians, [-π/2, π]; negative where it meets the Earth. An observer below the shell sees nothing: -π/2.
     pub fn altitude_rad(&self, observer: &Position<Gcrs>, direction: &Direction<Gcrs>) -> f64 {
         let (down, ahead) = (-stretch(observer.vector()), stretch(direction.vector()));
+        if down.norm() < self.radius_km() {
+            return -FRAC_PI_2;
+        }
         let from_nadir_rad = down.cross(&ahead).norm().atan2(down.dot(&ahead));
-        from_nadir_rad - limb_rad(self.radius_km(), down.norm())
+        from_nadir_rad - (self.radius_km() / down.norm()).asin()
     }
-}
-
-/// Angular radius of the Earth; the whole sky for an observer below the shell.
-fn limb_rad(radius_km: f64, distance_km: f64) -> f64 {
-    if distance_km < radius_km { 1.5 * std::f64::consts::PI } else { (radius_km / distance_km).asin() }
 }
 
 fn stretch(v: &Vector3<f64>) -> Vector3<f64> {
@@ -65,7 +70,12 @@ mod tests {
         }
         // What stands this side of the Earth is seen against it.
         assert!(limb.clearance_km(&observer, &Position::new(6600.0, 0.0, 0.0)) > 0.0);
-        assert!(EarthLimb { height_km: 700.0 }.altitude_rad(&observer, &Direction::from_lon_lat_rad(0.0, 0.0)) < 0.0);
+        // From below the shell every direction is hidden, and no angle lies outside its range.
+        assert!((limb.height_of_km(&observer) - 540.0).abs() < 1e-9);
+        for longitude_rad in [0.0, 1.0, std::f64::consts::PI] {
+            let up = Direction::from_lon_lat_rad(longitude_rad, 0.0);
+            assert_eq!(EarthLimb { height_km: 700.0 }.altitude_rad(&observer, &up), -FRAC_PI_2);
+        }
     }
 
     proptest! {

@@ -24,7 +24,7 @@ use super::look::LOWEST_ALTITUDE_RAD;
 use super::probability::{Odds, REACH_SIGMAS, Sigmas, crossing_odds};
 use super::scene::{Scene, end_s, groups};
 use super::sightline::{ObserverMotion, SightLine};
-use super::sky::{PassOptions, Sky, SkyError, check_epoch};
+use super::sky::{PassOptions, Sky, SkyError, check};
 use super::track::FieldPass;
 use super::windows::Wanted;
 use crate::constants::DAY_S;
@@ -75,14 +75,10 @@ impl Sky {
     /// orbits lead through the field, each with a small chance.
     ///
     /// # Errors
-    /// [`SkyError`] where an exposure has no finite length or lies outside the years of the Sun's ephemeris.
+    /// [`SkyError`] where an exposure has no finite length, pointing or rotation, or lies outside the years of the Sun's ephemeris.
     pub fn chances(&self, exposures: &[Exposure], field: &Field) -> Result<Vec<Vec<Chance>>, SkyError> {
         for exposure in exposures {
-            check_epoch(exposure.start)?;
-            if !(exposure.duration_s >= 0.0 && exposure.duration_s.is_finite()) {
-                let problem = format!("a duration of {} s (allowed: 0 or more)", exposure.duration_s);
-                return Err(SkyError::Exposure { id: exposure.id.clone(), problem });
-            }
+            check(exposure)?;
         }
         let Some(observer) = self.viewpoint().site() else { return self.chances_in_flight(exposures, field) };
         let mut by_exposure = vec![Vec::new(); exposures.len()];

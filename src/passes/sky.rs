@@ -323,7 +323,8 @@ impl Sky {
     }
 }
 
-fn check(exposure: &Exposure) -> Result<(), SkyError> {
+/// Refuses an exposure whose numbers are none, or that lies outside the years of the Sun's ephemeris.
+pub(super) fn check(exposure: &Exposure) -> Result<(), SkyError> {
     let fail = |problem: String| Err(SkyError::Exposure { id: exposure.id.clone(), problem });
     if !(exposure.duration_s >= 0.0 && exposure.duration_s.is_finite()) {
         return fail(format!("a duration of {} s (allowed: 0 or more)", exposure.duration_s));

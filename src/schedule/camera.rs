@@ -15,11 +15,7 @@ pub(super) struct Camera<'a> {
 
 impl CameraLimits for Camera<'_> {
     fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64> {
-        let limits = self.telescope.limits.get(band?)?;
-        match kind {
-            LimitKind::Saturation => limits.trail_saturation_mag,
-            LimitKind::Crosstalk => limits.crosstalk_mag,
-        }
+        kind.limit_mag(self.telescope, band?)
     }
 
     fn as_at_550_km_mag(&self, pass: &FieldPass, magnitude: f64, band: Option<&str>) -> f64 {

@@ -1,6 +1,7 @@
 //! From the passes of one exposure to its verdict. Pure: no sky is asked here.
 
 use crate::passes::{Chance, Exposure, FieldPass};
+use crate::telescope::Telescope;
 
 use super::exposure_flag::{ExposureFlag, Verdict};
 use super::policy::{MagnitudeLimit, Policy};
@@ -32,6 +33,17 @@ pub enum LimitKind {
     Saturation,
     /// Crosstalk that cannot be corrected.
     Crosstalk,
+}
+
+impl LimitKind {
+    /// The limit of this kind that a telescope's file has for a band; `None` where it has none.
+    pub(super) fn limit_mag(self, telescope: &Telescope, band: &str) -> Option<f64> {
+        let limits = telescope.limits.get(band)?;
+        match self {
+            LimitKind::Saturation => limits.trail_saturation_mag,
+            LimitKind::Crosstalk => limits.crosstalk_mag,
+        }
+    }
 }
 
 /// What is to be expected of all satellites together, those that may only just come by included.
@@ -99,7 +111,7 @@ pub fn flag(
         && lost > most
     {
         avoid = true;
-        reasons.push(format!("{lost:.4} of the pixels expected lost, more than {most}"));
+        reasons.push(format!("{} of the pixels expected lost, more than {most}", share_above(lost, most)));
     }
     let verdict = match (avoid, counted.is_empty()) {
         (true, _) => Verdict::Avoid,
@@ -123,6 +135,16 @@ pub fn flag(
         delay_s: clear.then_some(0.0),
         norad_ids: counted.iter().map(|pass| pass.norad_id).collect(),
     }
+}
+
+/// A share to two significant digits and four decimals at least, and to as many more as show that it is above `most`.
+fn share_above(share: f64, most: f64) -> String {
+    let decimals = (1.0 - share.log10().floor()).clamp(4.0, 17.0) as usize;
+    let shown = |decimals: usize| format!("{share:.decimals$}");
+    (decimals..17)
+        .map(shown)
+        .find(|text| text.parse().is_ok_and(|shown: f64| shown > most))
+        .unwrap_or(share.to_string())
 }
 
 /// The limits that a pass of this magnitude breaks, in words.
@@ -295,6 +317,19 @@ mod tests {
         assert_eq!((counted.verdict, counted.n_streaks, counted.norad_ids.len()), (Verdict::Avoid, 0, 1));
         assert_eq!(verdict(std::slice::from_ref(&near), "min_probability = 0.2"), Verdict::Streaked);
         assert_eq!(verdict(&[near], "limit_mag = 7\nmin_probability = 0.4"), Verdict::Clear);
+    }
+
+    #[test]
+    fn shares_are_told_so_that_they_differ_from_their_limit() {
+        for (share, most, told) in [
+            (0.0100, 0.009, "0.0100"),
+            (0.000_672, 0.0006, "0.00067"),
+            (0.000_023_4, 0.000_01, "0.000023"),
+            (0.000_010_02, 0.000_01, "0.00001002"),
+            (1.0, 0.5, "1.0000"),
+        ] {
+            assert_eq!(share_above(share, most), told);
+        }
     }
 
     #[test]

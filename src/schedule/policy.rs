@@ -6,9 +6,15 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use super::judge::LimitKind;
+use crate::telescope::Telescope;
+
 /// A limiting magnitude for all bands, one for each, or the telescope's own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[serde(untagged)]
+#[serde(
+    untagged,
+    expecting = "no magnitude limit; allowed: a number, a table of numbers by band, or (saturation_mag, crosstalk_mag) \"telescope\""
+)]
 pub enum MagnitudeLimit {
     /// One number for every exposure.
     All(f64),
@@ -39,10 +45,14 @@ impl FromStr for MagnitudeLimit {
             let (band, limit) = part.split_once('=')?;
             Some((band.trim().to_owned(), number(limit)?)).filter(|(band, _)| !band.is_empty())
         });
-        pairs
-            .collect::<Option<BTreeMap<_, _>>>()
-            .map(MagnitudeLimit::PerBand)
-            .ok_or_else(|| PolicyError::Limit { given: text.to_owned() })
+        let mut limits = BTreeMap::new();
+        for pair in pairs {
+            let (band, limit) = pair.ok_or_else(|| PolicyError::Limit { given: text.to_owned() })?;
+            if limits.insert(band.clone(), limit).is_some() {
+                return Err(PolicyError::Twice { band, given: text.to_owned() });
+            }
+        }
+        Ok(MagnitudeLimit::PerBand(limits))
     }
 }
 
@@ -103,6 +113,14 @@ pub enum PolicyError {
     /// A magnitude limit that is neither a number nor numbers by band.
     #[error("'{given}' is no magnitude limit; allowed: a number, or numbers by band as g=7,y=5,default=6")]
     Limit {
+        /// What was given.
+        given: String,
+    },
+    /// Two limits for one band.
+    #[error("band {band} has two limits in '{given}'; allowed: one number for each band, as g=7,y=5,default=6")]
+    Twice {
+        /// The band.
+        band: String,
         /// What was given.
         given: String,
     },
@@ -175,11 +193,30 @@ impl Policy {
 
     /// The first of the limits that the telescope is asked for; `None` where no telescope is needed.
     pub fn limit_of_telescope(&self) -> Option<&'static str> {
-        let limits = [("saturation_mag", &self.saturation_mag), ("crosstalk_mag", &self.crosstalk_mag)];
+        self.kinds_of_telescope().next().map(|(name, _)| name)
+    }
+
+    /// The limits that the telescope is asked for, by their keys, with the numbers that its file has by band; a table without any where
+    /// its file has none of that kind.
+    pub fn limits_of_telescope(&self, telescope: &Telescope) -> Vec<(&'static str, MagnitudeLimit)> {
+        let limits = telescope.limits.keys();
+        self.kinds_of_telescope()
+            .map(|(name, kind)| {
+                let numbers = limits.clone().filter_map(|band| Some((band.clone(), kind.limit_mag(telescope, band)?)));
+                (name, MagnitudeLimit::PerBand(numbers.collect()))
+            })
+            .collect()
+    }
+
+    fn kinds_of_telescope(&self) -> impl Iterator<Item = (&'static str, LimitKind)> {
+        let limits = [
+            ("saturation_mag", LimitKind::Saturation, &self.saturation_mag),
+            ("crosstalk_mag", LimitKind::Crosstalk, &self.crosstalk_mag),
+        ];
         limits
             .into_iter()
-            .find(|(_, limit)| matches!(limit, Some(MagnitudeLimit::OfTelescope(_))))
-            .map(|(name, _)| name)
+            .filter(|(.., limit)| matches!(limit, Some(MagnitudeLimit::OfTelescope(_))))
+            .map(|(name, kind, _)| (name, kind))
     }
 
     /// Probability from which a crossing counts as one to avoid.
@@ -237,6 +274,7 @@ mod tests {
         for text in ["bright", "g=", "=7", "g=7,", "", "g7"] {
             assert!(limit(text).unwrap_err().to_string().contains("g=7,y=5,default=6"), "{text}");
         }
+        assert!(limit("g=7, g=6").unwrap_err().to_string().starts_with("band g has two limits in 'g=7, g=6'"));
     }
 
     #[test]
@@ -251,7 +289,10 @@ mod tests {
             ("limit_mag = {g = inf}", "limit_mag is inf"),
             ("limit_mag = ", "line 1"),
             ("limit_mag = 'telescope'", "only saturation_mag and crosstalk_mag"),
-            ("saturation_mag = 'camera'", "line 1"),
+            (
+                "saturation_mag = 'camera'",
+                "line 1: no magnitude limit; allowed: a number, a table of numbers by band, or",
+            ),
         ] {
             let message = Policy::from_toml(text).unwrap_err().to_string();
             assert!(message.contains(part) && !message.contains('\n'), "{text}: {message}");

@@ -89,19 +89,16 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
 
     let chances = request.sky.chances(&exposures, request.field)?;
 
-    let lost_fraction =
-        request.telescope.map(|telescope| move |chance: &Chance| lost_fraction(chance, telescope, request));
-    let lost_fraction = lost_fraction.as_ref().map(|lost_fraction| lost_fraction as &dyn Fn(&Chance) -> f64);
     let camera =
         request.telescope.map(|telescope| Camera { telescope, sky: request.sky, photometry: request.photometry });
     let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     for (((row, exposure), passes), chances) in judged.iter().zip(answer.by_exposure).zip(chances) {
-        let expected = Expected::of(&chances, lost_fraction);
+        let expected = expected_of(&chances, request);
         flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &expected, &rules));
         report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
     let waits = shift(&judged, request, &mut flags, &mut report)?;
-    if request.policy.min_probability.is_some() {
+    if request.policy.min_probability.is_some() || request.policy.max_lost_fraction.is_some() {
         confirm(&judged, waits, request, &mut flags)?;
     }
     report.name_each_once();
@@ -143,6 +140,9 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
         return format!("the elements of {} give no place at that time", viewpoint.name());
     }
     match viewpoint {
+        Viewpoint::Orbit(observer) if altitude_rad <= -std::f64::consts::FRAC_PI_2 => {
+            format!("{} is below the limb height of {} km", viewpoint.name(), observer.limb().height_km)
+        }
         Viewpoint::Site(_) => {
             format!("the pointing is below the horizon (altitude {:.1} deg)", altitude_rad.to_degrees())
         }
@@ -152,9 +152,14 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     }
 }
 
-fn lost_fraction(chance: &Chance, telescope: &Telescope, request: &FlagRequest<'_>) -> f64 {
-    let width_arcsec = telescope.width_arcsec(chance.range_km, request.sky.model(chance.element_index).size_m());
-    telescope.lost_pixel_fraction(chance.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
+/// What all satellites together are expected to do to one exposure.
+fn expected_of(chances: &[Chance], request: &FlagRequest<'_>) -> Expected {
+    let Some(telescope) = request.telescope else { return Expected::of(chances, None) };
+    let lost_fraction = |chance: &Chance| {
+        let width_arcsec = telescope.width_arcsec(chance.range_km, request.sky.model(chance.element_index).size_m());
+        telescope.lost_pixel_fraction(chance.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
+    };
+    Expected::of(chances, Some(&lost_fraction))
 }
 
 /// Looks for the next clear start of all exposures that are not clear, or whose margins may not be.
@@ -216,6 +221,10 @@ fn shift(
         };
         let wait = Wait { row: *row, blocked: blocked(&late_s), last_start_s };
         wait.look(exposure, policy, 0.0, flag);
+        if flag.delay_s == Some(0.0) {
+            // Nothing stands in the field, and yet the row is not clear: what is expected of all together forbids it now.
+            wait.look(exposure, policy, least_step_s(policy), flag);
+        }
         waits.push(wait);
     }
     Ok(waits)
@@ -252,8 +261,14 @@ impl Wait {
     }
 }
 
+/// How far on the next start is tried at least, seconds.
+fn least_step_s(policy: &Policy) -> f64 {
+    (policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S)
+}
+
 /// Asks the sky again at the starts found: what is only probable depends on more than intervals tell. A start at which any satellite
-/// still counts is given up, and the next one looked for, until the sky agrees or the delay is over.
+/// still counts, or at which more loss is expected than the policy allows, is given up, and the next one looked for, until the sky
+/// agrees or the delay is over.
 fn confirm(
     judged: &[(usize, &Exposure)],
     mut waits: Vec<Wait>,
@@ -277,17 +292,29 @@ fn confirm(
             })
             .unzip();
         let answer = request.sky.field_passes(&later, request.field, &options)?;
+        let too_much_lost = match policy.max_lost_fraction {
+            Some(most) => request
+                .sky
+                .chances(&later, request.field)?
+                .iter()
+                .map(|chances| expected_of(chances, request).lost_pixel_fraction.is_some_and(|lost| lost > most))
+                .collect(),
+            None => vec![false; later.len()],
+        };
         waits = Vec::new();
-        for (wait, passes) in open.into_iter().zip(&answer.by_exposure) {
+        for ((wait, passes), too_much_lost) in open.into_iter().zip(&answer.by_exposure).zip(too_much_lost) {
             let (Some(flag), Some(exposure)) = (flags[wait.row].as_mut(), scheduled.get(&wait.row)) else { continue };
             let longest_sigma_s = passes
                 .iter()
                 .filter(|pass| counts(pass, policy))
                 .map(|pass| pass.along_track_sigma_s)
                 .max_by(f64::total_cmp);
+            if longest_sigma_s.is_none() && !too_much_lost {
+                continue;
+            }
             // Half a sigma on, what still counts is less probable by a tenth or more; the steps end with the delay.
-            if let (Some(sigma_s), Some(delay_s)) = (longest_sigma_s, flag.delay_s) {
-                let step_s = (0.5 * sigma_s).max(policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S);
+            if let Some(delay_s) = flag.delay_s {
+                let step_s = longest_sigma_s.map_or(0.0, |sigma_s| 0.5 * sigma_s).max(least_step_s(policy));
                 wait.look(exposure, policy, delay_s + step_s, flag);
                 waits.push(wait);
             }

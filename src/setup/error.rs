@@ -92,6 +92,29 @@ pub enum SetupError {
         /// Number of the first.
         first: u32,
     },
+    /// The telescope in orbit sees nothing: it is below what counts as the Earth's limb.
+    #[error(
+        "{name} is at {at_km:.0} km, below the limb height of {height_km} km; allowed: --limb-height-km below its orbit"
+    )]
+    BelowLimb {
+        /// Its name.
+        name: String,
+        /// Its own height, km.
+        at_km: f64,
+        /// Height of the limb, km.
+        height_km: f64,
+    },
+    /// The policy asks the telescope for limits that its file lacks.
+    #[error(
+        "the policy says {key} = \"telescope\", but the file of {telescope} has no such limit in any band; \
+         allowed: numbers in the policy, or a telescope whose file has them ([limits.g] and so on)"
+    )]
+    NoCameraLimit {
+        /// The key of the policy.
+        key: &'static str,
+        /// Name of the telescope.
+        telescope: String,
+    },
     /// The telescope in orbit has no orbit.
     #[error("observer: {0}")]
     Observer(OrbitError),

@@ -5,8 +5,9 @@ use std::path::Path;
 use hifitime::{Epoch, TimeScale};
 
 use crate::catalogue::{Catalogue, Constellation, ElementSet, Keep, ReadOptions};
-use crate::frames::{Direction, EopTable, parse_declination_deg, parse_right_ascension_deg};
+use crate::frames::{Direction, EopTable, Orientation, parse_declination_deg, parse_right_ascension_deg};
 use crate::geometry::{EarthLimb, GeometryError, Observer, ShadowModel, Site};
+use crate::orbit::Propagator;
 use crate::passes::{Exposure, Field, OrbitingObserver, SkyError, Viewpoint};
 use crate::photometry::{Band, Earthshine, PhotometryOptions};
 use crate::schedule::{Policy, PolicyError, ScheduleOptions, is_covered};
@@ -71,7 +72,7 @@ impl Setup {
     /// Where the telescope is for questions about `moment`: a site, or an orbit.
     ///
     /// # Errors
-    /// As [`Setup::site`]; a site and an orbit were said; the file holds no element set, several objects, or not the one asked for.
+    /// As [`Setup::site`]; a site and an orbit were said; the telescope is below its limb height at `moment`; the file holds no element set, several objects, or not the one asked for.
     pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, SetupError> {
         let (orbit, limb) = (self.observer_elements.is_some() || self.observer_norad.is_some(), self.limb_height_km);
         let site = [&self.lat, &self.lon, &self.height].iter().any(|number| number.is_some());
@@ -89,8 +90,16 @@ impl Setup {
                 let height_km = limb.unwrap_or(0.0);
                 in_range("limb-height-km", height_km, "km", "0 to 1000 km", |value| (0.0..=1000.0).contains(&value))?;
                 let elements = self.observer_set(moment)?;
-                let observer = OrbitingObserver::new(&elements, EarthLimb { height_km });
-                Ok(observer.map_err(SetupError::Observer)?.into())
+                let limb = EarthLimb { height_km };
+                let observer = OrbitingObserver::new(&elements, limb).map_err(SetupError::Observer)?;
+                let orientation = Orientation::at(moment, &self.eop_table()?);
+                let place = Propagator::new(&elements).and_then(|orbit| orbit.state(moment, &orientation.teme_to_gcrs));
+                // Where the orbit itself breaks down, each exposure says so.
+                let at_km = place.map_or(f64::INFINITY, |state| limb.height_of_km(&state.position));
+                if at_km < height_km {
+                    return Err(SetupError::BelowLimb { name: observer.name(), at_km, height_km });
+                }
+                Ok(observer.into())
             }
         }
     }
@@ -185,9 +194,13 @@ impl Setup {
             policy.max_delay_s = Some(parse_duration_s("max-delay", &delay.text())?);
         }
         policy.validate()?;
-        if policy.limit_of_telescope().is_some() && self.telescope.is_none() {
+        if policy.limit_of_telescope().is_some() {
             let what = "telescope, whose limits the policy asks for (saturation_mag or crosstalk_mag = \"telescope\")";
-            return Err(SetupError::Missing { what, allowed: "--telescope NAME" });
+            let telescope = self.telescope()?.ok_or(SetupError::Missing { what, allowed: "--telescope NAME" })?;
+            let mut limits = policy.limits_of_telescope(&telescope).into_iter();
+            if let Some((key, _)) = limits.find(|(_, limit)| limit.numbers().is_empty()) {
+                return Err(SetupError::NoCameraLimit { key, telescope: telescope.name });
+            }
         }
         Ok(policy)
     }
@@ -340,7 +353,7 @@ fn policy_of_file(path: &Path) -> Result<Policy, SetupError> {
     Policy::from_toml(&read_text("policy", path)?).map_err(|error| {
         let message = match error {
             PolicyError::Syntax(what) => what,
-            PolicyError::Limit { .. } => error.to_string(),
+            PolicyError::Limit { .. } | PolicyError::Twice { .. } => error.to_string(),
             PolicyError::OutOfRange { field, value, allowed } => format!("{field} is {value}, allowed {allowed}"),
         };
         SetupError::PolicyFile { path: path.display().to_string(), message }

@@ -61,7 +61,7 @@ pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
         }
     };
     let Asked { policy, telescope, photometry, .. } = &asked;
-    notices.warn(&schedule_warnings(&schedule, policy));
+    notices.warn(&schedule_warnings(&schedule, policy, telescope.as_ref()));
     let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
     state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), photometry);
     provenance.state(
@@ -161,7 +161,7 @@ fn judge_rows(
 }
 
 /// What the user may not have noticed about the schedule.
-fn schedule_warnings(schedule: &Schedule, policy: &Policy) -> Vec<String> {
+fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option<&Telescope>) -> Vec<String> {
     let mut warnings = Vec::new();
     let repeated = schedule.repeated_ids();
     if repeated > 0 {
@@ -178,6 +178,13 @@ fn schedule_warnings(schedule: &Schedule, policy: &Policy) -> Vec<String> {
         if !bands.is_empty() {
             let bands: Vec<&str> = bands.into_iter().collect();
             warnings.push(format!("the policy's {name} has no number for band {} and no default", bands.join(", ")));
+        }
+    }
+    for (name, limit) in telescope.map(|telescope| policy.limits_of_telescope(telescope)).unwrap_or_default() {
+        let bands: Vec<&str> = schedule.bands_without(&limit).into_iter().collect();
+        if !bands.is_empty() {
+            let bands = bands.join(", ");
+            warnings.push(format!("the policy's {name} has no number for band {bands} in the file of the telescope"));
         }
     }
     warnings
