@@ -154,7 +154,7 @@ fn verif_questions_that_are_none() {
     fails(&[SKY, &["--nside", "8", "--step-deg", "2"], &out], &["cannot be used with"]);
     fails(&[SKY, &["--site", "Nowhere at all"], &out], &["Nowhere at all"]);
     fails(&[SKY, &["--lat", "91", "--lon", "0"], &out], &["lat"]);
-    fails(&[SKY, &["--extinction", "-1"], &out], &["extinction -1 mag per airmass: allowed 0 to 10"]);
+    fails(&[SKY, &["--extinction", "-1"], &out], &["extinction -1 mag: allowed 0 to 5 mag"]);
     fails(&[SKY, &["--band", "q"], &out], &["q"]);
     fails(&[&["map", "sky", "--model", "v1.5"], &out], &["--sun-altitude-deg"]);
     #[cfg(feature = "plot")]

@@ -30,7 +30,7 @@ impl EarthLimb {
         (from + line * nearest).norm() - self.radius_km()
     }
 
-    /// Height of a place above the ellipsoid, km, within 10 km at heights below 3000 km: in the stretched space, as all of the limb.
+    /// Height of a place above the ellipsoid, km, in the stretched space as all of the limb: over the poles too large by 1/298 of itself.
     pub fn height_of_km(&self, observer: &Position<Gcrs>) -> f64 {
         stretch(observer.vector()).norm() - EARTH_EQUATORIAL_RADIUS_KM
     }

@@ -63,7 +63,7 @@ impl Expected {
             // 1 - Π(1 - p)
             p_any: 1.0 - chances.iter().map(|chance| 1.0 - chance.probability.clamp(0.0, 1.0)).product::<f64>(),
             lost_pixel_fraction: lost_fraction
-                .map(|lost_fraction| chances.iter().map(lost_fraction).sum::<f64>().min(1.0)),
+                .map(|lost_fraction| chances.iter().map(lost_fraction).fold(0.0, |sum, lost| sum + lost).min(1.0)),
         }
     }
 }
