@@ -436,6 +436,8 @@ fn a_policy_that_asks_for_the_telescopes_limits_needs_a_telescope() {
         &[&flag(&schedule), &["--policy", &policy, "--telescope", "decam"]],
         &["the policy says saturation_mag = \"telescope\", but the file of decam has no such limit in any band"],
     );
+    let policy = file(&folder, "r.toml", b"max_lost_fraction = 0.001\n");
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["no telescope", "max_lost_fraction", "--telescope"]);
     let policy = file(&folder, "q.toml", b"saturation_mag = 'Telescope'\n");
     fails(&[&flag(&schedule), &["--policy", &policy]], &["allowed: a number, a table of numbers by band, or"]);
     fails(&[&flag(&schedule), &["--limit-mag", "g=7,g=6"]], &["band g has two limits in 'g=7,g=6'"]);

@@ -194,6 +194,10 @@ impl Setup {
             policy.max_delay_s = Some(parse_duration_s("max-delay", &delay.text())?);
         }
         policy.validate()?;
+        if policy.max_lost_fraction.is_some() && self.telescope()?.is_none() {
+            let what = "telescope, without whose pixels nothing can be said of the policy's max_lost_fraction";
+            return Err(SetupError::Missing { what, allowed: "--telescope NAME" });
+        }
         if policy.limit_of_telescope().is_some() {
             let what = "telescope, whose limits the policy asks for (saturation_mag or crosstalk_mag = \"telescope\")";
             let telescope = self.telescope()?.ok_or(SetupError::Missing { what, allowed: "--telescope NAME" })?;
