@@ -14,3 +14,5 @@ pub const SUN_RADIUS_KM: f64 = 695_700.0;
 pub const EARTH_ROTATION_RAD_S: f64 = 1.002_737_811_911_354_5 * std::f64::consts::TAU / 86_400.0;
 /// Seconds in a day.
 pub const DAY_S: f64 = 86_400.0;
+/// Earth's gravity in WGS72, which SGP4 and element sets are made with, km³/s² (Hoots and Roehrich 1980, Spacetrack Report 3).
+pub const WGS72_MU_KM3_S2: f64 = 398_600.8;

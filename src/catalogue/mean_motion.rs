@@ -7,11 +7,10 @@
 use std::f64::consts::TAU;
 
 use super::element_set::ElementSet;
+use crate::constants::WGS72_MU_KM3_S2;
 
 /// WGS72 equatorial radius, km: the earth radius of SGP4.
 const EARTH_RADIUS_KM: f64 = 6378.135;
-/// WGS72 gravitational parameter, km³/s².
-const MU_KM3_S2: f64 = 398_600.8;
 /// WGS72 second zonal harmonic.
 const J2: f64 = 0.001_082_616;
 /// WGS72 fourth zonal harmonic.
@@ -21,7 +20,7 @@ const DAY_MIN: f64 = 1440.0;
 
 /// √μ in earth radii^1.5 a minute: mean motion at one earth radius, rad/min.
 fn k_e() -> f64 {
-    60.0 / (EARTH_RADIUS_KM.powi(3) / MU_KM3_S2).sqrt()
+    60.0 / (EARTH_RADIUS_KM.powi(3) / WGS72_MU_KM3_S2).sqrt()
 }
 
 /// δ = 3/2 k₂ (3 cos²i − 1) / (a² (1 − e²)^1.5) with k₂ = J₂/2, a in earth radii.

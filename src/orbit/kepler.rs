@@ -3,10 +3,8 @@
 use nalgebra::Vector3;
 
 use super::propagator::State;
+use crate::constants::WGS72_MU_KM3_S2;
 use crate::frames::Teme;
-
-/// Gravitational parameter that SGP4 uses (WGS72), km³/s².
-pub(super) const MU_KM3_S2: f64 = 398_600.8;
 
 /// Osculating elements in a plane whose x axis is `reference` projected into it.
 #[derive(Copy, Clone, Debug)]
@@ -34,8 +32,8 @@ impl SlowElements {
         let momentum = r.cross(v);
         let normal = momentum / momentum.norm();
         // vis viva: 1/a = 2/r - v²/μ
-        let semi_major_axis_km = 1.0 / (2.0 / radius - v.norm_squared() / MU_KM3_S2);
-        let eccentricity_vector = v.cross(&momentum) / MU_KM3_S2 - r / radius;
+        let semi_major_axis_km = 1.0 / (2.0 / radius - v.norm_squared() / WGS72_MU_KM3_S2);
+        let eccentricity_vector = v.cross(&momentum) / WGS72_MU_KM3_S2 - r / radius;
         let x_axis = plane_axis(reference, &normal).normalize();
         let y_axis = normal.cross(&x_axis);
         let (k, h) = (eccentricity_vector.dot(&x_axis), eccentricity_vector.dot(&y_axis));
@@ -55,7 +53,7 @@ impl SlowElements {
 
     /// Mean motion, rad/s.
     pub fn mean_motion_rad_s(&self) -> f64 {
-        (MU_KM3_S2 / self.semi_major_axis_km.powi(3)).sqrt()
+        (WGS72_MU_KM3_S2 / self.semi_major_axis_km.powi(3)).sqrt()
     }
 }
 
@@ -89,7 +87,7 @@ pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_
     let x = a * ((1.0 - h * h * beta) * cos_f + h * k * beta * sin_f - k);
     let y = a * ((1.0 - k * k * beta) * sin_f + h * k * beta * cos_f - h);
     // a dF/dt = n a² / r = √(μ/a) / (1 - k cos F - h sin F)
-    let rate = (MU_KM3_S2 / a).sqrt() / (1.0 - k * cos_f - h * sin_f);
+    let rate = (WGS72_MU_KM3_S2 / a).sqrt() / (1.0 - k * cos_f - h * sin_f);
     let u = rate * (h * k * beta * cos_f - (1.0 - h * h * beta) * sin_f);
     let v = rate * ((1.0 - k * k * beta) * cos_f - h * k * beta * sin_f);
     ([x, y], [u, v])

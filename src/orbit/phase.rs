@@ -2,8 +2,9 @@
 
 use nalgebra::Vector3;
 
-use super::kepler::{MU_KM3_S2, plane_axis, plane_state};
+use super::kepler::{plane_axis, plane_state};
 use super::window::Cone;
+use crate::constants::WGS72_MU_KM3_S2;
 
 /// Fields wider than this are no longer narrow cones: the phase test falls back to balls, radians.
 const WIDE_RAD: f64 = 0.5;
@@ -52,7 +53,7 @@ impl<'a> Question<'a> {
         let sight = position - self.observer;
         let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
         // The path bends away from its tangent by at most ½ g t², g being gravity at the satellite.
-        let bend_km = 0.5 * MU_KM3_S2 / position.norm_squared() * half_s * half_s;
+        let bend_km = 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
         let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
         if self.cone.radius_rad > WIDE_RAD {
             // The whole stretch as a ball around its middle.

@@ -6,10 +6,9 @@ use std::f64::consts::{PI, TAU};
 use std::fmt;
 use thiserror::Error;
 
-use super::kepler::MU_KM3_S2;
 use super::resonance::Resonance;
 use crate::catalogue::{ElementSet, NoradId};
-use crate::constants::DAY_S;
+use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
 /// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).
@@ -103,7 +102,7 @@ impl Propagator {
                 .map_err(|error| fail(error.to_string()))?;
         let period_s = DAY_S / elements.mean_motion_rev_day;
         // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for what Moon and Sun may add.
-        let farthest_km = 2.2 * (MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
+        let farthest_km = 2.2 * (WGS72_MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
         let resonance = Resonance::of(&constants);
         Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id, period_s, farthest_km, resonance })
     }

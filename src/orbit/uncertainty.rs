@@ -34,10 +34,8 @@
 use std::f64::consts::TAU;
 
 use crate::catalogue::{ElementSet, Origin};
-use crate::constants::DAY_S;
+use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 
-/// Earth's gravity in the WGS72 constants that element sets are made with, km³/s².
-const WGS72_MU_KM3_S2: f64 = 398_600.8;
 /// WGS72 equatorial radius, km.
 const WGS72_RADIUS_KM: f64 = 6_378.135;
 /// Error along the track at epoch, km: sets that share their observations hide it, so it is not fitted.

@@ -340,9 +340,9 @@ impl Chunk {
 
 #[cfg(test)]
 mod tests {
-    use super::super::kepler::MU_KM3_S2;
     use super::*;
     use crate::catalogue::{ElementSet, NoradId, Origin};
+    use crate::constants::WGS72_MU_KM3_S2;
     use crate::frames::seconds_after;
 
     fn element_set(norad_id: u32, altitude_km: f64, eccentricity: f64, inclination_deg: f64) -> ElementSet {
@@ -353,7 +353,7 @@ mod tests {
             name: "".into(),
             international_designator: "".into(),
             epoch: Epoch::from_gregorian_utc_at_noon(2026, 4, 20),
-            mean_motion_rev_day: (MU_KM3_S2 / a.powi(3)).sqrt() * 86_400.0 / std::f64::consts::TAU,
+            mean_motion_rev_day: (WGS72_MU_KM3_S2 / a.powi(3)).sqrt() * 86_400.0 / std::f64::consts::TAU,
             eccentricity,
             inclination_deg,
             right_ascension_of_node_deg: turn.rem_euclid(360.0),

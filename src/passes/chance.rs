@@ -18,6 +18,7 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::crossing::{Crossing, cross};
+use super::expose::{ABERRATION_MARGIN_RAD, SLICE_S};
 use super::exposure::Exposure;
 use super::field::{Field, FieldOnSky};
 use super::look::LOWEST_ALTITUDE_RAD;
@@ -27,17 +28,11 @@ use super::sightline::{ObserverMotion, SightLine};
 use super::sky::{PassOptions, Sky, SkyError, check};
 use super::track::FieldPass;
 use super::windows::Wanted;
-use crate::constants::DAY_S;
+use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::frames::{Gcrs, Orientation, Position, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel};
 use crate::orbit::{Arc, Cone, OrbitUncertainty, Propagator, Reach};
 
-/// Earth's gravity in the WGS72 constants of SGP4, km³/s².
-const MU_KM3_S2: f64 = 398_600.8;
-/// The cull asks for at most this long at a time, seconds.
-const SLICE_S: f64 = 60.0;
-/// Aberration and light time between the astrometric axis and the geometric cone, with room, radians.
-const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 /// In an exposure longer than this the site moves too far for one place on the orbit; then all of the time is searched, seconds.
 const LONG_EXPOSURE_S: f64 = 600.0;
 /// And so it is, up to this delay, on an orbit whose place in the field is not found (eccentric ones near the horizon), seconds.
@@ -389,13 +384,13 @@ impl TwoBody {
         let momentum = position.cross(velocity);
         let radius_km = position.norm();
         // vis viva: 1/a = 2/r - v²/μ
-        let axis_km = 1.0 / (2.0 / radius_km - velocity.norm_squared() / MU_KM3_S2);
-        let eccentricity = velocity.cross(&momentum) / MU_KM3_S2 - position / radius_km;
+        let axis_km = 1.0 / (2.0 / radius_km - velocity.norm_squared() / WGS72_MU_KM3_S2);
+        let eccentricity = velocity.cross(&momentum) / WGS72_MU_KM3_S2 - position / radius_km;
         (axis_km > 0.0 && eccentricity.norm() < 1.0).then(|| Self {
             position: *position,
             normal: momentum.normalize(),
             eccentricity,
-            mean_motion_rad_s: (MU_KM3_S2 / axis_km.powi(3)).sqrt(),
+            mean_motion_rad_s: (WGS72_MU_KM3_S2 / axis_km.powi(3)).sqrt(),
         })
     }
 

@@ -16,13 +16,13 @@ use crate::frames::{Orientation, seconds_after, seconds_between};
 use crate::orbit::{Arc, Cone, LeftOut, OrbitError, OrbitUncertainty};
 
 /// The cull asks for at most this long at a time, seconds: by then an observer on the ground has moved 14 km to each side.
-const SLICE_S: f64 = 60.0;
+pub(super) const SLICE_S: f64 = 60.0;
 /// The same for an observer in orbit, who has moved 40 km by then.
 const FLIGHT_SLICE_S: f64 = 10.0;
 /// A satellite that is a candidate again within this time is still on the same pass, seconds: nothing comes round so soon.
 const SAME_PASS_S: f64 = 1200.0;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with room, radians.
-const ABERRATION_MARGIN_RAD: f64 = 2e-4;
+pub(super) const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 
 /// The slices of one exposure in which one satellite was a candidate, from the first to the last of one pass; seconds of the
 /// scene.

@@ -50,21 +50,8 @@ pub struct SharedArguments {
     /// Standard magnitudes in the form of McCants' qs.mag
     #[arg(long, value_name = "FILE", help_heading = "Satellites")]
     pub qs_mag: Option<PathBuf>,
-    /// Observatory by name (streakcast sites lists them)
-    #[arg(long, value_name = "NAME", help_heading = "Site")]
-    pub site: Option<String>,
-    /// Observatory by MPC code
-    #[arg(long, value_name = "CODE", help_heading = "Site")]
-    pub mpc: Option<String>,
-    /// Latitude, degrees north (WGS84)
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
-    pub lat: Option<f64>,
-    /// Longitude, degrees east
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
-    pub lon: Option<f64>,
-    /// Height above the ellipsoid, metres
-    #[arg(long, value_name = "M", allow_hyphen_values = true, help_heading = "Site")]
-    pub height: Option<f64>,
+    #[command(flatten)]
+    pub place: PlaceArguments,
     /// A telescope in orbit instead of a site: a file with its element set
     #[arg(long, value_name = "FILE", help_heading = "Site")]
     pub observer_elements: Option<PathBuf>,
@@ -287,11 +274,6 @@ impl SharedArguments {
             shells: (!self.shells.is_empty()).then(|| OneOrMany::Many(self.shells.clone())),
             accept_bad_checksums: self.accept_bad_checksums.then_some(true),
             qs_mag: self.qs_mag.clone(),
-            site: self.site.clone().map(SiteSetup::Name),
-            mpc: self.mpc.clone(),
-            lat: self.lat,
-            lon: self.lon,
-            height: self.height,
             observer_elements: self.observer_elements.clone(),
             observer_norad: self.observer_norad,
             limb_height_km: self.limb_height_km,
@@ -310,7 +292,7 @@ impl SharedArguments {
             eop: self.eop.clone(),
             threads: self.threads,
             quiet: self.quiet.then_some(true),
-            ..Setup::default()
+            ..self.place.setup()
         };
         let said = typed.over(shared);
         Ok(match &self.config {
@@ -335,4 +317,38 @@ impl RulesArguments {
 /// A configuration file, or nothing said.
 pub fn setup_of(config: Option<&Path>) -> anyhow::Result<Setup> {
     Ok(config.map(Setup::read).transpose()?.unwrap_or_default())
+}
+
+/// Where the observer stands.
+#[derive(Args)]
+pub struct PlaceArguments {
+    /// Observatory by name (streakcast sites lists them)
+    #[arg(long, value_name = "NAME", help_heading = "Site")]
+    pub site: Option<String>,
+    /// Observatory by MPC code
+    #[arg(long, value_name = "CODE", help_heading = "Site")]
+    pub mpc: Option<String>,
+    /// Latitude, degrees north (WGS84)
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
+    pub lat: Option<f64>,
+    /// Longitude, degrees east
+    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
+    pub lon: Option<f64>,
+    /// Height above the ellipsoid, metres
+    #[arg(long, value_name = "M", allow_hyphen_values = true, help_heading = "Site")]
+    pub height: Option<f64>,
+}
+
+impl PlaceArguments {
+    /// What was said of the place, and nothing else.
+    pub fn setup(&self) -> Setup {
+        Setup {
+            site: self.site.clone().map(SiteSetup::Name),
+            mpc: self.mpc.clone(),
+            lat: self.lat,
+            lon: self.lon,
+            height: self.height,
+            ..Setup::default()
+        }
+    }
 }

@@ -5,9 +5,9 @@ use std::path::PathBuf;
 #[cfg(feature = "plot")]
 use clap::ValueEnum;
 use clap::{Args, Subcommand};
-use streakcast::setup::{Setup, SiteSetup};
+use streakcast::setup::Setup;
 
-use crate::arguments::setup_of;
+use crate::arguments::{PlaceArguments, setup_of};
 
 #[derive(Args)]
 pub struct MapArguments {
@@ -101,21 +101,8 @@ pub struct MapSkyArguments {
     /// Extinction of the air, mag per airmass; magnitudes above the air where unsaid
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub extinction: Option<f64>,
-    /// Observatory by name (streakcast sites lists them); a spherical Earth where no site is said
-    #[arg(long, value_name = "NAME", help_heading = "Site")]
-    pub site: Option<String>,
-    /// Observatory by MPC code
-    #[arg(long, value_name = "CODE", help_heading = "Site")]
-    pub mpc: Option<String>,
-    /// Latitude, degrees north (WGS84)
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
-    pub lat: Option<f64>,
-    /// Longitude, degrees east
-    #[arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site")]
-    pub lon: Option<f64>,
-    /// Height above the ellipsoid, metres
-    #[arg(long, value_name = "M", allow_hyphen_values = true, help_heading = "Site")]
-    pub height: Option<f64>,
+    #[command(flatten)]
+    pub place: PlaceArguments,
     #[command(flatten)]
     pub light: LightArguments,
     #[command(flatten)]
@@ -159,19 +146,5 @@ impl LightArguments {
             ..Setup::default()
         };
         Ok(typed.over(light).over(setup_of(self.config.as_deref())?))
-    }
-}
-
-impl MapSkyArguments {
-    /// The site as a setup holds it.
-    pub fn site(&self) -> Setup {
-        Setup {
-            site: self.site.clone().map(SiteSetup::Name),
-            mpc: self.mpc.clone(),
-            lat: self.lat,
-            lon: self.lon,
-            height: self.height,
-            ..Setup::default()
-        }
     }
 }

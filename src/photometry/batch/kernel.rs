@@ -146,7 +146,7 @@ fn of_places<const F: bool>(places: &[[f64; BLOCK]; 3], observer: [f64; 3], sun:
             fused::<F>(-up, zenith[2], to_sun[2]),
         ];
         let level = dot::<F>(foot, foot).sqrt();
-        // With the Sun in the zenith every direction along the plane will do: none is taken, and nothing below is lit.
+        // With the Sun in the zenith to the last digit azimuths mean nothing, and a leaning sail is taken as seen edge-on.
         let per_level = 1.0 / positive(level);
         let across = [
             zenith[1] * foot[2] - zenith[2] * foot[1],

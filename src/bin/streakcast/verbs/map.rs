@@ -80,7 +80,7 @@ fn body(typed: MapBodyArguments) -> anyhow::Result<Outcome> {
 }
 
 fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.light.setup(typed.site())?;
+    let setup = typed.light.setup(typed.place.setup())?;
     let notices = begin(&setup)?;
     let model = model_of(&setup.model_library()?, &typed.light.model)?;
     let setup = Setup { extinction: typed.extinction.or(setup.extinction), ..setup };
