@@ -18,6 +18,8 @@
 pub mod catalogue;
 pub mod checks;
 pub mod constants;
+mod elementary;
+pub mod fit;
 pub mod frames;
 pub mod geometry;
 pub mod healpix;

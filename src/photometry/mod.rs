@@ -33,6 +33,6 @@ pub use model_file::{
 pub use panel::{Incidence, Panel};
 pub use phase::PhaseFunction;
 pub use polygon::PanelPolygon;
-pub use satellite::{SatelliteModel, Terms};
+pub use satellite::{Faces, SatelliteModel, Terms};
 pub use sphere::DiffuseSphere;
 pub use standard_magnitudes::{StandardMagnitudes, StandardMagnitudesError};

@@ -59,6 +59,23 @@ impl Terms {
     }
 }
 
+/// One geometry as the laws see it: cosines times areas, and the cosines of the two mirror angles.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Faces {
+    /// cos φ_i cos φ_r A of the sail's front, nothing blocked, m².
+    pub sail_front_m2: f64,
+    /// cos φ_i cos(π - φ_r) A of a sail lit from the front and seen from behind, nothing blocked, m².
+    pub sail_through_m2: f64,
+    /// cos φ_i cos φ_r A of the chassis, m².
+    pub base_front_m2: f64,
+    /// cos θ_sail: observer and mirror direction of the Sun on the sail.
+    pub cos_sail_mirror: f64,
+    /// cos θ_base.
+    pub cos_base_mirror: f64,
+    /// Shares of the sail that are lost.
+    pub blocked: Blocked,
+}
+
 /// Stands for the exponent where there is no lobe: the fewest nodes serve.
 const BROAD_EXPONENT: f64 = 4.0;
 
@@ -216,17 +233,29 @@ impl SatelliteModel {
         }
     }
 
-    /// Derivatives of B_total by c1, c2, c3, c4, c5, n_sail, n_base, and B_total itself, m² sr⁻¹.
-    pub fn gradient(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> ([f64; 7], f64) {
+    /// What the light of one geometry is made of before any law is applied.
+    pub fn faces(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Faces {
         let sail = self.sail.incidence(to_sun, to_observer);
         let base = self.base.incidence(to_sun, to_observer);
-        let blocked = self.blocking.blocked(to_sun, to_observer);
-        let front_m2 = sail.front() * self.sail.area_m2 * (1.0 - blocked.shadow_or_hidden);
-        let through_m2 = sail.through() * self.sail.area_m2 * (1.0 - blocked.shadow);
-        let base_m2 = base.front() * self.base.area_m2;
+        Faces {
+            sail_front_m2: sail.front() * self.sail.area_m2,
+            sail_through_m2: sail.through() * self.sail.area_m2,
+            base_front_m2: base.front() * self.base.area_m2,
+            cos_sail_mirror: sail.cos_mirror,
+            cos_base_mirror: base.cos_mirror,
+            blocked: self.blocking.blocked(to_sun, to_observer),
+        }
+    }
+
+    /// Derivatives of B_total by c1, c2, c3, c4, c5, n_sail, n_base, and B_total itself, m² sr⁻¹.
+    pub fn gradient(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> ([f64; 7], f64) {
+        let faces = self.faces(to_sun, to_observer);
+        let front_m2 = faces.sail_front_m2 * (1.0 - faces.blocked.shadow_or_hidden);
+        let through_m2 = faces.sail_through_m2 * (1.0 - faces.blocked.shadow);
+        let base_m2 = faces.base_front_m2;
         // The model is linear in c; ∂/∂n of c (n+2)/2π cosⁿθ = c cosⁿθ (1 + (n+2) ln cos θ)/2π.
-        let (sail_lobe, sail_slope) = lobe(&self.sail_glossy, sail.cos_mirror);
-        let (base_lobe, base_slope) = lobe(&self.base_glossy, base.cos_mirror);
+        let (sail_lobe, sail_slope) = lobe(&self.sail_glossy, faces.cos_sail_mirror);
+        let (base_lobe, base_slope) = lobe(&self.base_glossy, faces.cos_base_mirror);
         let gradient = [
             sail_lobe * front_m2,
             FRAC_1_PI * front_m2,

@@ -1,0 +1,95 @@
+//! Chains as NumPy's `.npz`, written whole or not at all, so that a run that was killed goes on where it was last saved.
+//!
+//! Arrays: `chain` (n_step, n_walker, n_param), `log_prob` (n_step, n_walker), `accepted` (n_walker), and `about`, the bytes of
+//! a JSON text that says of what fit they are. `numpy.load(path)["chain"]` is what emcee's `get_chain()` gives.
+
+use std::fs::File;
+use std::io::{Read, Write};
+use std::path::Path;
+
+use npyz::{NpyFile, WriterBuilder};
+use serde::{Deserialize, Serialize};
+use zip::write::SimpleFileOptions;
+use zip::{ZipArchive, ZipWriter};
+
+use crate::table::AtomicFile;
+
+use super::error::FitError;
+use super::inference::Chain;
+
+/// Of what fit a chain is.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ChainAbout {
+    /// Version of the program that drew it.
+    pub software: String,
+    /// Names of the parameters, in the order of the last index.
+    pub parameters: Vec<String>,
+    /// Seed of its chance.
+    pub seed: u64,
+    /// Hash of points, form and settings: a chain goes on only with the same.
+    pub fingerprint: String,
+}
+
+/// Writes a chain.
+///
+/// # Errors
+/// [`FitError::ChainFile`] for whatever the system reports; an older file then stands as it was.
+pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(), FitError> {
+    let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
+    let io = |error: std::io::Error| failed(error.to_string());
+    let file = AtomicFile::new(path).map_err(io)?;
+    let mut archive = ZipWriter::new(file.file());
+    let [steps, walkers, parameters] = [chain.steps(), chain.walkers(), chain.parameters()].map(|n| n as u64);
+    let text = serde_json::to_vec(about).map_err(|error| failed(error.to_string()))?;
+    put(&mut archive, "chain", &[steps, walkers, parameters], chain.places()).map_err(io)?;
+    put(&mut archive, "log_prob", &[steps, walkers], chain.log_probabilities()).map_err(io)?;
+    put(&mut archive, "accepted", &[walkers], chain.accepted()).map_err(io)?;
+    put(&mut archive, "about", &[text.len() as u64], &text).map_err(io)?;
+    archive.finish().map_err(|error| failed(error.to_string()))?;
+    file.finish().map_err(io)
+}
+
+fn put<T: npyz::AutoSerialize + Copy>(archive: &mut ZipWriter<&File>, name: &str, shape: &[u64], values: &[T]) -> std::io::Result<()> {
+    // Not compressed: random digits do not shrink.
+    let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored).large_file(true);
+    archive.start_file(format!("{name}.npy"), options)?;
+    let mut bytes = Vec::with_capacity(128 + size_of_val(values));
+    let mut writer = npyz::WriteOptions::new().default_dtype().shape(shape).writer(&mut bytes).begin_nd()?;
+    writer.extend(values.iter().copied())?;
+    writer.finish()?;
+    archive.write_all(&bytes)
+}
+
+/// Reads a chain.
+///
+/// # Errors
+/// [`FitError::ChainFile`] where it is missing, cut off, or no such file.
+pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
+    let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
+    let file = File::open(path).map_err(|error| failed(error.to_string()))?;
+    let mut archive = ZipArchive::new(file).map_err(|error| failed(error.to_string()))?;
+    let (places, shape) = get::<f64>(&mut archive, "chain").map_err(failed)?;
+    let (log_probabilities, _) = get::<f64>(&mut archive, "log_prob").map_err(failed)?;
+    let (accepted, _) = get::<u64>(&mut archive, "accepted").map_err(failed)?;
+    let (about, _) = get::<u8>(&mut archive, "about").map_err(failed)?;
+    let about: ChainAbout = serde_json::from_slice(&about).map_err(|error| failed(format!("about: {error}")))?;
+    let &[_, walkers, parameters] = &shape[..] else {
+        return Err(failed(format!("chain has {} axes, allowed is 3: steps, walkers, parameters", shape.len())));
+    };
+    if parameters as usize != about.parameters.len() {
+        return Err(failed(format!("{parameters} parameters, and {} names of them", about.parameters.len())));
+    }
+    let chain = Chain::from_parts(walkers as usize, parameters as usize, places, log_probabilities, accepted)?;
+    Ok((chain, about))
+}
+
+fn get<T: npyz::Deserialize>(archive: &mut ZipArchive<File>, name: &str) -> Result<(Vec<T>, Vec<u64>), String> {
+    let wrong = |error: String| format!("array {name}: {error}");
+    let mut entry = archive.by_name(&format!("{name}.npy")).map_err(|error| wrong(error.to_string()))?;
+    let mut bytes = Vec::new();
+    entry.read_to_end(&mut bytes).map_err(|error| wrong(error.to_string()))?;
+    let array = NpyFile::new(&bytes[..]).map_err(|error| wrong(error.to_string()))?;
+    let shape = array.shape().to_vec();
+    Ok((array.into_vec::<T>().map_err(|error| wrong(error.to_string()))?, shape))
+}

@@ -1,0 +1,63 @@
+//! Which of two models explains the same points better.
+
+use statrs::stats_tests::ttest_onesample::ttest_onesample;
+use statrs::stats_tests::{Alternative, NaNPolicy};
+
+/// Root mean square, mag; not a number of none.
+pub fn rms(residuals_mag: &[f64]) -> f64 {
+    (residuals_mag.iter().map(|r| r * r).sum::<f64>() / residuals_mag.len() as f64).sqrt()
+}
+
+/// Akaike's information criterion of `n` normal residuals with `k` fitted parameters: n ln(RMSE²) + 2k, up to a constant (Lu 2024, section 4.2).
+pub fn aic(rms_mag: f64, n: usize, k: usize) -> f64 {
+    n as f64 * (rms_mag * rms_mag).ln() + 2.0 * k as f64
+}
+
+/// A paired t-test.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PairedTest {
+    /// Student's t of the mean of the differences.
+    pub t: f64,
+    /// Probability of one at least as large if both means are the same, two-sided.
+    pub p: f64,
+}
+
+/// Of the hypothesis that two lists of residuals of the same points have the same mean. `None` with fewer than two pairs, or
+/// where all differences are equal.
+pub fn paired_t_test(one: &[f64], other: &[f64]) -> Option<PairedTest> {
+    let differences: Vec<f64> = one.iter().zip(other).map(|(a, b)| a - b).collect();
+    let (t, p) = ttest_onesample(differences, 0.0, Alternative::TwoSided, NaNPolicy::Error).ok()?;
+    (t.is_finite() && p.is_finite()).then_some(PairedTest { t, p })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Lu (2024), section 4.2: RMSE 0.2408 (k = 7) and 0.2423 (k = 5), AIC -13232 and -13176; both give n = 4651.
+    #[test]
+    fn valid_aic_against_both_printed_pairs() {
+        /// Four printed digits of the RMSE: 4651 · 2 · 0.00005/0.24.
+        const ROUNDING: f64 = 2.0;
+        let n = 4651;
+        // The RMSE that is printed as 0.2408 lies within half a unit of its last digit.
+        let printed = |rmse: f64, k: usize| (aic(rmse - 5e-5, n, k), aic(rmse + 5e-5, n, k));
+        for (rmse, k, expected) in [(0.2408, 7, -13232.0), (0.2423, 5, -13176.0)] {
+            let (least, greatest) = printed(rmse, k);
+            assert!(least - ROUNDING < expected && expected < greatest + ROUNDING, "{least} {greatest}");
+        }
+    }
+
+    /// scipy.stats.ttest_rel([1.1, 2.3, 2.9, 4.2, 5.0], [1.0, 2.0, 3.1, 3.9, 4.6]), SciPy 1.17.1.
+    #[test]
+    fn valid_paired_test_against_scipy() {
+        let test = paired_t_test(&[1.1, 2.3, 2.9, 4.2, 5.0], &[1.0, 2.0, 3.1, 3.9, 4.6]).expect("five pairs");
+        /// Digits of the printed figures.
+        const DIGITS: f64 = 1e-10;
+        assert!((test.t - SCIPY.0).abs() < DIGITS && (test.p - SCIPY.1).abs() < DIGITS, "{test:?}");
+        assert_eq!(paired_t_test(&[1.0, 2.0], &[1.0, 2.0]), None);
+        assert_eq!(paired_t_test(&[1.0], &[2.0]), None);
+    }
+    /// t and p.
+    const SCIPY: (f64, f64) = (1.685854460847049, 0.16710331573259815);
+}

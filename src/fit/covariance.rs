@@ -1,0 +1,120 @@
+//! How certain each parameter is.
+//!
+//! The curvature H = JᵀW J of the cost is inverted over the parameters that stand between their bounds. Where points come in groups
+//! that share their faults (a track, a night), the errors of one are not those of another and H⁻¹ is too small; then the sandwich
+//!
+//! ```text
+//! Σ = H⁻¹ (Σ_g s_g s_gᵀ) H⁻¹ G/(G-1),    s_g = Σ_{i in g} slopes of the cost of point i
+//! ```
+//!
+//! is used (Liang and Zeger 1986, Biometrika 73, 13). With too few groups for that, H⁻¹ is scaled by χ²/(n - k).
+
+use nalgebra::{DMatrix, DVector};
+
+use super::form::Parameter;
+
+/// Nearer than this share of the room between its bounds a parameter is taken to stand at one.
+const AT_BOUND: f64 = 1e-6;
+/// Curvatures (scaled to a diagonal of 1) whose least eigenvalue is below this say nothing of that direction.
+const SINGULAR: f64 = 1e-10;
+
+/// Where the errors of the parameters come from.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum CovarianceKind {
+    /// Groups of points as they scatter about the fit.
+    Grouped,
+    /// Curvature of the cost, scaled by χ²/(n - k).
+    Scaled,
+}
+
+/// What is known of the parameters.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Certainty {
+    /// All parameters by all parameters; 0 for those that were held or stand at a bound. `None` where the curvature is singular.
+    pub covariance: Option<Vec<Vec<f64>>>,
+    /// How it was made.
+    pub kind: CovarianceKind,
+    /// Indices of free parameters that ended at a bound.
+    pub at_bound: Vec<usize>,
+    /// Free parameters that move along the directions that nothing is said of, each with its share.
+    pub undetermined: Vec<(usize, f64)>,
+}
+
+impl Certainty {
+    /// One sigma of a parameter; `None` where it was held, stands at a bound, or nothing is known.
+    pub fn sigma(&self, parameter: usize) -> Option<f64> {
+        let variance = self.covariance.as_ref()?[parameter][parameter];
+        (variance > 0.0).then(|| variance.sqrt())
+    }
+
+    /// Correlation of two parameters.
+    pub fn correlation(&self, one: usize, other: usize) -> Option<f64> {
+        let product = self.sigma(one)? * self.sigma(other)?;
+        Some(self.covariance.as_ref()?[one][other] / product)
+    }
+}
+
+/// From the curvature `(n_free, n_free)` and the slopes of each point at the minimum.
+pub(super) fn certainty(
+    curvature: &DMatrix<f64>,
+    scores: &[Vec<f64>],
+    groups: &[u32],
+    parameters: &[Parameter],
+    free: &[usize],
+    cost: f64,
+) -> Certainty {
+    let at_end = |i: usize| {
+        let p = &parameters[i];
+        let near = AT_BOUND * (p.greatest - p.least);
+        p.value <= p.least + near || p.value >= p.greatest - near
+    };
+    let at_bound: Vec<usize> = free.iter().copied().filter(|&i| at_end(i)).collect();
+    let inner: Vec<usize> = (0..free.len()).filter(|&k| !at_end(free[k])).collect();
+    let group_count = groups.iter().collect::<std::collections::HashSet<_>>().len();
+    let kind = if group_count > 2 * free.len() { CovarianceKind::Grouped } else { CovarianceKind::Scaled };
+    let mut known = Certainty { covariance: None, kind, at_bound, undetermined: Vec::new() };
+
+    // Scaled to a diagonal of 1, so that no unit of a parameter matters.
+    let scale: Vec<f64> = inner.iter().map(|&k| curvature[(k, k)].sqrt()).collect();
+    if let Some(k) = scale.iter().position(|scale| !(*scale > 0.0 && scale.is_finite())) {
+        known.undetermined.push((free[inner[k]], 1.0));
+        return known;
+    }
+    let m = inner.len();
+    let unit = DMatrix::from_fn(m, m, |r, c| curvature[(inner[r], inner[c])] / (scale[r] * scale[c]));
+    let eigen = unit.clone().symmetric_eigen();
+    if let Some(flat) = eigen.eigenvalues.iter().position(|value| *value < SINGULAR) {
+        let direction = eigen.eigenvectors.column(flat);
+        known.undetermined =
+            (0..m).filter(|&k| direction[k].abs() > 0.3).map(|k| (free[inner[k]], direction[k].powi(2))).collect();
+        return known;
+    }
+    let Some(inverse) = unit.try_inverse() else { return known };
+    let inverse = DMatrix::from_fn(m, m, |r, c| inverse[(r, c)] / (scale[r] * scale[c]));
+    let covariance = match kind {
+        CovarianceKind::Scaled => {
+            // χ² = 2 C for squares
+            let spare = scores.len().saturating_sub(free.len()).max(1) as f64;
+            inverse * (2.0 * cost / spare)
+        }
+        CovarianceKind::Grouped => {
+            let mut sums = std::collections::BTreeMap::<u32, DVector<f64>>::new();
+            for (score, group) in scores.iter().zip(groups) {
+                let sum = sums.entry(*group).or_insert_with(|| DVector::zeros(m));
+                inner.iter().enumerate().for_each(|(k, &column)| sum[k] += score[column]);
+            }
+            let meat = sums.values().fold(DMatrix::zeros(m, m), |meat, sum| meat + sum * sum.transpose());
+            let groups = sums.len() as f64;
+            &inverse * meat * &inverse * (groups / (groups - 1.0))
+        }
+    };
+    let mut full = vec![vec![0.0; parameters.len()]; parameters.len()];
+    for r in 0..m {
+        for c in 0..m {
+            // Products leave the halves different in the last digit.
+            full[free[inner[r]]][free[inner[c]]] = 0.5 * (covariance[(r, c)] + covariance[(c, r)]);
+        }
+    }
+    known.covariance = Some(full);
+    known
+}

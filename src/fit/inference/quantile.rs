@@ -1,0 +1,26 @@
+//! Quantiles of samples.
+
+/// Value below which this share of sorted samples lies, linear between neighbours (NumPy's default, Hyndman and Fan's type 7).
+///
+/// Not a number where there are no samples; `share` beyond 0 to 1 is taken as the nearer end.
+pub fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let at = share.clamp(0.0, 1.0) * last as f64;
+    let below = at.floor() as usize;
+    let above = (below + 1).min(last);
+    sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_quantiles_lie_between_neighbours() {
+        assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.5), 2.0);
+        assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.75), 3.0);
+        assert_eq!(quantile(&[1.0, 2.0, 4.0], 2.0), 4.0);
+        assert_eq!(quantile(&[7.0], 0.16), 7.0);
+        assert!(quantile(&[], 0.5).is_nan());
+    }
+}

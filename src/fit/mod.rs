@@ -1,0 +1,39 @@
+//! From photometry to a model: forms of law with parameters, their least squares and posterior, and the model file made of them.
+//!
+//! `point` is what a fit sees of a measurement, `form` what a law must answer (`two_panel` the paper's, `phase` those that it
+//! has to beat), `objective` a form held against points under a `loss`, `solve` its least squares from several starts with
+//! their `covariance`, `posterior` the walkers' draws (kept by `chain_file`), `comparison` and `cross_validation` which form
+//! explains more. `inference` knows functions of a vector and nothing of satellites.
+
+mod chain_file;
+mod comparison;
+mod covariance;
+mod cross_validation;
+mod error;
+mod form;
+pub mod inference;
+mod loss;
+mod objective;
+mod paper;
+mod phase;
+mod point;
+mod posterior;
+mod solve;
+mod soundness;
+mod two_panel;
+
+pub use chain_file::{ChainAbout, read_chain, write_chain};
+pub use comparison::{PairedTest, aic, paired_t_test, rms};
+pub use covariance::{Certainty, CovarianceKind};
+pub use cross_validation::{HeldOut, cross_validate, folds_by_group, predict};
+pub use error::FitError;
+pub use form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
+pub use loss::Loss;
+pub use objective::Objective;
+pub use paper::{COEFFICIENTS, LayerOffset, PANEL_OFFSET, PaperTests, Rivals, paper_tests};
+pub use phase::{PhaseForm, SphereForm};
+pub use point::{FitPoint, group_error_factors};
+pub use posterior::{Marginal, Posterior, PosteriorSettings, draw, posterior, starting_places};
+pub use solve::{Fit, FitSettings, Problem};
+pub use soundness::{Fault, faults, points_behind};
+pub use two_panel::TwoPanelForm;

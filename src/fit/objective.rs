@@ -1,0 +1,225 @@
+//! How badly a form with given parameters explains the points: the cost of a fit and the likelihood of a posterior.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::form::{BLOCK, Evaluated, Parameter, Prepared};
+use super::inference::{LogProbability, NormalEquations};
+use super::loss::Loss;
+use super::point::FitPoint;
+
+/// Blocks that one thread takes at a time; sums are made chunk by chunk, so that they do not depend on the number of threads.
+const CHUNK_BLOCKS: usize = 16;
+
+/// Magnitudes and 1/σ of a block; 1/σ is 0 in lanes beyond the last point.
+struct ObservedBlock {
+    magnitude: [f64; BLOCK],
+    per_sigma: [f64; BLOCK],
+}
+
+/// Points, a form and a loss; a function of the free parameters.
+pub struct Objective<'a> {
+    prepared: &'a dyn Prepared,
+    parameters: Vec<Parameter>,
+    /// Indices of the free ones.
+    free: Vec<usize>,
+    observed: Vec<ObservedBlock>,
+    loss: Loss,
+}
+
+impl<'a> Objective<'a> {
+    /// `prepared` was made of these points, all of which it explains; `free` are indices of `parameters`.
+    pub fn new(
+        prepared: &'a dyn Prepared,
+        parameters: Vec<Parameter>,
+        free: Vec<usize>,
+        points: &[FitPoint],
+        loss: Loss,
+    ) -> Self {
+        let observed = points.chunks(BLOCK).map(|block| {
+            let mut observed = ObservedBlock { magnitude: [0.0; BLOCK], per_sigma: [0.0; BLOCK] };
+            for (lane, point) in block.iter().enumerate() {
+                (observed.magnitude[lane], observed.per_sigma[lane]) = (point.magnitude, 1.0 / point.sigma_mag);
+            }
+            observed
+        });
+        Self { prepared, parameters, free, observed: observed.collect(), loss }
+    }
+
+    /// All parameters with the free ones put in.
+    pub fn all(&self, free: &[f64]) -> Vec<f64> {
+        let mut all: Vec<f64> = self.parameters.iter().map(|parameter| parameter.value).collect();
+        self.free.iter().zip(free).for_each(|(&i, &value)| all[i] = value);
+        all
+    }
+
+    /// The free parameters.
+    pub fn free_parameters(&self) -> impl Iterator<Item = &Parameter> {
+        self.free.iter().map(|&i| &self.parameters[i])
+    }
+
+    /// Indices of the free parameters.
+    pub fn free(&self) -> &[usize] {
+        &self.free
+    }
+
+    /// Starting places of the free parameters, best first.
+    pub fn starts(&self) -> Vec<Vec<f64>> {
+        let observed: Vec<(f64, f64)> =
+            self.observed.iter().flat_map(|block| block.magnitude.into_iter().zip(block.per_sigma)).collect();
+        let starts = self.prepared.starts(&self.all(&[]), &self.free, &observed);
+        starts.into_iter().map(|all| self.free.iter().map(|&i| all[i]).collect()).collect()
+    }
+
+    /// Observed minus computed, mag, of every point.
+    pub fn residuals_mag(&self, free: &[f64], points: usize) -> Vec<f64> {
+        let evaluated = self.prepared.at(&self.all(free));
+        let mut out = [0.0; BLOCK];
+        let mut residuals = Vec::with_capacity(self.observed.len() * BLOCK);
+        for (block, observed) in self.observed.iter().enumerate() {
+            evaluated.magnitudes(block, &mut out);
+            residuals.extend(observed.magnitude.iter().zip(&out).map(|(observed, computed)| observed - computed));
+        }
+        residuals.truncate(points);
+        residuals
+    }
+
+    /// Slopes of the cost, point by point, by the free parameters: JᵀW r split into its terms, `(n_point)` of `(n_free)`.
+    pub fn scores(&self, free: &[f64], points: usize) -> Vec<Vec<f64>> {
+        let sloped = self.prepared.with_slopes(&self.all(free), &self.free, &self.parameters);
+        let (mut out, mut slopes) = ([0.0; BLOCK], vec![[0.0; BLOCK]; self.free.len()]);
+        let mut scores = Vec::with_capacity(self.observed.len() * BLOCK);
+        for (block, observed) in self.observed.iter().enumerate() {
+            sloped.magnitudes_and_slopes(block, &mut out, &mut slopes);
+            for lane in 0..BLOCK {
+                let per_sigma = observed.per_sigma[lane];
+                let r = (observed.magnitude[lane] - out[lane]) * per_sigma;
+                let pull = -self.loss.weight(r * r) * r * per_sigma;
+                scores.push(slopes.iter().map(|slope| pull * slope[lane]).collect());
+            }
+        }
+        scores.truncate(points);
+        scores
+    }
+
+    fn cost_of_blocks(&self, evaluated: &dyn Evaluated, from: usize) -> f64 {
+        let mut out = [0.0; BLOCK];
+        let blocks = &self.observed[from..(from + CHUNK_BLOCKS).min(self.observed.len())];
+        let mut cost = 0.0;
+        for (block, observed) in blocks.iter().enumerate() {
+            evaluated.magnitudes(from + block, &mut out);
+            // C = ½ Σ ρ(r²)
+            for lane in 0..BLOCK {
+                let r = (observed.magnitude[lane] - out[lane]) * observed.per_sigma[lane];
+                out[lane] = r * r;
+            }
+            if self.loss != Loss::Squares {
+                out.iter_mut().for_each(|r2| *r2 = self.loss.of(*r2));
+            }
+            cost += 0.5 * sum(&out);
+        }
+        cost
+    }
+
+    fn chunks(&self) -> impl IndexedParallelIterator<Item = usize> {
+        (0..self.observed.len().div_ceil(CHUNK_BLOCKS)).into_par_iter().map(|chunk| chunk * CHUNK_BLOCKS)
+    }
+
+    fn equations_of_blocks(&self, sloped: &dyn super::form::Sloped, from: usize) -> (f64, DVector<f64>, DMatrix<f64>) {
+        let n = self.free.len();
+        let (mut out, mut slopes, mut pulled) = ([0.0; BLOCK], vec![[0.0; BLOCK]; n], vec![[0.0; BLOCK]; n]);
+        let (mut cost, mut gradient, mut curvature) = (0.0, DVector::zeros(n), DMatrix::zeros(n, n));
+        let blocks = &self.observed[from..(from + CHUNK_BLOCKS).min(self.observed.len())];
+        for (block, observed) in blocks.iter().enumerate() {
+            sloped.magnitudes_and_slopes(from + block, &mut out, &mut slopes);
+            let (mut losses, mut pull, mut weight) = ([0.0; BLOCK], [0.0; BLOCK], [0.0; BLOCK]);
+            for lane in 0..BLOCK {
+                let per_sigma = observed.per_sigma[lane];
+                let r = (observed.magnitude[lane] - out[lane]) * per_sigma;
+                let (loss, share) = match self.loss {
+                    Loss::Squares => (r * r, 1.0),
+                    other => (other.of(r * r), other.weight(r * r)),
+                };
+                losses[lane] = loss;
+                // r's derivative is -dm/dp/σ
+                pull[lane] = -share * r * per_sigma;
+                weight[lane] = share * per_sigma * per_sigma;
+            }
+            cost += 0.5 * sum(&losses);
+            for i in 0..n {
+                gradient[i] += product(&pull, &slopes[i]);
+                for lane in 0..BLOCK {
+                    pulled[i][lane] = weight[lane] * slopes[i][lane];
+                }
+                for j in 0..=i {
+                    curvature[(i, j)] += product(&pulled[i], &slopes[j]);
+                }
+            }
+        }
+        for i in 0..n {
+            for j in 0..i {
+                curvature[(j, i)] = curvature[(i, j)];
+            }
+        }
+        (cost, gradient, curvature)
+    }
+}
+
+impl NormalEquations for Objective<'_> {
+    fn cost(&self, x: &[f64]) -> f64 {
+        let evaluated = self.prepared.at(&self.all(x));
+        let parts: Vec<f64> = self.chunks().map(|from| self.cost_of_blocks(&*evaluated, from)).collect();
+        parts.into_iter().sum()
+    }
+
+    fn equations(&self, x: &[f64]) -> (f64, DVector<f64>, DMatrix<f64>) {
+        let n = self.free.len();
+        let sloped = self.prepared.with_slopes(&self.all(x), &self.free, &self.parameters);
+        let parts: Vec<_> = self.chunks().map(|from| self.equations_of_blocks(&*sloped, from)).collect();
+        let none = (0.0, DVector::zeros(n), DMatrix::zeros(n, n));
+        parts.into_iter().fold(none, |sum, part| (sum.0 + part.0, sum.1 + part.1, sum.2 + part.2))
+    }
+}
+
+/// Flat between the bounds, times the likelihood exp(-C).
+impl LogProbability for Objective<'_> {
+    fn of_many(&self, places: &[Vec<f64>]) -> Vec<f64> {
+        let inside = |place: &[f64]| {
+            self.free_parameters().zip(place).all(|(parameter, x)| (parameter.least..=parameter.greatest).contains(x))
+        };
+        let possible: Vec<usize> = (0..places.len()).filter(|&i| inside(&places[i])).collect();
+        let evaluated: Vec<_> = possible.iter().map(|&i| self.prepared.at(&self.all(&places[i]))).collect();
+        // A chunk of points stays in the cache while all walkers pass over it.
+        let parts: Vec<Vec<f64>> = self
+            .chunks()
+            .map(|from| evaluated.iter().map(|evaluated| self.cost_of_blocks(&**evaluated, from)).collect())
+            .collect();
+        let mut values = vec![f64::NEG_INFINITY; places.len()];
+        for (k, &i) in possible.iter().enumerate() {
+            let cost: f64 = parts.iter().map(|part| part[k]).sum();
+            values[i] = if cost.is_finite() { -cost } else { f64::NEG_INFINITY };
+        }
+        values
+    }
+}
+
+/// Eight sums side by side: none waits for the one before.
+fn sum(column: &[f64; BLOCK]) -> f64 {
+    let mut lanes = [0.0; 8];
+    for eight in column.chunks_exact(8) {
+        for lane in 0..8 {
+            lanes[lane] += eight[lane];
+        }
+    }
+    lanes.iter().sum()
+}
+
+fn product(a: &[f64; BLOCK], b: &[f64; BLOCK]) -> f64 {
+    let mut lanes = [0.0; 8];
+    for (a, b) in a.chunks_exact(8).zip(b.chunks_exact(8)) {
+        for lane in 0..8 {
+            lanes[lane] += a[lane] * b[lane];
+        }
+    }
+    lanes.iter().sum()
+}

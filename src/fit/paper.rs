@@ -1,0 +1,130 @@
+//! The three questions that Lu (2024, section 4) puts to the photometry before the final model: does the panel offset follow the Sun, is
+//! the sail's glossy lobe needed, is earthshine?
+
+use crate::photometry::Earthshine;
+
+use super::comparison::{PairedTest, aic, paired_t_test, rms};
+use super::error::FitError;
+use super::point::FitPoint;
+use super::solve::{Fit, FitSettings, Problem};
+use super::two_panel::TwoPanelForm;
+
+/// The seven coefficients.
+pub const COEFFICIENTS: [&str; 7] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"];
+/// The panel offset, which may be fitted beside them.
+pub const PANEL_OFFSET: &str = "panel_offset_deg";
+/// Fewer points than this in a layer are no fit worth a row.
+const LEAST_IN_LAYER: usize = 100;
+
+/// One row of table 2: the panel offset of one layer of the Sun's latitude.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LayerOffset {
+    /// Sun's latitude from and to, degrees.
+    pub sun_latitude_deg: [f64; 2],
+    /// Points in it.
+    pub n: usize,
+    /// Panel offset, degrees.
+    pub panel_offset_deg: f64,
+    /// One sigma of it, degrees.
+    pub sigma_deg: Option<f64>,
+    /// Root mean square of the residuals, mag.
+    pub rms_mag: f64,
+}
+
+/// Two models on the same points.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Rivals {
+    /// Names of both.
+    pub names: [&'static str; 2],
+    /// Points.
+    pub n: usize,
+    /// Fitted parameters of both.
+    pub parameters: [usize; 2],
+    /// Root mean squares, mag.
+    pub rms_mag: [f64; 2],
+    /// Akaike's criteria.
+    pub aic: [f64; 2],
+    /// Of the means of their residuals.
+    pub test: Option<PairedTest>,
+}
+
+/// All three.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PaperTests {
+    /// Table 2.
+    pub offsets: Vec<LayerOffset>,
+    /// Layers that hold too few points, from and to, degrees, and how many.
+    pub left_out: Vec<([f64; 2], usize)>,
+    /// Section 4.2: with and without the sail's glossy lobe.
+    pub sail_glossy: Rivals,
+    /// Section 4.3: with and without earthshine.
+    pub earthshine: Rivals,
+}
+
+/// Fits the form in each of its forms; `layer_deg` is the width of the layers of table 2.
+///
+/// # Errors
+/// Those of [`Problem::new`] and [`Problem::solve`] over all points; a layer that cannot be fitted is left out.
+pub fn paper_tests(form: &TwoPanelForm, points: &[FitPoint], settings: &FitSettings, layer_deg: f64) -> Result<PaperTests, FitError> {
+    let free = |names: &[&str]| FitSettings { free: FitSettings::free(names).free, ..settings.clone() };
+    let solve = |form: &TwoPanelForm, names: &[&str]| Problem::new(form, points, &free(names))?.solve();
+    let mut layers = std::collections::BTreeMap::<i64, Vec<FitPoint>>::new();
+    for point in points {
+        let layer = (point.geometry.sun_latitude_rad.to_degrees() / layer_deg).floor() as i64;
+        layers.entry(layer).or_default().push(*point);
+    }
+    let (mut offsets, mut left_out) = (Vec::new(), Vec::new());
+    let mut with_offset = COEFFICIENTS.to_vec();
+    with_offset.push(PANEL_OFFSET);
+    for (layer, points) in layers.iter().rev() {
+        let span = [*layer as f64 * layer_deg, (*layer + 1) as f64 * layer_deg];
+        let fit = (points.len() >= LEAST_IN_LAYER).then(|| Problem::new(form, points, &free(&with_offset))?.solve());
+        let Some(Ok(fit)) = fit else {
+            left_out.push((span, points.len()));
+            continue;
+        };
+        let index = fit.parameters.iter().position(|parameter| parameter.name == PANEL_OFFSET).unwrap_or_default();
+        offsets.push(LayerOffset {
+            sun_latitude_deg: span,
+            n: fit.residuals_mag.len(),
+            panel_offset_deg: fit.parameters[index].value,
+            sigma_deg: fit.certainty.sigma(index),
+            rms_mag: rms(&fit.residuals_mag),
+        });
+    }
+    let whole = solve(form, &COEFFICIENTS)?;
+    let dull_form = {
+        let mut dull = form.clone();
+        dull.coefficients.c1 = 0.0;
+        dull
+    };
+    let dull = solve(&dull_form, &["c2", "c3", "c4", "c5", "n_base"])?;
+    let other = match form.earthshine {
+        Earthshine::Computed => Earthshine::Off,
+        Earthshine::Off => Earthshine::Computed,
+    };
+    let other = solve(&TwoPanelForm { earthshine: other, ..form.clone() }, &COEFFICIENTS)?;
+    let (lit, unlit) = if form.earthshine == Earthshine::Computed { (&whole, &other) } else { (&other, &whole) };
+    Ok(PaperTests {
+        offsets,
+        left_out,
+        sail_glossy: rivals(["with the sail's glossy lobe", "without"], &whole, &dull),
+        earthshine: rivals(["with earthshine", "without"], lit, unlit),
+    })
+}
+
+/// Both on the points that both explain.
+fn rivals(names: [&'static str; 2], one: &Fit, other: &Fit) -> Rivals {
+    let of = |fit: &Fit| fit.kept.iter().copied().zip(fit.residuals_mag.iter().copied()).collect::<std::collections::BTreeMap<_, _>>();
+    let (a, b) = (of(one), of(other));
+    let (a, b): (Vec<f64>, Vec<f64>) = a.iter().filter_map(|(i, a)| Some((*a, *b.get(i)?))).unzip();
+    let (rms_mag, parameters) = ([rms(&a), rms(&b)], [one.free.len(), other.free.len()]);
+    Rivals {
+        names,
+        n: a.len(),
+        parameters,
+        rms_mag,
+        aic: [aic(rms_mag[0], a.len(), parameters[0]), aic(rms_mag[1], b.len(), parameters[1])],
+        test: paired_t_test(&a, &b),
+    }
+}

@@ -1,0 +1,117 @@
+//! Forms that know the phase angle alone: a diffuse sphere, a polynomial. What panels have to beat.
+
+use crate::photometry::{DiffuseSphere, StandardMagnitude};
+
+use super::form::{BLOCK, Evaluated, Form, Parameter, Prepared};
+use super::point::FitPoint;
+
+/// Magnitudes of either form may lie between these.
+const MAGNITUDES: [f64; 2] = [-30.0, 60.0];
+
+/// A sphere that scatters as Lambert's law; its one parameter is the magnitude at 1000 km and a phase angle of 90°.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct SphereForm;
+
+/// m = Σ aᵢ φⁱ, φ the phase angle in units of 90° about 90°: (φ - 90°)/90°.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PhaseForm {
+    /// Highest power.
+    pub degree: usize,
+}
+
+impl Form for SphereForm {
+    fn name(&self) -> String {
+        "diffuse_sphere".to_owned()
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        vec![Parameter::new("half_lit_mag", 6.0, MAGNITUDES[0], MAGNITUDES[1])]
+    }
+
+    fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared> {
+        let sphere = DiffuseSphere { half_lit: StandardMagnitude(0.0) };
+        let row = |point: &FitPoint| {
+            let offset = sphere.standard_magnitude(point.geometry.phase_angle_rad()).map_or(f64::NAN, |m| m.0);
+            (offset, vec![1.0])
+        };
+        Box::new(Linear::new(points.iter().map(row)))
+    }
+}
+
+impl Form for PhaseForm {
+    fn name(&self) -> String {
+        format!("phase_polynomial_{}", self.degree)
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let of = |power: usize| {
+            let start = if power == 0 { 6.0 } else { 0.0 };
+            Parameter::new(&format!("a{power}"), start, MAGNITUDES[0], MAGNITUDES[1])
+        };
+        (0..=self.degree).map(of).collect()
+    }
+
+    fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared> {
+        let row = |point: &FitPoint| {
+            let phase = point.geometry.phase_angle_rad() / std::f64::consts::FRAC_PI_2 - 1.0;
+            (0.0, (0..=self.degree as i32).map(|power| phase.powi(power)).collect())
+        };
+        Box::new(Linear::new(points.iter().map(row)))
+    }
+}
+
+/// Magnitudes that are linear in the parameters.
+struct Linear {
+    offsets: Vec<[f64; BLOCK]>,
+    /// `(n_block)` of `(n_parameter)` columns.
+    columns: Vec<Vec<[f64; BLOCK]>>,
+}
+
+struct LinearAt<'a> {
+    linear: &'a Linear,
+    x: Vec<f64>,
+}
+
+impl Linear {
+    fn new(rows: impl Iterator<Item = (f64, Vec<f64>)>) -> Self {
+        let (mut offsets, mut columns) = (Vec::new(), Vec::<Vec<[f64; BLOCK]>>::new());
+        for (i, (offset, row)) in rows.enumerate() {
+            if i % BLOCK == 0 {
+                offsets.push([0.0; BLOCK]);
+                columns.push(vec![[0.0; BLOCK]; row.len()]);
+            }
+            offsets[i / BLOCK][i % BLOCK] = offset;
+            for (column, value) in columns[i / BLOCK].iter_mut().zip(row) {
+                column[i % BLOCK] = value;
+            }
+        }
+        Self { offsets, columns }
+    }
+}
+
+impl Prepared for Linear {
+    fn explains(&self, point: usize) -> bool {
+        // A sphere that shows its dark side has no magnitude.
+        self.offsets[point / BLOCK][point % BLOCK].is_finite()
+    }
+
+    fn at<'a>(&'a self, x: &[f64]) -> Box<dyn Evaluated + 'a> {
+        Box::new(LinearAt { linear: self, x: x.to_vec() })
+    }
+
+    fn starts(&self, x: &[f64], _free: &[usize], _observed: &[(f64, f64)]) -> Vec<Vec<f64>> {
+        // A robust loss over something linear has one minimum.
+        vec![x.to_vec()]
+    }
+}
+
+impl Evaluated for LinearAt<'_> {
+    fn magnitudes(&self, block: usize, out: &mut [f64; BLOCK]) {
+        *out = self.linear.offsets[block];
+        for (column, x) in self.linear.columns[block].iter().zip(&self.x) {
+            for lane in 0..BLOCK {
+                out[lane] += x * column[lane];
+            }
+        }
+    }
+}

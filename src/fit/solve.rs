@@ -1,0 +1,178 @@
+//! Least squares from several starts, and what they say of each parameter.
+
+use nalgebra::DMatrix;
+
+use super::covariance::{Certainty, certainty};
+use super::error::FitError;
+use super::form::{Form, Parameter, Prepared};
+use super::inference::{LeastSquares, Minimum, Stop, minimise};
+use super::loss::Loss;
+use super::objective::Objective;
+use super::point::FitPoint;
+
+/// What is fitted, and how.
+#[derive(Clone, Debug, PartialEq, Default)]
+pub struct FitSettings {
+    /// Names of the parameters that may move; the others stand at their values.
+    pub free: Vec<String>,
+    /// What a residual costs.
+    pub loss: Loss,
+    /// When a descent ends.
+    pub least_squares: LeastSquares,
+}
+
+impl FitSettings {
+    /// These parameters by squares.
+    pub fn free(names: &[&str]) -> Self {
+        Self { free: names.iter().map(|&name| name.to_owned()).collect(), ..Self::default() }
+    }
+}
+
+/// A form made ready for the points it can explain.
+pub struct Problem {
+    form: String,
+    prepared: Box<dyn Prepared>,
+    parameters: Vec<Parameter>,
+    free: Vec<usize>,
+    points: Vec<FitPoint>,
+    /// Places of `points` in what was given.
+    kept: Vec<usize>,
+    settings: FitSettings,
+}
+
+/// A fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fit {
+    /// Name of the form.
+    pub form: String,
+    /// All parameters; `value` is that of the fit.
+    pub parameters: Vec<Parameter>,
+    /// Indices of those that were free.
+    pub free: Vec<usize>,
+    /// Half the sum of losses.
+    pub cost: f64,
+    /// Cost that each starting place led to, best start first.
+    pub costs: Vec<f64>,
+    /// Why the best descent ended.
+    pub stop: Stop,
+    /// Covariance and what else the curvature tells.
+    pub certainty: Certainty,
+    /// Places of the points that were fitted, in what was given; the others see nothing lit by this form.
+    pub kept: Vec<usize>,
+    /// Observed minus computed of these, mag.
+    pub residuals_mag: Vec<f64>,
+}
+
+impl Problem {
+    /// Checks the points, drops those that the form says nothing of, and makes the form ready.
+    ///
+    /// # Errors
+    /// [`FitError::Parameter`], [`FitError::Point`], [`FitError::Empty`], [`FitError::TooFew`].
+    pub fn new(form: &dyn Form, points: &[FitPoint], settings: &FitSettings) -> Result<Self, FitError> {
+        let parameters = form.parameters();
+        let index = |name: &String| {
+            parameters.iter().position(|parameter| parameter.name == *name).ok_or_else(|| FitError::Parameter {
+                given: name.clone(),
+                form: form.name(),
+                allowed: parameters.iter().map(|parameter| parameter.name.as_str()).collect::<Vec<_>>().join(", "),
+            })
+        };
+        let mut free = settings.free.iter().map(index).collect::<Result<Vec<_>, _>>()?;
+        free.sort_unstable();
+        free.dedup();
+        for (index, point) in points.iter().enumerate() {
+            let wrong = |quantity, given, allowed| FitError::Point { index, quantity, given, allowed };
+            if !(point.sigma_mag > 0.0 && point.sigma_mag.is_finite()) {
+                return Err(wrong("sigma_mag", point.sigma_mag, "a positive number"));
+            }
+            if !(-30.0..=60.0).contains(&point.magnitude) {
+                return Err(wrong("magnitude", point.magnitude, "-30 to 60"));
+            }
+        }
+        let mut prepared = form.prepare(points);
+        let kept: Vec<usize> = (0..points.len()).filter(|&i| prepared.explains(i)).collect();
+        if kept.is_empty() {
+            return Err(FitError::Empty { given: points.len(), unexplained: points.len(), form: form.name() });
+        }
+        if kept.len() <= free.len() {
+            let names = free.iter().map(|&i| parameters[i].name.as_str()).collect::<Vec<_>>().join(", ");
+            return Err(FitError::TooFew { points: kept.len(), free: free.len(), names, least: free.len() + 1 });
+        }
+        let explained: Vec<FitPoint> = kept.iter().map(|&i| points[i]).collect();
+        if kept.len() < points.len() {
+            prepared = form.prepare(&explained);
+        }
+        Ok(Self { form: form.name(), prepared, parameters, free, points: explained, kept, settings: settings.clone() })
+    }
+
+    /// The cost as a function of the free parameters.
+    pub fn objective(&self) -> Objective<'_> {
+        Objective::new(&*self.prepared, self.parameters.clone(), self.free.clone(), &self.points, self.settings.loss)
+    }
+
+    /// The form over the points that it explains.
+    pub fn prepared(&self) -> &dyn Prepared {
+        &*self.prepared
+    }
+
+    /// The points that it explains.
+    pub fn points(&self) -> &[FitPoint] {
+        &self.points
+    }
+
+    /// Goes down from one place of the free parameters.
+    pub fn descend(&self, start: &[f64]) -> Minimum {
+        let objective = self.objective();
+        let bounds = |end: fn(&Parameter) -> f64| objective.free_parameters().map(end).collect::<Vec<f64>>();
+        let (least, greatest) = (bounds(|p| p.least), bounds(|p| p.greatest));
+        minimise(&objective, start, &least, &greatest, &self.settings.least_squares)
+    }
+
+    /// Goes down from every starting place that the form names and keeps the least cost.
+    ///
+    /// # Errors
+    /// [`FitError::NoMinimum`] where none of them ends at a finite cost.
+    pub fn solve(&self) -> Result<Fit, FitError> {
+        let starts = self.objective().starts();
+        let mut ends: Vec<Minimum> = starts.iter().map(|start| self.descend(start)).collect();
+        let costs: Vec<f64> = ends.iter().map(|end| end.cost).collect();
+        ends.retain(|end| end.cost.is_finite());
+        let best = ends.into_iter().min_by(|a, b| a.cost.total_cmp(&b.cost));
+        best.map(|best| self.fit_at(best, costs)).ok_or(FitError::NoMinimum { starts: starts.len() })
+    }
+
+    /// What a minimum says.
+    pub fn fit_at(&self, minimum: Minimum, costs: Vec<f64>) -> Fit {
+        let objective = self.objective();
+        let mut parameters = self.parameters.clone();
+        for (parameter, value) in parameters.iter_mut().zip(objective.all(&minimum.x)) {
+            parameter.value = value;
+        }
+        let scores = objective.scores(&minimum.x, self.points.len());
+        let curvature: &DMatrix<f64> = &minimum.curvature;
+        let groups: Vec<u32> = self.points.iter().map(|point| point.group).collect();
+        Fit {
+            form: self.form.clone(),
+            certainty: certainty(curvature, &scores, &groups, &parameters, &self.free, minimum.cost),
+            parameters,
+            free: self.free.clone(),
+            cost: minimum.cost,
+            costs,
+            stop: minimum.stop,
+            kept: self.kept.clone(),
+            residuals_mag: objective.residuals_mag(&minimum.x, self.points.len()),
+        }
+    }
+}
+
+impl Fit {
+    /// Values of all parameters, in order.
+    pub fn values(&self) -> Vec<f64> {
+        self.parameters.iter().map(|parameter| parameter.value).collect()
+    }
+
+    /// The value of one.
+    pub fn value(&self, name: &str) -> Option<f64> {
+        self.parameters.iter().find(|parameter| parameter.name == name).map(|parameter| parameter.value)
+    }
+}

@@ -1,0 +1,166 @@
+//! What the geometry of each point makes of the two panels, in blocks.
+
+use rayon::prelude::*;
+
+use crate::fit::form::{BLOCK, Evaluated, Parameter, Prepared, Sloped};
+use crate::fit::point::FitPoint;
+use crate::photometry::{Coefficients, Earthshine, SatelliteModel, SatelliteShape, StandardMagnitude};
+
+use super::earth::{EarthBlock, Exponents};
+use super::kernel::{At, Numbers};
+use super::shape::{OFFSET, TwoPanelForm};
+use super::starts;
+
+/// ln cos θ where the mirror cosine is not positive: any power of it is 0.
+const NO_LOBE: f64 = -1e5;
+
+/// One block of points: cosines times areas that light reaches and leaves, m², and logarithms of the mirror cosines.
+///
+/// Lanes beyond the last point hold a front of 1 m² and nothing else.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Block {
+    pub front_m2: [f64; BLOCK],
+    pub through_m2: [f64; BLOCK],
+    pub base_m2: [f64; BLOCK],
+    pub ln_sail: [f64; BLOCK],
+    pub ln_base: [f64; BLOCK],
+}
+
+/// All points.
+pub(super) struct Columns {
+    form: TwoPanelForm,
+    points: Vec<FitPoint>,
+    blocks: Vec<Block>,
+    /// One for each block; none where earthshine is off.
+    earth: Vec<EarthBlock>,
+    exponents: Exponents,
+    zero_mag: f64,
+}
+
+impl Columns {
+    pub fn new(form: &TwoPanelForm, points: &[FitPoint]) -> Self {
+        let exponents = Exponents::new();
+        let earth = match form.earthshine {
+            Earthshine::Computed => points.par_chunks(BLOCK).map(|block| EarthBlock::new(form, block, &exponents)).collect(),
+            Earthshine::Off => Vec::new(),
+        };
+        Self {
+            form: form.clone(),
+            points: points.to_vec(),
+            blocks: Self::blocks(form, points, form.shape.panel_offset_deg),
+            earth,
+            exponents,
+            zero_mag: StandardMagnitude::from_reflection(1.0, form.sun_magnitude).map_or(f64::NAN, |unit| unit.0),
+        }
+    }
+
+    fn blocks(form: &TwoPanelForm, points: &[FitPoint], panel_offset_deg: f64) -> Vec<Block> {
+        let Some(model) = model(form, panel_offset_deg) else { return Vec::new() };
+        points.par_chunks(BLOCK).map(|points| Block::new(&model, form.blocking, points)).collect()
+    }
+
+    /// What the kernel needs of parameters; its panels are those of the offset that they name.
+    fn with(&self, x: &[f64]) -> At<'_> {
+        let offset = x[OFFSET];
+        let moved = offset != self.form.shape.panel_offset_deg;
+        At {
+            numbers: Numbers::new(x, self.zero_mag),
+            blocks: if moved { Self::blocks(&self.form, &self.points, offset).into() } else { self.blocks.as_slice().into() },
+            earth: &self.earth,
+            weights: self.exponents.weights(x[6]),
+        }
+    }
+}
+
+/// Panels without laws; `None` where the shape makes none.
+fn model(form: &TwoPanelForm, panel_offset_deg: f64) -> Option<SatelliteModel> {
+    let black = Coefficients { c1: 0.0, c2: 0.0, c3: 0.0, c4: 0.0, c5: 0.0, n_sail: 1.0, n_base: 1.0 };
+    SatelliteModel::new(&SatelliteShape { panel_offset_deg, ..form.shape }, &black)
+}
+
+impl Block {
+    fn new(model: &SatelliteModel, blocking: bool, points: &[FitPoint]) -> Self {
+        let mut block = Self {
+            front_m2: [1.0; BLOCK],
+            through_m2: [0.0; BLOCK],
+            base_m2: [0.0; BLOCK],
+            ln_sail: [NO_LOBE; BLOCK],
+            ln_base: [NO_LOBE; BLOCK],
+        };
+        let logarithm = |cosine: f64| if cosine > 0.0 { cosine.ln().max(NO_LOBE) } else { NO_LOBE };
+        for (lane, point) in points.iter().enumerate() {
+            let faces = model.faces(point.geometry.to_sun().vector(), point.geometry.to_observer().vector());
+            let open = |lost: f64| if blocking { 1.0 - lost } else { 1.0 };
+            block.front_m2[lane] = faces.sail_front_m2 * open(faces.blocked.shadow_or_hidden);
+            block.through_m2[lane] = faces.sail_through_m2 * open(faces.blocked.shadow);
+            block.base_m2[lane] = faces.base_front_m2;
+            block.ln_sail[lane] = logarithm(faces.cos_sail_mirror);
+            block.ln_base[lane] = logarithm(faces.cos_base_mirror);
+        }
+        block
+    }
+}
+
+/// Less than this of all panels together is nothing lit that is seen, m².
+const LEAST_LIT_M2: f64 = 1e-6;
+
+impl Prepared for Columns {
+    fn explains(&self, point: usize) -> bool {
+        let (block, lane) = (point / BLOCK, point % BLOCK);
+        self.blocks.get(block).is_some_and(|b| b.front_m2[lane] + b.through_m2[lane] + b.base_m2[lane] > LEAST_LIT_M2)
+    }
+
+    fn at<'a>(&'a self, x: &[f64]) -> Box<dyn Evaluated + 'a> {
+        Box::new(self.with(x))
+    }
+
+    fn with_slopes<'a>(&'a self, x: &[f64], free: &[usize], parameters: &[Parameter]) -> Box<dyn Sloped + 'a> {
+        let slopes_by_offset = free.iter().position(|&i| i == OFFSET).map(|column| {
+            // The blocked shapes have corners: by differences.
+            let (mut up, mut down) = (x.to_vec(), x.to_vec());
+            up[OFFSET] = (x[OFFSET] + OFFSET_STEP_DEG).min(parameters[OFFSET].greatest);
+            down[OFFSET] = (x[OFFSET] - OFFSET_STEP_DEG).max(parameters[OFFSET].least);
+            (column, up[OFFSET] - down[OFFSET], self.with(&up), self.with(&down))
+        });
+        Box::new(Slopes { at: self.with(x), slopes: self.exponents.slopes(x[6]), free: free.to_vec(), slopes_by_offset })
+    }
+
+    fn starts(&self, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>> {
+        let offset_is_free = free.contains(&OFFSET);
+        let mut begun = x.to_vec();
+        if offset_is_free {
+            begun[OFFSET] = self.form.shape.panel_offset_deg;
+        }
+        starts::search(&self.with(&begun), &self.exponents, &begun, free, observed)
+    }
+}
+
+/// Panel offsets are told apart to this, degrees.
+const OFFSET_STEP_DEG: f64 = 1e-4;
+
+struct Slopes<'a> {
+    at: At<'a>,
+    slopes: Vec<f64>,
+    free: Vec<usize>,
+    /// Its column among the free, the way between, and the model at both ends.
+    slopes_by_offset: Option<(usize, f64, At<'a>, At<'a>)>,
+}
+
+impl Sloped for Slopes<'_> {
+    fn magnitudes_and_slopes(&self, block: usize, out: &mut [f64; BLOCK], slopes: &mut [[f64; BLOCK]]) {
+        let all = self.at.magnitudes_and_slopes(block, &self.slopes, out);
+        for (column, &parameter) in slopes.iter_mut().zip(&self.free) {
+            if let Some(slope) = all.get(parameter) {
+                *column = *slope;
+            }
+        }
+        if let Some((column, way, up, down)) = &self.slopes_by_offset {
+            let mut below = [0.0; BLOCK];
+            up.magnitudes(block, &mut slopes[*column]);
+            down.magnitudes(block, &mut below);
+            for (slope, below) in slopes[*column].iter_mut().zip(&below) {
+                *slope = (*slope - below) / way;
+            }
+        }
+    }
+}

@@ -1,0 +1,53 @@
+//! Which satellite, which of its terms, and the bounds of its coefficients.
+
+use crate::fit::form::{Form, Parameter, Prepared};
+use crate::fit::point::FitPoint;
+use crate::photometry::{Coefficients, Earthshine, SatelliteShape};
+
+use super::columns::Columns;
+
+/// Order of the coefficients, as in model files.
+pub(super) const NAMES: [&str; 8] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base", "panel_offset_deg"];
+/// Where the panel offset stands among them.
+pub(super) const OFFSET: usize = 7;
+/// Exponents that lobes may have: below, a lobe is a second diffuse law; above, narrower than any attitude is held to.
+pub(super) const EXPONENTS: [f64; 2] = [0.5, 200.0];
+/// Panel offsets, degrees.
+const OFFSETS_DEG: [f64; 2] = [-30.0, 30.0];
+
+/// Chassis and sail of given sizes. All eight parameters can be fitted; which are is chosen outside.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TwoPanelForm {
+    /// Sizes; the panel offset in it is where the offset stands when it is not fitted.
+    pub shape: SatelliteShape,
+    /// Where coefficients stand that are not fitted.
+    pub coefficients: Coefficients,
+    /// Whether the Earth's light on the chassis is part of the model.
+    pub earthshine: Earthshine,
+    /// False takes away what the chassis hides and shades of the sail: the plain two-panel model that others fit.
+    pub blocking: bool,
+    /// Magnitude of the Sun, which sets the zero point.
+    pub sun_magnitude: f64,
+}
+
+impl Form for TwoPanelForm {
+    fn name(&self) -> String {
+        "two_panel".to_owned()
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let c = &self.coefficients;
+        let values = [c.c1, c.c2, c.c3, c.c4, c.c5, c.n_sail, c.n_base, self.shape.panel_offset_deg];
+        let bounds = |i: usize| match i {
+            0..5 => [0.0, 1.0],
+            OFFSET => OFFSETS_DEG,
+            _ => EXPONENTS,
+        };
+        let parameter = |i: usize| Parameter::new(NAMES[i], values[i], bounds(i)[0], bounds(i)[1]);
+        (0..NAMES.len()).map(parameter).collect()
+    }
+
+    fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared> {
+        Box::new(Columns::new(self, points))
+    }
+}
