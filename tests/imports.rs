@@ -17,7 +17,8 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("passes", &["catalogue", "frames", "geometry", "orbit", "photometry"]),
     ("maps", &["frames", "geometry", "healpix", "photometry", "table"]),
     ("plot", &["maps", "photometry"]),
-    ("checks", &["frames", "geometry", "photometry", "table"]),
+    ("measured", &["catalogue", "frames", "geometry", "healpix", "orbit", "photometry", "table"]),
+    ("checks", &["frames", "geometry", "measured", "photometry", "table"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),
 ];
@@ -29,7 +30,10 @@ const DOORS: &[(&str, &[&str])] = &[
     ("cdshealpix", &["healpix", "photometry"]),
     ("rusqlite", &["schedule"]),
     ("quick_xml", &["catalogue"]),
-    ("flate2", &["catalogue", "checks"]),
+    ("flate2", &["catalogue", "measured"]),
+    ("rand", &["measured"]),
+    ("rand_chacha", &["measured"]),
+    ("rand_distr", &["measured"]),
     ("sha2", &["catalogue"]),
     ("saphyr", &["schedule"]),
     ("tempfile", &["table"]),
@@ -62,7 +66,9 @@ const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "Epoch::now",
     "std::net",
     "thread_rng",
-    "rand::",
+    "rand::rng(",
+    "from_os_rng",
+    "StdRng",
 ];
 
 /// Words that a line of a `mod.rs` must not begin with, visibility apart: it introduces its files and defines nothing.
