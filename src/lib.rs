@@ -24,6 +24,7 @@ pub mod frames;
 pub mod geometry;
 pub mod healpix;
 pub mod maps;
+pub mod measured;
 pub mod orbit;
 pub mod passes;
 pub mod photometry;

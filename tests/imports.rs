@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 /// What each room may import of the others. Everybody may import `constants`.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
+    ("elementary", &[]),
     ("catalogue", &[]),
     ("frames", &[]),
     ("table", &[]),
@@ -13,11 +14,13 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("healpix", &[]),
     ("geometry", &["frames"]),
     ("orbit", &["catalogue", "frames"]),
-    ("photometry", &["frames", "geometry"]),
+    ("photometry", &["elementary", "frames", "geometry"]),
     ("passes", &["catalogue", "frames", "geometry", "orbit", "photometry"]),
     ("maps", &["frames", "geometry", "healpix", "photometry", "table"]),
+    ("fit", &["elementary", "geometry", "measured", "photometry", "table"]),
     ("plot", &["maps", "photometry"]),
-    ("checks", &["frames", "geometry", "photometry", "table"]),
+    ("measured", &["catalogue", "frames", "geometry", "healpix", "orbit", "photometry", "table"]),
+    ("checks", &["frames", "geometry", "measured", "photometry", "table"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),
 ];
@@ -29,7 +32,10 @@ const DOORS: &[(&str, &[&str])] = &[
     ("cdshealpix", &["healpix", "photometry"]),
     ("rusqlite", &["schedule"]),
     ("quick_xml", &["catalogue"]),
-    ("flate2", &["catalogue", "checks"]),
+    ("flate2", &["catalogue", "measured"]),
+    ("rand", &["measured"]),
+    ("rand_chacha", &["measured"]),
+    ("rand_distr", &["measured"]),
     ("sha2", &["catalogue"]),
     ("saphyr", &["schedule"]),
     ("tempfile", &["table"]),
@@ -62,7 +68,9 @@ const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "Epoch::now",
     "std::net",
     "thread_rng",
-    "rand::",
+    "rand::rng(",
+    "from_os_rng",
+    "StdRng",
 ];
 
 /// Words that a line of a `mod.rs` must not begin with, visibility apart: it introduces its files and defines nothing.

@@ -56,7 +56,7 @@ pub(super) fn to_day_of_year(epoch: Epoch) -> (i32, i64, i64) {
 /// Reads `2026-07-08T17:37:14.092032`, `2007-064T10:34:41.4264` (day of year), a blank for the `T`, and a `Z` at the end.
 ///
 /// Digits beyond the nanosecond are cut. Returns `None` for anything else, an impossible date included.
-pub(super) fn parse_iso(text: &str) -> Option<Epoch> {
+pub(crate) fn parse_iso(text: &str) -> Option<Epoch> {
     let bytes = text.trim().as_bytes();
     let bytes = bytes.strip_suffix(b"Z").unwrap_or(bytes);
     let split = bytes.iter().position(|&byte| byte == b'T' || byte == b' ');

@@ -24,6 +24,7 @@ mod tle_write;
 
 pub use catalogue::{Catalogue, Keep, ReadOptions};
 pub use element_set::{ElementSet, NoradId, Origin};
+pub(crate) use epoch::parse_iso;
 pub use generation::{Certainty, Generation, GenerationTable};
 pub use history::History;
 pub use mean_motion::semi_major_axis_km;

@@ -6,13 +6,14 @@ use crate::photometry::StandardMagnitudes;
 
 use super::error::CheckError;
 use super::photometry::Measurement;
-use super::rows::text_of;
 
 /// Payloads, or rocket bodies; by the name: "Rk" marks a rocket body, "Deb" and "Db" debris, which is left out.
 pub(super) fn read(path: &Path, rocket_bodies: bool) -> Result<Vec<Measurement>, CheckError> {
-    let text = text_of(path)?;
-    let table = StandardMagnitudes::from_qs_mag(&text)
-        .map_err(|error| CheckError::Unreadable { path: path.to_owned(), problem: error.to_string() })?;
+    let unreadable = |problem: String| CheckError::Unreadable { path: path.to_owned(), problem };
+    let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+    // Names are Latin-1; the numbers are ASCII.
+    let text = String::from_utf8_lossy(&bytes);
+    let table = StandardMagnitudes::from_qs_mag(&text).map_err(|error| unreadable(error.to_string()))?;
     let listed = text.lines().filter_map(|line| {
         let (id, name) = (line.get(0..5)?.trim().parse().ok()?, line.get(18..33)?);
         let wanted = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;

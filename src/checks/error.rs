@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::measured::{DropExample, MeasuredError};
+
 /// What is wrong with a folder of photometry.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
@@ -21,29 +23,13 @@ pub enum CheckError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What the system, the unpacking or the CSV reader said.
+        /// What the system or the table's reader said.
         problem: String,
     },
-    /// A column that is not there.
-    #[error("photometry {}: no column '{column}'", path.display())]
-    Column {
-        /// The file.
-        path: PathBuf,
-        /// The column.
-        column: &'static str,
-    },
-    /// A cell that cannot be what it says.
-    #[error("photometry {} data row {row}: {column} '{given}', expected {expected}", path.display())]
-    Cell {
-        /// The file.
-        path: PathBuf,
-        /// Data row, from 1.
-        row: usize,
-        /// The column.
-        column: &'static str,
-        /// What stands there.
-        given: String,
-        /// What should.
-        expected: &'static str,
-    },
+    /// A survey's table that cannot be read.
+    #[error("photometry {0}")]
+    Survey(#[from] MeasuredError),
+    /// A row that cannot be what it says: here every one counts.
+    #[error("photometry {0}")]
+    Row(DropExample),
 }

@@ -1,8 +1,7 @@
 //! Brightness models held against what others published and measured, so that anyone can do it again.
 //!
 //! `published` lists means and phase functions with their sources, `population` the geometries over which a model is averaged,
-//! `photometry` reads measured magnitudes (`rows`, `pomenis`, `slingshot`, `mmt9`, `amateurs`: one source a file), `residuals` has the
-//! statistics, and `comparison` makes one row of each model and reference, which `tables` makes a table of.
+//! `photometry` has measured magnitudes (surveys through the room `measured`, `amateurs` by itself), `residuals` has the statistics, and `comparison` makes one row of each model and reference, which `tables` makes a table of.
 //!
 //! ```
 //! use streakcast::checks::{Verdict, compare};
@@ -16,14 +15,10 @@
 mod amateurs;
 mod comparison;
 mod error;
-mod mmt9;
 mod photometry;
-mod pomenis;
 mod population;
 mod published;
 mod residuals;
-mod rows;
-mod slingshot;
 mod tables;
 
 pub use comparison::{Comparison, OFFSET_TOLERANCE_MAG, RMS_TOLERANCE_SIGMA, ReferenceKind, Verdict, compare};

@@ -4,13 +4,12 @@ use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
-use nalgebra::Vector3;
-
 use crate::geometry::ViewingGeometry;
+use crate::measured::{DropReason, Format, Placement, Placer, ReadOptions, RecordReader, Records, Sighting};
 use crate::photometry::{BrightnessModel, StandardMagnitude};
 
+use super::amateurs;
 use super::error::CheckError;
-use super::{amateurs, mmt9, pomenis, slingshot};
 
 /// A published set of measurements.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -63,10 +62,11 @@ impl DataSet {
 
     fn read(self, path: &Path) -> Result<Vec<Measurement>, CheckError> {
         match self {
-            Self::Pomenis => pomenis::read(path),
-            Self::SlingshotV2 => slingshot::read(path),
-            Self::Mmt9VisorSat => mmt9::read(path, 550.0),
-            Self::Mmt9OneWeb => mmt9::read(path, 1200.0),
+            Self::Pomenis => surveyed(path, Format::Pomenis, None),
+            Self::SlingshotV2 => surveyed(path, Format::Slingshot, None),
+            // No element sets: circular orbits at the shell's height.
+            Self::Mmt9VisorSat => surveyed(path, Format::Mmt, Some(550.0)),
+            Self::Mmt9OneWeb => surveyed(path, Format::Mmt, Some(1200.0)),
             Self::AmateursPayloads => amateurs::read(path, false),
             Self::AmateursRocketBodies => amateurs::read(path, true),
         }
@@ -85,10 +85,6 @@ pub struct Measurement {
 }
 
 impl Measurement {
-    pub(super) fn seen(magnitude: StandardMagnitude, geometry: ViewingGeometry) -> Self {
-        Self { magnitude, phase_rad: geometry.phase_angle_rad(), geometry: Some(geometry) }
-    }
-
     pub(super) fn with_phase(magnitude: StandardMagnitude, phase_rad: f64, geometry: Option<ViewingGeometry>) -> Self {
         Self { magnitude, phase_rad, geometry }
     }
@@ -107,11 +103,27 @@ fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
     ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)
 }
 
-/// How far along a line of sight a satellite of this height (above a sphere about the geocentre through the site) is, km.
-pub(super) fn range_to_height_km(site_km: &Vector3<f64>, sight: &Vector3<f64>, height_km: f64) -> f64 {
-    let (site, rise) = (site_km.norm(), site_km.dot(sight));
-    let radius = site + height_km;
-    -rise + (rise * rise + radius * radius - site * site).sqrt()
+/// Every row through the usual filter and out of the penumbra: all of them count, so a broken one is an error.
+fn surveyed(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<Measurement>, CheckError> {
+    let options = ReadOptions { format: Some(format), keep_duplicates: true, ..ReadOptions::default() };
+    let records = Records::collect(&mut RecordReader::open(&[path], &options)?)?;
+    let broken = [DropReason::Unparsable, DropReason::NoMagnitude];
+    if let Some(example) = broken.iter().find_map(|reason| records.dropped.example(*reason)) {
+        return Err(CheckError::Row(example.clone()));
+    }
+    let placement = Placement::recorded(height_km);
+    let placed = Placer::new(&placement).place(&records.source(), &records.records);
+    let measured = records.records.iter().zip(placed).filter(|(record, _)| !record.in_penumbra);
+    let measured = measured.filter_map(|(record, placed)| {
+        let geometry = placed.ok().map(|placed| placed.geometry);
+        let seen = geometry.map(|geometry| (geometry.range_km, geometry.phase_angle_rad()));
+        let (range_km, phase_rad) = match record.sighting {
+            Sighting::Distance { range_km, phase_rad: Some(phase_rad) } => (range_km, phase_rad),
+            _ => seen?,
+        };
+        Some(Measurement::with_phase(record.magnitude.to_standard(range_km), phase_rad, geometry))
+    });
+    Ok(measured.collect())
 }
 
 /// All measurements that a folder holds.

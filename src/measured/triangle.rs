@@ -1,64 +1,25 @@
-//! MMT-9 (Karpov et al. 2016, Beskin et al. 2017): time, distance and phase angle with each magnitude, from which the geometry follows.
+//! The angles at a satellite whose distance, phase angle and orbit's radius are known, and nothing else.
 //!
 //! ```text
-//! sin δ_obs = -(R² + d² - q²) / (2 R d)                       R  orbit's radius, a circle at the shell's height
+//! sin δ_obs = -(R² + d² - q²) / (2 R d)                       R  orbit's radius, q  the telescope's place
 //! sin δ_sun = (q · s - d cos φ) / R                           d  distance, φ  phase angle
-//! cos α     = (cos φ - sin δ_sun sin δ_obs) / (cos δ_sun cos δ_obs)     q  the telescope, s  unit vector to the Sun
+//! cos α     = (cos φ - sin δ_sun sin δ_obs) / (cos δ_sun cos δ_obs)     s  unit vector to the Sun
 //! ```
 //!
 //! up to the mirror image α → -α, which a satellite symmetric about the Sun's plane does not tell apart.
 
-use std::path::Path;
-
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
-use crate::frames::{EopTable, OrientationTable, seconds_between};
-use crate::geometry::{Site, SunTable, ViewingGeometry};
-use crate::photometry::Magnitude;
+use crate::geometry::ViewingGeometry;
 
-use super::error::CheckError;
-use super::photometry::Measurement;
-use super::rows::Rows;
-
-const COLUMNS: [&str; 6] = ["Date", "Mag", "Filter", "Penumbra", "Distance", "Phase"];
-
-/// Geodetic latitude and longitude, degrees, and height, m, of the telescope.
-const SITE: (f64, f64, f64) = (43.649_861, 41.431_472, 2030.0);
-
-/// A cosine so far beyond 1 is put down to the orbit not being a circle of this height; farther, the row has no geometry.
+/// A cosine so far beyond 1 is put down to the radius not being quite right; farther, the row has no geometry.
 const GREATEST_COSINE: f64 = 1.05;
 /// Nearer to straight below, α is no longer determined, degrees.
 const LEAST_LATITUDE_DEG: f64 = -85.0;
 
-/// Rows through no filter and out of the penumbra, of circular orbits `height_km` above 6378.137 km.
-pub(super) fn read(path: &Path, height_km: f64) -> Result<Vec<Measurement>, CheckError> {
-    let rows = Rows::read(path, COLUMNS)?;
-    let mut clear = Vec::new();
-    for row in rows.iter().filter(|row| row.text(2) == "Clear" && row.text(3) == "0") {
-        let distance_km = row.number(4, [100.0, 100_000.0], "a distance of 100 to 100000 km")?;
-        let phase_rad = row.number(5, [0.0, 180.0], "an angle of 0 to 180 deg")?.to_radians();
-        clear.push((row.utc(0)?, row.magnitude(1)?, distance_km, phase_rad));
-    }
-    let ends = clear.iter().map(|row| row.0).min().zip(clear.iter().map(|row| row.0).max());
-    let Some((first, last)) = ends else { return Ok(Vec::new()) };
-    let (latitude, longitude, height_m) = SITE;
-    let site = Site::new_deg("MMT-9", latitude, longitude, height_m)
-        .map_err(|error| CheckError::Unreadable { path: path.to_owned(), problem: error.to_string() })?
-        .itrs();
-    let (orientations, suns) = (OrientationTable::new(first, last, &EopTable::embedded()), SunTable::new(first, last));
-    let seen = clear.into_iter().map(|(epoch, magnitude, distance_km, phase_rad)| {
-        let seconds = seconds_between(first, epoch);
-        let telescope = orientations.at_s(seconds).itrs_to_gcrs * site;
-        let to_sun = suns.at_s(seconds).sun.vector().normalize();
-        let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;
-        let along_km = telescope.vector().dot(&to_sun);
-        let geometry = geometry(radius_km, distance_km, phase_rad, telescope.norm_km(), along_km);
-        Measurement::with_phase(Magnitude(magnitude).to_standard(distance_km), phase_rad, geometry)
-    });
-    Ok(seen.collect())
-}
-
-/// The formulas above; `along_km` is q · s.
-fn geometry(
+/// The formulas above; `along_km` is q · s. α lies in [0, π].
+///
+/// `None` where the triangle does not close, cos α lies beyond 1.05, or the satellite stands within 5° of straight above.
+pub(super) fn geometry(
     radius_km: f64,
     distance_km: f64,
     phase_rad: f64,

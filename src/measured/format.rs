@@ -1,0 +1,135 @@
+//! The published tables: how each is recognised, what its columns are, who observed, and through which filter.
+
+use crate::geometry::{GeometryError, Site};
+
+use super::column_map::{ColumnMap, Field};
+use super::error::MeasuredError;
+
+/// Names for messages.
+pub(super) const ALLOWED: &str = "pomenis, mmt, score, slingshot, csv";
+
+/// Layout of a table of photometry.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Format {
+    /// MMT-9 (Karpov et al. 2016, Beskin et al. 2017), as raw text (comments first, blanks between columns) or CSV. Times are UTC,
+    /// the filter is `Clear` unless others are named.
+    Mmt,
+    /// Pomenis (Fankhauser, Tyson and Askari 2023): Starlink V1.5 from Mount Lemmon; height, altitude and azimuth.
+    Pomenis,
+    /// Upload format of SCORE, the IAU CPS repository: one site, satellite and filter a row.
+    Score,
+    /// Slingshot (Kandula et al. 2025): altitudes of Sun and satellite and the azimuth between them; no time.
+    Slingshot,
+    /// Any other table with delimiters, by a [`ColumnMap`].
+    Csv,
+}
+
+impl Format {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Pomenis, Self::Mmt, Self::Score, Self::Slingshot, Self::Csv];
+
+    /// As it is named on command lines.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mmt => "mmt",
+            Self::Pomenis => "pomenis",
+            Self::Score => "score",
+            Self::Slingshot => "slingshot",
+            Self::Csv => "csv",
+        }
+    }
+
+    /// By its name, in any case.
+    ///
+    /// # Errors
+    /// [`MeasuredError::UnknownFormatName`].
+    pub fn by_name(name: &str) -> Result<Self, MeasuredError> {
+        let found = Self::ALL.into_iter().find(|format| format.name().eq_ignore_ascii_case(name.trim()));
+        found.ok_or_else(|| MeasuredError::UnknownFormatName { name: name.to_owned() })
+    }
+
+    /// The format whose columns these are; never [`Csv`](Self::Csv).
+    pub(super) fn sniff(header: &[String]) -> Option<Self> {
+        let marks: [(Self, [&str; 2]); 4] = [
+            (Self::Mmt, ["StdMag", "Distance"]),
+            (Self::Pomenis, ["ab_magnitude", "satellite_height"]),
+            (Self::Score, ["apparent_magnitude", "observation_time_utc"]),
+            (Self::Slingshot, ["measured_ab", "az diff"]),
+        ];
+        let has = |name: &str| header.iter().any(|column| column == name);
+        marks.into_iter().find(|(_, [one, other])| has(one) && has(other)).map(|(format, _)| format)
+    }
+
+    /// Its columns; none for [`Csv`](Self::Csv).
+    pub(super) fn columns(self) -> ColumnMap {
+        use Field::*;
+        match self {
+            Self::Mmt => ColumnMap {
+                optional: vec![TimeOfDay, Filter, Penumbra, Track, Norad],
+                ..ColumnMap::of(&[
+                    (Time, "Date"),
+                    (TimeOfDay, "Time"),
+                    (Magnitude, "Mag"),
+                    (Filter, "Filter"),
+                    (Penumbra, "Penumbra"),
+                    (Distance, "Distance"),
+                    (Phase, "Phase"),
+                    (Track, "Track"),
+                    (Norad, "NORAD"),
+                ])
+            },
+            Self::Pomenis => ColumnMap::of(&[
+                (Time, "observation_time"),
+                (Height, "satellite_height"),
+                (Altitude, "satellite_altitude"),
+                (Azimuth, "satellite_azimuth"),
+                (Magnitude, "ab_magnitude"),
+            ]),
+            Self::Score => ColumnMap {
+                optional: vec![Sigma, RightAscension, Declination, Distance],
+                ..ColumnMap::of(&[
+                    (Time, "observation_time_utc"),
+                    (Magnitude, "apparent_magnitude"),
+                    (Sigma, "apparent_magnitude_uncertainty"),
+                    (Filter, "observing_filter"),
+                    (Norad, "norad_cat_id"),
+                    (Latitude, "observer_latitude_deg"),
+                    (Longitude, "observer_longitude_deg"),
+                    (SiteHeight, "observer_altitude_m"),
+                    (RightAscension, "satellite_right_ascension_deg"),
+                    (Declination, "satellite_declination_deg"),
+                    (Distance, "range_to_satellite_km"),
+                ])
+            },
+            Self::Slingshot => ColumnMap {
+                height_km: 1e-3,
+                ..ColumnMap::of(&[
+                    (SunAltitude, "sun altitude"),
+                    (Altitude, "sat altitude"),
+                    (Height, "sat height"),
+                    (Magnitude, "measured_ab"),
+                    (AzimuthFromSun, "az diff"),
+                ])
+            },
+            Self::Csv => ColumnMap::default(),
+        }
+    }
+
+    /// Who observed, where the format belongs to one place.
+    pub(super) fn site(self) -> Result<Option<Site>, GeometryError> {
+        match self {
+            // 43°38'59.5" N, 41°25'53.3" E, 2030 m.
+            Self::Mmt => Site::by_name("MMT-9").map(Some),
+            // The head of the table says 32.4434° N, 110.7881° W, Mount Lemmon.
+            Self::Pomenis => Site::new_deg("Pomenis", 32.4434, -110.7881, 2790.0).map(Some),
+            _ => Ok(None),
+        }
+    }
+
+    /// The filter that is taken where none is named.
+    pub(super) fn usual_filter(self) -> Option<&'static str> {
+        // Lu (2024), section 3: all magnitudes but those through the clear filter are left out.
+        (self == Self::Mmt).then_some("Clear")
+    }
+}

@@ -1,0 +1,282 @@
+//! Files of photometry as a stream of records: read in blocks, parsed on all threads, in bounded memory.
+
+use std::collections::{HashMap, HashSet, VecDeque};
+use std::hash::{BuildHasherDefault, Hasher};
+use std::io::Read;
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+
+use crate::geometry::Site;
+
+use super::blocks::{Blocks, Head};
+use super::column_map::ColumnMap;
+use super::dropped::{DropCounts, DropExample, DropReason};
+use super::error::MeasuredError;
+use super::format::Format;
+use super::record::{Record, RecordSource};
+use super::rows::{Layout, Parsed};
+
+/// How to read.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// The format; `None`: by the header.
+    pub format: Option<Format>,
+    /// The columns of a table of one's own; then no format is needed.
+    pub columns: Option<ColumnMap>,
+    /// Where all rows were observed; `None`: as the format or the columns say.
+    pub site: Option<Site>,
+    /// Filters that are wanted, in any case. Empty: `Clear` for MMT-9, and elsewhere whichever a file has, as long as it is one.
+    pub filters: Vec<String>,
+    /// Keep rows that are the same as an earlier one, cell for cell.
+    pub keep_duplicates: bool,
+}
+
+/// Blocks parsed at a time: some 8 MB of text, 100,000 rows.
+const BLOCKS_AT_A_TIME: usize = 8;
+
+/// A row's cells come hashed already.
+#[derive(Default)]
+struct AsItIs(u64);
+
+impl Hasher for AsItIs {
+    fn finish(&self) -> u64 {
+        self.0
+    }
+
+    fn write(&mut self, bytes: &[u8]) {
+        for byte in bytes {
+            self.0 = self.0.rotate_left(8) ^ u64::from(*byte);
+        }
+    }
+
+    fn write_u64(&mut self, hash: u64) {
+        self.0 = hash;
+    }
+}
+
+/// One file on its way.
+struct Open {
+    blocks: Blocks,
+    layout: Layout,
+    /// Read, and not yet parsed.
+    read: Vec<Vec<u8>>,
+    rows: u64,
+    /// Where no filter is named, the first one.
+    filter: Option<String>,
+}
+
+/// Records of any number of files, in their order.
+///
+/// Memory is bounded by some 30 MB of text and records under way, and 8 to 16 bytes a row for the search for duplicates (none where they
+/// are kept); names of tracks and sites are kept too. Text is parsed on all threads of rayon's pool while more is read.
+pub struct RecordReader {
+    queue: VecDeque<PathBuf>,
+    open: Option<Open>,
+    options: ReadOptions,
+    files: Vec<String>,
+    groups: Vec<String>,
+    group_of: HashMap<String, u32>,
+    sites: Vec<Site>,
+    seen: HashSet<u64, BuildHasherDefault<AsItIs>>,
+    dropped: DropCounts,
+}
+
+impl RecordReader {
+    /// Makes ready to read files; they are opened one after the other.
+    ///
+    /// # Errors
+    /// [`MeasuredError::NoFiles`].
+    pub fn open<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Self, MeasuredError> {
+        if paths.is_empty() {
+            return Err(MeasuredError::NoFiles);
+        }
+        let queue = paths.iter().map(|path| path.as_ref().to_owned()).collect();
+        Ok(Self::empty(queue, options))
+    }
+
+    /// Reads what is no file; `name` stands for it in messages.
+    ///
+    /// # Errors
+    /// Those of the head: unreadable, empty, of no known format, without a needed column.
+    pub fn from_reader(name: &str, source: Box<dyn Read + Send>, options: &ReadOptions) -> Result<Self, MeasuredError> {
+        let mut reader = Self::empty(VecDeque::new(), options);
+        let (head, blocks) = Blocks::of(source, name)?;
+        reader.begin(name.to_owned(), &head, blocks)?;
+        Ok(reader)
+    }
+
+    fn empty(queue: VecDeque<PathBuf>, options: &ReadOptions) -> Self {
+        Self {
+            queue,
+            open: None,
+            options: options.clone(),
+            files: Vec::new(),
+            groups: Vec::new(),
+            group_of: HashMap::new(),
+            sites: Vec::new(),
+            seen: HashSet::default(),
+            dropped: DropCounts::default(),
+        }
+    }
+
+    fn begin(&mut self, name: String, head: &Head, blocks: Blocks) -> Result<(), MeasuredError> {
+        let sniffed = || {
+            Format::sniff(&head.header).ok_or_else(|| MeasuredError::UnknownFormat {
+                file: name.clone(),
+                header: head.header.join(",").chars().take(100).collect(),
+            })
+        };
+        let (format, map) = match (&self.options.columns, self.options.format) {
+            (Some(map), None | Some(Format::Csv)) => (Format::Csv, map.clone()),
+            (Some(_), Some(format)) => {
+                let problem = format!("the columns of {} are known; a map belongs to csv", format.name());
+                return Err(MeasuredError::ColumnMap { problem });
+            }
+            (None, Some(Format::Csv)) => {
+                let problem = "csv needs a column map".to_owned();
+                return Err(MeasuredError::ColumnMap { problem });
+            }
+            (None, Some(format)) => (format, format.columns()),
+            (None, None) => sniffed().map(|format| (format, format.columns()))?,
+        };
+        let site = match &self.options.site {
+            Some(site) => Some(site.clone()),
+            None => format
+                .site()
+                .map_err(|error| MeasuredError::Unreadable { file: name.clone(), problem: error.to_string() })?,
+        };
+        let mut filters = self.options.filters.clone();
+        if filters.is_empty() {
+            filters.extend(format.usual_filter().map(str::to_owned));
+        }
+        let layout = Layout::new(map, head, site, &filters, &name)?;
+        self.files.push(name);
+        self.open = Some(Open { blocks, layout, read: Vec::new(), rows: 0, filter: None });
+        Ok(())
+    }
+
+    /// The name of the file under way.
+    fn name(&self) -> String {
+        self.files.last().cloned().unwrap_or_default()
+    }
+
+    /// Takes over what a block has.
+    fn take(&mut self, open: &mut Open, parsed: Parsed, records: &mut Vec<Record>) -> Result<(), MeasuredError> {
+        let name = self.name();
+        for (row, filter) in parsed.first_filter.into_iter().chain(parsed.other_filter) {
+            let first = open.filter.get_or_insert_with(|| filter.clone());
+            if *first != filter {
+                let (first, row) = (first.clone(), open.rows + row);
+                return Err(MeasuredError::MixedFilters { file: name, row, first, other: filter });
+            }
+        }
+        let groups: Vec<u32> = parsed
+            .groups
+            .into_iter()
+            .map(|group| {
+                let next = self.groups.len() as u32;
+                match self.group_of.get(&group) {
+                    Some(known) => *known,
+                    None => {
+                        self.groups.push(group.clone());
+                        self.group_of.insert(group, next);
+                        next
+                    }
+                }
+            })
+            .collect();
+        let sites: Vec<u32> = parsed
+            .sites
+            .into_iter()
+            .map(|site| match self.sites.iter().position(|known| *known == site) {
+                Some(known) => known as u32,
+                None => {
+                    self.sites.push(site);
+                    self.sites.len() as u32 - 1
+                }
+            })
+            .collect();
+        let mut dropped = parsed.dropped;
+        dropped.shift_rows(&name, open.rows);
+        for (mut record, hash) in parsed.records.into_iter().zip(parsed.hashes) {
+            let row = open.rows + u64::from(record.row);
+            if !self.options.keep_duplicates && !self.seen.insert(hash) {
+                dropped.add(DropReason::Duplicate, || DropExample { file: name.clone(), row, problem: String::new() });
+                continue;
+            }
+            record.row = u32::try_from(row).unwrap_or(u32::MAX);
+            record.group = groups[record.group as usize];
+            record.site = record.site.map(|site| sites[site as usize]);
+            records.push(record);
+        }
+        self.dropped.append(dropped);
+        open.rows += parsed.rows;
+        Ok(())
+    }
+}
+
+fn read_some(blocks: &mut Blocks) -> std::io::Result<Vec<Vec<u8>>> {
+    let mut read = Vec::with_capacity(BLOCKS_AT_A_TIME);
+    while read.len() < BLOCKS_AT_A_TIME {
+        match blocks.next()? {
+            Some(block) => read.push(block),
+            None => break,
+        }
+    }
+    Ok(read)
+}
+
+impl RecordSource for RecordReader {
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasuredError> {
+        let Some(mut open) = self.open.take() else {
+            let Some(path) = self.queue.pop_front() else { return Ok(None) };
+            let name = path.display().to_string();
+            let (head, blocks) = Blocks::open(&path, &name)?;
+            self.begin(name, &head, blocks)?;
+            return Ok(Some(Vec::new()));
+        };
+        let name = self.name();
+        let unreadable =
+            |error: std::io::Error| MeasuredError::Unreadable { file: name.clone(), problem: error.to_string() };
+        if open.read.is_empty() {
+            open.read = read_some(&mut open.blocks).map_err(unreadable)?;
+        }
+        if open.read.is_empty() {
+            if open.rows == 0 {
+                return Err(MeasuredError::Empty { file: name });
+            }
+            return Ok(Some(Vec::new()));
+        }
+        let file = self.files.len() as u32 - 1;
+        let now = std::mem::take(&mut open.read);
+        let (layout, blocks) = (&open.layout, &mut open.blocks);
+        let (parsed, next) = rayon::join(
+            || now.par_iter().map(|block| layout.parse(block, file)).collect::<Vec<_>>(),
+            || read_some(blocks),
+        );
+        open.read = next.map_err(unreadable)?;
+        let mut records = Vec::with_capacity(parsed.iter().map(|one| one.records.len()).sum());
+        for one in parsed {
+            self.take(&mut open, one, &mut records)?;
+        }
+        self.open = Some(open);
+        Ok(Some(records))
+    }
+
+    fn groups(&self) -> &[String] {
+        &self.groups
+    }
+
+    fn sites(&self) -> &[Site] {
+        &self.sites
+    }
+
+    fn files(&self) -> &[String] {
+        &self.files
+    }
+
+    fn dropped(&self) -> &DropCounts {
+        &self.dropped
+    }
+}
