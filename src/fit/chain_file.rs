@@ -50,7 +50,12 @@ pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(),
     file.finish().map_err(io)
 }
 
-fn put<T: npyz::AutoSerialize + Copy>(archive: &mut ZipWriter<&File>, name: &str, shape: &[u64], values: &[T]) -> std::io::Result<()> {
+fn put<T: npyz::AutoSerialize + Copy>(
+    archive: &mut ZipWriter<&File>,
+    name: &str,
+    shape: &[u64],
+    values: &[T],
+) -> std::io::Result<()> {
     // Not compressed: random digits do not shrink.
     let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored).large_file(true);
     archive.start_file(format!("{name}.npy"), options)?;

@@ -29,7 +29,12 @@ pub fn folds_by_group(points: &[FitPoint], folds: usize) -> Vec<usize> {
 ///
 /// # Errors
 /// [`FitError::Folds`] where there are fewer groups than folds or fewer than two folds; those of [`Problem`] of any fold.
-pub fn cross_validate(form: &dyn Form, points: &[FitPoint], settings: &FitSettings, folds: usize) -> Result<HeldOut, FitError> {
+pub fn cross_validate(
+    form: &dyn Form,
+    points: &[FitPoint],
+    settings: &FitSettings,
+    folds: usize,
+) -> Result<HeldOut, FitError> {
     let of_point = folds_by_group(points, folds);
     let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
     groups.sort_unstable();
@@ -40,7 +45,8 @@ pub fn cross_validate(form: &dyn Form, points: &[FitPoint], settings: &FitSettin
     let parts: Vec<Vec<(usize, f64)>> = (0..folds)
         .into_par_iter()
         .map(|fold| {
-            let split = |inside: bool| (0..points.len()).filter(|&i| (of_point[i] == fold) == inside).collect::<Vec<_>>();
+            let split =
+                |inside: bool| (0..points.len()).filter(|&i| (of_point[i] == fold) == inside).collect::<Vec<_>>();
             let (held, seen) = (split(true), split(false));
             let of = |indices: &[usize]| indices.iter().map(|&i| points[i]).collect::<Vec<FitPoint>>();
             let fit = Problem::new(form, &of(&seen), settings)?.solve()?;

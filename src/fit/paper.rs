@@ -65,7 +65,12 @@ pub struct PaperTests {
 ///
 /// # Errors
 /// Those of [`Problem::new`] and [`Problem::solve`] over all points; a layer that cannot be fitted is left out.
-pub fn paper_tests(form: &TwoPanelForm, points: &[FitPoint], settings: &FitSettings, layer_deg: f64) -> Result<PaperTests, FitError> {
+pub fn paper_tests(
+    form: &TwoPanelForm,
+    points: &[FitPoint],
+    settings: &FitSettings,
+    layer_deg: f64,
+) -> Result<PaperTests, FitError> {
     let free = |names: &[&str]| FitSettings { free: FitSettings::free(names).free, ..settings.clone() };
     let solve = |form: &TwoPanelForm, names: &[&str]| Problem::new(form, points, &free(names))?.solve();
     let mut layers = std::collections::BTreeMap::<i64, Vec<FitPoint>>::new();
@@ -115,7 +120,9 @@ pub fn paper_tests(form: &TwoPanelForm, points: &[FitPoint], settings: &FitSetti
 
 /// Both on the points that both explain.
 fn rivals(names: [&'static str; 2], one: &Fit, other: &Fit) -> Rivals {
-    let of = |fit: &Fit| fit.kept.iter().copied().zip(fit.residuals_mag.iter().copied()).collect::<std::collections::BTreeMap<_, _>>();
+    let of = |fit: &Fit| {
+        fit.kept.iter().copied().zip(fit.residuals_mag.iter().copied()).collect::<std::collections::BTreeMap<_, _>>()
+    };
     let (a, b) = (of(one), of(other));
     let (a, b): (Vec<f64>, Vec<f64>) = a.iter().filter_map(|(i, a)| Some((*a, *b.get(i)?))).unzip();
     let (rms_mag, parameters) = ([rms(&a), rms(&b)], [one.free.len(), other.free.len()]);

@@ -106,20 +106,20 @@ pub fn draw(
 pub fn posterior(chain: &Chain, fit: &Fit, burn_in: usize) -> Posterior {
     let (means, covariance) = chain.moments(burn_in);
     let times = autocorrelation_times(chain, burn_in);
-    let marginals: Vec<Marginal> = fit.free.iter().enumerate().map(|(k, &i)| {
-        let sorted = chain.sorted(k, burn_in);
-        Marginal {
-            name: fit.parameters[i].name.clone(),
-            quantiles: [0.16, 0.5, 0.84].map(|share| quantile(&sorted, share)),
-            mean: means[k],
-            sigma: covariance[k][k].sqrt(),
-            autocorrelation: times[k],
-        }
-    }).collect();
-    Posterior {
-        marginals,
-        covariance,
-        acceptance: chain.acceptance(),
-        steps: chain.steps().saturating_sub(burn_in),
-    }
+    let marginals: Vec<Marginal> = fit
+        .free
+        .iter()
+        .enumerate()
+        .map(|(k, &i)| {
+            let sorted = chain.sorted(k, burn_in);
+            Marginal {
+                name: fit.parameters[i].name.clone(),
+                quantiles: [0.16, 0.5, 0.84].map(|share| quantile(&sorted, share)),
+                mean: means[k],
+                sigma: covariance[k][k].sqrt(),
+                autocorrelation: times[k],
+            }
+        })
+        .collect();
+    Posterior { marginals, covariance, acceptance: chain.acceptance(), steps: chain.steps().saturating_sub(burn_in) }
 }

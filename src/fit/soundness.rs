@@ -74,7 +74,9 @@ impl fmt::Display for Fault {
             Self::Degenerate { one, other, correlation } => {
                 write!(f, "{one} and {other} cannot be told apart (correlation {correlation:.2})")
             }
-            Self::Unknown { name, value, sigma } => write!(f, "{name} is {value:.3e} +- {sigma:.3e}: not known better than its size"),
+            Self::Unknown { name, value, sigma } => {
+                write!(f, "{name} is {value:.3e} +- {sigma:.3e}: not known better than its size")
+            }
             Self::Singular { names } => write!(f, "the points say nothing of {}", names.join(", ")),
             Self::FewPoints { name, points } => write!(f, "{name} matters at {points} points only"),
             Self::Sectors { empty } => {

@@ -31,7 +31,13 @@ fn main() {
     let points = read(path);
     for earthshine in [Earthshine::Off, Earthshine::Computed] {
         let form = TwoPanelForm {
-            shape: SatelliteShape { sail_length_m: 8.1, sail_width_m: 2.8, base_length_m: 1.3, base_width_m: 2.8, panel_offset_deg: 0.0 },
+            shape: SatelliteShape {
+                sail_length_m: 8.1,
+                sail_width_m: 2.8,
+                base_length_m: 1.3,
+                base_width_m: 2.8,
+                panel_offset_deg: 0.0,
+            },
             coefficients: Coefficients { c1: 0.0, c2: 0.0, c3: 0.0, c4: 0.0, c5: 0.0, n_sail: 1.0, n_base: 1.0 },
             earthshine,
             blocking: true,

@@ -50,7 +50,8 @@ fn integrated(tracks: &[Vec<f64>], steps: usize) -> f64 {
     let mut sum = 0.0;
     let mut tau = f64::NAN;
     for lag in 0..steps {
-        let rho = tracks.iter().zip(&zero).map(|(track, zero)| product(track, lag) / zero).sum::<f64>() / tracks.len() as f64;
+        let rho =
+            tracks.iter().zip(&zero).map(|(track, zero)| product(track, lag) / zero).sum::<f64>() / tracks.len() as f64;
         sum += rho;
         tau = 2.0 * sum - 1.0;
         // Not a number where a walker never moved: no window ever closes.

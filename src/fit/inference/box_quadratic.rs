@@ -100,7 +100,12 @@ fn solve_free(a: &DMatrix<f64>, b: &DVector<f64>, x: &[f64], free: &[usize]) -> 
         (0..k).for_each(|i| raised[(i, i)] += share * inner[(i, i)].abs().max(f64::MIN_POSITIVE));
         raised.cholesky().map(|factors| factors.solve(&right))
     };
-    let solved = inner.clone().cholesky().map(|factors| factors.solve(&right)).or_else(|| ridge(1e-12)).or_else(|| ridge(1e-6))?;
+    let solved = inner
+        .clone()
+        .cholesky()
+        .map(|factors| factors.solve(&right))
+        .or_else(|| ridge(1e-12))
+        .or_else(|| ridge(1e-6))?;
     solved.iter().all(|number| number.is_finite()).then(|| solved.iter().copied().collect())
 }
 
@@ -145,6 +150,15 @@ mod tests {
         let x = minimise_in_box(&a, &b, &[0.0, 0.0, 0.5], &[1.0, 1.0, 0.5], &[0.0; 3]).expect("finite");
         assert!((x[0] + x[1] - 1.0).abs() < 1e-6 && x[2] == 0.5, "{x:?}");
         assert!(value(&a, &b, &x) < value(&a, &b, &[0.0, 0.0, 0.5]));
-        assert_eq!(minimise_in_box(&DMatrix::from_element(1, 1, f64::NAN), &DVector::from_element(1, 0.0), &[0.0], &[1.0], &[0.0]), None);
+        assert_eq!(
+            minimise_in_box(
+                &DMatrix::from_element(1, 1, f64::NAN),
+                &DVector::from_element(1, 0.0),
+                &[0.0],
+                &[1.0],
+                &[0.0]
+            ),
+            None
+        );
     }
 }

@@ -136,7 +136,8 @@ impl Chain {
     /// Samples of one parameter after `burn_in` steps, all walkers, sorted.
     pub fn sorted(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
         let from = (burn_in * self.places.len() / self.steps().max(1)).min(self.places.len());
-        let mut samples: Vec<f64> = self.places[from..].iter().skip(parameter).step_by(self.parameters).copied().collect();
+        let mut samples: Vec<f64> =
+            self.places[from..].iter().skip(parameter).step_by(self.parameters).copied().collect();
         samples.sort_by(f64::total_cmp);
         samples
     }
@@ -144,10 +145,15 @@ impl Chain {
     /// Means and covariance, `(n_param)` and `(n_param)` rows of `(n_param)`, of the steps after `burn_in`.
     pub fn moments(&self, burn_in: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
         let n = self.parameters;
-        let rows = || (burn_in.min(self.steps())..self.steps()).flat_map(|step| (0..self.walkers).map(move |walker| self.at(step, walker)));
+        let rows = || {
+            (burn_in.min(self.steps())..self.steps())
+                .flat_map(|step| (0..self.walkers).map(move |walker| self.at(step, walker)))
+        };
         let count = rows().count().max(1) as f64;
         let mean: Vec<f64> = (0..n).map(|i| rows().map(|row| row[i]).sum::<f64>() / count).collect();
-        let moment = |i: usize, j: usize| rows().map(|row| (row[i] - mean[i]) * (row[j] - mean[j])).sum::<f64>() / (count - 1.0).max(1.0);
+        let moment = |i: usize, j: usize| {
+            rows().map(|row| (row[i] - mean[i]) * (row[j] - mean[j])).sum::<f64>() / (count - 1.0).max(1.0)
+        };
         let covariance = (0..n).map(|i| (0..n).map(|j| moment(i, j)).collect()).collect();
         (mean, covariance)
     }

@@ -41,7 +41,9 @@ impl Columns {
     pub fn new(form: &TwoPanelForm, points: &[FitPoint]) -> Self {
         let exponents = Exponents::new();
         let earth = match form.earthshine {
-            Earthshine::Computed => points.par_chunks(BLOCK).map(|block| EarthBlock::new(form, block, &exponents)).collect(),
+            Earthshine::Computed => {
+                points.par_chunks(BLOCK).map(|block| EarthBlock::new(form, block, &exponents)).collect()
+            }
             Earthshine::Off => Vec::new(),
         };
         Self {
@@ -65,7 +67,11 @@ impl Columns {
         let moved = offset != self.form.shape.panel_offset_deg;
         At {
             numbers: Numbers::new(x, self.zero_mag),
-            blocks: if moved { Self::blocks(&self.form, &self.points, offset).into() } else { self.blocks.as_slice().into() },
+            blocks: if moved {
+                Self::blocks(&self.form, &self.points, offset).into()
+            } else {
+                self.blocks.as_slice().into()
+            },
             earth: &self.earth,
             weights: self.exponents.weights(x[6]),
         }
@@ -122,7 +128,12 @@ impl Prepared for Columns {
             down[OFFSET] = (x[OFFSET] - OFFSET_STEP_DEG).max(parameters[OFFSET].least);
             (column, up[OFFSET] - down[OFFSET], self.with(&up), self.with(&down))
         });
-        Box::new(Slopes { at: self.with(x), slopes: self.exponents.slopes(x[6]), free: free.to_vec(), slopes_by_offset })
+        Box::new(Slopes {
+            at: self.with(x),
+            slopes: self.exponents.slopes(x[6]),
+            free: free.to_vec(),
+            slopes_by_offset,
+        })
     }
 
     fn starts(&self, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>> {

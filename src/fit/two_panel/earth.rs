@@ -39,8 +39,14 @@ impl EarthBlock {
                 continue;
             }
             for (exponent, row) in exponents.nodes.iter().zip(block.glossy.iter_mut()) {
-                let shine =
-                    Shine::on_panel(g.sun_latitude_rad, g.height_km, PAPER_ALBEDO, &down, to_observer.vector(), *exponent);
+                let shine = Shine::on_panel(
+                    g.sun_latitude_rad,
+                    g.height_km,
+                    PAPER_ALBEDO,
+                    &down,
+                    to_observer.vector(),
+                    *exponent,
+                );
                 row[lane] = (exponent + 2.0) / TAU * shine.lobe * seen_m2;
                 block.diffuse[lane] = FRAC_1_PI * shine.irradiance * seen_m2;
                 if shine.irradiance == 0.0 {

@@ -59,7 +59,12 @@ impl Evaluated for At<'_> {
 
 impl At<'_> {
     /// Derivatives by c1 to c5, n_sail and n_base; `slopes` are those of the weights of the Earth's nodes.
-    pub fn magnitudes_and_slopes(&self, block: usize, slopes: &[f64], out: &mut [f64; BLOCK]) -> Box<[[f64; BLOCK]; SLOPES]> {
+    pub fn magnitudes_and_slopes(
+        &self,
+        block: usize,
+        slopes: &[f64],
+        out: &mut [f64; BLOCK],
+    ) -> Box<[[f64; BLOCK]; SLOPES]> {
         let mut columns = Box::new([[0.0; BLOCK]; SLOPES]);
         let mut weight_slopes = [0.0; NODES];
         weight_slopes.copy_from_slice(slopes);
@@ -127,7 +132,11 @@ impl Loop for Magnitudes<'_> {
         for lane in 0..BLOCK {
             let sail = fused::<F>(glossy_sail, exp::<F>(n.n_sail * block.ln_sail[lane]), diffuse_sail);
             let base = fused::<F>(glossy_base, exp::<F>(n.n_base * block.ln_base[lane]), diffuse_base);
-            light[lane] = fused::<F>(sail, block.front_m2[lane], fused::<F>(base, block.base_m2[lane], through * block.through_m2[lane]));
+            light[lane] = fused::<F>(
+                sail,
+                block.front_m2[lane],
+                fused::<F>(base, block.base_m2[lane], through * block.through_m2[lane]),
+            );
         }
         if let Some((earth, weights)) = self.earth {
             let weights = *weights;
@@ -200,7 +209,11 @@ impl Loop for WithSlopes<'_> {
             light[lane] = fused::<F>(
                 c[0],
                 basis[0][lane],
-                fused::<F>(c[1], basis[1][lane], fused::<F>(c[2], basis[2][lane], fused::<F>(c[3], basis[3][lane], c[4] * basis[4][lane]))),
+                fused::<F>(
+                    c[1],
+                    basis[1][lane],
+                    fused::<F>(c[2], basis[2][lane], fused::<F>(c[3], basis[3][lane], c[4] * basis[4][lane])),
+                ),
             );
             // ∂/∂n of (n+2)/2π cosⁿθ: itself times 1/(n+2) + ln cos θ
             by_sail[lane] = c[0] * basis[0][lane] * (1.0 / (n.n_sail + 2.0) + block.ln_sail[lane]);

@@ -21,9 +21,16 @@ const KEPT: usize = 6;
 const LINEAR: usize = 5;
 
 /// Complete parameter sets, the least cost first.
-pub(super) fn search(at: &At, exponents: &Exponents, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>> {
+pub(super) fn search(
+    at: &At,
+    exponents: &Exponents,
+    x: &[f64],
+    free: &[usize],
+    observed: &[(f64, f64)],
+) -> Vec<Vec<f64>> {
     let grid = |i: usize| if free.contains(&i) { GRID.to_vec() } else { vec![x[i].clamp(EXPONENTS[0], EXPONENTS[1])] };
-    let pairs: Vec<(f64, f64)> = grid(5).iter().flat_map(|&sail| grid(6).into_iter().map(move |base| (sail, base))).collect();
+    let pairs: Vec<(f64, f64)> =
+        grid(5).iter().flat_map(|&sail| grid(6).into_iter().map(move |base| (sail, base))).collect();
     let mut found: Vec<(f64, Vec<f64>)> =
         pairs.into_par_iter().filter_map(|pair| solved(at, exponents, x, free, observed, pair)).collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -62,12 +69,18 @@ fn solved(
     place[..LINEAR].copy_from_slice(&c);
     (place[5], place[6]) = (n_sail, n_base);
     // Ranked by what it costs in magnitudes; some light must be left for a magnitude to be.
-    let moved = At { numbers: Numbers::new(&place, at.numbers.zero_mag()), blocks: at.blocks.as_ref().into(), earth: at.earth, weights };
+    let moved = At {
+        numbers: Numbers::new(&place, at.numbers.zero_mag()),
+        blocks: at.blocks.as_ref().into(),
+        earth: at.earth,
+        weights,
+    };
     let mut out = [0.0; BLOCK];
     let mut cost = 0.0;
     for (block, observed) in observed.chunks(BLOCK).enumerate() {
         moved.magnitudes(block, &mut out);
-        cost += observed.iter().zip(&out).map(|((m, per_sigma), computed)| robust((m - computed) * per_sigma)).sum::<f64>();
+        cost +=
+            observed.iter().zip(&out).map(|((m, per_sigma), computed)| robust((m - computed) * per_sigma)).sum::<f64>();
     }
     Some((cost, place))
 }

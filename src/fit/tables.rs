@@ -1,0 +1,153 @@
+//! Fits, standings and the paper's tests as tables.
+
+use crate::table::{Column, Kind, Table, Value};
+
+use super::contest::Standing;
+use super::paper::{LayerOffset, Rivals};
+use super::posterior::Posterior;
+use super::solve::Fit;
+
+const PARAMETERS: [Column; 7] = [
+    Column::new("parameter", Kind::Text, "Name of the parameter."),
+    Column::real("value", "", 6, "As fitted, or where it was held."),
+    Column::real("sigma", "", 6, "One sigma; empty where it was held or stands at a bound."),
+    Column::real("least", "", 4, "Lower bound."),
+    Column::real("greatest", "", 4, "Upper bound."),
+    Column::new("state", Kind::Text, "free, held, or at bound."),
+    Column::new("points_behind", Kind::Integer, "Points at which it matters: where |p dm/dp| > 0.1 mag."),
+];
+
+/// One row a parameter; `points_behind` of the free ones, in their order.
+pub fn parameter_table(fit: &Fit, points_behind: &[usize]) -> Table {
+    let row = |(i, parameter): (usize, &super::form::Parameter)| {
+        let place = fit.free.iter().position(|&free| free == i);
+        let state = match place {
+            None => "held",
+            Some(_) if fit.certainty.at_bound.contains(&i) => "at bound",
+            Some(_) => "free",
+        };
+        let behind = place.and_then(|k| points_behind.get(k)).map(|count| Value::Integer(*count as i64));
+        vec![
+            parameter.name.as_str().into(),
+            parameter.value.into(),
+            fit.certainty.sigma(i).into(),
+            parameter.least.into(),
+            parameter.greatest.into(),
+            state.into(),
+            behind.unwrap_or(Value::Null),
+        ]
+    };
+    Table { columns: PARAMETERS.to_vec(), rows: fit.parameters.iter().enumerate().map(row).collect() }
+}
+
+const STANDINGS: [Column; 10] = [
+    Column::new("model", Kind::Text, "Form of law."),
+    Column::new("parameters", Kind::Integer, "Free parameters."),
+    Column::new("n", Kind::Integer, "Points."),
+    Column::real("rms_mag", "mag", 4, "Root mean square of the residuals, in sample."),
+    Column::real("core_mag", "mag", 4, "1.4826 times their median absolute deviation, in sample."),
+    Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k."),
+    Column::real("held_out_rms_mag", "mag", 4, "Root mean square of points that were held out."),
+    Column::real("held_out_core_mag", "mag", 4, "Core of points that were held out."),
+    Column::real("sigma_mag", "mag", 3, "Sigma that holds 68.3 % of the points held out."),
+    Column::real("within_one_sigma", "", 3, "Share of each fold within the sigma that the other folds announce."),
+];
+
+/// One row a form.
+pub fn standing_table(standings: &[Standing]) -> Table {
+    let row = |one: &Standing| {
+        vec![
+            one.name.as_str().into(),
+            Value::Integer(one.parameters as i64),
+            Value::Integer(one.held_out.n as i64),
+            one.in_sample.rms_mag.into(),
+            one.in_sample.core_mag.into(),
+            one.aic.into(),
+            one.held_out.rms_mag.into(),
+            one.held_out.core_mag.into(),
+            one.honest_sigma_mag.into(),
+            one.within_one_sigma.into(),
+        ]
+    };
+    Table { columns: STANDINGS.to_vec(), rows: standings.iter().map(row).collect() }
+}
+
+const OFFSETS: [Column; 6] = [
+    Column::real("sun_latitude_from_deg", "deg", 2, "Lower end of the layer, Sun above the chassis plane."),
+    Column::real("sun_latitude_to_deg", "deg", 2, "Upper end of the layer."),
+    Column::new("n", Kind::Integer, "Points in it."),
+    Column::real("panel_offset_deg", "deg", 4, "Panel offset angle of this layer's own fit."),
+    Column::real("panel_offset_sigma_deg", "deg", 4, "One sigma of it."),
+    Column::real("rms_mag", "mag", 4, "Root mean square of the residuals."),
+];
+
+/// Table 2 of the paper.
+pub fn offset_table(offsets: &[LayerOffset]) -> Table {
+    let row = |layer: &LayerOffset| {
+        vec![
+            layer.sun_latitude_deg[0].into(),
+            layer.sun_latitude_deg[1].into(),
+            Value::Integer(layer.n as i64),
+            layer.panel_offset_deg.into(),
+            layer.sigma_deg.into(),
+            layer.rms_mag.into(),
+        ]
+    };
+    Table { columns: OFFSETS.to_vec(), rows: offsets.iter().map(row).collect() }
+}
+
+const RIVALS: [Column; 7] = [
+    Column::new("model", Kind::Text, "Which of the two."),
+    Column::new("n", Kind::Integer, "Points of both."),
+    Column::new("parameters", Kind::Integer, "Free parameters."),
+    Column::real("rms_mag", "mag", 4, "Root mean square of the residuals."),
+    Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k."),
+    Column::real("t", "", 3, "Student's t of the difference of the mean residuals (paired)."),
+    Column::real("p", "", 6, "Probability of such a t if both means are the same."),
+];
+
+/// Sections 4.2 and 4.3 of the paper.
+pub fn rival_table(pairs: &[&Rivals]) -> Table {
+    let rows = pairs.iter().flat_map(|pair| {
+        (0..2).map(|k| {
+            vec![
+                pair.names[k].into(),
+                Value::Integer(pair.n as i64),
+                Value::Integer(pair.parameters[k] as i64),
+                pair.rms_mag[k].into(),
+                pair.aic[k].into(),
+                pair.test.map(|test| test.t).into(),
+                pair.test.map(|test| test.p).into(),
+            ]
+        })
+    });
+    Table { columns: RIVALS.to_vec(), rows: rows.collect() }
+}
+
+const MARGINALS: [Column; 8] = [
+    Column::new("parameter", Kind::Text, "Name of the parameter."),
+    Column::real("q16", "", 6, "Quantile 0.16 of the draws."),
+    Column::real("median", "", 6, "Quantile 0.5."),
+    Column::real("q84", "", 6, "Quantile 0.84."),
+    Column::real("mean", "", 6, "Mean."),
+    Column::real("sigma", "", 6, "Standard deviation."),
+    Column::real("autocorrelation_steps", "", 1, "Steps that make one independent draw."),
+    Column::new("is_trusted", Kind::Boolean, "True where the chain is longer than 50 of them."),
+];
+
+/// One row a free parameter.
+pub fn marginal_table(posterior: &Posterior) -> Table {
+    let row = |m: &super::posterior::Marginal| {
+        vec![
+            m.name.as_str().into(),
+            m.quantiles[0].into(),
+            m.quantiles[1].into(),
+            m.quantiles[2].into(),
+            m.mean.into(),
+            m.sigma.into(),
+            m.autocorrelation.steps.into(),
+            Value::Boolean(m.autocorrelation.is_trusted),
+        ]
+    };
+    Table { columns: MARGINALS.to_vec(), rows: posterior.marginals.iter().map(row).collect() }
+}
