@@ -268,9 +268,9 @@ fn verif_maps_of_the_earth() {
     let over = |map: &AlbedoMap, latitude: f64, longitude: f64| {
         light(&Albedo::Map(map, place(latitude, longitude)))[0] / light(&PAPER)[0]
     };
-    // A cloudless Pacific has a fifth of the light, the Sahara more, Antarctica more than twice as much.
+    // A cloudless Pacific (0.11 where the paper has 0.3) has some two fifths of the light, the Sahara more, Antarctica more than twice as much.
     let (pacific, sahara, pole) = (over(&clear, -10.0, -130.0), over(&clear, 20.0, 5.0), over(&clear, -88.0, 0.0));
-    assert!((pacific - 0.2).abs() < 0.01 && sahara > 2.0 * pacific && pole > 1.9, "{pacific} {sahara} {pole}");
+    assert!((pacific - 0.11 / 0.3).abs() < 0.01 && sahara > 1.6 * pacific && pole > 2.0, "{pacific} {sahara} {pole}");
     assert!((over(&year, -10.0, -130.0) - 1.0).abs() < 0.2);
     // Off the Chilean coast at 33° S the light from the east comes from land: it differs from its mirror image.
     let nodes = EarthshineNodes::new(
