@@ -4,7 +4,7 @@ mod common;
 
 use common::maps::{options, v15};
 use streakcast::geometry::Site;
-use streakcast::maps::{BodyView, DEFAULT_STEP_DEG, Earth, FigurePanel, Grid, PAPER_FIGURES, SkyMap, SkyView};
+use streakcast::maps::{BodyView, Earth, Grid, SkyView};
 use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelLibrary, PhotometryOptions};
 
 /// One km of range would be 10⁻³ mag; what is left here is the rounding of a quadratic's roots.
@@ -15,11 +15,6 @@ const MAGNITUDE: f64 = 1e-6;
 
 /// 4000 rays to the Sun's disk.
 const LIT_FRACTION: f64 = 0.005;
-
-fn sky(model: &BrightnessModel, height_km: f64, sun_altitude_deg: f64) -> SkyMap {
-    let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_altitude_deg.to_radians(), options()).unwrap();
-    view.map(Grid::regular(DEFAULT_STEP_DEG).unwrap())
-}
 
 #[test]
 fn valid_sky_against_numpy_rays_and_the_papers_formulas() {

@@ -4,7 +4,7 @@ mod common;
 
 use common::maps::{options, v15};
 use streakcast::maps::{BodyView, DEFAULT_STEP_DEG, Earth, FigurePanel, Grid, PAPER_FIGURES, SkyMap, SkyView};
-use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelLibrary, PhotometryOptions};
+use streakcast::photometry::BrightnessModel;
 
 fn sky(model: &BrightnessModel, height_km: f64, sun_altitude_deg: f64) -> SkyMap {
     let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_altitude_deg.to_radians(), options()).unwrap();

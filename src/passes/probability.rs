@@ -375,9 +375,15 @@ mod tests {
         };
         let (mut met, mut none) = (0, 0);
         for case in 0..150 {
-            let observer = [6918.0, between(0.0, 6.28), between(0.0, 1.7), between(0.0, 6.28)];
+            let observer =
+                [6918.0, between(0.0, std::f64::consts::TAU), between(0.0, 1.7), between(0.0, std::f64::consts::TAU)];
             let radius_km = if case % 5 == 0 { 6925.0 } else { between(6800.0, 9000.0) };
-            let satellite = [radius_km, between(0.0, 6.28), between(0.0, 3.1), between(0.0, 6.28)];
+            let satellite = [
+                radius_km,
+                between(0.0, std::f64::consts::TAU),
+                between(0.0, 3.0),
+                between(0.0, std::f64::consts::TAU),
+            ];
             let track = |time_s: f64, late_s: f64| {
                 let [here, flying] = circling(observer[0], observer[1], observer[2], observer[3], time_s);
                 let [there, passing] =
