@@ -1,5 +1,8 @@
 //! How likely any satellite is: against draws of the errors, with elements a day, a month and half a year old.
 
+mod common;
+
+use common::random::Random;
 use hifitime::{Epoch, Unit};
 use streakcast::catalogue::{Constellation, ElementSet, Origin};
 use streakcast::frames::{Direction, EopTable, seconds_after};
@@ -12,20 +15,6 @@ fn sky(elements: Vec<ElementSet>) -> Sky {
     let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
     Sky::new(elements, Observer::new(site), EopTable::embedded(), &choice)
-}
-
-/// Uniform numbers in (0, 1), the same in every run (Knuth's MMIX congruence), and normal ones of them (Box and Muller).
-struct Draws(u64);
-
-impl Draws {
-    fn uniform(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        ((self.0 >> 11) as f64 + 0.5) / (1u64 << 53) as f64
-    }
-
-    fn normal(&mut self) -> f64 {
-        (-2.0 * self.uniform().ln()).sqrt() * (std::f64::consts::TAU * self.uniform()).cos()
-    }
 }
 
 /// Satellites of a shell as if their elements were published, `age_days` before the exposures.
@@ -44,7 +33,7 @@ fn published(age_days: f64, at: Epoch, count: usize) -> Vec<ElementSet> {
 }
 
 /// The same satellites as they may be: each early or late, and off its track, by errors drawn once.
-fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Draws) -> Vec<ElementSet> {
+fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Random) -> Vec<ElementSet> {
     elements
         .iter()
         .map(|set| {
@@ -64,7 +53,7 @@ fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Draws) -> Vec<Eleme
 }
 
 /// Exposures of a twilight all over the sky.
-fn exposures(start: Epoch, count: usize, draws: &mut Draws) -> Vec<Exposure> {
+fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
     (0..count)
         .map(|number| {
             let zenith_deg = 60.0 * draws.uniform().sqrt();
@@ -93,7 +82,7 @@ fn verif_chances_against_draws_of_the_errors() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
     for (age_days, rounds) in [(1.0, 40), (30.0, 60), (180.0, 60)] {
-        let mut draws = Draws(20_261_121);
+        let mut draws = Random(20_261_121);
         let exposures = exposures(start, 360, &mut draws);
         let elements = published(age_days, exposures[180].start, 1584);
         let chances = sky(elements.clone()).chances(&exposures, &field).expect("chances");
@@ -136,7 +125,7 @@ const SAME: f64 = 1e-3;
 fn verif_chances_hold_every_crossing() {
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
     for (age_days, at_least) in [(0.0, 12), (3.0, 12)] {
-        let mut draws = Draws(7);
+        let mut draws = Random(7);
         // Later in the evening: half of the satellites cross the edge of the shadow.
         let exposures = exposures(Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 15, 0), 1500, &mut draws);
         let sky = sky(published(age_days, exposures[750].start, 1584));

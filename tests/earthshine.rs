@@ -1,7 +1,10 @@
 //! Earthshine: the product rule against finer rules and HEALPix, the table against the rule, and what physics demands.
 
+mod common;
+
 use std::f64::consts::{FRAC_PI_2, PI};
 
+use common::random::Random;
 use nalgebra::Vector3;
 use streakcast::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use streakcast::geometry::ViewingGeometry;
@@ -184,15 +187,7 @@ fn verif_any_panel_and_law_and_the_two_laws_made_fast() {
 
 #[test]
 fn verif_table_against_the_rule() {
-    let mut seed = 20_261_121_u64;
-    let mut random = move || {
-        // Steele and Vigna's splitmix.
-        seed = seed.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = seed;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    };
+    let mut random = Random(20_261_121);
     for (exponent, heights, sun_deg) in [
         (1.0, [500.0, 600.0], [-23.0_f64, 10.0]),
         (22.0, [300.0, 1300.0], [-40.0, 90.0]),
@@ -202,10 +197,10 @@ fn verif_table_against_the_rule() {
         let table = EarthshineTable::new(exponent, heights, sun_deg.map(f64::to_radians)).unwrap();
         let (mut worst, mut alone, mut worst_diffuse) = (0.0_f64, 0.0_f64, 0.0_f64);
         for _ in 0..1500 {
-            let height_km = heights[0] + random() * (heights[1] - heights[0]);
+            let height_km = random.between(heights[0], heights[1]);
             let least = sun_deg[0].max(-0.97 * dip_deg(height_km));
-            let sun = (least + random() * (sun_deg[1] - least)).to_radians();
-            let to_observer = below((1.0 - random()).acos().to_degrees(), 360.0 * random());
+            let sun = random.between(least, sun_deg[1]).to_radians();
+            let to_observer = below(random.uniform().acos().to_degrees(), random.between(0.0, 360.0));
             let ours = table.shine(sun, height_km, &to_observer).unwrap();
             let nodes = EarthshineNodes::finer(sun, height_km, &PAPER, exponent, 1.5);
             let exact = nodes.shine(&down(), &to_observer, exponent);
@@ -268,9 +263,9 @@ fn verif_maps_of_the_earth() {
     let over = |map: &AlbedoMap, latitude: f64, longitude: f64| {
         light(&Albedo::Map(map, place(latitude, longitude)))[0] / light(&PAPER)[0]
     };
-    // A cloudless Pacific has a fifth of the light, the Sahara more, Antarctica more than twice as much.
+    // A cloudless Pacific (0.11 where the paper has 0.3) has some two fifths of the light, the Sahara more, Antarctica more than twice as much.
     let (pacific, sahara, pole) = (over(&clear, -10.0, -130.0), over(&clear, 20.0, 5.0), over(&clear, -88.0, 0.0));
-    assert!((pacific - 0.2).abs() < 0.01 && sahara > 2.0 * pacific && pole > 1.9, "{pacific} {sahara} {pole}");
+    assert!((pacific - 0.11 / 0.3).abs() < 0.01 && sahara > 1.6 * pacific && pole > 2.0, "{pacific} {sahara} {pole}");
     assert!((over(&year, -10.0, -130.0) - 1.0).abs() < 0.2);
     // Off the Chilean coast at 33° S the light from the east comes from land: it differs from its mirror image.
     let nodes = EarthshineNodes::new(

@@ -1,5 +1,8 @@
 //! Satellites of panels: the closed form of chassis and sail, rays cast one by one, covariance, and wrong files.
 
+mod common;
+
+use common::random::Random;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use streakcast::geometry::ViewingGeometry;
@@ -7,26 +10,6 @@ use streakcast::photometry::panels::{Face, PlacedRectangle};
 use streakcast::photometry::{
     BrightnessModel, Coefficients, Earthshine, PhotometryOptions, SatelliteModel, SatelliteShape,
 };
-
-/// A stream of numbers that is the same each time.
-struct Uniform(u64);
-
-impl Uniform {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
-        (self.0 >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    fn between(&mut self, least: f64, greatest: f64) -> f64 {
-        least + (greatest - least) * self.next()
-    }
-
-    fn direction(&mut self) -> Vector3<f64> {
-        let (longitude, z) = (self.between(0.0, std::f64::consts::TAU), self.between(-1.0, 1.0));
-        let r = (1.0 - z * z).sqrt();
-        Vector3::new(r * longitude.cos(), r * longitude.sin(), z)
-    }
-}
 
 /// A model file of kind `panels` with this content.
 fn file(panels: Value, covariance: Value) -> String {
@@ -66,9 +49,9 @@ fn coefficients() -> Coefficients {
 }
 
 /// Sun anywhere in the half plane, observer anywhere.
-fn directions(uniform: &mut Uniform) -> (Vector3<f64>, Vector3<f64>) {
-    let sun: f64 = uniform.between(-1.5, 1.5);
-    (Vector3::new(sun.cos(), 0.0, sun.sin()), uniform.direction())
+fn directions(random: &mut Random) -> (Vector3<f64>, Vector3<f64>) {
+    let sun: f64 = random.between(-1.5, 1.5);
+    (Vector3::new(sun.cos(), 0.0, sun.sin()), random.direction())
 }
 
 /// Sun and observer below the chassis or not, any offset: the light of each term, and the blocked share, to 1e-9 of the closed
@@ -76,21 +59,21 @@ fn directions(uniform: &mut Uniform) -> (Vector3<f64>, Vector3<f64>) {
 /// list of panels know more (the sail's back is then hidden by nothing either, and the chassis is dark).
 #[test]
 fn verif_panels_equal_the_closed_form_of_chassis_and_sail() {
-    let mut uniform = Uniform(3);
+    let mut random = Random(3);
     let mut compared = 0;
     for _ in 0..40 {
         let shape = SatelliteShape {
-            sail_length_m: uniform.between(1.0, 15.0),
-            sail_width_m: uniform.between(0.5, 6.0),
-            base_length_m: uniform.between(0.5, 6.0),
-            base_width_m: uniform.between(0.5, 6.0),
-            panel_offset_deg: uniform.between(-30.0, 30.0),
+            sail_length_m: random.between(1.0, 15.0),
+            sail_width_m: random.between(0.5, 6.0),
+            base_length_m: random.between(0.5, 6.0),
+            base_width_m: random.between(0.5, 6.0),
+            panel_offset_deg: random.between(-30.0, 30.0),
         };
         let closed = SatelliteModel::new(&shape, &coefficients()).unwrap();
         let model = BrightnessModel::from_json(&file(chassis_and_sail(&shape), Value::Null), "own").unwrap();
         let panels = model.assembly().unwrap();
         for _ in 0..500 {
-            let (to_sun, to_observer) = directions(&mut uniform);
+            let (to_sun, to_observer) = directions(&mut random);
             let terms = closed.terms_of_directions(&to_sun, &to_observer);
             let parts = panels.parts(&to_sun, &to_observer);
             let of = |panel: usize, face: Face, law: usize| {
@@ -130,19 +113,19 @@ fn meets(from: &Vector3<f64>, direction: &Vector3<f64>, other: &PlacedRectangle)
 #[test]
 fn valid_obstruction_of_random_panels_against_rays_cast_one_by_one() {
     const GRID: usize = 100;
-    let mut uniform = Uniform(11);
+    let mut random = Random(11);
     let (mut partly, mut worst) = (0, 0.0_f64);
     for _ in 0..300 {
         let mut panels = Vec::new();
         for name in ["a", "b", "c", "d"] {
-            let normal = uniform.direction();
-            let v = normal.cross(&uniform.direction()).normalize();
+            let normal = random.direction();
+            let v = normal.cross(&random.direction()).normalize();
             let spread = if name == "a" { 0.0 } else { 3.0 };
-            let place: Vec<f64> = (0..3).map(|_| uniform.between(-spread, spread)).collect();
+            let place: Vec<f64> = (0..3).map(|_| random.between(-spread, spread)).collect();
             panels.push(json!({
                 "name": name, "anchor_m": place,
-                "u_m": [-uniform.between(0.5, 3.0), uniform.between(0.5, 3.0)],
-                "v_m": [-uniform.between(0.5, 3.0), uniform.between(0.5, 3.0)],
+                "u_m": [-random.between(0.5, 3.0), random.between(0.5, 3.0)],
+                "v_m": [-random.between(0.5, 3.0), random.between(0.5, 3.0)],
                 "attitude": {"law": "fixed", "normal": normal.as_slice(), "v": v.as_slice()},
                 "front": [{"law": "lambert", "albedo": 0.1}]
             }));
@@ -151,7 +134,7 @@ fn valid_obstruction_of_random_panels_against_rays_cast_one_by_one() {
         let spec = json!({"parameters": [], "panels": panels, "blocking": blocking});
         let model = BrightnessModel::from_json(&file(spec, Value::Null), "own").unwrap();
         let assembly = model.assembly().unwrap();
-        let (to_sun, to_observer) = directions(&mut uniform);
+        let (to_sun, to_observer) = directions(&mut random);
         let placed = assembly.placed(&to_sun);
         let a = &placed[0];
         let cell = |range: [f64; 2], n: usize| range[0] + (range[1] - range[0]) * (n as f64 + 0.5) / GRID as f64;
@@ -186,9 +169,9 @@ fn verif_gradient_of_the_two_panels_against_differences() {
         *keys.into_iter().nth(place).unwrap() += by;
         SatelliteModel::new(&shape, &c).unwrap()
     };
-    let mut uniform = Uniform(5);
+    let mut random = Random(5);
     for _ in 0..500 {
-        let (to_sun, to_observer) = directions(&mut uniform);
+        let (to_sun, to_observer) = directions(&mut random);
         let total = |model: SatelliteModel| model.terms_of_directions(&to_sun, &to_observer).b_total_m2_sr();
         let (gradient, b_total) = moved(0, 0.0).gradient(&to_sun, &to_observer);
         assert!((b_total - total(moved(0, 0.0))).abs() < 1e-14);

@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::random::Random;
 use hifitime::{Epoch, TimeScale, Unit};
 use streakcast::catalogue::{Catalogue, ElementSet, NoradId, Origin, ReadOptions};
 use streakcast::frames::{Direction, EopTable, Gcrs, OrientationTable, seconds_after, seconds_between};
@@ -63,23 +64,6 @@ fn valid_directions_from_orbit_against_skyfield() {
     println!("{rows} directions from orbit: within {worst_arcsec:.4}\", {:.4} m", worst_km * 1000.0);
     assert_eq!(rows, 60);
     assert!(worst_arcsec < DIRECTION_ARCSEC && worst_km < 1e-3, "{worst_arcsec} {worst_km}");
-}
-
-/// A generator that needs no crate: SplitMix64.
-struct Random(u64);
-
-impl Random {
-    fn next(&mut self) -> f64 {
-        self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.0;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64
-    }
-
-    fn between(&mut self, low: f64, high: f64) -> f64 {
-        low + (high - low) * self.next()
-    }
 }
 
 fn synthetic(id: u32, random: &mut Random, revolutions_day: f64, eccentricity: f64) -> ElementSet {

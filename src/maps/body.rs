@@ -1,11 +1,11 @@
 //! Magnitude at 1000 km over a satellite's own sky: what it sends in each direction below its chassis.
 
 use crate::frames::{Body, Direction};
-use crate::photometry::{BrightnessModel, PhotometryOptions, StandardMagnitude};
+use crate::photometry::{BodyAngles, BrightnessModel, PhotometryOptions, StandardMagnitude};
 
 use super::error::{MapError, height, latitude};
 use super::facts::{Fact, FactValue};
-use super::grid::{Grid, fill};
+use super::grid::{Grid, GridRow, fill};
 use super::light::{Light, STANDARD_RANGE_KM};
 
 /// A satellite in full sunlight, to be asked how bright it is from any direction, as figure 6 of Lu (2024) shows it.
@@ -109,6 +109,9 @@ impl<'a> BodyView<'a> {
     pub fn map(&self, grid: Grid) -> BodyMap {
         let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
         let points = fill(grid.southern(), blank, |row, points| {
+            if self.light.is_sunlight_on_panels() {
+                return self.fill_by_columns(row, points);
+            }
             for (point, observer_longitude_rad) in points.iter_mut().zip(row.longitudes_rad()) {
                 let standard_magnitude = self.at(observer_longitude_rad, row.latitude_rad);
                 *point =
@@ -116,5 +119,26 @@ impl<'a> BodyView<'a> {
             }
         });
         BodyMap { grid, facts: self.facts(), points }
+    }
+
+    /// A row of one latitude, all its magnitudes at once; the same as one by one to 1e-9 mag.
+    fn fill_by_columns(&self, row: &GridRow, points: &mut [BodyPoint]) {
+        let longitudes: Vec<f64> = row.longitudes_rad().collect();
+        let mut magnitudes = vec![0.0; longitudes.len()];
+        let angles = BodyAngles {
+            sun_latitude_rad: &vec![self.sun_latitude_rad; longitudes.len()],
+            observer_longitude_rad: &longitudes,
+            observer_latitude_rad: &vec![row.latitude_rad; longitudes.len()],
+        };
+        self.light.sunlight_towards(&angles, &mut magnitudes);
+        for (point, (observer_longitude_rad, magnitude)) in
+            points.iter_mut().zip(longitudes.into_iter().zip(magnitudes))
+        {
+            *point = BodyPoint {
+                observer_longitude_rad,
+                observer_latitude_rad: row.latitude_rad,
+                standard_magnitude: self.light.shaded(StandardMagnitude(magnitude), 1.0),
+            };
+        }
     }
 }

@@ -3,7 +3,7 @@
 use crate::frames::{Body, Direction};
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{
-    BrightnessModel, Earthshine, Magnitude, PhotometryOptions, Places, StandardMagnitude, airmass,
+    BodyAngles, BrightnessModel, Earthshine, Magnitude, PhotometryOptions, Places, StandardMagnitude, airmass,
 };
 
 use super::facts::{Fact, FactValue};
@@ -64,6 +64,12 @@ impl<'a> Light<'a> {
     /// At 1000 km by full sunlight, many at once; not a number where nothing lit is seen.
     pub fn sunlight_at(&self, places: &Places, out: &mut [f64]) {
         self.model.standard_magnitudes_at(places, out);
+        out.iter_mut().for_each(|magnitude| *magnitude += self.colour_mag);
+    }
+
+    /// The same from directions in the body frame.
+    pub fn sunlight_towards(&self, angles: &BodyAngles, out: &mut [f64]) {
+        self.model.standard_magnitudes(angles, out);
         out.iter_mut().for_each(|magnitude| *magnitude += self.colour_mag);
     }
 

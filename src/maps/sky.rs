@@ -12,13 +12,14 @@
 //!
 //! A direction above the horizon meets the sphere of the satellites in one place. Without a site the Earth is a sphere of 6378.137 km with the
 //! observer on it, and so is its shadow; with a site the observer stands on the WGS84 ellipsoid, altitudes are above the plane square to its
-//! normal, and the shadow is that of the ellipsoid. Air bends no light here: altitudes are geometric.
+//! normal, and the shadow is that of the ellipsoid. Air bends no light on its way to the observer: altitudes are geometric. What it does to the light that
+//! grazes the Earth on its way to the satellites is [`SkyView::with_shadow`]'s to say.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::frames::{Body, Direction, Gcrs, Horizontal, Position, itrs_to_horizontal};
-use crate::geometry::{Site, illumination};
+use crate::geometry::{ShadowModel, Site};
 use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, Places, StandardMagnitude};
 
 use super::error::{MapError, height, latitude};
@@ -42,6 +43,7 @@ pub enum Earth {
 pub struct SkyView<'a> {
     light: Light<'a>,
     earth: Earth,
+    shadow: ShadowModel,
     /// From north, east, zenith to the Earth's own axes.
     axes: Matrix3<f64>,
     observer: Position<Gcrs>,
@@ -115,6 +117,7 @@ impl<'a> SkyView<'a> {
         Ok(Self {
             light: Light::new(model, options),
             earth,
+            shadow: ShadowModel::default(),
             axes,
             observer: Position::from_vector(observer),
             sun: Position::from_vector(sun),
@@ -124,6 +127,11 @@ impl<'a> SkyView<'a> {
             sun_azimuth_rad,
             sun_altitude_rad,
         })
+    }
+
+    /// With another shadow than that of the solid Earth.
+    pub fn with_shadow(self, shadow: ShadowModel) -> Self {
+        Self { shadow, ..self }
     }
 
     /// On what Earth.
@@ -169,6 +177,7 @@ impl<'a> SkyView<'a> {
                 "[km] satellites above 6378.137 km",
             ),
             Fact::new("earth", "EARTH", FactValue::Text(earth), "figure of the Earth and its shadow"),
+            Fact::new("shadow", "SHADOW", FactValue::text(self.shadow.name()), "what casts the Earth's shadow"),
         ];
         if let Earth::Ellipsoid(site) = &self.earth {
             let number = |value: f64| FactValue::Real(rounded(value));
@@ -275,7 +284,9 @@ impl<'a> SkyView<'a> {
 
     fn lit_fraction(&self, satellite: &Vector3<f64>) -> f64 {
         match self.earth {
-            Earth::Ellipsoid(_) => illumination(&Position::from_vector(*satellite), &self.sun).lit_fraction(),
+            Earth::Ellipsoid(_) => {
+                self.shadow.illumination(&Position::from_vector(*satellite), &self.sun).lit_fraction()
+            }
             Earth::Sphere => {
                 let towards_sun = satellite.dot(self.sun.vector());
                 if towards_sun >= 0.0 {
@@ -283,6 +294,14 @@ impl<'a> SkyView<'a> {
                 }
                 let cos = (towards_sun * (self.per_radius_km / AU_KM)).max(-1.0);
                 let sin = (1.0 - cos * cos).sqrt();
+                // On a sphere only the angle to the Sun counts; in the plane of the equator the ellipsoid is one.
+                let turned = || {
+                    let place = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
+                    self.shadow.illumination(&place, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
+                };
+                if self.shadow != ShadowModel::Geometric {
+                    return turned();
+                }
                 // Off the shadow's axis, and the Earth's radius narrowed or widened by the Sun's disk (0.0047 rad), with room.
                 let (across_km, slope_km) = (self.radius_km * sin, -0.005 * self.radius_km * cos);
                 if across_km > EARTH_EQUATORIAL_RADIUS_KM * 1.0002 + slope_km {
@@ -291,9 +310,7 @@ impl<'a> SkyView<'a> {
                 if across_km < EARTH_EQUATORIAL_RADIUS_KM * 0.9998 - slope_km {
                     return 0.0;
                 }
-                // On a sphere only the angle to the Sun counts; in the plane of the equator the ellipsoid is one.
-                let turned = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
-                illumination(&turned, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
+                turned()
             }
         }
     }

@@ -58,8 +58,12 @@ const POLYGON_TURN_RAD: f64 = 5e-4;
 
 /// Cuts a track with a field over [`start_s`, `end_s`].
 pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, field: &FieldOnSky) -> Crossing {
-    let samples = sample(track, start_s, end_s);
-    let with_extremes = extremes(track, &samples, field.centre());
+    cross_samples(track, &sample(track, start_s, end_s), field)
+}
+
+/// As [`cross`], from the track's own [`sample`].
+pub(super) fn cross_samples(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field: &FieldOnSky) -> Crossing {
+    let with_extremes = extremes(track, samples, field.centre());
     let (closest_s, min_separation_rad) = nearest(&with_extremes, field);
     let mut chords = Vec::new();
     if min_separation_rad <= field.bounding_radius_rad() {
@@ -70,7 +74,7 @@ pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, fie
                     inside_circle(track, &with_extremes, &axis, radius_rad, &mut chords);
                 }
                 Border::Rim(axis, radius_rad) => {
-                    inside_circle(track, &extremes(track, &samples, &axis), &axis, radius_rad, &mut chords);
+                    inside_circle(track, &extremes(track, samples, &axis), &axis, radius_rad, &mut chords);
                 }
                 Border::Outline(corners) => {
                     let near = near.get_or_insert_with(|| near_polygons(track, &with_extremes, field));
@@ -94,7 +98,7 @@ fn nearest(samples: &[(f64, Sight)], field: &FieldOnSky) -> (f64, f64) {
 }
 
 /// Times and sights from start to end, at steps short enough for one extreme each.
-fn sample(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64) -> Vec<(f64, Sight)> {
+pub(super) fn sample(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64) -> Vec<(f64, Sight)> {
     let mut samples = Vec::with_capacity(16);
     let (mut time_s, mut sight) = (start_s, track(start_s));
     samples.push((time_s, sight));

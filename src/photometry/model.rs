@@ -228,7 +228,7 @@ impl BrightnessModel {
     /// seen. As many are written as the shortest column holds; the rest of `out` stays.
     ///
     /// The same as [`Self::standard_magnitude`] to 1e-9 mag. The two-panel form runs through the machine's widest vectors,
-    /// some 20 ns each on one core; the others are asked one by one.
+    /// some 9 ns each on one core; the others are asked one by one.
     pub fn standard_magnitudes(&self, angles: &BodyAngles, out: &mut [f64]) {
         if let Law::TwoPanel(model) = &self.law {
             return standard_magnitudes(&model.numbers(), self.zero_mag(), Columns::Angles(angles), out);
@@ -241,7 +241,7 @@ impl BrightnessModel {
         }
     }
 
-    /// The same for satellites at many places over one observer, some 15 ns each on one core in the two-panel form.
+    /// The same for satellites at many places over one observer, some 11 ns each on one core in the two-panel form.
     ///
     /// A satellite at the observer's own place or at the Earth's centre gives no number.
     pub fn standard_magnitudes_at(&self, places: &Places, out: &mut [f64]) {

@@ -3,9 +3,11 @@
 //! Every face fills the same [`Setup`]: the command line from its flags, a configuration file (TOML) from its keys, a
 //! plugin from its arguments. Laid over each other ([`Setup::over`]) they are resolved here and nowhere else.
 
+mod camera;
 mod choices;
 mod document;
 mod error;
+mod place;
 mod prepared;
 mod resolve;
 mod units;

@@ -1,33 +1,26 @@
-//! From what was said to what it means: site, field, telescope, policy, elements, times.
+//! From what was said to what it means: shadow, policy, photometry, elements, times.
 
 use std::path::Path;
 
 use hifitime::{Epoch, TimeScale};
 
 use crate::catalogue::{Catalogue, Constellation, ElementSet, Keep, ReadOptions};
-use crate::frames::{Direction, EopTable, Orientation, parse_declination_deg, parse_right_ascension_deg};
-use crate::geometry::{EarthLimb, GeometryError, Observer, ShadowModel, Site};
-use crate::orbit::Propagator;
-use crate::passes::{Exposure, Field, OrbitingObserver, SkyError, Viewpoint};
+use crate::frames::{Direction, EopTable, parse_declination_deg, parse_right_ascension_deg};
+use crate::geometry::ShadowModel;
+use crate::passes::{Exposure, SkyError};
 use crate::photometry::{Band, Earthshine, PhotometryOptions};
 use crate::schedule::{Policy, PolicyError, ScheduleOptions, is_covered};
-use crate::telescope::{FieldOfView, Telescope};
 
-use super::choices::{
-    FieldSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, SiteTable, TelescopeSetup, is_file_name,
-};
+use super::choices::{OneOrMany, PolicySetup, Quantity, is_file_name};
 use super::document::Setup;
 use super::error::SetupError;
-use super::units::{in_range, parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};
+use super::units::{in_range, parse_duration_s, parse_moment, parse_time_scale};
 
 /// Beyond this age, either way, element sets draw a warning, days.
 pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
 
 /// The most points along one track.
 pub const MOST_SAMPLES: usize = 100_000;
-
-const SITES: &str = "--site NAME, --mpc CODE, or --lat, --lon and --height";
-const FIELDS: &str = "--fov 3.5deg, --field FILE, or a telescope with --telescope";
 
 /// The text of a file, with what it is for in the error.
 pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, SetupError> {
@@ -39,92 +32,6 @@ pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, Setup
 }
 
 impl Setup {
-    /// The site.
-    ///
-    /// # Errors
-    /// None was said, two were, it is not known, or a coordinate is out of range.
-    pub fn site(&self) -> Result<Site, SetupError> {
-        let flags = SiteTable {
-            name: None,
-            mpc: self.mpc.clone(),
-            latitude_deg: self.lat,
-            longitude_deg: self.lon,
-            height_m: self.height,
-        };
-        for (what, value, unit, allowed, range) in [
-            ("lat", self.lat, "deg", "-90 to 90 deg", -90.0..=90.0),
-            ("lon", self.lon, "deg", "-180 to 360 deg", -180.0..=360.0),
-            ("height", self.height, "m", "-11000 to 100000 m", -11_000.0..=100_000.0),
-        ] {
-            if let Some(value) = value {
-                in_range(what, value, unit, allowed, |value| range.contains(&value))?;
-            }
-        }
-        let has_flags = flags != SiteTable::default();
-        match &self.site {
-            Some(_) if has_flags => Err(SetupError::Both { first: "--site", second: "--mpc, --lat, --lon, --height" }),
-            Some(SiteSetup::Name(name)) => site_of_name(name),
-            Some(SiteSetup::Table(table)) => site_of(table),
-            None => site_of(&flags),
-        }
-    }
-
-    /// Where the telescope is for questions about `moment`: a site, or an orbit.
-    ///
-    /// # Errors
-    /// As [`Setup::site`]; a site and an orbit were said; the telescope is below its limb height at `moment`; the file holds no element set, several objects, or not the one asked for.
-    pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, SetupError> {
-        let (orbit, limb) = (self.observer_elements.is_some() || self.observer_norad.is_some(), self.limb_height_km);
-        let site = [&self.lat, &self.lon, &self.height].iter().any(|number| number.is_some());
-        match (orbit, site || self.site.is_some() || self.mpc.is_some()) {
-            (true, true) => Err(SetupError::Both {
-                first: "--observer-elements, --observer-norad",
-                second: "--site, --mpc, --lat, --lon, --height",
-            }),
-            (false, _) if limb.is_some() => Err(SetupError::Missing {
-                what: "telescope in orbit for the limb-height-km",
-                allowed: "--observer-elements FILE or --observer-norad ID",
-            }),
-            (false, _) => Ok(Observer::new(self.site()?).into()),
-            (true, false) => {
-                let height_km = limb.unwrap_or(0.0);
-                in_range("limb-height-km", height_km, "km", "0 to 1000 km", |value| (0.0..=1000.0).contains(&value))?;
-                let elements = self.observer_set(moment)?;
-                let limb = EarthLimb { height_km };
-                let observer = OrbitingObserver::new(&elements, limb).map_err(SetupError::Observer)?;
-                let orientation = Orientation::at(moment, &self.eop_table()?);
-                let place = Propagator::new(&elements).and_then(|orbit| orbit.state(moment, &orientation.teme_to_gcrs));
-                // Where the orbit itself breaks down, each exposure says so.
-                let at_km = place.map_or(f64::INFINITY, |state| limb.height_of_km(&state.position));
-                if at_km < height_km {
-                    return Err(SetupError::BelowLimb { name: observer.name(), at_km, height_km });
-                }
-                Ok(observer.into())
-            }
-        }
-    }
-
-    /// The element set of the telescope in orbit that is nearest to a moment.
-    fn observer_set(&self, moment: Epoch) -> Result<ElementSet, SetupError> {
-        let catalogue = match &self.observer_elements {
-            Some(path) => Some(Catalogue::read(std::slice::from_ref(path), &self.read_options(moment))?),
-            None => self.catalogue(moment)?,
-        };
-        let missing =
-            SetupError::Missing { what: "elements of the telescope in orbit", allowed: "--observer-elements FILE" };
-        let mut sets = catalogue.ok_or(missing)?.element_sets;
-        if let Some(id) = self.observer_norad {
-            let count = sets.len();
-            sets.retain(|set| set.norad_id.0 == id);
-            if sets.is_empty() {
-                return Err(SetupError::NoObserver { id, count });
-            }
-        }
-        let count = sets.len();
-        let first = sets.swap_remove(0);
-        if count > 1 { Err(SetupError::SeveralObservers { count, first: first.norad_id.0 }) } else { Ok(first) }
-    }
-
     /// What casts the Earth's shadow; the solid Earth where nothing was said.
     ///
     /// # Errors
@@ -135,38 +42,6 @@ impl Setup {
             what: "shadow",
             given: name.clone(),
             allowed: "geometric, atmosphere",
-        })
-    }
-
-    /// The field of view: as said, else that of the telescope.
-    ///
-    /// # Errors
-    /// None was said, two were, or it is no field.
-    pub fn field_of_view(&self) -> Result<Field, SetupError> {
-        match (&self.fov, &self.field) {
-            (Some(_), Some(_)) => Err(SetupError::Both { first: "--fov", second: "--field" }),
-            (Some(diameter), None) => Ok(Field::circle(parse_angle_deg("fov", &diameter.text())?.to_radians())?),
-            (None, Some(FieldSetup::File(path))) => Ok(Field::from_json(&read_text("field", path)?)?),
-            (None, Some(FieldSetup::Table(table))) => field_of_table(table),
-            (None, None) => match self.telescope()? {
-                Some(telescope) => field_of_telescope(&telescope),
-                None => Err(SetupError::Missing { what: "field of view", allowed: FIELDS }),
-            },
-        }
-    }
-
-    /// The telescope, where one was said.
-    ///
-    /// # Errors
-    /// It is not known, or its file is none.
-    pub fn telescope(&self) -> Result<Option<Telescope>, SetupError> {
-        Ok(match &self.telescope {
-            None => None,
-            Some(TelescopeSetup::Name(name)) if is_file_name(name) => {
-                Some(Telescope::from_toml(&read_text("telescope", Path::new(name))?, name)?)
-            }
-            Some(TelescopeSetup::Name(name)) => Some(Telescope::by_name(name)?),
-            Some(TelescopeSetup::Table(telescope)) => Some(telescope.as_ref().clone()),
         })
     }
 
@@ -326,7 +201,7 @@ impl Setup {
         Ok(Some(Catalogue::read(paths, &self.read_options(moment))?))
     }
 
-    fn read_options(&self, moment: Epoch) -> ReadOptions {
+    pub(super) fn read_options(&self, moment: Epoch) -> ReadOptions {
         ReadOptions { accept_bad_checksums: self.accept_bad_checksums.unwrap_or(false), keep: Keep::Nearest(moment) }
     }
 
@@ -364,52 +239,6 @@ fn policy_of_file(path: &Path) -> Result<Policy, SetupError> {
     })
 }
 
-/// By name; where nothing is near it, the error shows other ways.
-fn site_of_name(name: &str) -> Result<Site, SetupError> {
-    Site::by_name(name).map_err(|error| match error {
-        GeometryError::UnknownSite { name, nearest } if nearest.is_empty() => SetupError::UnknownSite(name),
-        error => error.into(),
-    })
-}
-
-fn site_of(table: &SiteTable) -> Result<Site, SetupError> {
-    match (&table.mpc, table.latitude_deg, table.longitude_deg) {
-        (Some(_), Some(_), _) | (Some(_), _, Some(_)) => {
-            Err(SetupError::Both { first: "an MPC code", second: "coordinates" })
-        }
-        (Some(code), None, None) => Ok(Site::by_mpc_code(code)?),
-        (None, Some(latitude), Some(longitude)) => {
-            let name = table.name.as_deref().unwrap_or("site");
-            Ok(Site::new_deg(name, latitude, longitude, table.height_m.unwrap_or(0.0))?)
-        }
-        (None, None, None) => match &table.name {
-            Some(name) => site_of_name(name),
-            None => Err(SetupError::Missing { what: "site", allowed: SITES }),
-        },
-        (None, _, _) => Err(SetupError::Missing { what: "complete coordinates of the site", allowed: SITES }),
-    }
-}
-
-/// A table of one shape by its own key, or of shapes as in a field file.
-fn field_of_table(table: &toml::Table) -> Result<Field, SetupError> {
-    let text = serde_json::to_string(table).unwrap_or_default();
-    if table.contains_key("shapes") {
-        return Ok(Field::from_json(&text)?);
-    }
-    if let Some(path) = table.get("file").and_then(toml::Value::as_str).filter(|_| table.len() == 1) {
-        return Ok(Field::from_json(&read_text("field", Path::new(path))?)?);
-    }
-    Ok(Field::from_json(&format!("{{\"shapes\": [{text}]}}"))?)
-}
-
-fn field_of_telescope(telescope: &Telescope) -> Result<Field, SetupError> {
-    Ok(match &telescope.field {
-        FieldOfView::CircleDeg(diameter) => Field::circle(diameter.to_radians())?,
-        FieldOfView::RectangleDeg([width, height]) => Field::rectangle_deg(*width, *height)?,
-        FieldOfView::PolygonDeg(corners) => Field::polygon_deg(corners)?,
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -420,34 +249,6 @@ mod tests {
 
     fn message<T: std::fmt::Debug>(answer: Result<T, SetupError>) -> String {
         answer.unwrap_err().to_string()
-    }
-
-    #[test]
-    fn sites_by_name_code_and_numbers() {
-        assert_eq!(setup("site = 'Rubin Observatory'").site().unwrap().mpc_code.as_deref(), Some("X05"));
-        assert_eq!(setup("[site]\nmpc = 'X05'").site().unwrap().mpc_code.as_deref(), Some("X05"));
-        assert!((setup("lat = -30.5\nlon = -70\nheight = 2000").site().unwrap().height_m - 2000.0).abs() < 1e-9);
-        assert!(message(setup("").site()).contains("say --site NAME, --mpc CODE"));
-        assert!(message(setup("lat = 3").site()).contains("complete coordinates"));
-        assert!(message(setup("mpc = 'X05'\nlat = 3").site()).contains("exclude each other"));
-        assert!(
-            message(setup("site = 'Nowhere at all'").site()).contains("streakcast sites lists them, --lat, --lon and")
-        );
-    }
-
-    #[test]
-    fn fields_by_diameter_table_and_telescope() {
-        let area = |text: &str| setup(text).field_of_view().unwrap().area_deg2();
-        assert!((area("fov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
-        assert!((area("[field]\nrectangle_deg = [2.0, 1.0]") - 2.0).abs() < 1e-9);
-        assert!(
-            (area("[field]\nshapes = [{circle_deg = 2.0}, {circle_deg = 2.0, center_deg = [3.0, 0.0]}]") - 6.282).abs()
-                < 2e-3
-        );
-        assert!((area("telescope = 'rubin'") - 9.62).abs() < 0.01);
-        assert!((area("telescope = 'rubin'\nfov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
-        assert!(message(setup("").field_of_view()).contains("no field of view; say --fov 3.5deg"));
-        assert!(message(setup("fov = 3.5").field_of_view()).contains("has no unit"));
     }
 
     #[test]

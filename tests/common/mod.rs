@@ -3,6 +3,9 @@
 
 #[cfg(feature = "cli")]
 pub mod cli;
+pub mod elements;
+pub mod maps;
+pub mod random;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -98,6 +98,9 @@ pub struct MapSkyArguments {
     /// Height of the satellites above 6378.137 km, km
     #[arg(long, value_name = "KM", default_value_t = 550.0, allow_hyphen_values = true)]
     pub height_km: f64,
+    /// The Earth's shadow: geometric (the solid Earth), or atmosphere (bent and reddened light too)
+    #[arg(long, value_name = "MODEL")]
+    pub shadow: Option<String>,
     /// Extinction of the air, mag per airmass; magnitudes above the air where unsaid
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub extinction: Option<f64>,

@@ -7,11 +7,13 @@
 //! |---|---|---|
 //! | density | seven layers, 1.225 kg/m³ at the ground | U.S. Standard Atmosphere 1976 |
 //! | refractivity at the ground, 550 nm | 2.7784·10⁻⁴ at 288.15 K, 1013.25 hPa | Ciddor (1996), Applied Optics 35, 1566 |
-//! | Rayleigh, vertical | τ = 0.0973 at 550 nm | Hansen & Travis (1974), Space Sci. Rev. 16, 527, eq. 2.30 |
-//! | ozone, column above h | 0.30 cm · (1 + e^(-20/5)) / (1 + e^((h-20)/5)) | form of Lacis & Hansen (1974), J. Atmos. Sci. 31, 118, eq. 17; 300 Dobson units |
-//! | ozone, absorption | 3.3·10⁻²¹ cm² at 550 nm: τ = 0.0266 vertical | Gorshelev et al. (2014), Atmos. Meas. Tech. 7, 609 |
-//! | aerosol of the troposphere | τ = 0.13 vertical, scale height 2 km | Remer et al. (2008), J. Geophys. Res. 113, D14S07 (mean over oceans); the height is a round number |
-//! | aerosol of the stratosphere | τ = 0.005 vertical, layer about 18 km | Kremser et al. (2016), Rev. Geophys. 54, 278 (years without eruptions); the layer's shape (logistic, 3 km) is chosen here |
+//! | Rayleigh, vertical | τ = 0.008569 λ⁻⁴ (1 + 0.0113 λ⁻² + 0.00013 λ⁻⁴), λ in µm: 0.0973 at 550 nm | Hansen & Travis (1974), Space Sci. Rev. 16, 527, eq. 2.30 |
+//! | ozone, column above h | 0.30 cm · (1 + e^(-20/5)) / (1 + e^((h-20)/5)) | form of Lacis & Hansen (1974), J. Atmos. Sci. 31, 118, eq. 17; 300 Dobson units are assumed |
+//! | ozone, absorption | 3.3·10⁻²¹ cm² at 550 nm and 233 K, times 300 · 2.687·10¹⁶ cm⁻²: τ = 0.0266 vertical | Serdyuchenko et al. (2014), Atmos. Meas. Tech. 7, 625, in bins of 10 nm (3.09 below, 3.50 above 550 nm: Bruneton 2017, Precomputed Atmospheric Scattering) |
+//! | aerosol of the troposphere | τ = 0.13 vertical | Remer et al. (2008), J. Geophys. Res. 113, D14S07, abstract (MODIS Aqua, mean over oceans; over land 0.19) |
+//! | its scale height | 2 km | assumed; rays that low bring no light |
+//! | aerosol of the stratosphere | τ = 0.0057 vertical: 0.008 in 2006-2015, of which eruptions had added 40 % | Friberg et al. (2018), Atmos. Chem. Phys. 18, 11149, abstract |
+//! | its layer | logistic about 18 km, 3 km wide | assumed |
 //!
 //! What is left out: clouds, which cut off most of what passes below some 8 km (a thousandth of the Sun's light by then); colours within V;
 //! volcanic years, which move half light up by several kilometres; weather, season and latitude, which move it by one or two; light scattered by
@@ -33,7 +35,7 @@ const RAYLEIGH_VERTICAL: f64 = 0.0973;
 const OZONE_VERTICAL: f64 = 0.0266;
 const AEROSOL_VERTICAL: f64 = 0.13;
 const AEROSOL_HEIGHT_KM: f64 = 2.0;
-const STRATOSPHERE_VERTICAL: f64 = 0.005;
+const STRATOSPHERE_VERTICAL: f64 = 0.0057;
 
 /// Layers of the standard: lower border (geopotential km), temperature there (K), its gradient (K/km).
 const LAYERS: [(f64, f64, f64); 8] = [
@@ -248,6 +250,22 @@ mod tests {
                 / (0.01 + 0.01_f64.min(height_km));
             assert!((change / slope - 1.0).abs() < 2e-3, "{height_km}: {change} {slope}");
         }
+    }
+
+    /// The constants from the formulas of the papers named above.
+    #[test]
+    fn valid_constants_against_their_formulas() {
+        let wavenumber2 = 0.55_f64.powi(-2);
+        // Ciddor (1996), eq. 1, 450 ppm of CO₂: (n - 1) 10⁸
+        let refractivity = 1e-8 * (5_792_105.0 / (238.0185 - wavenumber2) + 167_917.0 / (57.362 - wavenumber2));
+        assert!((REFRACTIVITY / refractivity - 1.0).abs() < 2e-5, "{refractivity}");
+        let rayleigh = 0.008_569 * wavenumber2.powi(2) * (1.0 + 0.0113 * wavenumber2 + 0.000_13 * wavenumber2.powi(2));
+        assert!((RAYLEIGH_VERTICAL / rayleigh - 1.0).abs() < 5e-4, "{rayleigh}");
+        let ozone = 3.3e-21 * 300.0 * 2.687e16;
+        assert!((OZONE_VERTICAL / ozone - 1.0).abs() < 2e-3, "{ozone}");
+        assert!((STRATOSPHERE_VERTICAL - 0.008 / 1.4).abs() < 5e-5);
+        // p₀ / (g₀ ρ₀)
+        assert!((COLUMN_KM - 101.325 / (9.806_65 * 1.225)).abs() < 2e-4);
     }
 
     /// A grazing ray is bent by twice the refraction at the horizon, 34' to 35' for the standard atmosphere; a half of the air lies above 5.5 km.

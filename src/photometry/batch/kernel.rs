@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_PI, LN_10, TAU};
 
 use pulp::{Arch, NullaryFnOnce};
 
-use crate::elementary::{exp, fused, ln, sin_cos};
+use crate::elementary::{exp, fused, ln, ln_two, sin_cos};
 use crate::photometry::satellite::TwoPanelNumbers;
 
 /// Directions of Sun and observer in the body frame as columns of one length, radians; a shorter column cuts the others.
@@ -21,8 +21,11 @@ pub struct BodyAngles<'a> {
     pub observer_latitude_rad: &'a [f64],
 }
 
-/// Directions that are worked on together: their intermediate numbers, some 8 kB, stay in the nearest cache.
-const BLOCK: usize = 64;
+/// Directions that are worked on together: their intermediate numbers, some 5 kB, stay in the nearest cache.
+const BLOCK: usize = 32;
+
+/// Cosines below this are taken as this where they divide: what they belong to is dark, or stopped altogether, long before.
+const TINY: f64 = 1e-60;
 
 /// Places of satellites as columns of one length, km, in the same axes as the observer's and the Sun's place; a shorter
 /// column cuts the others.
@@ -135,29 +138,24 @@ fn of_places<const F: bool>(places: &[[f64; BLOCK]; 3], observer: [f64; 3], sun:
     let [mut sun_x, mut sun_z, mut eye_x, mut eye_y, mut eye_z] = [[0.0; BLOCK]; 5];
     for lane in 0..BLOCK {
         let place = [places[0][lane], places[1][lane], places[2][lane]];
-        // z to the zenith, x to the Sun's foot on the plane of the chassis, y = z × x     Lu (2024), eqs. 8, 9
-        let zenith = unit::<F>(place);
-        let to_sun = unit::<F>([sun[0] - place[0], sun[1] - place[1], sun[2] - place[2]]);
-        let to_eye = unit::<F>([observer[0] - place[0], observer[1] - place[1], observer[2] - place[2]]);
-        let up = dot::<F>(zenith, to_sun);
-        let foot = [
-            fused::<F>(-up, zenith[0], to_sun[0]),
-            fused::<F>(-up, zenith[1], to_sun[1]),
-            fused::<F>(-up, zenith[2], to_sun[2]),
-        ];
-        let level = dot::<F>(foot, foot).sqrt();
+        let to_sun = [sun[0] - place[0], sun[1] - place[1], sun[2] - place[2]];
+        let to_eye = [observer[0] - place[0], observer[1] - place[1], observer[2] - place[2]];
+        // z = p/|p| to the zenith, y = p × s/|p × s|, x = y × z to the Sun's foot on the plane of the chassis
+        //                                                                 Lu (2024), eqs. 8, 9
+        let across = cross(place, to_sun);
+        let (place_km, sun_km, eye_km) = (norm::<F>(place), norm::<F>(to_sun), norm::<F>(to_eye));
         // With the Sun in the zenith to the last digit azimuths mean nothing, and a leaning sail is taken as seen edge-on.
-        let per_level = 1.0 / positive(level);
-        let across = [
-            zenith[1] * foot[2] - zenith[2] * foot[1],
-            zenith[2] * foot[0] - zenith[0] * foot[2],
-            zenith[0] * foot[1] - zenith[1] * foot[0],
-        ];
-        sun_x[lane] = level;
-        sun_z[lane] = up;
-        eye_x[lane] = dot::<F>(foot, to_eye) * per_level;
-        eye_y[lane] = dot::<F>(across, to_eye) * per_level;
-        eye_z[lane] = dot::<F>(zenith, to_eye);
+        let across_km2 = positive(norm::<F>(across));
+        // One division for all lengths: 1/(|p| |s| |e| |p × s|).
+        let (place_sun, eye_across) = (place_km * sun_km, eye_km * across_km2);
+        let per_all = 1.0 / (place_sun * eye_across);
+        let (per_place_sun, per_eye_across) = (eye_across * per_all, place_sun * per_all);
+        sun_x[lane] = dot::<F>(across, across) * eye_km * per_all;
+        sun_z[lane] = dot::<F>(place, to_sun) * per_place_sun;
+        // x · e = (p × s) · (p × e) / (|p| |p × s| |e|)
+        eye_x[lane] = dot::<F>(across, cross(place, to_eye)) * (sun_km * per_all);
+        eye_y[lane] = dot::<F>(across, to_eye) * per_eye_across;
+        eye_z[lane] = dot::<F>(place, to_eye) * (sun_km * across_km2 * per_all);
     }
     Directions { sun_x, sun_z, eye_x, eye_y, eye_z }
 }
@@ -168,9 +166,13 @@ fn dot<const F: bool>(a: [f64; 3], b: [f64; 3]) -> f64 {
 }
 
 #[inline(always)]
-fn unit<const F: bool>(a: [f64; 3]) -> [f64; 3] {
-    let scale = 1.0 / dot::<F>(a, a).sqrt();
-    [a[0] * scale, a[1] * scale, a[2] * scale]
+fn norm<const F: bool>(a: [f64; 3]) -> f64 {
+    dot::<F>(a, a).sqrt()
+}
+
+#[inline(always)]
+fn cross(a: [f64; 3], b: [f64; 3]) -> [f64; 3] {
+    [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// One block, step by step: each step is a short loop, so that the next vector begins while the last one waits for its
@@ -187,11 +189,15 @@ fn of_block<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, directions: &
         let sail_out = fused::<F>(model.cos_panel_offset, eye_x, model.sin_panel_offset * eye_z);
         let (sun_below, eye_below) = (-sun_z, -eye_z);
 
-        // What the chassis stops, as in `blocking`.
-        let shade_m = height(model, sun_below, sail_in);
-        let view_m = height(model, eye_below, sail_out);
-        let slope = (model.cos_panel_offset * eye_y / positive(eye_below)).abs();
-        let per_slope = 1.0 / greater(slope, 1e-300);
+        // What the chassis stops, as in `blocking`: the lines' lengths up the sail and their slope on it, all quotients by one division.
+        let [facing_sun, facing_eye, below] = [sail_in, sail_out, eye_below].map(|x| greater(x, TINY));
+        let aside = greater((model.cos_panel_offset * eye_y).abs(), TINY);
+        let (facing, leaning) = (facing_sun * facing_eye, below * aside);
+        let per_all = 1.0 / (facing * leaning);
+        let (per_facing, per_leaning) = (leaning * per_all, facing * per_all);
+        let shade_m = height(model, sun_below, sail_in, facing_eye * per_facing);
+        let view_m = height(model, eye_below, sail_out, facing_sun * per_facing);
+        let (slope, per_slope) = (aside * aside * per_leaning, below * below * per_leaning);
         let view_m2 = overlap(model.half_sum_m, model.narrow_m, slope, per_slope, view_m);
         let both_m2 = overlap(model.half_both_m, model.narrow_m, slope, per_slope, lesser(view_m, shade_m));
         let shade_m2 = model.narrow_m * shade_m;
@@ -203,8 +209,8 @@ fn of_block<const F: bool>(model: &TwoPanelNumbers, zero_mag: f64, directions: &
         sail_mirror[lane] = fused::<F>(2.0 * lit, sail_out, -sun_eye);
         base_mirror[lane] = fused::<F>(2.0 * sun_below, eye_below, -sun_eye);
     }
-    let sail_lobe = lobes::<F>(model.c1, model.n_sail, &sail_mirror);
-    let base_lobe = lobes::<F>(model.c4, model.n_base, &base_mirror);
+    let (sail_lobe, base_lobe) =
+        lobes::<F>([model.c1, model.c4], [model.n_sail, model.n_base], &sail_mirror, &base_mirror);
     let mut magnitudes = [0.0; BLOCK];
     for lane in 0..BLOCK {
         // B_total                                                         Lu (2024), eqs. 1-6
@@ -227,29 +233,52 @@ fn sines_and_cosines<const F: bool>(angles: &[f64; BLOCK]) -> ([f64; BLOCK], [f6
     (sines, cosines)
 }
 
-/// c (n + 2)/2π cosⁿθ; 0 where cos θ is not positive.
+/// c (n + 2)/2π cosⁿθ of sail and chassis; 0 where cos θ is not positive, and where c is 0.
 #[inline(always)]
-fn lobes<const F: bool>(weight: f64, exponent: f64, cos_mirror: &[f64; BLOCK]) -> [f64; BLOCK] {
-    let mut values = [0.0; BLOCK];
-    if weight == 0.0 {
-        return values;
+fn lobes<const F: bool>(
+    weights: [f64; 2],
+    exponents: [f64; 2],
+    sail_mirror: &[f64; BLOCK],
+    base_mirror: &[f64; BLOCK],
+) -> ([f64; BLOCK], [f64; BLOCK]) {
+    let (mut sail, mut base) = ([0.0; BLOCK], [0.0; BLOCK]);
+    match weights.map(|weight| weight != 0.0) {
+        [true, true] => {
+            for lane in 0..BLOCK {
+                let logarithms = ln_two::<F>(positive(sail_mirror[lane]), positive(base_mirror[lane]));
+                (sail[lane], base[lane]) = (exponents[0] * logarithms.0, exponents[1] * logarithms.1);
+            }
+        }
+        [on_sail, on_base] => {
+            for (wanted, exponent, mirror, values) in
+                [(on_sail, exponents[0], sail_mirror, &mut sail), (on_base, exponents[1], base_mirror, &mut base)]
+            {
+                if wanted {
+                    for lane in 0..BLOCK {
+                        values[lane] = exponent * ln::<F>(positive(mirror[lane]));
+                    }
+                }
+            }
+        }
     }
-    let mut logarithms = [0.0; BLOCK];
-    for lane in 0..BLOCK {
-        logarithms[lane] = exponent * ln::<F>(positive(cos_mirror[lane]));
+    for (weight, exponent, mirror, values) in
+        [(weights[0], exponents[0], sail_mirror, &mut sail), (weights[1], exponents[1], base_mirror, &mut base)]
+    {
+        if weight != 0.0 {
+            let scale = weight * (exponent + 2.0) / TAU;
+            for lane in 0..BLOCK {
+                let value = scale * exp::<F>(values[lane]);
+                values[lane] = if mirror[lane] > 0.0 { value } else { 0.0 };
+            }
+        }
     }
-    let scale = weight * (exponent + 2.0) / TAU;
-    for lane in 0..BLOCK {
-        let value = scale * exp::<F>(logarithms[lane]);
-        values[lane] = if cos_mirror[lane] > 0.0 { value } else { 0.0 };
-    }
-    values
+    (sail, base)
 }
 
 /// How far up the sail the chassis stops light to or from a direction, m; eqs. 15 and 17 (mended).
 #[inline(always)]
-fn height(model: &TwoPanelNumbers, below: f64, facing: f64) -> f64 {
-    let met = lesser(model.base_length_m * below / positive(facing), model.sail_length_m);
+fn height(model: &TwoPanelNumbers, below: f64, facing: f64, per_facing: f64) -> f64 {
+    let met = lesser(model.base_length_m * below * per_facing, model.sail_length_m);
     if below > 0.0 && facing > 0.0 { met } else { 0.0 }
 }
 

@@ -83,11 +83,16 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
     let setup = typed.light.setup(typed.place.setup())?;
     let notices = begin(&setup)?;
     let model = model_of(&setup.model_library()?, &typed.light.model)?;
-    let setup = Setup { extinction: typed.extinction.or(setup.extinction), ..setup };
+    let setup = Setup {
+        extinction: typed.extinction.or(setup.extinction),
+        shadow: typed.shadow.clone().or(setup.shadow),
+        ..setup
+    };
     let options = setup.photometry()?;
     let earth = site_of(&setup)?.map_or(Earth::Sphere, Earth::Ellipsoid);
     let (sun_azimuth, sun_altitude) = (typed.sun_azimuth_deg.to_radians(), typed.sun_altitude_deg.to_radians());
-    let view = SkyView::new(&model, earth, typed.height_km, sun_azimuth, sun_altitude, options)?;
+    let view =
+        SkyView::new(&model, earth, typed.height_km, sun_azimuth, sun_altitude, options)?.with_shadow(setup.shadow()?);
     let target = Target::new(&typed.output)?;
     notices.warn(&provisional(&model));
     #[cfg(feature = "plot")]

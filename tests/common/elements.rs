@@ -1,0 +1,45 @@
+//! The invented satellite of `tests/data/elements`, and how tests read it.
+
+use std::io::Write;
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use streakcast::catalogue::{Catalogue, CatalogueError, Keep, NoradId, ReadOptions, format_tle};
+
+/// The invented satellite in one syntax.
+pub fn sample(name: &str) -> Vec<u8> {
+    let path = super::golden_dir().join("elements").join(name);
+    std::fs::read(&path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// The text as one file.
+pub fn read(bytes: &[u8]) -> Result<Catalogue, CatalogueError> {
+    Catalogue::from_bytes("test", bytes, &ReadOptions::default())
+}
+
+/// The same, every element set kept.
+pub fn read_all(bytes: &[u8]) -> Catalogue {
+    let options = ReadOptions { keep: Keep::All, ..Default::default() };
+    Catalogue::from_bytes("test", bytes, &options).expect("readable")
+}
+
+/// Line and reason of each rejected record.
+pub fn reasons(catalogue: &Catalogue) -> Vec<(usize, String)> {
+    catalogue.rejected.iter().map(|rejected| (rejected.line, rejected.reason.to_string())).collect()
+}
+
+/// Compressed.
+pub fn gzip(bytes: &[u8]) -> Vec<u8> {
+    let mut encoder = GzEncoder::new(Vec::new(), Compression::default());
+    encoder.write_all(bytes).unwrap();
+    encoder.finish().unwrap()
+}
+
+/// The sample with another day of its epoch, with right checksums.
+pub fn pair(norad_id: u32, day: &str) -> String {
+    let mut set = read(sample("sample.2le").as_slice()).unwrap().element_sets.remove(0);
+    set.norad_id = NoradId(norad_id);
+    let [line1, line2] = format_tle(&set).unwrap();
+    let line1 = format!("{}{day}{}", &line1[..20], &line1[32..68]);
+    format!("{line1}\n{line2}\n")
+}

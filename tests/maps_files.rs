@@ -1,0 +1,120 @@
+//! Maps as files: HEALPix in FITS holds the table, pictures show what they should.
+#![cfg(any(feature = "fits", feature = "plot"))]
+
+mod common;
+
+use common::maps::{options, v15};
+use streakcast::maps::{BodyView, Earth, Grid, PAPER_FIGURES, SkyView};
+
+#[cfg(feature = "fits")]
+#[test]
+fn verif_fits_holds_the_table() {
+    use fitsio::FitsFile;
+    let model = v15();
+    let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.3, options()).unwrap();
+    let map = view.map(Grid::healpix(8).unwrap());
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.fits");
+    std::fs::write(&path, map.to_fits(folder.path()).unwrap()).unwrap();
+    // The scratch folder is gone.
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    let mut file = FitsFile::open(&path).unwrap();
+    let hdu = file.hdu(1).unwrap();
+    let text = |file: &mut FitsFile, key: &str| hdu.read_key::<String>(file, key).unwrap();
+    assert_eq!(text(&mut file, "PIXTYPE"), "HEALPIX");
+    assert_eq!(text(&mut file, "ORDERING"), "RING");
+    assert_eq!(text(&mut file, "COORDSYS"), "HORIZON");
+    assert_eq!(text(&mut file, "MODEL"), "brdf:starlink-v1.5");
+    assert_eq!(hdu.read_key::<i64>(&mut file, "NSIDE").unwrap(), 8);
+    assert!((hdu.read_key::<f64>(&mut file, "SUNALT").unwrap() + 0.3_f64.to_degrees()).abs() < 1e-6);
+    let magnitudes: Vec<f64> = hdu.read_col(&mut file, "magnitude").unwrap();
+    let ranges: Vec<f64> = hdu.read_col(&mut file, "range_km").unwrap();
+    assert_eq!((magnitudes.len(), ranges.len()), (768, 768));
+    for (cell, (magnitude, range)) in magnitudes.iter().zip(&ranges).enumerate() {
+        let point = map.points.get(cell);
+        assert_eq!(*magnitude, point.and_then(|point| point.magnitude).map_or(-1.6375e30, |magnitude| magnitude.0));
+        assert_eq!(*range, point.map_or(-1.6375e30, |point| point.range_km));
+    }
+    let regular = view.map(Grid::regular(5.0).unwrap()).to_fits(folder.path()).unwrap_err().to_string();
+    assert!(regular.contains("nside"), "{regular}");
+    let bracket = folder.path().join("a[b]");
+    std::fs::create_dir(&bracket).unwrap();
+    assert!(map.to_fits(&bracket).unwrap_err().to_string().contains("its name holds one of"));
+}
+
+#[cfg(feature = "plot")]
+mod pictures {
+    use super::*;
+    use streakcast::plot::{PictureFormat, body_picture, paper_picture, sky_picture};
+
+    /// Width, height and pixels of a PNG.
+    fn pixels(bytes: &[u8]) -> image::RgbImage {
+        image::load_from_memory(bytes).unwrap().to_rgb8()
+    }
+
+    #[test]
+    fn verif_a_sky_picture_shows_shadow_bright_and_words() {
+        let model = v15();
+        let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -16_f64.to_radians(), options()).unwrap();
+        let picture = sky_picture(&view);
+        let image = pixels(&picture.to_png().unwrap());
+        let (width, height) = picture.size();
+        assert_eq!((image.width() as usize, image.height() as usize), (width, height));
+        // The disc's middle from the layout: a margin of 66 and a radius of 270 on each side, 78 above.
+        let at = |azimuth: f64, altitude: f64| {
+            let distance = 270.0 * (90.0 - altitude) / 90.0;
+            let (sin, cos) = azimuth.to_radians().sin_cos();
+            image.get_pixel((336.0 - distance * sin) as u32, (414.0 - distance * cos) as u32).0
+        };
+        for (azimuth, altitude) in [(12.0, 50.0), (150.0, 55.0), (70.0, 40.0), (300.0, 20.0)] {
+            let magnitude = view.at(f64::to_radians(azimuth), f64::to_radians(altitude)).magnitude.unwrap().0;
+            let expected = picture.scale().colour(magnitude);
+            let shown = at(azimuth, altitude);
+            let apart = shown.iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+            assert!(apart <= 6, "{azimuth} {altitude}: {shown:?} for {expected:?}");
+        }
+        assert_eq!(at(180.0, 15.0), [150, 150, 150]);
+        // Words: dark pixels in the title's line and by the bar.
+        let dark = |left: u32, top: u32, right: u32, bottom: u32| {
+            (left..right).flat_map(|x| (top..bottom).map(move |y| (x, y))).any(|(x, y)| image.get_pixel(x, y).0[0] < 90)
+        };
+        assert!(dark(100, 10, 700, 40) && dark(720, 200, 790, 700));
+    }
+
+    #[test]
+    fn verif_svg_is_whole_and_holds_the_words() {
+        let model = v15();
+        let view = BodyView::new(&model, -14_f64.to_radians(), 550.0, options()).unwrap();
+        let picture = body_picture(&view);
+        let text = String::from_utf8(picture.to_bytes(PictureFormat::Svg).unwrap()).unwrap();
+        assert!(text.starts_with("<svg") && text.trim_end().ends_with("</svg>"));
+        for part in ["data:image/png;base64,iVBOR", "brdf:starlink-v1.5", "Sun at latitude −14°", "7 mag", "polyline"]
+        {
+            assert!(text.contains(part), "{part}");
+        }
+        // Well-formed: a reader of XML comes to its end.
+        let mut reader = quick_xml::Reader::from_str(&text);
+        let mut elements = 0;
+        loop {
+            match reader.read_event().unwrap() {
+                quick_xml::events::Event::Eof => break,
+                quick_xml::events::Event::Empty(_) => elements += 1,
+                _ => {}
+            }
+        }
+        assert!(elements > 50, "{elements}");
+    }
+
+    #[test]
+    fn verif_every_figure_of_the_paper_is_drawn() {
+        let model = v15();
+        let mut panels = 0;
+        for figure in &PAPER_FIGURES {
+            let picture = paper_picture(figure, &model, options()).unwrap();
+            let image = pixels(&picture.to_png().unwrap());
+            assert!(image.width() > 1500, "figure {}", figure.number);
+            panels += figure.panels.len();
+        }
+        assert_eq!(panels, 12);
+    }
+}
