@@ -26,16 +26,20 @@ pub struct AssociationOptions {
     pub range_sigma_km: f64,
     /// What a difference of phase counts as one sigma, radians.
     pub phase_sigma_rad: f64,
+    /// What being late counts as one sigma: so much at the element set's epoch, s, and so much more a day. Without it, old element sets of
+    /// other satellites fit a short track by chance.
+    pub offset_sigma_s: [f64; 2],
 }
 
 impl Default for AssociationOptions {
-    /// 120 s, 50 days, 1 km, 0.4°.
+    /// 120 s, 50 days, 1 km, 0.4°, 3 s and 2 s a day: Starlinks hold their places by thrust, which element sets do not know.
     fn default() -> Self {
         Self {
             max_offset_s: 120.0,
             max_element_age_days: 50.0,
             range_sigma_km: 1.0,
             phase_sigma_rad: 0.4_f64.to_radians(),
+            offset_sigma_s: [3.0, 2.0],
         }
     }
 }
@@ -53,7 +57,8 @@ pub struct Candidate {
     pub offset_s: f64,
     /// From the element set's epoch to the track, days.
     pub element_age_days: f64,
-    /// √((range rms / sigma)² + (phase rms / sigma)²): what candidates are ranked by, the least first.
+    /// (range rms / sigma)² + (phase rms / sigma)² + (offset / sigma)² + 2 ln(sigma of the offset / that at epoch): what candidates are ranked
+    /// by, the least first. The last term is what makes an old element set, which may be anywhere, the less likely explanation.
     pub score: f64,
 }
 
@@ -109,14 +114,22 @@ fn candidate(set: &ElementSet, points: &[Ranged], middle: &Ranged, options: &Ass
         })
         .collect();
     let phase_rms_rad = phases.map(|all| (all.iter().map(|one| one * one).sum::<f64>() / all.len() as f64).sqrt());
-    let in_sigmas =
-        [offset.range_rms_km / options.range_sigma_km, phase_rms_rad.unwrap_or(0.0) / options.phase_sigma_rad];
+    let element_age_days = age_days(set, middle.epoch);
+    let offset_sigma_s = options.offset_sigma_s[0] + options.offset_sigma_s[1] * element_age_days.abs();
+    // χ² + 2 ln(σ_offset / σ_offset at epoch): minus twice the logarithm of the likelihood of the three
+    let squares = [
+        offset.range_rms_km / options.range_sigma_km,
+        phase_rms_rad.unwrap_or(0.0) / options.phase_sigma_rad,
+        offset.offset_s / offset_sigma_s,
+    ];
+    let score =
+        squares.iter().map(|one| one * one).sum::<f64>() + 2.0 * (offset_sigma_s / options.offset_sigma_s[0]).ln();
     Some(Candidate {
         norad_id: set.norad_id,
         range_rms_km: offset.range_rms_km,
         phase_rms_rad,
         offset_s: offset.offset_s,
-        element_age_days: age_days(set, middle.epoch),
-        score: in_sigmas[0].hypot(in_sigmas[1]),
+        element_age_days,
+        score,
     })
 }

@@ -251,11 +251,15 @@ impl Loop for WithSlopes<'_> {
 /// Σ_k w_k of the values at the nodes.
 #[inline(always)]
 fn earth_gloss<const F: bool>(earth: &EarthBlock, weights: &[f64; NODES]) -> [f64; BLOCK] {
+    let rows = &*earth.glossy;
     let mut gloss = [0.0; BLOCK];
-    for (row, weight) in earth.glossy.iter().zip(weights) {
-        for lane in 0..BLOCK {
-            gloss[lane] = fused::<F>(*weight, row[lane], gloss[lane]);
+    for lane in 0..BLOCK {
+        // The inner loop is unrolled, the outer one made of vectors: each sum stays in its register.
+        let mut sum = 0.0;
+        for node in 0..NODES {
+            sum = fused::<F>(weights[node], f64::from(rows[node][lane]), sum);
         }
+        gloss[lane] = sum;
     }
     gloss
 }
