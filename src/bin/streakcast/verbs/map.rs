@@ -113,7 +113,7 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
 }
 
 /// A model of the library, or of a file.
-fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<BrightnessModel>> {
+pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<BrightnessModel>> {
     if Path::new(name).extension().is_some_and(|end| end == "json") {
         let text = fs::read_to_string(name).map_err(|error| anyhow!("model {name}: {error}"))?;
         return Ok(Arc::new(BrightnessModel::from_json(&text, name)?));
@@ -124,7 +124,7 @@ fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<Brightness
 }
 
 /// The site, where one was said.
-fn site_of(setup: &Setup) -> anyhow::Result<Option<Site>> {
+pub fn site_of(setup: &Setup) -> anyhow::Result<Option<Site>> {
     let said = [setup.lat, setup.lon, setup.height].iter().any(Option::is_some);
     let is_said = said || setup.site.is_some() || setup.mpc.is_some();
     Ok(if is_said { Some(setup.site()?) } else { None })
