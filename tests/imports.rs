@@ -36,7 +36,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("rand", &["measured"]),
     ("rand_chacha", &["measured"]),
     ("rand_distr", &["measured"]),
-    ("sha2", &["catalogue"]),
+    ("sha2", &["catalogue", "fit"]),
     ("saphyr", &["schedule"]),
     ("tempfile", &["table"]),
     ("fitsio", &["maps"]),

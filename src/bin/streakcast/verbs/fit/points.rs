@@ -1,19 +1,20 @@
 //! Photometry as typed, made into points of a fit.
 
 use std::fs;
+use std::sync::Arc;
 
 use anyhow::anyhow;
 use streakcast::catalogue::{Catalogue, Keep, ReadOptions as CatalogueOptions, StationRule};
-use streakcast::catalogue::History;
 use streakcast::fit::{
-    FitPoint, FitSettings, Form, Loss, RawWeights, TwoPanelForm, points_of_measurements, points_of_pixels,
+    FitPoint, FitSettings, Form, Loss, PANEL_OFFSET, PanelsForm, Parameter, RawWeights, TwoPanelForm, points_of_measurements,
+    points_of_pixels,
 };
 use streakcast::frames::EopTable;
 use streakcast::measured::{
     ColumnMap, DensityMode, DropCounts, Format, Measurements, Place, Placement, ReadOptions, RecordReader, ReduceOptions,
     Reduction, Selection, measure, reduce,
 };
-use streakcast::photometry::{BrightnessModel, Earthshine, ModelKind, ModelLibrary};
+use streakcast::photometry::{BrightnessModel, Earthshine, ModelFile, ModelLibrary};
 use streakcast::setup::Setup;
 
 use crate::fit_arguments::{FormArguments, LossName, ModeName, PhotometryArguments, ReductionArguments};
@@ -50,7 +51,7 @@ pub fn read(typed: &PhotometryArguments, reduction: &ReductionArguments) -> anyh
     } else {
         let catalogue =
             Catalogue::read(&typed.elements, &CatalogueOptions { keep: Keep::All, ..CatalogueOptions::default() })?;
-        Some(History::new(catalogue.into_element_sets()))
+        Some(catalogue.into_history())
     };
     let placement = match &history {
         Some(history) => Placement {
@@ -121,60 +122,72 @@ fn tell(notices: &Notices, dropped: &DropCounts, used: usize) {
 }
 
 /// The model whose form is fitted.
-pub struct Fitted {
-    pub model: std::sync::Arc<BrightnessModel>,
-    pub form: TwoPanelForm,
+pub struct Chosen {
+    pub model: Arc<BrightnessModel>,
+    pub file: ModelFile,
+    pub form: FittedForm,
     pub settings: FitSettings,
 }
 
+/// One of the forms that model files have room for.
+pub enum FittedForm {
+    TwoPanel(TwoPanelForm),
+    Panels(PanelsForm),
+}
+
+impl FittedForm {
+    pub fn as_form(&self) -> &dyn Form {
+        match self {
+            Self::TwoPanel(form) => form,
+            Self::Panels(form) => form,
+        }
+    }
+
+    /// The same, to be owned.
+    pub fn boxed(&self) -> Box<dyn Form> {
+        match self {
+            Self::TwoPanel(form) => Box::new(form.clone()),
+            Self::Panels(form) => Box::new(form.clone()),
+        }
+    }
+}
+
 /// What is fitted, and how.
-pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Fitted> {
+pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
     let model = model_of(&ModelLibrary::embedded(), &typed.model)?;
-    let parts = model.file().filter(|file| file.kind == ModelKind::TwoPanel);
-    let Some((shape, mut coefficients)) = parts.and_then(|file| Some((file.shape?, file.coefficients?))) else {
-        return Err(anyhow!(
-            "model {} has no shape to fit; allowed are models of kind two_panel (streakcast model list)",
-            typed.model
-        ));
+    let file = model.file().cloned().ok_or_else(|| anyhow!("model {} has no file", typed.model))?;
+    let (band, system) = model.band();
+    let sun_magnitude = band.sun_magnitude(system);
+    let earthshine = if typed.no_earthshine { Earthshine::Off } else { Earthshine::Computed };
+    let form = match (file.shape, file.coefficients, &file.panels) {
+        (Some(shape), Some(coefficients), _) => {
+            FittedForm::TwoPanel(TwoPanelForm { shape, coefficients, earthshine, blocking: true, sun_magnitude })
+        }
+        (_, _, Some(spec)) => FittedForm::Panels(PanelsForm { spec: spec.clone(), earthshine, sun_magnitude }),
+        _ => {
+            let wanted = "allowed are models of kind two_panel or panels (streakcast model list)";
+            return Err(anyhow!("model {} has nothing to fit; {wanted}", typed.model));
+        }
     };
+    let parameters = form.as_form().parameters();
+    let known = || parameters.iter().map(|parameter| parameter.name.as_str()).collect::<Vec<_>>().join(", ");
     let mut held = Vec::new();
-    let mut shape = shape;
     for entry in &typed.hold {
         let parsed = entry.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
         let (name, value) = parsed.ok_or_else(|| anyhow!("hold {entry}; allowed: NAME=NUMBER, as c1=0"))?;
-        let place = match name {
-            "c1" => &mut coefficients.c1,
-            "c2" => &mut coefficients.c2,
-            "c3" => &mut coefficients.c3,
-            "c4" => &mut coefficients.c4,
-            "c5" => &mut coefficients.c5,
-            "n_sail" => &mut coefficients.n_sail,
-            "n_base" => &mut coefficients.n_base,
-            "panel_offset_deg" => &mut shape.panel_offset_deg,
-            _ => return Err(anyhow!("hold {name}; allowed: c1 to c5, n_sail, n_base, panel_offset_deg")),
-        };
-        *place = value;
-        held.push(name.to_owned());
-    }
-    let (band, system) = model.band();
-    let form = TwoPanelForm {
-        shape,
-        coefficients,
-        earthshine: if typed.no_earthshine { Earthshine::Off } else { Earthshine::Computed },
-        blocking: true,
-        sun_magnitude: band.sun_magnitude(system),
-    };
-    for parameter in form.parameters().iter().filter(|parameter| held.contains(&parameter.name)) {
-        if !(parameter.least..=parameter.greatest).contains(&parameter.value) {
-            let (least, greatest) = (parameter.least, parameter.greatest);
-            return Err(anyhow!("hold {}={}; allowed: {least} to {greatest}", parameter.name, parameter.value));
+        let found = parameters.iter().find(|parameter| parameter.name == name);
+        let parameter = found.ok_or_else(|| anyhow!("hold {name}: no such parameter; allowed: {}", known()))?;
+        if !(parameter.least..=parameter.greatest).contains(&value) {
+            return Err(anyhow!("hold {name}={value}; allowed: {} to {}", parameter.least, parameter.greatest));
         }
+        held.push((name.to_owned(), value));
     }
     let mut free = typed.free.clone();
     if free.is_empty() {
-        free = streakcast::fit::COEFFICIENTS.iter().map(|&name| name.to_owned()).collect();
+        let fitted = |parameter: &&Parameter| parameter.name != PANEL_OFFSET;
+        free = parameters.iter().filter(fitted).map(|parameter| parameter.name.clone()).collect();
     }
-    free.retain(|name| !held.contains(name));
+    free.retain(|name| held.iter().all(|(other, _)| other != name));
     let loss = match typed.loss {
         Some(LossName::Squares) => Loss::Squares,
         Some(LossName::SoftL1) => Loss::SoftL1,
@@ -182,5 +195,5 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Fitted> {
         None if raw_points => Loss::SoftL1,
         None => Loss::Squares,
     };
-    Ok(Fitted { model, form, settings: FitSettings { free, loss, ..FitSettings::default() } })
+    Ok(Chosen { model, file, form, settings: FitSettings { free, held, loss, ..FitSettings::default() } })
 }
