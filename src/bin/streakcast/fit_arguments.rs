@@ -31,9 +31,9 @@ pub struct PhotometryArguments {
     /// Layout: pomenis, mmt, score, slingshot, csv; by the header where unsaid
     #[arg(long, value_name = "NAME", help_heading = "Photometry")]
     pub format_name: Option<String>,
-    /// Columns of a table of one's own: a file of lines such as `time = mjd`
-    #[arg(long, value_name = "FILE", help_heading = "Photometry")]
-    pub columns: Option<PathBuf>,
+    /// Columns of a table of one's own: pairs such as time=Date,time_scale=utc,magnitude=Mag, or a file of them (TOML, JSON)
+    #[arg(long, value_name = "PAIRS", help_heading = "Photometry")]
+    pub columns: Option<String>,
     /// Filters that are wanted; Clear for MMT-9, elsewhere the only one of the file
     #[arg(long, value_name = "NAME", num_args = 1.., help_heading = "Photometry")]
     pub filter: Vec<String>,

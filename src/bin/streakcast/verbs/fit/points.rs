@@ -35,8 +35,13 @@ pub struct Placed {
 pub fn read(typed: &PhotometryArguments, reduction: &ReductionArguments) -> anyhow::Result<Placed> {
     let setup = Setup { threads: typed.threads, quiet: Some(typed.quiet), ..typed.place.setup() };
     let notices = begin(&setup)?;
-    let columns = typed.columns.as_ref().map(|path| {
-        let text = fs::read_to_string(path).map_err(|error| anyhow!("columns {}: {error}", path.display()))?;
+    let columns = typed.columns.as_ref().map(|said| {
+        // A file, or the pairs themselves.
+        let text = if said.contains('=') {
+            said.clone()
+        } else {
+            fs::read_to_string(said).map_err(|error| anyhow!("columns {said}: {error}"))?
+        };
         Ok::<_, anyhow::Error>(ColumnMap::from_text(&text)?)
     });
     let options = ReadOptions {
