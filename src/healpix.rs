@@ -1,4 +1,4 @@
-//! HEALPix cells in RING order: how many there are, and where their centres lie.
+//! HEALPix cells in RING order: how many there are, where their centres lie, and in which a direction falls.
 //!
 //! Górski et al. (2005, ApJ 622, 759). In RING order cells are counted along rings of equal latitude from the north pole to the south pole,
 //! so that a half of the sphere is a run of cells.
@@ -20,6 +20,15 @@ pub const fn northern_cell_count(nside: u32) -> u64 {
 /// Longitude in [0, 2π) and latitude of a cell's centre, radians; `None` where there is no such cell.
 pub fn ring_centre_rad(nside: u32, cell: u64) -> Option<(f64, f64)> {
     ((1..=MOST_NSIDE).contains(&nside) && cell < cell_count(nside)).then(|| cdshealpix::ring::center(nside, cell))
+}
+
+/// The cell that a direction lies in, longitude of any turn, latitude in [-π/2, π/2], radians; `None` for a latitude beyond, an angle that is
+/// not finite, or a division that is not offered.
+pub fn ring_cell(nside: u32, longitude_rad: f64, latitude_rad: f64) -> Option<u64> {
+    let is_sound = (1..=MOST_NSIDE).contains(&nside)
+        && longitude_rad.is_finite()
+        && latitude_rad.abs() <= std::f64::consts::FRAC_PI_2;
+    is_sound.then(|| cdshealpix::ring::hash(nside, longitude_rad.rem_euclid(std::f64::consts::TAU), latitude_rad))
 }
 
 #[cfg(test)]

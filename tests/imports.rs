@@ -16,7 +16,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("photometry", &["frames", "geometry"]),
     ("passes", &["catalogue", "frames", "geometry", "orbit", "photometry"]),
     ("maps", &["frames", "geometry", "healpix", "photometry", "table"]),
-    ("plot", &["maps", "photometry"]),
+    ("plot", &["healpix", "maps", "photometry"]),
     ("checks", &["frames", "geometry", "photometry", "table"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),

@@ -42,7 +42,7 @@ impl PictureFormat {
     }
 }
 
-impl Picture<'_> {
+impl Picture {
     /// The bytes of a file.
     ///
     /// # Errors
