@@ -18,7 +18,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("passes", &["catalogue", "frames", "geometry", "orbit", "photometry"]),
     ("maps", &["frames", "geometry", "healpix", "photometry", "table"]),
     ("fit", &["elementary", "geometry", "measured", "photometry", "table"]),
-    ("plot", &["maps", "photometry"]),
+    ("plot", &["healpix", "maps", "photometry"]),
     ("measured", &["catalogue", "frames", "geometry", "healpix", "orbit", "photometry", "table"]),
     ("checks", &["frames", "geometry", "measured", "photometry", "table"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),

@@ -216,7 +216,7 @@ mod pictures {
     use crate::output::{check, write_bytes};
 
     /// The bytes of a picture, where one is wanted.
-    pub fn made<'a>(path: Option<&Path>, picture: impl FnOnce() -> Picture<'a>) -> anyhow::Result<Option<Vec<u8>>> {
+    pub fn made(path: Option<&Path>, picture: impl FnOnce() -> Picture) -> anyhow::Result<Option<Vec<u8>>> {
         path.map(|path| Ok(picture().to_bytes(PictureFormat::of(path)?)?)).transpose()
     }
 
