@@ -77,14 +77,14 @@ pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
     let first = left + count.div_ceil(2) as f64 * (panel + GAP);
     let legend = if input.truths.is_some() { LEGEND_WITH_TRUTHS } else { LEGEND };
     picture.paragraph(legend, [first, left + side + beyond(panel) - 8.0], top + 12.0, 16.0);
-    for row in 0..count {
+    for (row, title) in titles.iter().enumerate() {
         for column in 0..=row {
             let (x, y) = (left + column as f64 * (panel + GAP), top + row as f64 * (panel + GAP));
             let frame = frame_of([x, y, x + panel, y + panel], column, row);
             let is_below = row + 1 == count;
             if row == column {
                 diagonal(&mut picture, input, &frame, row, is_below);
-                for (line, words) in titles[row].iter().rev().enumerate() {
+                for (line, words) in title.iter().rev().enumerate() {
                     picture.text(words, (x, y - 16.0 - 24.0 * line as f64), NAME_SIZE, HPos::Left);
                 }
             } else {
