@@ -92,11 +92,11 @@ impl Axis {
         }
         // Short axes: some ticks, and labels at those where they have room.
         let mut ticks = self.multiples(4);
-        let mut last: Option<f64> = None;
+        let mut last: Option<(f64, f64)> = None;
         for (value, label) in &mut ticks {
             match last {
-                Some(last) if apart(last, *value) < needed(label) => label.clear(),
-                _ => last = Some(*value),
+                Some((before, taken)) if apart(before, *value) < (taken + needed(label)) / 2.0 => label.clear(),
+                _ => last = Some((*value, needed(label))),
             }
         }
         ticks
