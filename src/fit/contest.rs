@@ -58,7 +58,10 @@ pub fn contest(
         (0..points.len()).filter(|&i| prepared.iter().all(|form| form.explains(i))).map(|i| points[i]).collect();
     drop(prepared);
     let standing = |entrant: &Entrant| {
-        let settings = FitSettings { free: entrant.free.clone(), ..settings.clone() };
+        // What is held of one form may be unknown to another.
+        let names: Vec<String> = entrant.form.parameters().into_iter().map(|parameter| parameter.name).collect();
+        let held = settings.held.iter().filter(|(name, _)| names.contains(name) && !entrant.free.contains(name));
+        let settings = FitSettings { free: entrant.free.clone(), held: held.cloned().collect(), ..settings.clone() };
         let fit = Problem::new(&*entrant.form, &common, &settings)?.solve()?;
         let held = cross_validate(&*entrant.form, &common, &settings, folds)?;
         let empty = || FitError::Empty { given: common.len(), unexplained: common.len(), form: entrant.name.clone() };
