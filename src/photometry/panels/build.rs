@@ -8,7 +8,9 @@ use super::obstruction::MOST_BLOCKERS;
 use super::panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec,
 };
-use crate::photometry::brdf::{Abg, Binomial, Gaussian, Lambert, Law, Phong, reflected_share};
+use crate::photometry::brdf::{
+    Abg, Binomial, Facets, Gaussian, Lambert, Law, Phong, Retro, Straight, reflected_share, transmitted_share,
+};
 use crate::photometry::model_check::Check;
 use crate::photometry::model_file::ModelFileError;
 
@@ -131,12 +133,12 @@ impl PanelsSpec {
         }
         let assembly = self.assemble(&[]);
         for panel in assembly.panels() {
-            let faces = [("front and through", [&panel.front, &panel.through]), ("back", [&panel.back, &panel.back])];
-            for (face, laws) in faces {
-                let laws: Vec<&Law> =
-                    if face == "back" { laws[0].iter().collect() } else { laws.into_iter().flatten().collect() };
+            let faces: [(&str, &[Law], &[Law]); 2] =
+                [("front and through", &panel.front, &panel.through), ("back", &panel.back, &[])];
+            for (face, reflect, transmit) in faces {
                 for cos_in in HELD_AT_COSINES {
-                    let share: f64 = laws.iter().map(|law| reflected_share(*law, cos_in)).sum();
+                    let share: f64 = reflect.iter().map(|law| reflected_share(law, cos_in)).sum::<f64>()
+                        + transmit.iter().map(|law| transmitted_share(law, cos_in)).sum::<f64>();
                     let key = format!("panels.{} ({face}, light at cosine {cos_in}): reflected share", panel.name);
                     check.range(&key, share, 0.0, 1.0 + ENERGY_SLACK)?;
                 }
@@ -263,7 +265,9 @@ impl LawSpec {
     fn terms(&self) -> Vec<Term<'_>> {
         match self {
             Self::Lambert { albedo } => vec![Term::new("albedo", albedo, [0.0, 10.0], [0.0, 1.0]).proportional()],
-            Self::Phong { weight, exponent } => vec![
+            Self::Phong { weight, exponent }
+            | Self::Straight { weight, exponent }
+            | Self::Retro { weight, exponent } => vec![
                 Term::new("weight", weight, [0.0, 10.0], [0.0, 1.0]).proportional(),
                 Term::new("exponent", exponent, [0.0, 10_000.0], [0.5, 200.0]),
             ],
@@ -275,6 +279,10 @@ impl LawSpec {
             Self::Gaussian { peak_per_sr, width } => vec![
                 Term::new("peak_per_sr", peak_per_sr, [0.0, 1e6], [0.0, 1e3]).proportional(),
                 Term::new("width", width, [1e-6, 10.0], [1e-3, 2.0]),
+            ],
+            Self::Facets { weight, slope } => vec![
+                Term::new("weight", weight, [0.0, 10.0], [0.0, 1.0]).proportional(),
+                Term::new("slope", slope, [1e-3, 1.0], [2e-3, 0.6]),
             ],
             Self::Binomial { .. } => Vec::new(),
         }
@@ -301,6 +309,13 @@ impl LawSpec {
             Self::Phong { weight, exponent } => {
                 Law::Phong(Phong { weight: value_of(weight), exponent: value_of(exponent) })
             }
+            Self::Straight { weight, exponent } => {
+                Law::Straight(Straight { weight: value_of(weight), exponent: value_of(exponent) })
+            }
+            Self::Retro { weight, exponent } => {
+                Law::Retro(Retro { weight: value_of(weight), exponent: value_of(exponent) })
+            }
+            Self::Facets { weight, slope } => Law::Facets(Facets { weight: value_of(weight), slope: value_of(slope) }),
             Self::Abg { a, b, g } => Law::Abg(Abg { a: value_of(a), b: value_of(b), g: value_of(g) }),
             Self::Gaussian { peak_per_sr, width } => {
                 Law::Gaussian(Gaussian { peak_per_sr: value_of(peak_per_sr), width: value_of(width) })

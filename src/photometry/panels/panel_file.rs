@@ -143,6 +143,27 @@ pub enum LawSpec {
         /// 1 - cos θ where it has fallen to 1/e.
         width: Coefficient,
     },
+    /// A lobe about the continued ray.
+    Straight {
+        /// Share of the power in the lobe.
+        weight: Coefficient,
+        /// Narrowness.
+        exponent: Coefficient,
+    },
+    /// A lobe about the direction back to the Sun.
+    Retro {
+        /// Share of the power in the lobe.
+        weight: Coefficient,
+        /// Narrowness.
+        exponent: Coefficient,
+    },
+    /// A rough mirror of small facets.
+    Facets {
+        /// Reflectance of a facet.
+        weight: Coefficient,
+        /// Rms slope along one axis.
+        slope: Coefficient,
+    },
     /// A binomial expansion of the logarithm; its coefficients are numbers of a laboratory fit.
     Binomial {
         /// b\[k\]\[i\].
