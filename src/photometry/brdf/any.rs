@@ -38,7 +38,8 @@ impl Law {
             Self::Phong(Phong { exponent, .. })
             | Self::Straight(Straight { exponent, .. })
             | Self::Retro(Retro { exponent, .. }) => *exponent,
-            // A facet tilted by β turns light by θ = 2β: e^(-tan²β/2w²) ≈ e^(-θ²/8w²), and cosⁿθ ≈ e^(-nθ²/2)
+            // A facet tilted by β turns light by θ = 2β, a lobe of scale 2w: e^(-tan²β/2w²) ≈ e^(-θ²/8w²), and
+            // cosⁿθ ≈ e^(-nθ²/2). So in the plane of incidence; across it the lobe is narrower by cos φ_i.
             Self::Facets(law) => 0.25 / law.slope.powi(2),
             // e^((cos θ - 1)/w) ≈ e^(-θ²/2w)
             Self::Gaussian(law) => 1.0 / law.width,

@@ -6,8 +6,9 @@ use super::assembly::{AssembledPanel, PanelAssembly};
 use super::attitude::{Attitude, PanelOffset};
 use super::obstruction::MOST_BLOCKERS;
 use super::panel_file::{
-    AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec,
+    AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
+use super::sphere::Sphere;
 use crate::photometry::brdf::{
     Abg, Binomial, Facets, Gaussian, Lambert, Law, Phong, Retro, Straight, reflected_share, transmitted_share,
 };
@@ -38,9 +39,17 @@ impl PanelsSpec {
             }
             panel.validate(check, self)?;
         }
+        check.count("panels.spheres", self.spheres.len(), 0, 16)?;
+        for (place, sphere) in self.spheres.iter().enumerate() {
+            if sphere.name.is_empty() || self.spheres[..place].iter().any(|earlier| earlier.name == sphere.name) {
+                return Err(check.reference("panels.spheres", &sphere.name, "names that differ".to_owned()));
+            }
+            sphere.validate(check, self)?;
+        }
         for PanelParameter { name, .. } in &self.parameters {
             if self.terms_of(name).next().is_none() {
-                return Err(check.reference("panels.parameters", name, "names that a law refers to".to_owned()));
+                let allowed = "names that a law or a sphere refers to";
+                return Err(check.reference("panels.parameters", name, allowed.to_owned()));
             }
         }
         self.validate_blocking(check, &names)?;
@@ -69,7 +78,13 @@ impl PanelsSpec {
             earthshine: panel.earthshine,
             blockers: self.blockers_of(&panel.name).filter_map(|blocking| number_of(&blocking.by)).collect(),
         });
-        PanelAssembly::new(panels.collect())
+        let spheres = self.spheres.iter().map(|sphere| Sphere {
+            name: sphere.name.clone(),
+            area_m2: sphere.area_m2,
+            albedo: value_of(&sphere.albedo),
+            phase: sphere.phase,
+        });
+        PanelAssembly::new(panels.collect(), spheres.collect())
     }
 
     /// For each parameter the least and the greatest value that a fit should try: what all the coefficients that refer to it
@@ -84,7 +99,7 @@ impl PanelsSpec {
         self.parameters.iter().map(of).collect()
     }
 
-    /// True where the light of every law that refers to a parameter (by number) is proportional to it: albedos, weights,
+    /// True where the light of every law and sphere that refers to a parameter (by number) is proportional to it: albedos, weights,
     /// the Gaussian's peak, the ABg law's a.
     pub fn is_linear(&self, parameter: usize) -> bool {
         self.parameters.get(parameter).is_some_and(|parameter| self.terms_of(&parameter.name).all(|term| term.linear))
@@ -93,6 +108,7 @@ impl PanelsSpec {
     /// The coefficients that refer to a parameter.
     fn terms_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = Term<'a>> {
         let terms = self.panels.iter().flat_map(PanelSpec::laws).flat_map(|(_, law)| law.terms());
+        let terms = terms.chain(self.spheres.iter().map(SphereSpec::term));
         terms.filter(move |term| matches!(term.coefficient, Coefficient::Parameter(known) if known == name))
     }
 
@@ -144,7 +160,23 @@ impl PanelsSpec {
                 }
             }
         }
+        for sphere in assembly.spheres() {
+            let key = format!("panels.spheres.{}: reflected share", sphere.name);
+            check.range(&key, sphere.albedo, 0.0, 1.0)?;
+        }
         Ok(())
+    }
+}
+
+impl SphereSpec {
+    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), ModelFileError> {
+        let key = format!("panels.spheres.{}", self.name);
+        check.range(&format!("{key}.area_m2"), self.area_m2, 1e-4, 1e4)?;
+        self.term().validate(check, &key, spec)
+    }
+
+    fn term(&self) -> Term<'_> {
+        Term::new("albedo", &self.albedo, [0.0, 10.0], [0.0, 1.0]).proportional()
     }
 }
 
