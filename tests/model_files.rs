@@ -248,7 +248,7 @@ fn verif_a_users_model_takes_its_place() {
     assert_eq!(library, same, "a bad file changes nothing");
 }
 
-/// A satellite with two arrays, one of each law and attitude: the schema takes it, and so do we.
+/// A satellite with two arrays, one of each law, attitude and sphere: the schema takes it, and so do we.
 #[test]
 fn verif_a_file_of_panels_meets_the_schema() {
     let path = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/two-arrays.json");
@@ -256,10 +256,16 @@ fn verif_a_file_of_panels_meets_the_schema() {
     schema_check(&serde_json::from_str(&text).unwrap()).unwrap();
     let model = BrightnessModel::from_json(&text, "two-arrays.json").unwrap();
     assert_eq!(model.assembly().unwrap().names().collect::<Vec<_>>(), ["bus", "right", "left"]);
+    for law in ["lambert", "phong", "abg", "gaussian", "binomial", "straight", "retro", "facets", "isotropic"] {
+        assert!(text.contains(&format!("\"{law}\"")), "{law} is not shown");
+    }
     let again = model.file().unwrap().to_json();
     schema_check(&serde_json::from_str(&again).unwrap()).unwrap();
     assert_eq!(BrightnessModel::from_json(&again, "again").unwrap(), model);
     let mut wrong: Value = serde_json::from_str(&text).unwrap();
     wrong["panels"]["panels"][0]["front"][0]["law"] = json!("mirror");
+    assert!(schema_check(&wrong).is_err());
+    let mut wrong: Value = serde_json::from_str(&text).unwrap();
+    wrong["panels"]["spheres"][0]["phase"] = json!("phong");
     assert!(schema_check(&wrong).is_err());
 }

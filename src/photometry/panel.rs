@@ -24,6 +24,12 @@ impl Incidence {
         Self { cos_in, cos_out, cos_mirror: 2.0 * cos_in * cos_out - to_source.dot(to_observer) }
     }
 
+    /// Between the source and the observer: the cosine of the phase angle, s · o.
+    pub fn cos_phase(&self) -> f64 {
+        // cos θ = 2 cos φ_i cos φ_r - s · o
+        2.0 * self.cos_in * self.cos_out - self.cos_mirror
+    }
+
     /// ρ·ρ₀ of observer and mirror direction laid on the surface, in [-1, 1]: with s and o the sources' and observer's
     /// unit vectors and t their parts along the surface, ρ₀ = -s_t and ρ = o_t.
     pub fn sine_product(&self) -> f64 {

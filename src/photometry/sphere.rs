@@ -14,10 +14,15 @@ pub struct DiffuseSphere {
 impl DiffuseSphere {
     /// Magnitude at 1000 km for a phase angle in [0, π]; `None` at π, where nothing lit is seen.
     pub fn standard_magnitude(&self, phase_angle_rad: f64) -> Option<StandardMagnitude> {
-        // Lambertian sphere: F(φ) ∝ sin φ + (π - φ) cos φ, which is 1 at 90°.
-        let f = phase_angle_rad.sin() + (PI - phase_angle_rad) * phase_angle_rad.cos();
+        let f = lambert_sphere(phase_angle_rad);
         (f > 0.0).then(|| StandardMagnitude(self.half_lit.0 - 2.5 * f.log10()))
     }
+}
+
+/// Light of a Lambertian sphere against the phase angle in [0, π], 1 at 90°.
+pub(super) fn lambert_sphere(phase_angle_rad: f64) -> f64 {
+    // F(φ) ∝ sin φ + (π - φ) cos φ
+    phase_angle_rad.sin() + (PI - phase_angle_rad) * phase_angle_rad.cos()
 }
 
 #[cfg(test)]

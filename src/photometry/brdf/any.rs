@@ -1,7 +1,7 @@
 //! Any of the laws, chosen by data.
 
 use super::law::Brdf;
-use super::{Abg, Binomial, Gaussian, Lambert, Phong};
+use super::{Abg, Binomial, Facets, Gaussian, Lambert, Phong, Retro, Straight};
 use crate::photometry::panel::Incidence;
 
 /// One of the known laws.
@@ -17,6 +17,12 @@ pub enum Law {
     Gaussian(Gaussian),
     /// A logarithm expanded in reciprocal quantities.
     Binomial(Binomial),
+    /// A lobe about the continued ray.
+    Straight(Straight),
+    /// A lobe about the direction back to the source.
+    Retro(Retro),
+    /// A rough mirror of small facets.
+    Facets(Facets),
 }
 
 impl Law {
@@ -28,7 +34,13 @@ impl Law {
         let of_half_width = |theta: f64| 2.0 * std::f64::consts::LN_2 / theta.powi(2);
         let exponent = match self {
             Self::Lambert(_) => 1.0,
-            Self::Phong(law) => law.exponent,
+            // As wide, whatever they stand about.
+            Self::Phong(Phong { exponent, .. })
+            | Self::Straight(Straight { exponent, .. })
+            | Self::Retro(Retro { exponent, .. }) => *exponent,
+            // A facet tilted by β turns light by θ = 2β, a lobe of scale 2w: e^(-tan²β/2w²) ≈ e^(-θ²/8w²), and
+            // cosⁿθ ≈ e^(-nθ²/2). So in the plane of incidence; across it the lobe is narrower by cos φ_i.
+            Self::Facets(law) => 0.25 / law.slope.powi(2),
             // e^((cos θ - 1)/w) ≈ e^(-θ²/2w)
             Self::Gaussian(law) => 1.0 / law.width,
             // Half at x^g = B.
@@ -47,6 +59,28 @@ impl Brdf for Law {
             Self::Abg(law) => law.value_per_sr(incidence),
             Self::Gaussian(law) => law.value_per_sr(incidence),
             Self::Binomial(law) => law.value_per_sr(incidence),
+            Self::Straight(law) => law.value_per_sr(incidence),
+            Self::Retro(law) => law.value_per_sr(incidence),
+            Self::Facets(law) => law.value_per_sr(incidence),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn verif_facets_are_as_wide_as_their_exponent_says() {
+        let facets = Facets { weight: 1.0, slope: 0.06 };
+        let phong = Phong { weight: 1.0, exponent: Law::Facets(facets).equivalent_exponent() };
+        for degrees in [0.0_f64, 4.0, 8.0, 12.0] {
+            let (sin, cos) = degrees.to_radians().sin_cos();
+            let incidence = Incidence::new(&Vector3::z(), &Vector3::z(), &Vector3::new(sin, 0.0, cos));
+            // To the order of w², 4 in 1000, times the few that θ²/w² grows to.
+            let ratio = facets.value_per_sr(&incidence) / phong.value_per_sr(&incidence);
+            assert!((ratio - 1.0).abs() < 0.06, "{degrees}°: {ratio}");
         }
     }
 }

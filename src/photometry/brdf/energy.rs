@@ -14,27 +14,45 @@ const RINGS: usize = 512;
 /// Share of the incident power that a law sends back into the hemisphere, for light at this cosine from the normal:
 /// ∫ f cos φ_r dω.
 ///
-/// The rule is centred on the mirror direction, with rings that crowd around it, since that is where the lobes are.
-/// Its error is below 1e-3 of the share for lobes wider than a degree.
+/// Two rules share the work, one about the mirror direction and one about the source, with rings that crowd around
+/// them, since that is where the lobes are. The error is below 1e-3 of the share for lobes wider than a degree.
 pub fn reflected_share(law: &(impl Brdf + ?Sized), cos_in: f64) -> f64 {
+    share(law, cos_in, 1.0)
+}
+
+/// Share of the incident power that a law sends on into the hemisphere behind, if it is one of light that comes through:
+/// ∫ f |cos φ_r| dω, as exact as [`reflected_share`] for lobes about the continued ray.
+pub fn transmitted_share(law: &(impl Brdf + ?Sized), cos_in: f64) -> f64 {
+    share(law, cos_in, -1.0)
+}
+
+/// Into the hemisphere of the source (`side` 1) or the other (-1).
+fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
     let cos_in = cos_in.clamp(0.0, 1.0);
     let sin_in = (1.0 - cos_in * cos_in).sqrt();
     let normal = Vector3::z();
     let to_source = Vector3::new(sin_in, 0.0, cos_in);
-    let mirror = Vector3::new(-sin_in, 0.0, cos_in);
-    let (east, north) = (Vector3::y(), mirror.cross(&Vector3::y()));
+    // Mirror direction and source, or, behind, the continued ray and what the plane mirrors of the source.
+    let poles = [Vector3::new(-sin_in, 0.0, side * cos_in), Vector3::new(sin_in, 0.0, side * cos_in)];
     let mut share = 0.0;
-    for ring in 0..RINGS {
-        // θ = π t³: rings of equal t, dω = sin θ dθ dψ
-        let t = (ring as f64 + 0.5) / RINGS as f64;
-        let theta = PI * t.powi(3);
-        let weight = theta.sin() * 3.0 * PI * t * t / RINGS as f64 * TAU / AZIMUTHS as f64;
-        for azimuth in 0..AZIMUTHS {
-            let psi = (azimuth as f64 + 0.5) * TAU / AZIMUTHS as f64;
-            let to_eye = mirror * theta.cos() + (east * psi.cos() + north * psi.sin()) * theta.sin();
-            let incidence = Incidence::new(&normal, &to_source, &to_eye);
-            if incidence.cos_out > 0.0 {
-                share += law.value_per_sr(&incidence) * incidence.cos_out * weight;
+    for (pole, other) in [(poles[0], poles[1]), (poles[1], poles[0])] {
+        let (east, north) = (Vector3::y(), pole.cross(&Vector3::y()));
+        for ring in 0..RINGS {
+            // θ = π t³: rings of equal t, dω = sin θ dθ dψ
+            let t = (ring as f64 + 0.5) / RINGS as f64;
+            let theta = PI * t.powi(3);
+            let weight = theta.sin() * 3.0 * PI * t * t / RINGS as f64 * TAU / AZIMUTHS as f64;
+            for azimuth in 0..AZIMUTHS {
+                let psi = (azimuth as f64 + 0.5) * TAU / AZIMUTHS as f64;
+                let to_eye = pole * theta.cos() + (east * psi.cos() + north * psi.sin()) * theta.sin();
+                let incidence = Incidence::new(&normal, &to_source, &to_eye);
+                if incidence.cos_out * side > 0.0 {
+                    // Each direction belongs to both rules, the more to that of the nearer pole; to either by half where
+                    // the poles are one.
+                    let (near, far) = ((to_eye - pole).norm_squared(), (to_eye - other).norm_squared());
+                    let part = if near + far > 0.0 { far / (near + far) } else { 0.5 };
+                    share += law.value_per_sr(&incidence) * incidence.cos_out.abs() * weight * part;
+                }
             }
         }
     }
@@ -57,10 +75,19 @@ pub(super) fn hold_law_to_the_rules(law: &impl Brdf) {
     };
     for _ in 0..2000 {
         let (light, eye) = (up(), up());
-        let there = law.value_per_sr(&Incidence::new(&normal, &light, &eye));
-        let back = law.value_per_sr(&Incidence::new(&normal, &eye, &light));
-        assert!(there >= 0.0 && there.is_finite(), "{there} for {light:?} {eye:?}");
-        assert!((there - back).abs() <= 1e-9 * there.max(1.0), "{there} {back} for {light:?} {eye:?}");
+        // On the light's side, behind, and opposite to it.
+        for eye in [eye, -eye, -light] {
+            let there = law.value_per_sr(&Incidence::new(&normal, &light, &eye));
+            let back = law.value_per_sr(&Incidence::new(&normal, &eye, &light));
+            assert!(there >= 0.0 && there.is_finite(), "{there} for {light:?} {eye:?}");
+            assert!((there - back).abs() <= 1e-9 * there.max(1.0), "{there} {back} for {light:?} {eye:?}");
+        }
+        // Along the surface: towards the source, across, and opposite.
+        let along = Vector3::new(light.x, light.y, 0.0).normalize();
+        for eye in [along, Vector3::new(-along.y, along.x, 0.0), -along, eye] {
+            let grazing = law.value_per_sr(&Incidence::new(&normal, &along, &eye));
+            assert!(grazing >= 0.0 && grazing.is_finite(), "{grazing} for {along:?} {eye:?}");
+        }
         // In the mirror itself, and along the normal, no root of a negative number.
         let mirror = Vector3::new(-light.x, -light.y, light.z);
         assert!(law.value_per_sr(&Incidence::new(&normal, &light, &mirror)).is_finite());
@@ -79,6 +106,8 @@ mod tests {
         for cos_in in [1.0, 0.7, 0.2, 0.02] {
             let share = reflected_share(&Lambert { albedo: 0.3 }, cos_in);
             assert!((share - 0.3).abs() < 3e-4, "{cos_in}: {share}");
+            let share = transmitted_share(&Lambert { albedo: 0.3 }, cos_in);
+            assert!((share - 0.3).abs() < 3e-4, "{cos_in}: {share} behind");
         }
         // Phong's lobe its weight under light along the normal, and less at a slant.
         for exponent in [1.0, 22.0, 300.0, 5000.0] {

@@ -14,9 +14,8 @@
 //!
 //! Reference: Lu (2024), eqs. 2 and 5; Phong (1975), CACM 18, 311.
 
-use std::f64::consts::TAU;
-
 use super::law::Brdf;
+use super::lobe;
 use crate::photometry::panel::Incidence;
 
 /// A glossy lobe.
@@ -31,24 +30,21 @@ pub struct Phong {
 impl Phong {
     /// Reflectance in the mirror direction, sr⁻¹.
     pub fn peak_per_sr(&self) -> f64 {
-        // c (n + 2) / 2π                                                 Lu (2024), eq. 2
-        self.weight * (self.exponent + 2.0) / TAU
+        lobe::peak_per_sr(self.weight, self.exponent)
     }
 }
 
 impl Brdf for Phong {
     fn value_per_sr(&self, incidence: &Incidence) -> f64 {
-        // A lobe of no weight costs nothing; and 0 · 0⁰ has no say.
-        if self.weight == 0.0 || incidence.cos_mirror <= 0.0 {
-            return 0.0;
-        }
         // f = c (n + 2) / 2π · cosⁿθ                                     Lu (2024), eq. 2
-        self.peak_per_sr() * incidence.cos_mirror.powf(self.exponent)
+        lobe::value_per_sr(self.weight, self.exponent, incidence.cos_mirror)
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use std::f64::consts::TAU;
+
     use super::*;
     use nalgebra::Vector3;
     use proptest::prelude::*;

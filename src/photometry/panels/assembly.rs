@@ -2,13 +2,14 @@
 //!
 //! Each panel reflects by the laws of the face that is lit and seen: its front, its back, or through from the front to
 //! the back. What other panels shade of it or hide of it is cut out exactly; light that goes from panel to panel is left
-//! out, as in the paper.
+//! out, as in the paper. Spheres add their light, whatever stands before them.
 
 use nalgebra::Vector3;
 
 use super::attitude::Attitude;
 use super::obstruction::{MOST_BLOCKERS, union_area_m2};
 use super::rectangle::PlacedRectangle;
+use super::sphere::Sphere;
 use crate::geometry::ViewingGeometry;
 use crate::photometry::brdf::{Brdf, Law};
 use crate::photometry::earthshine::{Albedo, EarthshineNodes, PAPER_ALBEDO};
@@ -81,16 +82,17 @@ pub struct Part {
     pub blocked: f64,
 }
 
-/// Any number of panels.
+/// Any number of panels and spheres.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct PanelAssembly {
     panels: Vec<AssembledPanel>,
+    spheres: Vec<Sphere>,
 }
 
 impl PanelAssembly {
     /// Numbers in `blockers` beyond the panels, and blockers beyond [`MOST_BLOCKERS`], are refused by model files.
-    pub(super) fn new(panels: Vec<AssembledPanel>) -> Self {
-        Self { panels }
+    pub(super) fn new(panels: Vec<AssembledPanel>, spheres: Vec<Sphere>) -> Self {
+        Self { panels, spheres }
     }
 
     pub(super) fn panels(&self) -> &[AssembledPanel] {
@@ -109,12 +111,13 @@ impl PanelAssembly {
 
     /// Reflected sunlight, m² sr⁻¹, for unit vectors to Sun (y = 0) and observer in the body frame.
     pub fn b_total_m2_sr(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> f64 {
-        let mut total = 0.0;
+        let mut total = self.sphere_parts(to_sun, to_observer).sum();
         self.each_part(to_sun, to_observer, |part| total += part.m2_sr);
         total
     }
 
-    /// The same taken apart: one entry for each law of each face that is lit and seen.
+    /// Light of the panels taken apart: one entry for each law of each face that is lit and seen. With
+    /// [`Self::sphere_parts`] they add up to the whole.
     pub fn parts(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Vec<Part> {
         let mut parts = Vec::new();
         self.each_part(to_sun, to_observer, |part| parts.push(part));
@@ -124,7 +127,8 @@ impl PanelAssembly {
     /// The geometry without the laws: each face that is lit, seen and has a law, in the order of the panels.
     ///
     /// It depends on no coefficient of any law: a fit may keep it while coefficients move, and ask [`Self::laws`] of each
-    /// new assembly. Light from panels is the sum of f · `open_m2` over these faces and their laws.
+    /// new assembly. Light from panels is the sum of f · `open_m2` over these faces and their laws;
+    /// [`Self::spheres`] add theirs, which depends on the phase angle alone.
     pub fn lit_faces(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Vec<LitFace> {
         let mut faces = Vec::new();
         self.each_lit_face(to_sun, to_observer, |lit| faces.push(lit));
@@ -136,6 +140,17 @@ impl PanelAssembly {
         self.panels.get(panel).map_or(&[], |panel| panel.laws(face))
     }
 
+    /// The spheres, in the order of the file.
+    pub fn spheres(&self) -> &[Sphere] {
+        &self.spheres
+    }
+
+    /// Light of each sphere, in the order of the file, m² sr⁻¹.
+    pub fn sphere_parts(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> impl Iterator<Item = f64> {
+        let cos_phase = to_sun.dot(to_observer).clamp(-1.0, 1.0);
+        self.spheres.iter().map(move |sphere| sphere.m2_sr(cos_phase.acos()))
+    }
+
     /// Share of a panel's area that is in the others' shadow or hidden by them, [0, 1].
     pub fn blocked(&self, panel: usize, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> f64 {
         let Some(of) = self.panels.get(panel) else { return 0.0 };
@@ -143,7 +158,8 @@ impl PanelAssembly {
     }
 
     /// Sunlight that the Earth throws on the fronts that ask for it and they send on, m² sr⁻¹: the whole Earth at the paper's
-    /// albedo. What others hide of a panel is cut out; what they shade of the wide Earth is not.
+    /// albedo. What others hide of a panel is cut out; what they shade of the wide Earth is not. Of spheres it is not
+    /// computed.
     pub fn earthshine_m2_sr(&self, geometry: &ViewingGeometry) -> f64 {
         let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
         let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());

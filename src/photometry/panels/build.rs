@@ -6,9 +6,12 @@ use super::assembly::{AssembledPanel, PanelAssembly};
 use super::attitude::{Attitude, PanelOffset};
 use super::obstruction::MOST_BLOCKERS;
 use super::panel_file::{
-    AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec,
+    AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
-use crate::photometry::brdf::{Abg, Binomial, Gaussian, Lambert, Law, Phong, reflected_share};
+use super::sphere::Sphere;
+use crate::photometry::brdf::{
+    Abg, Binomial, Facets, Gaussian, Lambert, Law, Phong, Retro, Straight, reflected_share, transmitted_share,
+};
 use crate::photometry::model_check::Check;
 use crate::photometry::model_file::ModelFileError;
 
@@ -36,9 +39,17 @@ impl PanelsSpec {
             }
             panel.validate(check, self)?;
         }
+        check.count("panels.spheres", self.spheres.len(), 0, 16)?;
+        for (place, sphere) in self.spheres.iter().enumerate() {
+            if sphere.name.is_empty() || self.spheres[..place].iter().any(|earlier| earlier.name == sphere.name) {
+                return Err(check.reference("panels.spheres", &sphere.name, "names that differ".to_owned()));
+            }
+            sphere.validate(check, self)?;
+        }
         for PanelParameter { name, .. } in &self.parameters {
             if self.terms_of(name).next().is_none() {
-                return Err(check.reference("panels.parameters", name, "names that a law refers to".to_owned()));
+                let allowed = "names that a law or a sphere refers to";
+                return Err(check.reference("panels.parameters", name, allowed.to_owned()));
             }
         }
         self.validate_blocking(check, &names)?;
@@ -67,7 +78,13 @@ impl PanelsSpec {
             earthshine: panel.earthshine,
             blockers: self.blockers_of(&panel.name).filter_map(|blocking| number_of(&blocking.by)).collect(),
         });
-        PanelAssembly::new(panels.collect())
+        let spheres = self.spheres.iter().map(|sphere| Sphere {
+            name: sphere.name.clone(),
+            area_m2: sphere.area_m2,
+            albedo: value_of(&sphere.albedo),
+            phase: sphere.phase,
+        });
+        PanelAssembly::new(panels.collect(), spheres.collect())
     }
 
     /// For each parameter the least and the greatest value that a fit should try: what all the coefficients that refer to it
@@ -82,7 +99,7 @@ impl PanelsSpec {
         self.parameters.iter().map(of).collect()
     }
 
-    /// True where the light of every law that refers to a parameter (by number) is proportional to it: albedos, weights,
+    /// True where the light of every law and sphere that refers to a parameter (by number) is proportional to it: albedos, weights,
     /// the Gaussian's peak, the ABg law's a.
     pub fn is_linear(&self, parameter: usize) -> bool {
         self.parameters.get(parameter).is_some_and(|parameter| self.terms_of(&parameter.name).all(|term| term.linear))
@@ -91,6 +108,7 @@ impl PanelsSpec {
     /// The coefficients that refer to a parameter.
     fn terms_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = Term<'a>> {
         let terms = self.panels.iter().flat_map(PanelSpec::laws).flat_map(|(_, law)| law.terms());
+        let terms = terms.chain(self.spheres.iter().map(SphereSpec::term));
         terms.filter(move |term| matches!(term.coefficient, Coefficient::Parameter(known) if known == name))
     }
 
@@ -131,18 +149,34 @@ impl PanelsSpec {
         }
         let assembly = self.assemble(&[]);
         for panel in assembly.panels() {
-            let faces = [("front and through", [&panel.front, &panel.through]), ("back", [&panel.back, &panel.back])];
-            for (face, laws) in faces {
-                let laws: Vec<&Law> =
-                    if face == "back" { laws[0].iter().collect() } else { laws.into_iter().flatten().collect() };
+            let faces: [(&str, &[Law], &[Law]); 2] =
+                [("front and through", &panel.front, &panel.through), ("back", &panel.back, &[])];
+            for (face, reflect, transmit) in faces {
                 for cos_in in HELD_AT_COSINES {
-                    let share: f64 = laws.iter().map(|law| reflected_share(*law, cos_in)).sum();
+                    let share: f64 = reflect.iter().map(|law| reflected_share(law, cos_in)).sum::<f64>()
+                        + transmit.iter().map(|law| transmitted_share(law, cos_in)).sum::<f64>();
                     let key = format!("panels.{} ({face}, light at cosine {cos_in}): reflected share", panel.name);
                     check.range(&key, share, 0.0, 1.0 + ENERGY_SLACK)?;
                 }
             }
         }
+        for sphere in assembly.spheres() {
+            let key = format!("panels.spheres.{}: reflected share", sphere.name);
+            check.range(&key, sphere.albedo, 0.0, 1.0)?;
+        }
         Ok(())
+    }
+}
+
+impl SphereSpec {
+    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), ModelFileError> {
+        let key = format!("panels.spheres.{}", self.name);
+        check.range(&format!("{key}.area_m2"), self.area_m2, 1e-4, 1e4)?;
+        self.term().validate(check, &key, spec)
+    }
+
+    fn term(&self) -> Term<'_> {
+        Term::new("albedo", &self.albedo, [0.0, 10.0], [0.0, 1.0]).proportional()
     }
 }
 
@@ -263,7 +297,9 @@ impl LawSpec {
     fn terms(&self) -> Vec<Term<'_>> {
         match self {
             Self::Lambert { albedo } => vec![Term::new("albedo", albedo, [0.0, 10.0], [0.0, 1.0]).proportional()],
-            Self::Phong { weight, exponent } => vec![
+            Self::Phong { weight, exponent }
+            | Self::Straight { weight, exponent }
+            | Self::Retro { weight, exponent } => vec![
                 Term::new("weight", weight, [0.0, 10.0], [0.0, 1.0]).proportional(),
                 Term::new("exponent", exponent, [0.0, 10_000.0], [0.5, 200.0]),
             ],
@@ -275,6 +311,10 @@ impl LawSpec {
             Self::Gaussian { peak_per_sr, width } => vec![
                 Term::new("peak_per_sr", peak_per_sr, [0.0, 1e6], [0.0, 1e3]).proportional(),
                 Term::new("width", width, [1e-6, 10.0], [1e-3, 2.0]),
+            ],
+            Self::Facets { weight, slope } => vec![
+                Term::new("weight", weight, [0.0, 10.0], [0.0, 1.0]).proportional(),
+                Term::new("slope", slope, [1e-3, 1.0], [2e-3, 0.6]),
             ],
             Self::Binomial { .. } => Vec::new(),
         }
@@ -301,6 +341,13 @@ impl LawSpec {
             Self::Phong { weight, exponent } => {
                 Law::Phong(Phong { weight: value_of(weight), exponent: value_of(exponent) })
             }
+            Self::Straight { weight, exponent } => {
+                Law::Straight(Straight { weight: value_of(weight), exponent: value_of(exponent) })
+            }
+            Self::Retro { weight, exponent } => {
+                Law::Retro(Retro { weight: value_of(weight), exponent: value_of(exponent) })
+            }
+            Self::Facets { weight, slope } => Law::Facets(Facets { weight: value_of(weight), slope: value_of(slope) }),
             Self::Abg { a, b, g } => Law::Abg(Abg { a: value_of(a), b: value_of(b), g: value_of(g) }),
             Self::Gaussian { peak_per_sr, width } => {
                 Law::Gaussian(Gaussian { peak_per_sr: value_of(peak_per_sr), width: value_of(width) })

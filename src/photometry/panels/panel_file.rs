@@ -2,14 +2,19 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::sphere::SpherePhase;
+
 /// Everything that a model of kind `panels` is made of.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelsSpec {
-    /// Numbers with names, which laws refer to; their order is that of the covariance.
+    /// Numbers with names, which laws and spheres refer to; their order is that of the covariance.
     pub parameters: Vec<PanelParameter>,
     /// The panels.
     pub panels: Vec<PanelSpec>,
+    /// Parts of no orientation.
+    #[serde(default)]
+    pub spheres: Vec<SphereSpec>,
     /// Which panel may shade or hide which.
     #[serde(default)]
     pub blocking: Vec<BlockingSpec>,
@@ -54,6 +59,20 @@ pub struct PanelSpec {
     /// True where light from the Earth falls on the front too.
     #[serde(default)]
     pub earthshine: bool,
+}
+
+/// A part of no orientation; never blocked, and without light from the Earth.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SphereSpec {
+    /// Its name.
+    pub name: String,
+    /// Cross-section, m².
+    pub area_m2: f64,
+    /// Share of the incident power that leaves again.
+    pub albedo: Coefficient,
+    /// How its light depends on the phase angle.
+    pub phase: SpherePhase,
 }
 
 /// Which panel may stand in the way of which.
@@ -142,6 +161,27 @@ pub enum LawSpec {
         peak_per_sr: Coefficient,
         /// 1 - cos θ where it has fallen to 1/e.
         width: Coefficient,
+    },
+    /// A lobe about the continued ray.
+    Straight {
+        /// Share of the power in the lobe.
+        weight: Coefficient,
+        /// Narrowness.
+        exponent: Coefficient,
+    },
+    /// A lobe about the direction back to the Sun.
+    Retro {
+        /// Share of the power in the lobe.
+        weight: Coefficient,
+        /// Narrowness.
+        exponent: Coefficient,
+    },
+    /// A rough mirror of small facets.
+    Facets {
+        /// Reflectance of a facet.
+        weight: Coefficient,
+        /// Rms slope along one axis.
+        slope: Coefficient,
     },
     /// A binomial expansion of the logarithm; its coefficients are numbers of a laboratory fit.
     Binomial {

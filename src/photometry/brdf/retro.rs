@@ -1,0 +1,73 @@
+//! A lobe about the direction back to the source.
+//!
+//! | parameter | unit | range | meaning |
+//! |---|---|---|---|
+//! | `weight` | 1 | 0 and up | share of the incident power in the lobe, for light along the normal |
+//! | `exponent` | 1 | 0 and up | narrowness: the lobe is down to half at acos(2^(-1/n)), 14.3° for n = 22 |
+//!
+//! For surfaces that are brightest when the Sun stands behind the observer: crumpled foil, corners, rough ground that
+//! hides its own shadows. It is Phong's lobe turned by half a turn about the normal, so it shares Phong's budget: under
+//! light along the normal `weight` leaves, at slant incidence part of the lobe lies below the surface and less leaves.
+//! The lobe depends on the phase angle alone: it is reciprocal, and dark at phase angles beyond 90°.
+//!
+//! It is empirical, a cosine's power in the place where a fit to measured satellites asks for light.
+//!
+//! Reference: the lobe is that of Lu (2024), eq. 2, turned to the other direction.
+
+use super::law::Brdf;
+use super::lobe;
+use crate::photometry::panel::Incidence;
+
+/// A lobe about the direction back to the source.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Retro {
+    /// Share of the power in the lobe under light along the normal.
+    pub weight: f64,
+    /// Narrowness of the lobe.
+    pub exponent: f64,
+}
+
+impl Brdf for Retro {
+    fn value_per_sr(&self, incidence: &Incidence) -> f64 {
+        // f = c (n + 2) / 2π · (s · o)ⁿ
+        lobe::value_per_sr(self.weight, self.exponent, incidence.cos_phase())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::Phong;
+    use super::super::energy::{hold_law_to_the_rules, reflected_share};
+    use super::*;
+    use nalgebra::Vector3;
+
+    #[test]
+    fn verif_energy_that_leaves() {
+        for exponent in [0.0, 1.0, 22.0, 300.0, 5000.0] {
+            let law = Retro { weight: 0.7, exponent };
+            assert!((reflected_share(&law, 1.0) - 0.7).abs() < 7e-4, "{exponent}");
+            // Phong's budget at every slant, down to grazing.
+            let turned = Phong { weight: 0.7, exponent };
+            for cos_in in [1.0, 0.6, 0.2, 0.0] {
+                let (back, forth) = (reflected_share(&law, cos_in), reflected_share(&turned, cos_in));
+                assert!((back - forth).abs() < 1e-12 && back < 0.7007, "{exponent} {cos_in}: {back} {forth}");
+            }
+        }
+    }
+
+    #[test]
+    fn verif_brightest_towards_the_source_and_dark_beyond_a_right_angle() {
+        let law = Retro { weight: 0.2, exponent: 5.0 };
+        let (normal, light) = (Vector3::z(), Vector3::new(0.6, 0.0, 0.8));
+        let at = |eye: Vector3<f64>| law.value_per_sr(&Incidence::new(&normal, &light, &eye));
+        assert!((at(light) - 0.2 * 7.0 / std::f64::consts::TAU).abs() < 1e-14);
+        assert_eq!(at(-light), 0.0);
+        assert_eq!(at(Vector3::new(-0.9, 0.0, 0.19_f64.sqrt())), 0.0);
+    }
+
+    #[test]
+    fn verif_retro_keeps_the_rules() {
+        hold_law_to_the_rules(&Retro { weight: 0.3, exponent: 4.0 });
+        hold_law_to_the_rules(&Retro { weight: 0.0, exponent: 0.0 });
+    }
+}

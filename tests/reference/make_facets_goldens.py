@@ -1,0 +1,43 @@
+"""Golden reflectances of rough mirrors from Mitsuba 3, a renderer: writes tests/data/facets_golden.csv.
+
+    pip install mitsuba==3.9.1
+    python tests/reference/make_facets_goldens.py > tests/data/facets_golden.csv
+
+Mitsuba's `roughconductor` of Beckmann's distribution with material `none` (all light is reflected); its alpha is sqrt(2) times the
+rms slope along one axis. It masks by Walter et al.'s rational fit (their eq. 27, good to 0.35 %) in place of the error function.
+"""
+
+import datetime
+import math
+
+import mitsuba as mi
+
+mi.set_variant("scalar_rgb")
+
+
+def direction(zenith_deg, azimuth_deg):
+    zenith, azimuth = math.radians(zenith_deg), math.radians(azimuth_deg)
+    return [math.sin(zenith) * math.cos(azimuth), math.sin(zenith) * math.sin(azimuth), math.cos(zenith)]
+
+
+def main():
+    today = datetime.date.today().isoformat()
+    print(f"# roughconductor (Beckmann) of Mitsuba {mi.__version__}, scalar_rgb, tests/reference/make_facets_goldens.py, {today}")
+    print("slope,in_zenith_deg,out_zenith_deg,out_azimuth_deg,per_sr")
+    for slope in [0.05, 0.1, 0.25, 0.5]:
+        bsdf = mi.load_dict(
+            {"type": "roughconductor", "material": "none", "distribution": "beckmann", "alpha": math.sqrt(2.0) * slope}
+        )
+        for zenith_in in [0.0, 25.0, 50.0, 70.0, 85.0]:
+            for zenith_out in [5.0, 30.0, 55.0, 75.0, 86.0]:
+                for azimuth in [180.0, 165.0, 120.0, 10.0]:
+                    si = mi.SurfaceInteraction3f()
+                    si.wi = direction(zenith_in, 0.0)
+                    value = bsdf.eval(mi.BSDFContext(), si, direction(zenith_out, azimuth))[0]
+                    per_sr = float(value) / math.cos(math.radians(zenith_out))
+                    # Single precision loses the far wings.
+                    if per_sr > 1e-6:
+                        print(f"{slope},{zenith_in},{zenith_out},{azimuth},{per_sr:.6e}")
+
+
+main()
