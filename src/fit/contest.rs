@@ -99,27 +99,27 @@ fn within_of_others(residuals_mag: &[f64], folds: &[usize]) -> f64 {
     inside / all
 }
 
-/// What every form has to beat: a diffuse sphere, a quadratic in the phase angle, two Phong panels that hide nothing of one another and
-/// let no light through.
-pub fn baselines(of: &TwoPanelForm) -> Vec<Entrant> {
+/// What every form has to beat: a diffuse sphere, a quadratic in the phase angle, and, where the satellite has chassis and sail, two
+/// Phong panels that hide nothing of one another and let no light through.
+pub fn baselines(of: Option<&TwoPanelForm>) -> Vec<Entrant> {
     let names = |names: &[&str]| names.iter().map(|&name| name.to_owned()).collect::<Vec<String>>();
-    let plain = TwoPanelForm {
-        coefficients: Coefficients { c3: 0.0, ..of.coefficients },
-        earthshine: Earthshine::Off,
-        blocking: false,
-        ..of.clone()
-    };
-    vec![
+    let mut entrants = vec![
         Entrant { name: "diffuse sphere".to_owned(), form: Box::new(SphereForm), free: names(&["half_lit_mag"]) },
         Entrant {
             name: "quadratic in phase".to_owned(),
             form: Box::new(PhaseForm { degree: 2 }),
             free: names(&["a0", "a1", "a2"]),
         },
-        Entrant {
-            name: "two Phong panels".to_owned(),
-            form: Box::new(plain),
-            free: names(&["c1", "c2", "c4", "c5", "n_sail", "n_base"]),
-        },
-    ]
+    ];
+    entrants.extend(of.map(|of| Entrant {
+        name: "two Phong panels".to_owned(),
+        form: Box::new(TwoPanelForm {
+            coefficients: Coefficients { c3: 0.0, ..of.coefficients },
+            earthshine: Earthshine::Off,
+            blocking: false,
+            ..of.clone()
+        }),
+        free: names(&["c1", "c2", "c4", "c5", "n_sail", "n_base"]),
+    }));
+    entrants
 }

@@ -6,12 +6,13 @@
 use rayon::prelude::*;
 
 use crate::photometry::brdf::{Brdf, Law};
-use crate::photometry::panels::{Face, LitFace, PanelAssembly, PanelsSpec};
-use crate::photometry::{Earthshine, StandardMagnitude};
+use crate::photometry::panels::{AttitudeSpec, Face, LitFace, PanelAssembly, PanelsSpec};
+use crate::photometry::{Coefficients, Earthshine, SatelliteShape, StandardMagnitude};
 
 use super::form::{BLOCK, Evaluated, Form, Parameter, Prepared};
 use super::linear_starts::{self, Basis};
 use super::point::FitPoint;
+use super::two_panel::TwoPanelForm;
 
 /// Panels of a model file. Attitudes are not fitted, but laws and spheres are.
 #[derive(Clone, Debug, PartialEq)]
@@ -45,8 +46,32 @@ impl Form for PanelsForm {
             form: self.clone(),
             points: points.to_vec(),
             seen: points.par_iter().map(seen).collect(),
-            has_spheres: false, // TEMP
+            has_spheres: !assembly.spheres().is_empty(),
             zero_mag,
+        })
+    }
+}
+
+impl PanelsForm {
+    /// Chassis and sail of the paper with the sizes of the panel that looks down and the one that is turned to the Sun's azimuth; `None`
+    /// where there are none such.
+    pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
+        let of = |is: fn(&AttitudeSpec) -> bool| self.spec.panels.iter().find(|panel| is(&panel.attitude));
+        let base = of(|attitude| matches!(attitude, AttitudeSpec::Nadir {}))?;
+        let sail = of(|attitude| matches!(attitude, AttitudeSpec::SunAzimuth { .. }))?;
+        let length = |[from, to]: [f64; 2]| to - from;
+        Some(TwoPanelForm {
+            shape: SatelliteShape {
+                sail_length_m: length(sail.v_m),
+                sail_width_m: length(sail.u_m),
+                base_length_m: length(base.v_m),
+                base_width_m: length(base.u_m),
+                panel_offset_deg: 0.0,
+            },
+            coefficients: Coefficients { c1: 0.0, c2: 0.0, c3: 0.0, c4: 0.0, c5: 0.0, n_sail: 1.0, n_base: 1.0 },
+            earthshine: self.earthshine,
+            blocking: true,
+            sun_magnitude: self.sun_magnitude,
         })
     }
 }
@@ -79,7 +104,7 @@ impl PreparedPanels {
             laws.iter().map(|law| law.value_per_sr(&face.incidence)).sum::<f64>() * face.open_m2
         };
         let sunlight: f64 = seen.faces.iter().map(of_face).sum();
-        let spheres: f64 = 0.0 * seen.phase_rad; // TEMP
+        let spheres: f64 = assembly.spheres().iter().map(|sphere| sphere.m2_sr(seen.phase_rad)).sum();
         let earth = match self.form.earthshine {
             Earthshine::Computed => assembly.earthshine_m2_sr(&self.points[point].geometry),
             Earthshine::Off => 0.0,

@@ -1,7 +1,7 @@
 //! `fit compare`: the paper's tests, and forms of law on unseen points.
 
 use streakcast::fit::{
-    Entrant, baselines, contest, offset_table, paper_tests, rival_table, standing_table,
+    COEFFICIENTS, Entrant, baselines, contest, offset_table, paper_tests, rival_table, standing_table,
 };
 use streakcast::table::{Provenance, Section};
 
@@ -51,11 +51,16 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     provenance.state("earthshine", if typed.form.no_earthshine { "off" } else { "computed" });
     let tests = match &chosen.form {
         FittedForm::TwoPanel(two_panel) => {
-            entrants.extend(baselines(two_panel));
             Some(paper_tests(two_panel, &placed.points, &chosen.settings, typed.reduction.layer_deg)?)
         }
         FittedForm::Panels(_) => None,
     };
+    let two_panels = chosen.form.as_two_panels();
+    if let (FittedForm::Panels(_), Some(paper)) = (&chosen.form, &two_panels) {
+        let free = COEFFICIENTS.iter().map(|&name| name.to_owned()).collect();
+        entrants.push(Entrant { name: "the paper's form".to_owned(), form: Box::new(paper.clone()), free });
+    }
+    entrants.extend(baselines(two_panels.as_ref()));
     let folds = typed.form.folds.max(2);
     provenance.state("folds", folds);
     let (_, standings) = contest(&entrants, &placed.points, &chosen.settings, folds)?;

@@ -146,6 +146,14 @@ impl FittedForm {
         }
     }
 
+    /// The paper's form with this one's sizes, where it has any.
+    pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
+        match self {
+            Self::TwoPanel(form) => Some(form.clone()),
+            Self::Panels(form) => form.as_two_panels(),
+        }
+    }
+
     /// The same, to be owned.
     pub fn boxed(&self) -> Box<dyn Form> {
         match self {

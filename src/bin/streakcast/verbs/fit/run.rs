@@ -99,9 +99,7 @@ fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyho
     }
     let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
-    if let FittedForm::TwoPanel(form) = &chosen.form {
-        entrants.extend(baselines(form));
-    }
+    entrants.extend(baselines(chosen.form.as_two_panels().as_ref()));
     let (_, standings) = contest(&entrants, &placed.points, &chosen.settings, typed.form.folds)?;
     for one in &standings {
         placed.notices.say(&format!(
