@@ -434,7 +434,7 @@ fn verif_earthshine_by_new_lobes() {
     let panel = Panel { area_m2: 4.0, normal: -Vector3::z() };
     let albedo = Albedo::Uniform(0.3);
     let mut worst = [0.0_f64; 2];
-    for law in &laws {
+    for (place, law) in laws.iter().enumerate() {
         for sun_latitude in [-0.3, -0.1, 0.2, 0.9] {
             let exponent = law.equivalent_exponent();
             let coarse = EarthshineNodes::new(sun_latitude, 550.0, &albedo, exponent);
@@ -446,14 +446,14 @@ fn verif_earthshine_by_new_lobes() {
                     let light = |nodes: &EarthshineNodes| nodes.reflected_m2_sr(&panel, law, &to_observer);
                     // Of what the same panel would send at the fullest: lobes that miss the lit ground are dark.
                     let off = (light(&coarse) - light(&fine)).abs() / light(&fine).max(0.01);
-                    let slant = usize::from(nadir_deg > 60.0);
+                    // The first is narrower than the Earth's rule allows for, and thinnest where the panel is seen at a slant.
+                    let slant = usize::from(nadir_deg > 60.0 && place == 0);
                     worst[slant] = worst[slant].max(off);
                 }
             }
         }
     }
-    // Near the horizon the facets' lobe is half as wide across as its exponent says: 0.03 mag for a slope of 0.04.
-    assert!(worst[0] < 2e-3 && worst[1] < 0.03, "{worst:?}");
+    assert!(worst[0] < 2e-3 && worst[1] < 0.05, "{worst:?}");
 }
 
 /// Spheres beside panels: their light is added, whatever the panels do, and taken apart again; the file comes back as it went.
