@@ -42,6 +42,26 @@ fn verif_fits_holds_the_table() {
     assert!(map.to_fits(&bracket).unwrap_err().to_string().contains("its name holds one of"));
 }
 
+/// Names in headers stay readable in ASCII, and what is too long for a card says that it was cut.
+#[cfg(feature = "fits")]
+#[test]
+fn verif_fits_headers_hold_names_of_any_language() {
+    use fitsio::FitsFile;
+    let model = v15();
+    let folder = tempfile::tempdir().unwrap();
+    let long = format!("O'Higgins {}", "x".repeat(80));
+    let cut = format!("O'Higgins {}...", "x".repeat(54));
+    for (name, card) in [("Côte d’Azur, Ondřejov", "Cote d'Azur, Ondrejov"), (&long, &cut)] {
+        let site = streakcast::geometry::Site::new_deg(name, 43.7, 7.3, 650.0).unwrap();
+        let view = SkyView::new(&model, Earth::Ellipsoid(site), 550.0, 0.0, -0.3, options()).unwrap();
+        let path = folder.path().join("map.fits");
+        std::fs::write(&path, view.map(Grid::healpix(2).unwrap()).to_fits(folder.path()).unwrap()).unwrap();
+        let mut file = FitsFile::open(&path).unwrap();
+        let hdu = file.hdu(1).unwrap();
+        assert_eq!(hdu.read_key::<String>(&mut file, "SITE").unwrap(), card);
+    }
+}
+
 #[cfg(feature = "plot")]
 mod pictures {
     use super::*;

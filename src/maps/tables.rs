@@ -72,7 +72,7 @@ fn table<const N: usize>(
     grid: Grid,
     rows: impl Iterator<Item = (Option<u64>, [Value; N])>,
 ) -> Table {
-    let has_cells = matches!(grid, Grid::Healpix { .. });
+    let has_cells = grid.nside().is_some();
     let cell = |cell: Option<u64>| cell.and_then(|cell| i64::try_from(cell).ok()).map_or(Value::Null, Value::Integer);
     Table {
         columns: has_cells.then_some(CELL).into_iter().chain(columns.iter().copied()).collect(),

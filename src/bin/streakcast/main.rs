@@ -3,6 +3,7 @@
 mod arguments;
 mod failure;
 mod map_arguments;
+mod map_output;
 mod notices;
 mod output;
 mod screen;
