@@ -280,7 +280,7 @@ fn verif_a_configuration() {
     assert!(!run(&[SKY, &["--config", &air, "--step-deg", "5"]]).2.contains("no part"));
 
     let space = config("space.toml", "observer_norad = 20580\nobserver_elements = 'hst.tle'\n");
-    fails(&[SKY, &["--config", &space]], &["observer is in orbit", "say --site, --mpc"]);
+    fails(&[SKY, &["--config", &space]], &["observer is in orbit", "say --site, --mpc or --lat"]);
     answers(&[SKY, &["--config", &space, "--mpc", "X05", "--step-deg", "5"]]);
     answers(&[BODY, &["--config", &space, "--step-deg", "5"]]);
 }

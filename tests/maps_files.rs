@@ -88,7 +88,7 @@ mod pictures {
         };
         for (azimuth, altitude) in [(12.0, 50.0), (150.0, 55.0), (70.0, 40.0), (300.0, 20.0)] {
             let magnitude = view.at(f64::to_radians(azimuth), f64::to_radians(altitude)).magnitude.unwrap().0;
-            let expected = picture.scale().colour(magnitude);
+            let expected = picture.scales()[0].colour(magnitude);
             let shown = at(azimuth, altitude);
             let apart = shown.iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max().unwrap();
             assert!(apart <= 6, "{azimuth} {altitude}: {shown:?} for {expected:?}");

@@ -53,10 +53,7 @@ pub fn two_panel_file(
     if let (Some(shape), Some(offset)) = (&mut shape, fit.value("panel_offset_deg")) {
         shape.panel_offset_deg = offset;
     }
-    let file = ModelFile {
-        name: words.name.clone(),
-        aliases: Vec::new(),
-        title: words.title.clone(),
+    let fitted = ModelFile {
         shape,
         coefficients: Some(Coefficients {
             c1: value("c1"),
@@ -68,6 +65,44 @@ pub fn two_panel_file(
             n_base: value("n_base"),
         }),
         covariance: covariance.map(|all| order.iter().map(|&i| order.iter().map(|&j| all[i][j]).collect()).collect()),
+        ..base.clone()
+    };
+    named(fitted, fit, points, rms_mag, sigma_mag, words)
+}
+
+/// The same for a model that lists its panels.
+///
+/// # Errors
+/// As [`two_panel_file`].
+pub fn panels_file(
+    base: &ModelFile,
+    fit: &Fit,
+    points: &[FitPoint],
+    rms_mag: f64,
+    sigma_mag: f64,
+    words: &ModelWords,
+) -> Result<ModelFile, ModelFileError> {
+    let mut panels = base.panels.clone();
+    for parameter in panels.iter_mut().flat_map(|panels| &mut panels.parameters) {
+        parameter.value = fit.value(&parameter.name).unwrap_or(parameter.value);
+    }
+    let fitted = ModelFile { panels, covariance: fit.certainty.covariance.clone(), ..base.clone() };
+    named(fitted, fit, points, rms_mag, sigma_mag, words)
+}
+
+/// Everything but the numbers of the law.
+fn named(
+    fitted: ModelFile,
+    fit: &Fit,
+    points: &[FitPoint],
+    rms_mag: f64,
+    sigma_mag: f64,
+    words: &ModelWords,
+) -> Result<ModelFile, ModelFileError> {
+    let file = ModelFile {
+        name: words.name.clone(),
+        aliases: Vec::new(),
+        title: words.title.clone(),
         rms_mag: Some(rounded(rms_mag)),
         sigma_mag: rounded(sigma_mag),
         sigma_outside_mag: rounded(sigma_mag.hypot(OUTSIDE_MAG)),
@@ -81,7 +116,7 @@ pub fn two_panel_file(
             provisional: words.provisional,
             notes: words.notes.clone(),
         },
-        ..base.clone()
+        ..fitted
     };
     // What would be refused on reading is refused on writing.
     ModelFile::from_json(&file.to_json(), &words.name)

@@ -1,6 +1,7 @@
 //! Least squares from several starts, and what they say of each parameter.
 
 use nalgebra::DMatrix;
+use sha2::{Digest, Sha256};
 
 use super::covariance::{Certainty, certainty};
 use super::error::FitError;
@@ -15,6 +16,8 @@ use super::point::FitPoint;
 pub struct FitSettings {
     /// Names of the parameters that may move; the others stand at their values.
     pub free: Vec<String>,
+    /// Others, with values to hold them at instead of their own.
+    pub held: Vec<(String, f64)>,
     /// What a residual costs.
     pub loss: Loss,
     /// When a descent ends.
@@ -69,14 +72,18 @@ impl Problem {
     /// # Errors
     /// [`FitError::Parameter`], [`FitError::Point`], [`FitError::Empty`], [`FitError::TooFew`].
     pub fn new(form: &dyn Form, points: &[FitPoint], settings: &FitSettings) -> Result<Self, FitError> {
-        let parameters = form.parameters();
+        let mut parameters = form.parameters();
+        let names: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
         let index = |name: &String| {
-            parameters.iter().position(|parameter| parameter.name == *name).ok_or_else(|| FitError::Parameter {
+            names.iter().position(|known| known == name).ok_or_else(|| FitError::Parameter {
                 given: name.clone(),
                 form: form.name(),
-                allowed: parameters.iter().map(|parameter| parameter.name.as_str()).collect::<Vec<_>>().join(", "),
+                allowed: names.join(", "),
             })
         };
+        for (name, value) in &settings.held {
+            parameters[index(name)?].value = *value;
+        }
         let mut free = settings.free.iter().map(index).collect::<Result<Vec<_>, _>>()?;
         free.sort_unstable();
         free.dedup();
@@ -118,6 +125,28 @@ impl Problem {
     /// The points that it explains.
     pub fn points(&self) -> &[FitPoint] {
         &self.points
+    }
+
+    /// Hash (SHA-256, hexadecimal) of the points, the form's parameters and what is free: what a chain of draws belongs to.
+    pub fn fingerprint(&self) -> String {
+        let mut hash = Sha256::new();
+        hash.update(&self.form);
+        for parameter in &self.parameters {
+            hash.update(&parameter.name);
+            [parameter.value, parameter.least, parameter.greatest].iter().for_each(|x| hash.update(x.to_le_bytes()));
+        }
+        self.free.iter().for_each(|i| hash.update((*i as u64).to_le_bytes()));
+        hash.update(format!("{:?}", self.settings.loss));
+        // What form and geometry make of the points, as magnitudes of the parameters' own values.
+        let residuals = self.objective().residuals_mag(&self.free_values(), self.points.len());
+        for (point, residual) in self.points.iter().zip(residuals) {
+            [point.magnitude, point.sigma_mag, residual].iter().for_each(|x| hash.update(x.to_le_bytes()));
+        }
+        hash.finalize().iter().map(|byte| format!("{byte:02x}")).collect()
+    }
+
+    fn free_values(&self) -> Vec<f64> {
+        self.free.iter().map(|&i| self.parameters[i].value).collect()
     }
 
     /// Goes down from one place of the free parameters.

@@ -2,13 +2,11 @@
 
 use std::collections::BTreeMap;
 
-use hifitime::{Epoch, TimeScale};
+use hifitime::{Duration, Epoch, TimeScale, Unit};
 use rayon::prelude::*;
 
 use crate::constants::DAY_S;
-use crate::frames::{
-    EopTable, Gcrs, Orientation, OrientationTable, Position, epoch_from_mjd, mjd_utc, seconds_after, seconds_between,
-};
+use crate::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, seconds_after};
 use crate::geometry::SunTable;
 
 /// Days that a table covers: long against the two nodes that it has to spare, short against a survey of one night.
@@ -17,7 +15,7 @@ const BLOCK_DAYS: f64 = 16.0;
 /// Tables for the blocks of days that have been asked for.
 pub(super) struct Ephemeris {
     eop: EopTable,
-    blocks: BTreeMap<i64, (Epoch, OrientationTable, SunTable)>,
+    blocks: BTreeMap<i64, (OrientationTable, SunTable)>,
 }
 
 /// What does not depend on the satellite.
@@ -37,7 +35,7 @@ impl Ephemeris {
     pub(super) fn prepare(&mut self, epochs: impl Iterator<Item = Epoch>) {
         let mut wanted: Vec<i64> = Vec::new();
         for epoch in epochs {
-            let block = block_of(epoch);
+            let (block, _) = block_and_seconds(epoch);
             if wanted.last() != Some(&block) && !self.blocks.contains_key(&block) {
                 wanted.push(block);
             }
@@ -45,22 +43,28 @@ impl Ephemeris {
         wanted.sort_unstable();
         wanted.dedup();
         let eop = &self.eop;
-        let made = wanted.into_par_iter().filter_map(|block| {
-            let start = epoch_from_mjd(block as f64 * BLOCK_DAYS, TimeScale::UTC).ok()?;
+        let made = wanted.into_par_iter().map(|block| {
+            let start = Epoch::from_duration(Unit::Day * (block as f64 * BLOCK_DAYS), TimeScale::TAI);
             let end = seconds_after(start, BLOCK_DAYS * DAY_S);
-            Some((block, (start, OrientationTable::new(start, end, eop), SunTable::new(start, end))))
+            (block, (OrientationTable::new(start, end, eop), SunTable::new(start, end)))
         });
         self.blocks.extend(made.collect::<Vec<_>>());
     }
 
     /// At a moment that was prepared; else `None`.
     pub(super) fn at(&self, epoch: Epoch) -> Option<Moment> {
-        let (start, orientations, suns) = self.blocks.get(&block_of(epoch))?;
-        let seconds = seconds_between(*start, epoch);
+        let (block, seconds) = block_and_seconds(epoch);
+        let (orientations, suns) = self.blocks.get(&block)?;
         Some(Moment { orientation: orientations.at_s(seconds), sun: suns.at_s(seconds).sun })
     }
 }
 
-fn block_of(epoch: Epoch) -> i64 {
-    (mjd_utc(epoch) / BLOCK_DAYS).floor() as i64
+/// Number of a block, from 1900 on by the clock of TAI (which has no leap seconds), and seconds within it.
+fn block_and_seconds(epoch: Epoch) -> (i64, f64) {
+    let since_1900: Duration = epoch.to_tai_duration();
+    let seconds = since_1900.to_seconds();
+    let block = (seconds / (BLOCK_DAYS * DAY_S)).floor();
+    // The difference keeps the nanosecond that the sum in one f64 (4e9 s) has lost.
+    let rest = since_1900 - Unit::Day * (block * BLOCK_DAYS);
+    (block as i64, rest.to_seconds())
 }

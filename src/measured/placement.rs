@@ -118,6 +118,8 @@ pub struct Placer<'a> {
     ephemeris: Ephemeris,
 }
 
+/// Minutes in a day.
+const MINUTES_A_DAY: f64 = 1440.0;
 /// Records that one thread does in a row.
 const RUN: usize = 2048;
 
@@ -166,10 +168,42 @@ impl Stand {
     }
 }
 
-/// The propagator of the last element set asked for.
+/// The orbit last asked for: rows of a track mostly want the same one.
 #[derive(Default)]
-struct Orbits<'h> {
-    last: Option<(&'h ElementSet, Option<Propagator>)>,
+struct Orbits {
+    last: Option<Orbit>,
+}
+
+/// An element set made ready.
+struct Orbit {
+    norad_id: NoradId,
+    /// Minutes from its epoch between which no other element set is nearer.
+    nearest_min: [f64; 2],
+    /// `None` where SGP4 cannot start.
+    propagator: Option<Propagator>,
+}
+
+impl Orbit {
+    /// The element set nearest to a moment.
+    fn nearest(history: &History, norad_id: NoradId, epoch: Epoch) -> Option<Self> {
+        let nearest = history.nearest(norad_id, epoch)?;
+        let sets = history.of(norad_id);
+        // Half way to the neighbours in time.
+        let half_min = |other: Option<&ElementSet>, sign: f64| {
+            other.map_or(sign * f64::INFINITY, |other| 0.5 * (other.epoch - nearest.epoch).to_unit(Unit::Minute))
+        };
+        let before = sets[..sets.partition_point(|set| set.epoch < nearest.epoch)].last();
+        let after = sets.get(sets.partition_point(|set| set.epoch <= nearest.epoch));
+        let nearest_min = [half_min(before, -1.0), half_min(after, 1.0)];
+        Some(Self { norad_id, nearest_min, propagator: Propagator::new(nearest).ok() })
+    }
+
+    /// Whether it is still the one to ask.
+    fn serves(&self, norad_id: NoradId, epoch: Epoch) -> bool {
+        let [from, to] = self.nearest_min;
+        let minutes = self.propagator.as_ref().map(|propagator| propagator.minutes_since_epoch(epoch));
+        self.norad_id == norad_id && minutes.is_some_and(|minutes| from < minutes && minutes < to)
+    }
 }
 
 /// One chunk.
@@ -181,12 +215,7 @@ struct Placing<'a> {
 }
 
 impl<'a> Placing<'a> {
-    fn place(
-        &self,
-        record: &Record,
-        orbits: &mut Orbits<'a>,
-        offsets_s: &HashMap<u32, f64>,
-    ) -> Result<Placed, DropReason> {
+    fn place(&self, record: &Record, orbits: &mut Orbits, offsets_s: &HashMap<u32, f64>) -> Result<Placed, DropReason> {
         let norad_id = self.placement.norad_of(record, self.groups);
         let placed = match self.placement.place {
             Place::Elements { .. } => {
@@ -252,21 +281,21 @@ impl<'a> Placing<'a> {
         norad_id: Option<NoradId>,
         offset_s: f64,
         moment: &Moment,
-        orbits: &mut Orbits<'a>,
+        orbits: &mut Orbits,
     ) -> Result<Position<Gcrs>, DropReason> {
         let (Some(history), Some(norad_id), Some(epoch)) = (self.placement.history, norad_id, record.epoch) else {
             return Err(DropReason::NoElements);
         };
-        let nearest = history.nearest(norad_id, epoch).ok_or(DropReason::NoElements)?;
-        if age_days(nearest, epoch).abs() > self.placement.max_element_age_days {
+        if !orbits.last.as_ref().is_some_and(|orbit| orbit.serves(norad_id, epoch)) {
+            orbits.last = Orbit::nearest(history, norad_id, epoch);
+        }
+        let orbit = orbits.last.as_ref().ok_or(DropReason::NoElements)?;
+        let propagator = orbit.propagator.as_ref().ok_or(DropReason::NoPosition)?;
+        let minutes = propagator.minutes_since_epoch(epoch);
+        if minutes.abs() > self.placement.max_element_age_days * MINUTES_A_DAY {
             return Err(DropReason::StaleElements);
         }
-        if orbits.last.as_ref().is_none_or(|(last, _)| !std::ptr::eq(*last, nearest)) {
-            orbits.last = Some((nearest, Propagator::new(nearest).ok()));
-        }
-        let propagator = orbits.last.as_ref().and_then(|(_, propagator)| propagator.as_ref());
-        let propagator = propagator.ok_or(DropReason::NoPosition)?;
-        let minutes = propagator.minutes_since_epoch(epoch) + offset_s / 60.0;
+        let minutes = minutes + offset_s / 60.0;
         let state = propagator.state_at_minutes(minutes, &moment.orientation.teme_to_gcrs);
         state.map(|state| state.position).map_err(|_| DropReason::NoPosition)
     }

@@ -68,7 +68,7 @@ struct Open {
 
 /// Records of any number of files, in their order.
 ///
-/// Memory is bounded by some 30 MB of text and records under way, and 8 to 16 bytes a row for the search for duplicates (none where they
+/// Memory is bounded by some 30 MB of text and records under way, and 10 to 25 bytes a row for the search for duplicates (none where they
 /// are kept); names of tracks and sites are kept too. Text is parsed on all threads of rayon's pool while more is read.
 pub struct RecordReader {
     queue: VecDeque<PathBuf>,

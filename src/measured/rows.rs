@@ -258,7 +258,7 @@ impl<'l> Rows<'l> {
         Ok(Some(number))
     }
 
-    /// The block's number of the track, else the satellite, else the night, else the file.
+    /// The block's number of the track, else the satellite, else the night, else the degree of the Sun's altitude, else the file.
     fn group(&mut self, cell: Cell, norad_id: Option<NoradId>, epoch: Option<Epoch>, site: Option<u32>) -> u32 {
         if let Some(track) = self.layout.text(cell, Field::Track) {
             // Rows of a track mostly stand together.
@@ -270,7 +270,12 @@ impl<'l> Rows<'l> {
         if let Some(norad_id) = norad_id {
             return self.numbered(format!("satellite {norad_id}"));
         }
-        let Some(epoch) = epoch else { return self.numbered(self.layout.file.clone()) };
+        let Some(epoch) = epoch else {
+            // Without times the Sun's altitude is the clock: what was seen within a degree of it was seen within some minutes.
+            let sun = self.layout.text(cell, Field::SunAltitude).and_then(|text| text.parse::<f64>().ok());
+            let name = sun.map_or_else(|| self.layout.file.clone(), |sun| format!("Sun at {} deg", sun.floor()));
+            return self.numbered(name);
+        };
         // A night is named by its evening's date: days that begin at local noon.
         let longitude = site.map_or(0.0, |site| self.parsed.sites[site as usize].longitude_rad);
         let day = (mjd_utc(epoch) + longitude / TAU - 0.5).floor() as i64;

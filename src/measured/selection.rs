@@ -96,11 +96,12 @@ impl Selection {
             return Some(DropReason::BelowHorizon);
         }
         let (range_km, phase_rad) = record.sighting.distance_and_phase();
-        let apart = |limit: Option<f64>, recorded: Option<f64>, placed: f64| {
-            limit.zip(recorded).is_some_and(|(limit, recorded)| (placed - recorded).abs() > limit)
+        // Angles are asked for where there is a limit alone.
+        let apart = |limit: Option<f64>, recorded: Option<f64>, placed: &dyn Fn() -> f64| {
+            limit.zip(recorded).is_some_and(|(limit, recorded)| (placed() - recorded).abs() > limit)
         };
-        if apart(self.max_range_difference_km, range_km, geometry.range_km)
-            || apart(self.max_phase_difference_rad, phase_rad, geometry.phase_angle_rad())
+        if apart(self.max_range_difference_km, range_km, &|| geometry.range_km)
+            || apart(self.max_phase_difference_rad, phase_rad, &|| geometry.phase_angle_rad())
         {
             return Some(DropReason::WrongAssociation);
         }

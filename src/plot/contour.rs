@@ -1,28 +1,24 @@
-//! Lines of equal magnitude by marching squares.
+//! Lines of equal value on a grid of points, by marching squares.
 
 use std::collections::HashMap;
-
-use super::disc::{Raster, Seen};
-
-/// Sides of the squares, pixels.
-const STEP: usize = 2;
-
-/// What the shadow is taken for, below the line, mag.
-const SHADOW_BELOW_MAG: f64 = 2.0;
 
 /// A side of a square: column and row of its upper left corner, and whether it runs down.
 type Side = (usize, usize, bool);
 
-/// Lines on which the magnitude is `level`, in pixels right of and below the raster's upper left corner.
+/// Lines on which `value`, asked by column and row of a grid of `columns` by `rows` points, is `level`; in columns and rows from the first point.
 ///
-/// Each line is closed, or ends at the rim or where nothing lit is seen. The Earth's shadow is fainter than any line.
-pub(super) fn contours(raster: &Raster, level: f64) -> Vec<Vec<(f64, f64)>> {
+/// Squares are `step` points wide. Each line is closed, or ends at the grid's border or where there is no value.
+pub(super) fn contours(
+    (columns, rows): (usize, usize),
+    step: usize,
+    level: f64,
+    value: impl Fn(usize, usize) -> Option<f64>,
+) -> Vec<Vec<(f64, f64)>> {
     let mut places: HashMap<Side, (f64, f64)> = HashMap::new();
     let mut neighbours: HashMap<Side, Vec<Side>> = HashMap::new();
-    let squares = raster.side.saturating_sub(1) / STEP;
-    for row in (0..squares).map(|row| row * STEP) {
-        for column in (0..squares).map(|column| column * STEP) {
-            for [a, b] in cuts(raster, column, row, level, &mut places) {
+    for row in (0..rows.saturating_sub(step)).step_by(step) {
+        for column in (0..columns.saturating_sub(step)).step_by(step) {
+            for [a, b] in cuts(&value, (column, row), step, level, &mut places) {
                 neighbours.entry(a).or_default().push(b);
                 neighbours.entry(b).or_default().push(a);
             }
@@ -54,24 +50,22 @@ pub(super) fn contours(raster: &Raster, level: f64) -> Vec<Vec<(f64, f64)>> {
 
 /// The sides of a square between which a line runs.
 fn cuts(
-    raster: &Raster,
-    column: usize,
-    row: usize,
+    value: impl Fn(usize, usize) -> Option<f64>,
+    (column, row): (usize, usize),
+    step: usize,
     level: f64,
     places: &mut HashMap<Side, (f64, f64)>,
 ) -> Vec<[Side; 2]> {
-    let corners = [(0, 0), (STEP, 0), (STEP, STEP), (0, STEP)];
+    let corners = [(0, 0), (step, 0), (step, step), (0, step)];
     let mut values = [0.0; 4];
-    for (value, (right, down)) in values.iter_mut().zip(corners) {
-        match raster.pixels.get((row + down) * raster.side + column + right) {
-            Some(Some(Seen::Magnitude(magnitude))) => *value = *magnitude,
-            // Fainter than any line: what is brighter is enclosed along the shadow, whose border is as narrow as a pixel.
-            Some(Some(Seen::Shadow)) => *value = level + SHADOW_BELOW_MAG,
-            _ => return Vec::new(),
+    for (at, (right, down)) in values.iter_mut().zip(corners) {
+        match value(column + right, row + down) {
+            Some(found) => *at = found,
+            None => return Vec::new(),
         }
     }
     let sides: [Side; 4] =
-        [(column, row, false), (column + STEP, row, true), (column, row + STEP, false), (column, row, true)];
+        [(column, row, false), (column + step, row, true), (column, row + step, false), (column, row, true)];
     let mut crossed = Vec::with_capacity(4);
     for (index, side) in sides.into_iter().enumerate() {
         let (from, to) = (values[index], values[(index + 1) % 4]);
@@ -79,9 +73,7 @@ fn cuts(
             let share = (level - from) / (to - from);
             let between = |from: usize, to: usize| from as f64 + share * (to as f64 - from as f64);
             let ((x0, y0), (x1, y1)) = (corners[index], corners[(index + 1) % 4]);
-            // Pixel centres lie half a pixel in.
-            let place = (column as f64 + between(x0, x1) + 0.5, row as f64 + between(y0, y1) + 0.5);
-            places.insert(side, place);
+            places.insert(side, (column as f64 + between(x0, x1), row as f64 + between(y0, y1)));
             crossed.push(side);
         }
     }
@@ -100,20 +92,16 @@ fn cuts(
 mod tests {
     use super::*;
 
-    fn raster(side: usize, value: impl Fn(f64, f64) -> Option<f64>) -> Raster {
-        let pixel = |index: usize| {
-            let (x, y) = ((index % side) as f64 + 0.5, (index / side) as f64 + 0.5);
-            Some(value(x, y).map_or(Seen::Nothing, Seen::Magnitude))
-        };
-        Raster { side, pixels: (0..side * side).map(pixel).collect() }
+    /// Lines of a grid of 101 points a side, in squares of two.
+    fn lines(level: f64, value: impl Fn(f64, f64) -> Option<f64>) -> Vec<Vec<(f64, f64)>> {
+        contours((101, 101), 2, level, |column, row| value(column as f64, row as f64))
     }
 
     #[test]
     fn verif_a_cone_has_a_circle() {
-        let cone = raster(101, |x, y| Some((x - 50.5).hypot(y - 50.5)));
-        let lines = contours(&cone, 30.0);
+        let lines = lines(30.0, |x, y| Some((x - 50.0).hypot(y - 50.0)));
         assert_eq!(lines.len(), 1);
-        assert!(lines[0].iter().all(|(x, y)| ((x - 50.5).hypot(y - 50.5) - 30.0).abs() < 0.05));
+        assert!(lines[0].iter().all(|(x, y)| ((x - 50.0).hypot(y - 50.0) - 30.0).abs() < 0.05));
         assert_eq!(lines[0].first(), lines[0].last());
         // Its length is that of the circle.
         let length: f64 = lines[0].windows(2).map(|p| (p[1].0 - p[0].0).hypot(p[1].1 - p[0].1)).sum();
@@ -121,27 +109,25 @@ mod tests {
     }
 
     #[test]
-    fn verif_a_slope_has_a_line_that_ends_where_magnitudes_end() {
-        let slope = raster(101, |x, y| (y < 60.0).then_some(x));
-        let lines = contours(&slope, 40.25);
-        assert_eq!(lines.len(), 1);
-        assert!(lines[0].iter().all(|(x, y)| (x - 40.25).abs() < 1e-9 && *y < 60.0));
-        assert!(lines[0].len() > 25);
-        assert!(contours(&slope, 200.0).is_empty());
-    }
-
-    #[test]
-    fn verif_a_line_runs_along_the_shadow() {
-        let half = |index: usize| Some(if index / 101 < 60 { Seen::Magnitude(6.0) } else { Seen::Shadow });
-        let lines = contours(&Raster { side: 101, pixels: (0..101 * 101).map(half).collect() }, 7.0);
-        assert_eq!(lines.len(), 1);
-        assert!(lines[0].len() > 45 && lines[0].iter().all(|(_, y)| (y - 60.0).abs() < 1.5), "{:?}", lines[0]);
+    fn verif_a_slope_has_a_line_that_ends_where_values_end() {
+        let slope = |x: f64, y: f64| (y < 60.0).then_some(x);
+        let found = lines(40.25, slope);
+        assert_eq!(found.len(), 1);
+        assert!(found[0].iter().all(|(x, y)| (x - 40.25).abs() < 1e-9 && *y < 60.0));
+        assert!(found[0].len() > 25);
+        assert!(lines(200.0, slope).is_empty());
     }
 
     #[test]
     fn verif_a_saddle_is_two_lines() {
-        let saddle = raster(101, |x, y| Some((x - 50.3) * (y - 50.4)));
-        assert_eq!(contours(&saddle, 5.0).len(), 2);
-        assert_eq!(contours(&saddle, -5.0).len(), 2);
+        let saddle = |x: f64, y: f64| Some((x - 50.3) * (y - 50.4));
+        assert_eq!(lines(5.0, saddle).len(), 2);
+        assert_eq!(lines(-5.0, saddle).len(), 2);
+    }
+
+    #[test]
+    fn verif_a_grid_without_squares_has_no_lines() {
+        assert!(contours((1, 1), 1, 0.0, |_, _| Some(1.0)).is_empty());
+        assert!(contours((0, 9), 1, 0.0, |_, _| Some(1.0)).is_empty());
     }
 }

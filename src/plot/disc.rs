@@ -7,11 +7,20 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use rayon::prelude::*;
 
+use super::contour::contours;
+use super::scale::Quantity;
+
+/// Sides of the squares through which lines run, pixels.
+const SQUARE: usize = 2;
+
+/// What the shadow is taken for, below the line, mag.
+const SHADOW_BELOW_MAG: f64 = 2.0;
+
 /// What is seen in one direction.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Seen {
-    /// A satellite of this magnitude.
-    Magnitude(f64),
+    /// A satellite of this magnitude, or another quantity.
+    Value(f64),
     /// A satellite in the Earth's shadow.
     Shadow,
     /// Nothing lit.
@@ -22,12 +31,16 @@ pub enum Seen {
 pub struct Disc<'a> {
     /// Above it.
     pub title: String,
+    /// What its values are.
+    pub quantity: Quantity,
+    /// Only the half of longitudes 0 to π, the left one, is drawn.
+    pub is_half: bool,
     /// What is seen at a longitude and at an angle from the middle in [0, π/2], radians.
     pub seen: Box<dyn Fn(f64, f64) -> Seen + Sync + 'a>,
     /// Longitude of the Sun, radians.
     pub sun_longitude_rad: f64,
     /// Words outside of the rim, at longitudes in degrees.
-    pub rim: [(f64, &'static str); 4],
+    pub rim: Vec<(f64, &'static str)>,
     /// Thin circles with their words, at angles from the middle in degrees.
     pub circles: Vec<(f64, String)>,
     /// A dashed circle at an angle from the middle, radians: the Earth's limb.
@@ -56,7 +69,8 @@ impl Disc<'_> {
                 let up = middle - (index / side) as f64 - 0.5;
                 let distance = right.hypot(up) / radius as f64;
                 // A pixel that the rim cuts shows what stands at the rim.
-                (distance <= 1.0 + 1.0 / radius as f64).then(|| {
+                let is_in = distance <= 1.0 + 1.0 / radius as f64 && !(self.is_half && right > 0.0);
+                is_in.then(|| {
                     let longitude = (-right).atan2(up).rem_euclid(TAU);
                     (self.seen)(longitude, distance.min(1.0) * FRAC_PI_2)
                 })
@@ -74,12 +88,26 @@ pub(super) fn place(longitude_rad: f64, from_middle_rad: f64) -> (f64, f64) {
 }
 
 impl Raster {
-    /// All magnitudes shown.
-    pub fn magnitudes(&self) -> impl Iterator<Item = f64> {
+    /// All values shown.
+    pub fn values(&self) -> impl Iterator<Item = f64> {
         self.pixels.iter().filter_map(|pixel| match pixel {
-            Some(Seen::Magnitude(magnitude)) => Some(*magnitude),
+            Some(Seen::Value(value)) => Some(*value),
             _ => None,
         })
+    }
+
+    /// Lines on which the value is `level`, in pixels right of and below the upper left corner. The Earth's shadow is below any line.
+    pub fn contours(&self, level: f64) -> Vec<Vec<(f64, f64)>> {
+        let value = |column: usize, row: usize| match self.pixels.get(row * self.side + column)? {
+            Some(Seen::Value(value)) => Some(*value),
+            // Fainter than any line: what is brighter is enclosed along the shadow, whose border is as narrow as a pixel.
+            Some(Seen::Shadow) => Some(level + SHADOW_BELOW_MAG),
+            _ => None,
+        };
+        let mut lines = contours((self.side, self.side), SQUARE, level, value);
+        // Pixel centres lie half a pixel in.
+        lines.iter_mut().flatten().for_each(|(x, y)| (*x, *y) = (*x + 0.5, *y + 0.5));
+        lines
     }
 
     /// True where any pixel is so.
@@ -97,9 +125,11 @@ mod tests {
         let disc = Disc {
             title: String::new(),
             // The longitude and the angle in one number.
-            seen: Box::new(|longitude, angle| Seen::Magnitude(longitude + 10.0 * angle)),
+            seen: Box::new(|longitude, angle| Seen::Value(longitude + 10.0 * angle)),
             sun_longitude_rad: 0.0,
-            rim: [(0.0, ""); 4],
+            quantity: Quantity::Magnitude,
+            is_half: false,
+            rim: Vec::new(),
             circles: Vec::new(),
             limb_rad: None,
         };
@@ -108,12 +138,20 @@ mod tests {
         for (longitude, angle) in [(0.1, 0.5), (1.6, 1.2), (3.0, 0.9), (5.0, 0.3)] {
             let (right, down) = place(longitude, angle);
             let (column, row) = ((middle + 100.0 * right) as usize, (middle + 100.0 * down) as usize);
-            let Some(Seen::Magnitude(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
+            let Some(Seen::Value(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
             // Half a pixel is 0.008 rad of angle, and 0.03 rad of longitude at 0.3 rad.
             assert!((shown - longitude - 10.0 * angle).abs() < 0.2, "{longitude} {angle}: {shown}");
         }
         // East is left.
         assert!(place(FRAC_PI_2, 0.5).0 < 0.0);
         assert!(raster.pixels[0].is_none());
+    }
+
+    #[test]
+    fn verif_a_line_runs_along_the_shadow() {
+        let half = |index: usize| Some(if index / 101 < 60 { Seen::Value(6.0) } else { Seen::Shadow });
+        let lines = Raster { side: 101, pixels: (0..101 * 101).map(half).collect() }.contours(7.0);
+        assert_eq!(lines.len(), 1);
+        assert!(lines[0].len() > 45 && lines[0].iter().all(|(_, y)| (y - 60.0).abs() < 1.5), "{:?}", lines[0]);
     }
 }

@@ -42,7 +42,12 @@ impl PictureFormat {
     }
 }
 
-impl Picture<'_> {
+/// A PNG as a data URL, to stand within a page.
+pub fn data_url(png: &[u8]) -> String {
+    format!("data:image/png;base64,{}", STANDARD.encode(png))
+}
+
+impl Picture {
     /// The bytes of a file.
     ///
     /// # Errors

@@ -6,8 +6,10 @@ use crate::maps::{BodyView, Earth, Fact, FactValue, FigurePanel, PaperFigure, Sk
 use crate::photometry::{BrightnessModel, PhotometryOptions};
 
 use super::disc::{Disc, Seen};
+use super::disc_sheet::DiscSheet;
 use super::error::PlotError;
 use super::picture::Picture;
+use super::scale::Quantity;
 
 /// Radius of a disc that stands alone, and of one of three, pixels.
 const ALONE: usize = 270;
@@ -20,7 +22,7 @@ const SKY_CAPTION: &str = "Zenith in the middle, horizon at the rim, east left."
 const BODY_CAPTION: &str = "Below the satellite, seen from above: nadir in the middle, longitudes from the Sun.";
 
 /// A map of the sky.
-pub fn sky_picture<'a>(view: &'a SkyView<'a>) -> Picture<'a> {
+pub fn sky_picture(view: &SkyView<'_>) -> Picture {
     let facts = view.facts();
     let title = format!("{}, {}, {} km", apparent(&facts), text_of(&facts, "model"), tidy(view.height_km()));
     let site = match view.earth() {
@@ -30,27 +32,27 @@ pub fn sky_picture<'a>(view: &'a SkyView<'a>) -> Picture<'a> {
     let caption = format!("{SKY_CAPTION}{site}{}", status(&facts));
     let (altitude, azimuth) = (degrees(view.sun_altitude_rad()), degrees(view.sun_azimuth_rad()));
     let disc = sky_disc(view.clone(), format!("Sun at altitude {altitude}°, azimuth {azimuth}°"));
-    Picture::new(title, caption, vec![disc], ALONE, LIMIT_MAG)
+    drawn(title, caption, vec![disc], ALONE)
 }
 
 /// A map of a satellite's own sky.
-pub fn body_picture<'a>(view: &'a BodyView<'a>) -> Picture<'a> {
+pub fn body_picture(view: &BodyView<'_>) -> Picture {
     let facts = view.facts();
     let disc = body_disc(view.clone(), format!("Sun at latitude {}°", degrees(view.sun_latitude_rad())));
     let title = format!("{}, {}", standard(&facts), text_of(&facts, "model"));
     let caption = format!("{BODY_CAPTION}{}", status(&facts));
-    Picture::new(title, caption, vec![disc], ALONE, LIMIT_MAG)
+    drawn(title, caption, vec![disc], ALONE)
 }
 
 /// A figure of the paper: three maps with one scale, Sun in the north, spherical Earth.
 ///
 /// # Errors
 /// A panel that is no map.
-pub fn paper_picture<'a>(
+pub fn paper_picture(
     figure: &PaperFigure,
-    model: &'a BrightnessModel,
+    model: &BrightnessModel,
     options: PhotometryOptions,
-) -> Result<Picture<'a>, PlotError> {
+) -> Result<Picture, PlotError> {
     let mut discs = Vec::new();
     let mut words = (String::new(), "", String::new());
     for (panel, letter) in figure.panels.iter().zip(["a", "b", "c"]) {
@@ -74,23 +76,31 @@ pub fn paper_picture<'a>(
     }
     let title = format!("{}, {}", words.0, model.source());
     let caption = format!("{} After figure {} of Lu (2024).{}", words.1, figure.number, words.2);
-    Ok(Picture::new(title, caption, discs, OF_THREE, LIMIT_MAG))
+    Ok(drawn(title, caption, discs, OF_THREE))
+}
+
+/// Discs with a line where satellites are as bright as they may be.
+fn drawn(title: String, caption: String, discs: Vec<Disc<'_>>, radius: usize) -> Picture {
+    DiscSheet { title, caption, discs, radius, in_a_row: 3, contour_mag: Some(LIMIT_MAG), nothing: "nothing lit seen" }
+        .picture()
 }
 
 fn sky_disc(view: SkyView<'_>, title: String) -> Disc<'_> {
     let sun_longitude_rad = view.sun_azimuth_rad();
     Disc {
         title,
+        quantity: Quantity::Magnitude,
+        is_half: false,
         seen: Box::new(move |azimuth, from_zenith| {
             let point = view.at(azimuth, FRAC_PI_2 - from_zenith);
             match point.magnitude {
-                Some(magnitude) => Seen::Magnitude(magnitude.0),
+                Some(magnitude) => Seen::Value(magnitude.0),
                 None if point.lit_fraction <= 0.0 => Seen::Shadow,
                 None => Seen::Nothing,
             }
         }),
         sun_longitude_rad,
-        rim: [(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
+        rim: vec![(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
         circles: vec![(30.0, "60°".to_owned()), (60.0, "30°".to_owned())],
         limb_rad: None,
     }
@@ -100,11 +110,13 @@ fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
     let limb_rad = Some(FRAC_PI_2 + view.limb_latitude_rad());
     Disc {
         title,
+        quantity: Quantity::Magnitude,
+        is_half: false,
         seen: Box::new(move |longitude, from_nadir| {
-            view.at(longitude, from_nadir - FRAC_PI_2).map_or(Seen::Nothing, |magnitude| Seen::Magnitude(magnitude.0))
+            view.at(longitude, from_nadir - FRAC_PI_2).map_or(Seen::Nothing, |magnitude| Seen::Value(magnitude.0))
         }),
         sun_longitude_rad: 0.0,
-        rim: [(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")],
+        rim: vec![(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")],
         circles: vec![(30.0, "−60°".to_owned()), (60.0, "−30°".to_owned())],
         limb_rad,
     }

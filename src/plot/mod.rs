@@ -1,20 +1,43 @@
-//! Maps as pictures, PNG and SVG.
+//! Maps and charts as pictures, PNG and SVG.
 //!
-//! `disc` projects a half sphere on a disc, `contour` draws lines of equal magnitude, `scale` gives magnitudes colours, `picture` lays discs,
-//! colour bar and words out, `encode` makes files of it, and `maps` makes pictures of the room [`maps`](crate::maps) and of the paper's figures.
+//! `picture` is a list of lines, words and pixels, and `encode` makes a file of it. `scale` gives values colours, `contour` draws lines of equal
+//! value. `disc` projects a half sphere on a disc and `disc_sheet` lays discs, colour bars and words out; `maps` makes pictures of the room
+//! [`maps`](crate::maps) and of the paper's figures 6 to 9, `layers` of HEALPix cells. Charts stand on `axes` (a box with ticks), `bar` (of colours), `numbers` (how
+//! they are written), `statistics`, `density` (how many points lie where) and `dots`: `corner`, `histogram`, `counts_and_spread`, `phase_curve`
+//! and `residual_panels`.
 
+mod axes;
+mod bar;
 mod contour;
+mod corner;
+mod counts_and_spread;
+mod density;
 mod disc;
+mod disc_sheet;
+mod dots;
 mod encode;
 mod error;
 mod font;
+mod histogram;
+mod layers;
 mod maps;
+mod numbers;
+mod phase_curve;
 mod picture;
+mod residual_panels;
 mod scale;
+mod statistics;
 
+pub use corner::{Corner, corner};
+pub use counts_and_spread::{CountsAndSpread, counts_and_spread};
 pub use disc::{Disc, Seen};
-pub use encode::PictureFormat;
+pub use disc_sheet::DiscSheet;
+pub use encode::{PictureFormat, data_url};
 pub use error::PlotError;
+pub use histogram::{ResidualHistogram, residual_histogram};
+pub use layers::{LayerPanel, Layers, layers};
 pub use maps::{body_picture, paper_picture, sky_picture};
+pub use phase_curve::{PhaseCurve, phase_curve};
 pub use picture::Picture;
-pub use scale::MagnitudeScale;
+pub use residual_panels::{ResidualPanels, residual_panels};
+pub use scale::{ColourScale, Quantity};

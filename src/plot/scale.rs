@@ -1,63 +1,187 @@
-//! Which colour a magnitude has: viridis, the bright end for bright satellites.
+//! Which colour a value has, and what stands beside the colour bar. All colours keep their order for the colour-blind.
 
-/// Magnitudes from the bright to the faint end of the colours.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct MagnitudeScale {
-    /// Shown in yellow, as is everything brighter.
-    pub brightest_mag: f64,
-    /// Shown in dark violet, as is everything fainter.
-    pub faintest_mag: f64,
-    /// True where something brighter is shown.
-    pub has_brighter: bool,
-    /// True where something fainter is shown.
-    pub has_fainter: bool,
+use colorous::{CIVIDIS, RED_BLUE, VIRIDIS};
+
+/// What colours show.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Quantity {
+    /// Magnitudes: viridis, bright colours for bright satellites.
+    Magnitude,
+    /// Numbers of samples, 1 or more: viridis, on a logarithmic scale.
+    Count,
+    /// Interquartile ranges of magnitudes, mag: cividis, from 0.
+    Spread,
+    /// Observed less computed magnitude, mag: blue below 0, red above, as far on both sides.
+    Residual,
 }
 
-/// Share of the magnitudes that may lie beyond each end.
+/// A colour for each value of a quantity.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct ColourScale {
+    /// What it shows.
+    pub quantity: Quantity,
+    /// What lies below has the colour of this value.
+    pub least: f64,
+    /// What lies above has the colour of this value.
+    pub greatest: f64,
+    /// True where something lower is shown.
+    pub has_lower: bool,
+    /// True where something higher is shown.
+    pub has_higher: bool,
+}
+
+/// Share of the values that may lie beyond each end.
 const BEYOND: f64 = 0.01;
 
-/// The ends lie on multiples of this, mag.
-const ROUND_MAG: f64 = 0.5;
-
-impl MagnitudeScale {
-    /// For magnitudes as they come: 98 in 100 of them lie within, and the ends on half magnitudes.
-    ///
-    /// `None` where there is no magnitude.
-    pub fn of(magnitudes: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let mut all: Vec<f64> = magnitudes.into_iter().filter(|magnitude| magnitude.is_finite()).collect();
-        all.sort_unstable_by(f64::total_cmp);
-        let (first, last) = (*all.first()?, *all.last()?);
-        let beyond = (BEYOND * all.len() as f64) as usize;
-        let brightest_mag = (all[beyond] / ROUND_MAG).floor() * ROUND_MAG;
-        // One value alone has a bar of half a magnitude.
-        let faintest_mag =
-            ((all[all.len() - 1 - beyond] / ROUND_MAG).ceil() * ROUND_MAG).max(brightest_mag + ROUND_MAG);
-        Some(Self {
-            brightest_mag,
-            faintest_mag,
-            has_brighter: first < brightest_mag,
-            has_fainter: last > faintest_mag,
-        })
+impl Quantity {
+    /// Above the bar: short.
+    pub(super) fn words(self) -> &'static str {
+        match self {
+            Self::Magnitude => "mag",
+            Self::Count => "samples",
+            Self::Spread => "IQR, mag",
+            Self::Residual => "O−C, mag",
+        }
     }
 
-    /// 0 at the faint end, 1 at the bright end.
-    pub fn brightness(&self, magnitude: f64) -> f64 {
-        ((self.faintest_mag - magnitude) / (self.faintest_mag - self.brightest_mag)).clamp(0.0, 1.0)
+    /// Ends of a bar lie on multiples of this.
+    fn round(self) -> f64 {
+        match self {
+            Self::Magnitude => 0.5,
+            Self::Count => 1.0,
+            Self::Spread | Self::Residual => 0.1,
+        }
+    }
+
+    /// What a picture without any value has for a scale.
+    fn usual(self) -> [f64; 2] {
+        match self {
+            Self::Magnitude => [4.0, 9.0],
+            Self::Count => [1.0, 100.0],
+            Self::Spread => [0.0, 1.0],
+            Self::Residual => [-0.5, 0.5],
+        }
+    }
+}
+
+impl ColourScale {
+    /// For values as they come: 98 in 100 of them lie within, and the ends on round numbers. Values that are not finite are passed over.
+    pub fn of(quantity: Quantity, values: impl IntoIterator<Item = f64>) -> Self {
+        let mut all: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+        all.sort_unstable_by(f64::total_cmp);
+        let (Some(first), Some(last)) = (all.first().copied(), all.last().copied()) else {
+            let [least, greatest] = quantity.usual();
+            return Self { quantity, least, greatest, has_lower: false, has_higher: false };
+        };
+        let beyond = (BEYOND * all.len() as f64) as usize;
+        let (low, high) = (all[beyond], all[all.len() - 1 - beyond]);
+        let round = quantity.round();
+        let (least, greatest) = match quantity {
+            Quantity::Magnitude => ((low / round).floor() * round, (high / round).ceil() * round),
+            Quantity::Count => (round_count(low, f64::floor), round_count(high, f64::ceil)),
+            Quantity::Spread => (0.0, (high / round).ceil() * round),
+            Quantity::Residual => {
+                let end = (low.abs().max(high.abs()) / round).ceil().max(1.0) * round;
+                (-end, end)
+            }
+        };
+        // One value alone has a bar all the same.
+        let greatest = if greatest > least { greatest } else { least + round };
+        Self { quantity, least, greatest, has_lower: first < least, has_higher: last > greatest }
+    }
+
+    /// 0 at the lower end of the bar, 1 at the upper: bright satellites, many samples, wide spread and observed fainter than computed are above.
+    pub fn share(&self, value: f64) -> f64 {
+        let share = match self.quantity {
+            Quantity::Magnitude => (self.greatest - value) / (self.greatest - self.least),
+            Quantity::Count => (value / self.least).ln() / (self.greatest / self.least).ln(),
+            Quantity::Spread | Quantity::Residual => (value - self.least) / (self.greatest - self.least),
+        };
+        share.clamp(0.0, 1.0)
     }
 
     /// Red, green, blue.
-    pub fn colour(&self, magnitude: f64) -> [u8; 3] {
-        let colour = colorous::VIRIDIS.eval_continuous(self.brightness(magnitude));
+    pub fn colour(&self, value: f64) -> [u8; 3] {
+        self.colour_at(self.share(value))
+    }
+
+    /// Red, green, blue at a height of the bar between 0 and 1.
+    pub(super) fn colour_at(&self, share: f64) -> [u8; 3] {
+        let colour = match self.quantity {
+            Quantity::Magnitude | Quantity::Count => VIRIDIS.eval_continuous(share),
+            Quantity::Spread => CIVIDIS.eval_continuous(share),
+            Quantity::Residual => RED_BLUE.eval_continuous(1.0 - share),
+        };
         [colour.r, colour.g, colour.b]
     }
 
-    /// Whole magnitudes on the bar; halves where it is short.
-    pub(super) fn ticks(&self) -> Vec<f64> {
-        let step = if self.faintest_mag - self.brightest_mag > 3.0 { 1.0 } else { ROUND_MAG };
-        let first = (self.brightest_mag / step).ceil() as i64;
-        let last = (self.faintest_mag / step).floor() as i64;
-        (first..=last).map(|count| count as f64 * step).collect()
+    /// Round values on the bar, with their words; where colours end before the values do, the end says so.
+    pub(super) fn ticks(&self) -> Vec<(f64, String)> {
+        let span = self.greatest - self.least;
+        let values = match self.quantity {
+            Quantity::Magnitude => multiples(if span > 3.0 { 1.0 } else { 0.5 }, self.least, self.greatest),
+            Quantity::Count => counts(self.least, self.greatest),
+            Quantity::Spread | Quantity::Residual => {
+                let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0];
+                let step = steps.into_iter().find(|step| span / step <= 8.0).unwrap_or(span / 4.0);
+                let mut values = multiples(step, self.least, self.greatest);
+                // The ends carry marks of their own, where no other is near.
+                for end in [self.least, self.greatest] {
+                    values.retain(|value| *value == end || (value - end).abs() > 0.6 * step);
+                    if !values.contains(&end) {
+                        values.push(end);
+                    }
+                }
+                values
+            }
+        };
+        let decimals = |value: f64| usize::from((value - value.round()).abs() > 1e-6);
+        let places = values.iter().map(|value| decimals(*value)).max().unwrap_or(0);
+        let words = |value: f64| {
+            let beyond = if self.has_lower && value <= self.least {
+                "≤ "
+            } else if self.has_higher && value >= self.greatest {
+                "≥ "
+            } else {
+                ""
+            };
+            let places = if self.quantity == Quantity::Magnitude { decimals(value) } else { places };
+            // No zero with a sign.
+            let number = format!("{:.places$}", if value.abs() < 1e-9 { 0.0 } else { value });
+            (value, format!("{beyond}{}", number.replace('-', "−")))
+        };
+        values.into_iter().map(words).collect()
     }
+}
+
+/// Multiples of a step between two values.
+fn multiples(step: f64, least: f64, greatest: f64) -> Vec<f64> {
+    let (first, last) = ((least / step - 1e-9).ceil() as i64, (greatest / step + 1e-9).floor() as i64);
+    (first..=last).map(|count| count as f64 * step).collect()
+}
+
+/// The next 1, 2 or 5 times a power of ten, 1 or more.
+fn round_count(value: f64, end: fn(f64) -> f64) -> f64 {
+    let value = value.max(1.0);
+    let is_up = end(0.5) > 0.0;
+    let decade = 10_f64.powf(value.log10().floor());
+    let mut steps = [1.0, 2.0, 5.0, 10.0].map(|step| step * decade).into_iter();
+    let found = if is_up { steps.find(|step| *step >= value) } else { steps.rfind(|step| *step <= value) };
+    found.unwrap_or(value)
+}
+
+/// 1, 2 and 5 times powers of ten between two values, or powers alone where that is many.
+fn counts(least: f64, greatest: f64) -> Vec<f64> {
+    let (first, last) = (least.log10().floor() as i32, greatest.log10().ceil() as i32);
+    let steps: &[f64] = if last - first > 2 { &[1.0] } else { &[1.0, 2.0, 5.0] };
+    let all = (first..=last).flat_map(|decade| steps.iter().map(move |step| step * 10_f64.powi(decade)));
+    let mut values: Vec<f64> = all.filter(|value| (least..=greatest).contains(value)).collect();
+    for end in [least, greatest] {
+        if !values.contains(&end) {
+            values.push(end);
+        }
+    }
+    values
 }
 
 #[cfg(test)]
@@ -66,25 +190,44 @@ mod tests {
 
     #[test]
     fn verif_a_scale_holds_nearly_all_and_says_what_it_leaves_out() {
-        let scale = MagnitudeScale::of((0..1000).map(|n| 5.2 + 0.003 * f64::from(n))).unwrap();
-        assert_eq!((scale.brightest_mag, scale.faintest_mag), (5.0, 8.5));
-        assert!(!scale.has_brighter && !scale.has_fainter);
-        let outlier = MagnitudeScale::of((0..1000).map(|n| if n == 0 { 1.0 } else { 6.2 })).unwrap();
-        assert_eq!((outlier.brightest_mag, outlier.faintest_mag, outlier.has_brighter), (6.0, 6.5, true));
-        assert_eq!(MagnitudeScale::of([f64::NAN]), None);
+        let scale = ColourScale::of(Quantity::Magnitude, (0..1000).map(|n| 5.2 + 0.003 * f64::from(n)));
+        assert_eq!((scale.least, scale.greatest), (5.0, 8.5));
+        assert!(!scale.has_lower && !scale.has_higher);
+        let outlier = ColourScale::of(Quantity::Magnitude, (0..1000).map(|n| if n == 0 { 1.0 } else { 6.2 }));
+        assert_eq!((outlier.least, outlier.greatest, outlier.has_lower), (6.0, 6.5, true));
+        assert_eq!(outlier.ticks()[0], (6.0, "≤ 6".to_owned()));
+        assert_eq!(ColourScale::of(Quantity::Magnitude, [f64::NAN]).least, 4.0);
     }
 
     #[test]
-    fn verif_bright_satellites_have_bright_colours() {
-        let scale = MagnitudeScale { brightest_mag: 4.0, faintest_mag: 9.0, has_brighter: false, has_fainter: false };
+    fn verif_bright_satellites_and_many_samples_have_bright_colours() {
         // Luma of sRGB.
-        let luma = |magnitude: f64| {
-            let [red, green, blue] = scale.colour(magnitude).map(f64::from);
+        let luma = |scale: &ColourScale, value: f64| {
+            let [red, green, blue] = scale.colour(value).map(f64::from);
             0.2126 * red + 0.7152 * green + 0.0722 * blue
         };
-        let lumas: Vec<f64> = (0..=50).map(|n| luma(4.0 + 0.1 * f64::from(n))).collect();
+        let scale = ColourScale::of(Quantity::Magnitude, [4.0, 9.0]);
+        let lumas: Vec<f64> = (0..=50).map(|n| luma(&scale, 4.0 + 0.1 * f64::from(n))).collect();
         assert!(lumas.windows(2).all(|pair| pair[0] > pair[1]), "{lumas:?}");
         assert_eq!(scale.colour(3.0), scale.colour(4.0));
-        assert_eq!(scale.ticks(), [4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        let ticks: Vec<f64> = scale.ticks().iter().map(|tick| tick.0).collect();
+        assert_eq!(ticks, [4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        let counts = ColourScale::of(Quantity::Count, [3.0, 700.0]);
+        assert_eq!((counts.least, counts.greatest), (2.0, 1000.0));
+        assert!((counts.share(2000_f64.sqrt()) - 0.5).abs() < 1e-12);
+        assert!(luma(&counts, 900.0) > luma(&counts, 9.0));
+        let words: Vec<String> = counts.ticks().into_iter().map(|tick| tick.1).collect();
+        assert_eq!(words, ["10", "100", "1000", "2"]);
+    }
+
+    #[test]
+    fn verif_residuals_are_white_at_zero_and_as_far_on_both_sides() {
+        let scale = ColourScale::of(Quantity::Residual, [-0.12, 0.33]);
+        assert!((scale.least + 0.4).abs() < 1e-12 && (scale.greatest - 0.4).abs() < 1e-12);
+        assert!(scale.colour(0.0).iter().all(|channel| *channel > 235));
+        let ([red, _, blue], [less_red, _, more_blue]) = (scale.colour(0.4), scale.colour(-0.4));
+        assert!(red > blue && more_blue > less_red);
+        assert!(scale.ticks().iter().any(|tick| tick.1 == "−0.4"));
+        assert_eq!(ColourScale::of(Quantity::Residual, [0.0]).greatest, 0.1);
     }
 }

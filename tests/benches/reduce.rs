@@ -11,10 +11,12 @@
 use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::process::Command;
 use std::time::Instant;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
+use hifitime::Epoch;
 use streakcast::catalogue::{Constellation, History};
 use streakcast::frames::seconds_after;
 use streakcast::measured::{
@@ -30,46 +32,69 @@ const ROUNDS: usize = 3;
 const DAY_S: f64 = 86_400.0;
 
 fn main() {
-    let millions = std::env::args().skip(1).find_map(|word| word.parse::<u32>().ok()).unwrap_or(2);
+    let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
+    match words.as_slice() {
+        [word, folder] if word == "measure" => measure(Path::new(folder)),
+        _ => make(words.iter().find_map(|word| word.parse::<u32>().ok()).unwrap_or(2)),
+    }
+}
+
+/// Forty nights of a year.
+fn first_night() -> Epoch {
+    "2023-01-05T12:00:00 UTC".parse().expect("an epoch")
+}
+
+/// One element set a night and satellite.
+fn history() -> History {
     let shell = Constellation::from_toml(SHELL).expect("a shell").remove(0);
-    let model = ModelLibrary::embedded().get("starlink-v1.5").expect("shipped");
-    let first = "2023-01-05T12:00:00 UTC".parse().expect("an epoch");
-    let nights = (0..40).map(|night| seconds_after(first, (f64::from(night) * 9.0 + 0.5) * DAY_S));
-    let history = History::new(nights.flat_map(|epoch| shell.element_sets(epoch)).collect());
+    let nights = (0..40).map(|night| seconds_after(first_night(), (f64::from(night) * 9.0 + 0.5) * DAY_S));
+    History::new(nights.flat_map(|epoch| shell.element_sets(epoch)).collect())
+}
+
+/// Simulates so many million rows, and lets another process measure them, whose memory is then that of reading alone.
+fn make(millions: u32) {
+    let (history, model) = (history(), ModelLibrary::embedded().get("starlink-v1.5").expect("shipped"));
     let folder = tempfile::tempdir().expect("a folder");
-    let mut rows = 0;
-    let mut files = Vec::new();
-    let start = Instant::now();
     for seed in 0..u64::from(millions.div_ceil(2)) {
-        let mut options = SimulationOptions::mmt9(first, 40).expect("MMT-9");
-        (options.seed, options.night_step_days) = (seed, 9);
+        let mut options = SimulationOptions::mmt9(first_night(), 40).expect("MMT-9");
+        (options.seed, options.night_step_days, options.tracks_per_night) = (seed, 9, 315);
         let begin = Instant::now();
         let mut simulation = simulate(&model, &history, &options).expect("photometry");
         simulation.records.groups.iter_mut().for_each(|group| group.insert_str(0, &seed.to_string()));
-        let points = simulation.records.records.len();
-        println!("simulated {points} rows in {:.2} s", begin.elapsed().as_secs_f64());
-        rows += points;
+        println!("simulated {} rows in {:.2} s", simulation.records.records.len(), begin.elapsed().as_secs_f64());
         let path = folder.path().join(format!("mmt_{seed}.csv"));
         let mut out = BufWriter::new(File::create(&path).expect("a file"));
         write_mmt_csv(&mut out, &simulation.records).expect("written");
-        files.push(path);
+        drop(out);
+        pack(&path);
     }
-    let bytes: u64 = files.iter().map(|path| path.metadata().expect("a file").len()).sum();
-    println!("{rows} rows, {:.0} MB of text, made in {:.1} s", bytes as f64 * 1e-6, start.elapsed().as_secs_f64());
-    println!("{} threads", rayon::current_num_threads());
-    println!("memory before reading, with the element sets: {}", memory("VmRSS"));
-    reset_peak();
-    let recorded = Placement::recorded(Some(550.0));
-    let elements = Placement::elements(&history);
-    time("text, distance and phase", &files, rows, &recorded);
-    time("text, element sets", &files, rows, &elements);
-    let packed: Vec<PathBuf> = files.iter().map(|path| pack(path)).collect();
-    time("gzip, distance and phase", &packed, rows, &recorded);
+    let itself = std::env::current_exe().expect("a name");
+    let status = Command::new(itself).arg("measure").arg(folder.path()).status();
+    assert!(status.is_ok_and(|status| status.success()), "measuring failed");
 }
 
-fn time(name: &str, files: &[PathBuf], rows: usize, placement: &Placement) {
+fn measure(folder: &Path) {
+    let history = history();
+    let files = |end: &str| -> Vec<PathBuf> {
+        let entries = std::fs::read_dir(folder).expect("a folder").map(|entry| entry.expect("an entry").path());
+        let mut files: Vec<_> = entries.filter(|path| path.extension().is_some_and(|one| one == end)).collect();
+        files.sort();
+        files
+    };
+    let (plain, packed) = (files("csv"), files("gz"));
+    let bytes: u64 = plain.iter().map(|path| path.metadata().expect("a file").len()).sum();
+    println!("{:.0} MB of text, {} threads", bytes as f64 * 1e-6, rayon::current_num_threads());
+    println!("memory before reading, with the element sets: {}", memory("VmRSS"));
+    let recorded = Placement::recorded(Some(550.0));
+    let elements = Placement::elements(&history);
+    time("text, distance and phase", &plain, &recorded);
+    time("text, element sets", &plain, &elements);
+    time("gzip, distance and phase", &packed, &recorded);
+}
+
+fn time(name: &str, files: &[PathBuf], placement: &Placement) {
     let mut seconds: Vec<f64> = Vec::new();
-    let mut told = String::new();
+    let (mut told, mut rows) = (String::new(), 0);
     for _ in 0..ROUNDS {
         let begin = Instant::now();
         let mut reader = RecordReader::open(files, &ReadOptions::default()).expect("files");
@@ -77,8 +102,9 @@ fn time(name: &str, files: &[PathBuf], rows: usize, placement: &Placement) {
         let dropped = measure_each(&mut reader, placement, &Selection::default(), |points| reducer.add(points));
         let reduction = reducer.finish();
         seconds.push(begin.elapsed().as_secs_f64());
-        let counts: Vec<String> =
-            dropped.expect("measured").iter().map(|(reason, n, _)| format!("{} {n}", reason.name())).collect();
+        let dropped = dropped.expect("measured");
+        rows = reduction.points + dropped.total();
+        let counts: Vec<String> = dropped.iter().map(|(reason, n, _)| format!("{} {n}", reason.name())).collect();
         let (pixels, kept) = (reduction.pixels.len(), reduction.kept().count());
         told = format!("{} points in {pixels} pixels, {kept} kept; dropped: {}", reduction.points, counts.join(", "));
     }
@@ -92,12 +118,11 @@ fn time(name: &str, files: &[PathBuf], rows: usize, placement: &Placement) {
     println!("    {told}");
 }
 
-fn pack(path: &Path) -> PathBuf {
-    let packed = path.with_extension("csv.gz");
-    let mut out = GzEncoder::new(File::create(&packed).expect("a file"), Compression::fast());
+/// The same file gzipped, beside it.
+fn pack(path: &Path) {
+    let mut out = GzEncoder::new(File::create(path.with_extension("csv.gz")).expect("a file"), Compression::fast());
     out.write_all(&std::fs::read(path).expect("a file")).expect("packed");
     out.finish().expect("packed");
-    packed
 }
 
 /// Peak or present memory, where the system tells.
@@ -106,9 +131,4 @@ fn memory(what: &str) -> String {
     let line = status.lines().find_map(|line| line.strip_prefix(what)?.strip_prefix(':'));
     let kilobytes = line.and_then(|line| line.trim().trim_end_matches(" kB").parse::<f64>().ok());
     kilobytes.map_or_else(|| "unknown".to_owned(), |kilobytes| format!("{:.0} MB", kilobytes / 1024.0))
-}
-
-/// Simulating takes memory too; Linux forgets the peak where it is asked to.
-fn reset_peak() {
-    let _ = std::fs::write("/proc/self/clear_refs", "5");
 }

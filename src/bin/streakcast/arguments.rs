@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use streakcast::schedule::MagnitudeLimit;
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
+use crate::fit_arguments::FitArguments;
 use crate::map_arguments::MapArguments;
 use crate::output::Output;
 
@@ -27,6 +28,8 @@ pub enum Verb {
     Annotate(Box<AnnotateArguments>),
     /// Maps of magnitude over a satellite's own sky and over that of a site
     Map(MapArguments),
+    /// From photometry to a brightness model
+    Fit(Box<FitArguments>),
     /// The brightness models: list, show, check
     Model(ModelArguments),
     /// The observatories known by name and MPC code

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod failure;
+mod fit_arguments;
 mod map_arguments;
 mod map_output;
 mod notices;
@@ -26,6 +27,7 @@ fn main() -> ExitCode {
         Verb::Flag(typed) => verbs::flag::run(*typed),
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
+        Verb::Fit(typed) => verbs::fit::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),
         Verb::Shells(typed) => verbs::shells::run(&typed),

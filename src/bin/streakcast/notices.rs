@@ -36,11 +36,20 @@ impl Notices {
 
     /// A bar over `length` exposures: on long work, on a terminal, and unless quiet; else one that shows nothing.
     pub fn progress(&self, length: usize) -> ProgressBar {
-        if self.quiet || length < LONG_WORK || !stderr().is_terminal() {
+        if length < LONG_WORK { ProgressBar::hidden() } else { self.bar(length, "exposures") }
+    }
+
+    /// A bar over the steps of walkers.
+    pub fn steps(&self, length: usize) -> ProgressBar {
+        self.bar(length, "steps")
+    }
+
+    fn bar(&self, length: usize, of: &str) -> ProgressBar {
+        if self.quiet || !stderr().is_terminal() {
             return ProgressBar::hidden();
         }
         let bar = ProgressBar::new(length as u64);
-        if let Ok(style) = ProgressStyle::with_template("{bar:40} {pos}/{len} exposures, {eta} to go") {
+        if let Ok(style) = ProgressStyle::with_template(&format!("{{bar:40}} {{pos}}/{{len}} {of}, {{eta}} to go")) {
             bar.set_style(style);
         }
         bar.enable_steady_tick(Duration::from_millis(200));

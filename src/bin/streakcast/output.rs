@@ -9,7 +9,7 @@ use streakcast::table::{
     Provenance, Section, Table, check_target, write_atomically, write_csv, write_ecsv, write_json, write_json_lines,
 };
 
-use crate::screen::{Style, render};
+use crate::screen::{Shown, Style, render};
 
 /// Format of the data.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -86,9 +86,7 @@ impl Output {
 
     /// Writes an answer: a file whole or not at all, standard output as it comes.
     pub fn write(&self, answer: &Answer<'_>) -> anyhow::Result<()> {
-        let styled = self.path.is_none()
-            && stdout().is_terminal()
-            && std::env::var_os("NO_COLOR").is_none_or(|no| no.is_empty());
+        let styled = self.is_styled();
         self.put(|out| match self.format {
             Format::Table => out.write_all(render(answer.main, &answer.style, styled).as_bytes()),
             Format::Csv => write_csv(out, answer.main, answer.provenance),
@@ -96,6 +94,23 @@ impl Output {
             Format::Json => write_json(out, &answer.sections, answer.provenance),
             Format::JsonLines => write_json_lines(out, answer.main, answer.provenance),
         })
+    }
+
+    /// True where eyes are to read it.
+    pub fn is_table(&self) -> bool {
+        self.format == Format::Table
+    }
+
+    /// Several tables for eyes, one below the other.
+    pub fn write_tables<'a>(&self, tables: impl Iterator<Item = (&'a Table, &'a [Shown])>) -> anyhow::Result<()> {
+        let styled = self.is_styled();
+        let texts: Vec<String> =
+            tables.map(|(table, columns)| render(table, &Style { columns, bold_row: None }, styled)).collect();
+        self.write_text(&texts.join("\n"))
+    }
+
+    fn is_styled(&self) -> bool {
+        self.path.is_none() && stdout().is_terminal() && std::env::var_os("NO_COLOR").is_none_or(|no| no.is_empty())
     }
 
     /// Writes text as it is.

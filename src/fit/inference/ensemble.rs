@@ -133,11 +133,15 @@ impl Chain {
         self.accepted.iter().sum::<u64>() as f64 / proposals as f64
     }
 
-    /// Samples of one parameter after `burn_in` steps, all walkers, sorted.
-    pub fn sorted(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
+    /// Samples of one parameter after `burn_in` steps, all walkers, step by step.
+    pub fn column(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
         let from = (burn_in * self.places.len() / self.steps().max(1)).min(self.places.len());
-        let mut samples: Vec<f64> =
-            self.places[from..].iter().skip(parameter).step_by(self.parameters).copied().collect();
+        self.places[from..].iter().skip(parameter).step_by(self.parameters).copied().collect()
+    }
+
+    /// The same, sorted.
+    pub fn sorted(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
+        let mut samples = self.column(parameter, burn_in);
         samples.sort_by(f64::total_cmp);
         samples
     }

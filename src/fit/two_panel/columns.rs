@@ -3,13 +3,13 @@
 use rayon::prelude::*;
 
 use crate::fit::form::{BLOCK, Evaluated, Parameter, Prepared, Sloped};
+use crate::fit::linear_starts::{self, Basis};
 use crate::fit::point::FitPoint;
 use crate::photometry::{Coefficients, Earthshine, SatelliteModel, SatelliteShape, StandardMagnitude};
 
 use super::earth::{EarthBlock, Exponents};
 use super::kernel::{At, Numbers};
 use super::shape::{OFFSET, TwoPanelForm};
-use super::starts;
 
 /// ln cos θ where the mirror cosine is not positive: any power of it is 0.
 const NO_LOBE: f64 = -1e5;
@@ -137,12 +137,27 @@ impl Prepared for Columns {
     }
 
     fn starts(&self, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>> {
-        let offset_is_free = free.contains(&OFFSET);
-        let mut begun = x.to_vec();
-        if offset_is_free {
-            begun[OFFSET] = self.form.shape.panel_offset_deg;
+        let among =
+            |span: std::ops::Range<usize>| free.iter().copied().filter(|i| span.contains(i)).collect::<Vec<_>>();
+        let (linear, bent) = (among(0..LINEAR), among(LINEAR..OFFSET));
+        linear_starts::search(self, &self.form.parameters(), x, &linear, &bent, observed, self.zero_mag)
+    }
+}
+
+/// Light is linear in c1 to c5.
+const LINEAR: usize = 5;
+
+impl Basis for Columns {
+    fn light(&self, x: &[f64]) -> Vec<f64> {
+        let at = self.with(x);
+        let mut out = [0.0; BLOCK];
+        let mut light = Vec::with_capacity(self.blocks.len() * BLOCK);
+        for block in 0..self.blocks.len() {
+            at.magnitudes(block, &mut out);
+            light.extend(out.iter().map(|magnitude| 10_f64.powf(0.4 * (self.zero_mag - magnitude))));
         }
-        starts::search(&self.with(&begun), &self.exponents, &begun, free, observed)
+        light.truncate(self.points.len());
+        light
     }
 }
 

@@ -30,15 +30,6 @@ impl Numbers {
     pub fn new(x: &[f64], zero_mag: f64) -> Self {
         Self { c: std::array::from_fn(|i| x[i]), n_sail: x[5], n_base: x[6], zero_mag }
     }
-
-    pub fn zero_mag(&self) -> f64 {
-        self.zero_mag
-    }
-
-    /// One over the light that a magnitude at 1000 km stands for, sr m⁻².
-    pub fn per_light(&self, magnitude: f64) -> f64 {
-        10_f64.powf(0.4 * (magnitude - self.zero_mag))
-    }
 }
 
 /// Columns with coefficients put to them.
@@ -70,15 +61,6 @@ impl At<'_> {
         weight_slopes.copy_from_slice(slopes);
         let earth = self.earth.get(block).map(|earth| (earth, &self.weights, &weight_slopes));
         dispatch(WithSlopes { numbers: &self.numbers, block: &self.blocks[block], earth, out, columns: &mut columns });
-        columns
-    }
-
-    /// The five basis functions of one block for given exponents, m² sr⁻¹ of coefficients of 1.
-    pub fn basis(&self, block: usize, n_sail: f64, n_base: f64, weights: &[f64; NODES]) -> Box<[[f64; BLOCK]; 5]> {
-        let numbers = Numbers { n_sail, n_base, ..self.numbers };
-        let mut columns = Box::new([[0.0; BLOCK]; 5]);
-        let earth = self.earth.get(block).map(|earth| (earth, weights));
-        dispatch(Basis { numbers: &numbers, block: &self.blocks[block], earth, columns: &mut columns });
         columns
     }
 }

@@ -87,6 +87,11 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
         shadow: typed.shadow.clone().or(setup.shadow),
         ..setup
     };
+    if setup.observer_elements.is_some() || setup.observer_norad.is_some() {
+        bail!(
+            "the configuration's observer is in orbit, and a map needs one on the ground: say --site, --mpc or --lat"
+        );
+    }
     let options = setup.photometry()?;
     let earth = site_of(&setup)?.map_or(Earth::Sphere, Earth::Ellipsoid);
     let (sun_azimuth, sun_altitude) = (typed.sun_azimuth_deg.to_radians(), typed.sun_altitude_deg.to_radians());
@@ -113,7 +118,7 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
 }
 
 /// A model of the library, or of a file: what ends in .json or has a folder in it, and what is no model but a file.
-fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<BrightnessModel>> {
+pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<BrightnessModel>> {
     let path = Path::new(name);
     let is_path =
         path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json")) || name.contains(std::path::is_separator);
@@ -137,12 +142,7 @@ fn without_part(setup: &Setup, more: &[(&str, bool)], map: &str) -> Option<Strin
 }
 
 /// The site, where one was said.
-fn site_of(setup: &Setup) -> anyhow::Result<Option<Site>> {
-    if setup.observer_elements.is_some() || setup.observer_norad.is_some() {
-        bail!(
-            "the configuration's observer is in orbit, and a map is of the sky of a site; say --site, --mpc or --lat"
-        );
-    }
+pub fn site_of(setup: &Setup) -> anyhow::Result<Option<Site>> {
     let said = [setup.lat, setup.lon, setup.height].iter().any(Option::is_some);
     let is_said = said || setup.site.is_some() || setup.mpc.is_some();
     Ok(if is_said { Some(setup.site()?) } else { None })
@@ -186,7 +186,7 @@ mod pictures {
     use crate::verbs::judged::begin;
 
     /// The bytes of a picture, where one is wanted.
-    pub fn made<'a>(path: Option<&Path>, picture: impl FnOnce() -> Picture<'a>) -> anyhow::Result<Option<Vec<u8>>> {
+    pub fn made(path: Option<&Path>, picture: impl FnOnce() -> Picture) -> anyhow::Result<Option<Vec<u8>>> {
         path.map(|path| Ok(picture().to_bytes(PictureFormat::of(path)?)?)).transpose()
     }
 

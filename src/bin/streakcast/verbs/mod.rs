@@ -1,6 +1,7 @@
 //! One verb, one file.
 
 pub mod annotate;
+pub mod fit;
 pub mod flag;
 mod judged;
 pub mod map;

@@ -1,0 +1,85 @@
+//! `fit compare`: the paper's tests, and forms of law on unseen points.
+
+use streakcast::fit::{Entrant, baselines, contest, offset_table, paper_tests, rival_table, standing_table};
+use streakcast::table::{Provenance, Section};
+
+use super::points::{FittedForm, form, read};
+use crate::failure::Outcome;
+use crate::fit_arguments::FitCompareArguments;
+use crate::output::{Answer, Output};
+use crate::screen::{Shown, Style, rounded, shown};
+
+const STANDINGS_ON_SCREEN: &[Shown] = &[
+    shown("model", "model"),
+    shown("parameters", "k"),
+    shown("n", "n"),
+    rounded("rms_mag", "rms", 3),
+    rounded("core_mag", "core", 3),
+    rounded("aic", "AIC", 0),
+    rounded("held_out_rms_mag", "unseen rms", 3),
+    rounded("held_out_core_mag", "unseen core", 3),
+    rounded("within_one_sigma", "within", 2),
+];
+const OFFSETS_ON_SCREEN: &[Shown] = &[
+    rounded("sun_latitude_from_deg", "Sun from", 1),
+    rounded("sun_latitude_to_deg", "to deg", 1),
+    shown("n", "n"),
+    rounded("panel_offset_deg", "POA deg", 3),
+    rounded("panel_offset_sigma_deg", "sigma", 3),
+    rounded("rms_mag", "rms", 4),
+];
+const RIVALS_ON_SCREEN: &[Shown] = &[
+    shown("model", "model"),
+    shown("n", "n"),
+    shown("parameters", "k"),
+    rounded("rms_mag", "rms", 4),
+    rounded("aic", "AIC", 1),
+    rounded("t", "t", 2),
+    rounded("p", "p", 4),
+];
+
+pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
+    let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
+    let chosen = form(&typed.form, typed.reduction.raw_points)?;
+    let placed = read(&typed.photometry, &typed.reduction)?;
+    let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
+    let mut entrants = vec![own];
+    let mut provenance = Provenance::new();
+    provenance.state("model", &chosen.file.name);
+    provenance.state("earthshine", if typed.form.no_earthshine { "off" } else { "computed" });
+    let tests = match &chosen.form {
+        FittedForm::TwoPanel(two_panel) => {
+            entrants.extend(baselines(two_panel));
+            Some(paper_tests(two_panel, &placed.points, &chosen.settings, typed.reduction.layer_deg)?)
+        }
+        FittedForm::Panels(_) => None,
+    };
+    let folds = typed.form.folds.max(2);
+    provenance.state("folds", &folds.to_string());
+    let (_, standings) = contest(&entrants, &placed.points, &chosen.settings, folds)?;
+    let standings = standing_table(&standings);
+    let (offsets, rivals) = match &tests {
+        Some(tests) => (offset_table(&tests.offsets), rival_table(&[&tests.sail_glossy, &tests.earthshine])),
+        None => (offset_table(&[]), rival_table(&[])),
+    };
+    for (span, n) in tests.iter().flat_map(|tests| &tests.left_out) {
+        placed.notices.say(&format!("layer {} to {} deg left out: {n} points", span[0], span[1]));
+    }
+    if output.is_table() {
+        let parts = [(&offsets, OFFSETS_ON_SCREEN), (&rivals, RIVALS_ON_SCREEN), (&standings, STANDINGS_ON_SCREEN)];
+        return output
+            .write_tables(parts.into_iter().filter(|(table, _)| !table.rows.is_empty()))
+            .map(|()| Outcome::Done);
+    }
+    output.write(&Answer {
+        sections: vec![
+            Section { name: "panel_offsets", table: &offsets },
+            Section { name: "rivals", table: &rivals },
+            Section { name: "standings", table: &standings },
+        ],
+        main: &standings,
+        provenance: &provenance,
+        style: Style { columns: STANDINGS_ON_SCREEN, bold_row: None },
+    })?;
+    Ok(Outcome::Done)
+}

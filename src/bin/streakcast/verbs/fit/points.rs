@@ -1,0 +1,205 @@
+//! Photometry as typed, made into points of a fit.
+
+use std::fs;
+use std::sync::Arc;
+
+use anyhow::anyhow;
+use streakcast::catalogue::{Catalogue, Keep, ReadOptions as CatalogueOptions, StationRule};
+use streakcast::fit::{
+    FitPoint, FitSettings, Form, Loss, PANEL_OFFSET, PanelsForm, Parameter, RawWeights, TwoPanelForm,
+    points_of_measurements, points_of_pixels,
+};
+use streakcast::frames::EopTable;
+use streakcast::measured::{
+    ColumnMap, DensityMode, DropCounts, Format, Measurements, Place, Placement, ReadOptions, RecordReader,
+    ReduceOptions, Reduction, Selection, measure, reduce,
+};
+use streakcast::photometry::{BrightnessModel, Earthshine, ModelFile, ModelLibrary};
+use streakcast::setup::Setup;
+
+use crate::fit_arguments::{FormArguments, LossName, ModeName, PhotometryArguments, ReductionArguments};
+use crate::notices::Notices;
+use crate::verbs::judged::begin;
+use crate::verbs::map::{model_of, site_of};
+
+/// Photometry in its geometry.
+pub struct Placed {
+    pub measurements: Measurements,
+    /// Pixels, unless single measurements were asked for.
+    pub reduction: Option<Reduction>,
+    /// Points to be fitted.
+    pub points: Vec<FitPoint>,
+    pub notices: Notices,
+}
+
+pub fn read(typed: &PhotometryArguments, reduction: &ReductionArguments) -> anyhow::Result<Placed> {
+    let setup = Setup { threads: typed.threads, quiet: Some(typed.quiet), ..typed.place.setup() };
+    let notices = begin(&setup)?;
+    let columns = typed.columns.as_ref().map(|said| {
+        // A file, or the pairs themselves.
+        let text = if said.contains('=') {
+            said.clone()
+        } else {
+            fs::read_to_string(said).map_err(|error| anyhow!("columns {said}: {error}"))?
+        };
+        Ok::<_, anyhow::Error>(ColumnMap::from_text(&text)?)
+    });
+    let options = ReadOptions {
+        format: typed.format_name.as_deref().map(Format::by_name).transpose()?,
+        columns: columns.transpose()?,
+        site: site_of(&setup)?,
+        filters: typed.filter.clone(),
+        keep_duplicates: typed.keep_duplicates,
+    };
+    let history = if typed.elements.is_empty() {
+        None
+    } else {
+        let catalogue =
+            Catalogue::read(&typed.elements, &CatalogueOptions { keep: Keep::All, ..CatalogueOptions::default() })?;
+        Some(catalogue.into_history())
+    };
+    let placement = match &history {
+        Some(history) => Placement {
+            place: Place::Elements { fit_offset_s: typed.fit_offset_s },
+            max_element_age_days: typed.max_element_age_days,
+            eop: EopTable::embedded(),
+            ..Placement::elements(history)
+        },
+        None => Placement::recorded(typed.height_km),
+    };
+    let station = typed.on_station.then(|| StationRule {
+        min_height_km: typed.station_height_km,
+        max_rate_m_day: typed.station_rate_m_day,
+        ..StationRule::default()
+    });
+    let selection = Selection {
+        least_grazing_height_km: Some(typed.least_grazing_km),
+        station,
+        correct_sun_distance: typed.sun_distance,
+        ..Selection::default()
+    };
+    let mut reader = RecordReader::open(&typed.photometry, &options)?;
+    let measurements = measure(&mut reader, &placement, &selection)?;
+    tell(&notices, &measurements.dropped, measurements.points.len());
+    let (pixels, points) = if reduction.raw_points {
+        if !(reduction.scatter_mag > 0.0 && reduction.scatter_mag.is_finite()) {
+            return Err(anyhow!("scatter-mag {}; allowed: more than 0", reduction.scatter_mag));
+        }
+        let weights = RawWeights { scatter_mag: reduction.scatter_mag, by_group: !reduction.equal_weights };
+        (None, points_of_measurements(&measurements, &weights))
+    } else {
+        let pixels = reduce(&measurements.points, reduce_options(reduction))?;
+        let points = points_of_pixels(&pixels);
+        notices.say(&format!(
+            "{} points in {} pixels, {} of them kept ({} points or more, spread of {} mag or less)",
+            pixels.points,
+            pixels.pixels.len(),
+            points.len(),
+            reduction.min_count,
+            reduction.max_iqr
+        ));
+        (Some(pixels), points)
+    };
+    Ok(Placed { measurements, reduction: pixels, points, notices })
+}
+
+fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {
+    ReduceOptions {
+        layer_width_rad: typed.layer_deg.to_radians(),
+        nside: typed.nside,
+        fold: !typed.no_fold,
+        mode: match typed.mode {
+            ModeName::HalfSample => DensityMode::HalfSample,
+            ModeName::Kernel => DensityMode::Kernel,
+        },
+        least_count: typed.min_count,
+        most_iqr_mag: typed.max_iqr,
+    }
+}
+
+/// How many rows were used, and why others were not.
+fn tell(notices: &Notices, dropped: &DropCounts, used: usize) {
+    notices.say(&format!("{used} measurements, {} rows left out", dropped.total()));
+    for (reason, count, example) in dropped.iter() {
+        let first = example.map(|one| format!(" (first: {one})")).unwrap_or_default();
+        notices.say(&format!("  {count} {}{first}", reason.name().replace('_', " ")));
+    }
+}
+
+/// The model whose form is fitted.
+pub struct Chosen {
+    pub model: Arc<BrightnessModel>,
+    pub file: ModelFile,
+    pub form: FittedForm,
+    pub settings: FitSettings,
+}
+
+/// One of the forms that model files have room for.
+pub enum FittedForm {
+    TwoPanel(TwoPanelForm),
+    Panels(PanelsForm),
+}
+
+impl FittedForm {
+    pub fn as_form(&self) -> &dyn Form {
+        match self {
+            Self::TwoPanel(form) => form,
+            Self::Panels(form) => form,
+        }
+    }
+
+    /// The same, to be owned.
+    pub fn boxed(&self) -> Box<dyn Form> {
+        match self {
+            Self::TwoPanel(form) => Box::new(form.clone()),
+            Self::Panels(form) => Box::new(form.clone()),
+        }
+    }
+}
+
+/// What is fitted, and how.
+pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
+    let model = model_of(&ModelLibrary::embedded(), &typed.model)?;
+    let file = model.file().cloned().ok_or_else(|| anyhow!("model {} has no file", typed.model))?;
+    let (band, system) = model.band();
+    let sun_magnitude = band.sun_magnitude(system);
+    let earthshine = if typed.no_earthshine { Earthshine::Off } else { Earthshine::Computed };
+    let form = match (file.shape, file.coefficients, &file.panels) {
+        (Some(shape), Some(coefficients), _) => {
+            FittedForm::TwoPanel(TwoPanelForm { shape, coefficients, earthshine, blocking: true, sun_magnitude })
+        }
+        (_, _, Some(spec)) => FittedForm::Panels(PanelsForm { spec: spec.clone(), earthshine, sun_magnitude }),
+        _ => {
+            let wanted = "allowed are models of kind two_panel or panels (streakcast model list)";
+            return Err(anyhow!("model {} has nothing to fit; {wanted}", typed.model));
+        }
+    };
+    let parameters = form.as_form().parameters();
+    let known = || parameters.iter().map(|parameter| parameter.name.as_str()).collect::<Vec<_>>().join(", ");
+    let mut held = Vec::new();
+    for entry in &typed.hold {
+        let parsed =
+            entry.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
+        let (name, value) = parsed.ok_or_else(|| anyhow!("hold {entry}; allowed: NAME=NUMBER, as c1=0"))?;
+        let found = parameters.iter().find(|parameter| parameter.name == name);
+        let parameter = found.ok_or_else(|| anyhow!("hold {name}: no such parameter; allowed: {}", known()))?;
+        if !(parameter.least..=parameter.greatest).contains(&value) {
+            return Err(anyhow!("hold {name}={value}; allowed: {} to {}", parameter.least, parameter.greatest));
+        }
+        held.push((name.to_owned(), value));
+    }
+    let mut free = typed.free.clone();
+    if free.is_empty() {
+        let fitted = |parameter: &&Parameter| parameter.name != PANEL_OFFSET;
+        free = parameters.iter().filter(fitted).map(|parameter| parameter.name.clone()).collect();
+    }
+    free.retain(|name| held.iter().all(|(other, _)| other != name));
+    let loss = match typed.loss {
+        Some(LossName::Squares) => Loss::Squares,
+        Some(LossName::SoftL1) => Loss::SoftL1,
+        Some(LossName::Student) => Loss::Student(4.0),
+        None if raw_points => Loss::SoftL1,
+        None => Loss::Squares,
+    };
+    Ok(Chosen { model, file, form, settings: FitSettings { free, held, loss, ..FitSettings::default() } })
+}

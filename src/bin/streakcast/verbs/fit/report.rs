@@ -1,0 +1,292 @@
+//! Reports of fits: what was read, what was fitted, what is wrong with it, with pictures.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use anyhow::anyhow;
+use streakcast::fit::{Report, Spread, marginal_table, parameter_table, standing_table};
+
+use super::run::Told;
+use crate::output::write_bytes;
+
+/// A picture of a report: the end of its file's name, its caption, its PNG.
+type Drawn = (&'static str, String, Vec<u8>);
+
+/// Reports end in `.md`, `.html` or `.htm`.
+pub fn check_name(path: &Path) -> anyhow::Result<()> {
+    if is_html(path) || ends_in(path, &["md"]) {
+        return Ok(());
+    }
+    Err(anyhow!("report {}: allowed are names that end in .md or .html", path.display()))
+}
+
+fn is_html(path: &Path) -> bool {
+    ends_in(path, &["html", "htm"])
+}
+
+fn ends_in(path: &Path, ends: &[&str]) -> bool {
+    let end = path.extension().map(|end| end.to_string_lossy().to_ascii_lowercase());
+    end.is_some_and(|end| ends.contains(&end.as_str()))
+}
+
+/// Writes the report: pictures beside a `.md`, within a `.html`.
+pub fn write(path: &Path, told: &Told) -> anyhow::Result<()> {
+    let drawn = pictures(told)?;
+    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (format!("{stem}-{}.png", one.0), one)).collect();
+    let report = text(told, &names);
+    if is_html(path) {
+        let page = report.to_html(|name| names.get(name).map(|one| data_url(&one.2)));
+        return write_bytes(path, page.as_bytes());
+    }
+    for (name, (_, _, bytes)) in &names {
+        write_bytes(&path.with_file_name(name), bytes)?;
+    }
+    write_bytes(path, report.to_markdown().as_bytes())
+}
+
+fn text(told: &Told, pictures: &BTreeMap<String, &Drawn>) -> Report {
+    let (fit, file) = (told.fit, told.file);
+    let mut report = Report::new(&format!("Fit of {}", file.name));
+    report.say(&format!("{}. Data: {}.", file.title, file.provenance.data));
+    report.section("Verdict");
+    if told.faults.is_empty() {
+        report.say("Sound: every parameter stands between its bounds, is told apart from the others, and rests on enough points.");
+    } else {
+        report.say("**Not sound:**");
+        report.list(told.faults.iter().map(ToString::to_string));
+    }
+    report.section("Points");
+    let measurements = &told.placed.measurements;
+    report.say(&format!(
+        "{} measurements in {} groups; {} rows left out; {} points fitted, {} where the model sees nothing lit.",
+        measurements.points.len(),
+        measurements.groups.len(),
+        measurements.dropped.total(),
+        fit.kept.len(),
+        told.placed.points.len() - fit.kept.len()
+    ));
+    if measurements.dropped.total() > 0 {
+        report.table(&measurements.dropped.table());
+    }
+    report.section("Parameters");
+    report.table(&parameter_table(fit, told.points_behind));
+    report.say(&format!(
+        "Errors: {:?}. Costs that the starting places led to: {}.",
+        fit.certainty.kind,
+        costs(&fit.costs)
+    ));
+    report.section("Residuals");
+    let spread = |name: &str, residuals: &[f64]| {
+        Spread::of(residuals).map(|s| {
+            format!("{name}: {} points, mean {:+.3}, RMS {:.3}, core {:.3} mag", s.n, s.mean_mag, s.rms_mag, s.core_mag)
+        })
+    };
+    report.list(
+        spread("Fitted points", &fit.residuals_mag).into_iter().chain(spread("Single measurements", told.single_mag)),
+    );
+    if !told.standings.is_empty() {
+        report.section("On unseen points");
+        report.say("Each form fitted without one fold of tracks or nights at a time, and held against it.");
+        report.table(&standing_table(told.standings));
+    }
+    if let Some((_, posterior)) = told.posterior {
+        report.section("Posterior");
+        report.say(&format!(
+            "{} steps of {} walkers after burn-in, {:.0} % of proposals taken; seed {}.",
+            posterior.steps,
+            told.typed.walkers,
+            100.0 * posterior.acceptance,
+            told.typed.seed
+        ));
+        report.table(&marginal_table(posterior));
+    }
+    if !pictures.is_empty() {
+        report.section("Pictures");
+        pictures.iter().for_each(|(name, (_, caption, _))| report.picture(caption, name));
+    }
+    report.section("How");
+    report.list(file.provenance.notes.iter().cloned());
+    report.say(&format!("Sigma {:.3} mag: {}.", file.sigma_mag, file.sigma_origin));
+    report
+}
+
+fn costs(costs: &[f64]) -> String {
+    costs.iter().map(|cost| format!("{cost:.4}")).collect::<Vec<_>>().join(", ")
+}
+
+#[cfg(not(feature = "plot"))]
+fn pictures(_: &Told) -> anyhow::Result<Vec<Drawn>> {
+    Ok(Vec::new())
+}
+
+/// There are no pictures to put into a page.
+#[cfg(not(feature = "plot"))]
+fn data_url(_: &[u8]) -> String {
+    String::new()
+}
+
+#[cfg(feature = "plot")]
+pub use drawn::{pictures, pixels_picture};
+#[cfg(feature = "plot")]
+use streakcast::plot::data_url;
+
+#[cfg(feature = "plot")]
+mod drawn {
+    use std::collections::BTreeMap;
+    use std::path::Path;
+
+    use anyhow::anyhow;
+    use streakcast::fit::FitPoint;
+    use streakcast::healpix::ring_cell;
+    use streakcast::measured::{Pixel, Reduction};
+    use streakcast::plot::{
+        Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Picture, PictureFormat, Quantity, ResidualHistogram,
+        ResidualPanels, corner, counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
+    };
+
+    use super::{Drawn, Told};
+    use crate::output::write_bytes;
+
+    /// Cells of O-C maps, and how many layers are shown.
+    const NSIDE: u32 = 16;
+    const MOST_LAYERS: usize = 6;
+
+    pub fn pictures(told: &Told) -> anyhow::Result<Vec<Drawn>> {
+        let (fit, points) = (told.fit, told.problem.points());
+        let name = &told.file.name;
+        let mut drawn = Vec::new();
+        let mut add = |end, caption: &str, picture: Picture| -> anyhow::Result<()> {
+            drawn.push((end, caption.to_owned(), picture.to_png()?));
+            Ok(())
+        };
+        let residuals = &fit.residuals_mag;
+        let column = |of: fn(&FitPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
+        let (sun, longitude) = (column(|p| p.geometry.sun_latitude_rad), column(|p| p.geometry.observer_longitude_rad));
+        let (latitude, phase) =
+            (column(|p| p.geometry.observer_latitude_rad), column(|p| p.geometry.phase_angle_rad()));
+        let measured = column(|p| p.magnitude);
+        let model: Vec<f64> = measured.iter().zip(residuals).map(|(measured, residual)| measured - residual).collect();
+        let title = format!("{name}: observed minus computed");
+        let sigma_mag = told.file.sigma_mag.max(1e-3);
+        add(
+            "histogram",
+            "Residuals",
+            residual_histogram(&ResidualHistogram { title: &title, residuals_mag: residuals, sigma_mag })?,
+        )?;
+        let panels = ResidualPanels {
+            title: &title,
+            residuals_mag: residuals,
+            sun_latitude_rad: &sun,
+            observer_longitude_rad: &longitude,
+            observer_latitude_rad: &latitude,
+            phase_angle_rad: &phase,
+        };
+        add("residuals", "Residuals against the geometry", residual_panels(&panels)?)?;
+        let curve = PhaseCurve {
+            title: name,
+            magnitude_name: "magnitude at 1000 km",
+            phase_angle_rad: &phase,
+            measured_mag: &measured,
+            model_mag: &model,
+        };
+        add("phase", "Magnitudes against the phase angle", phase_curve(&curve)?)?;
+        if let Some(picture) = residual_maps(&title, points, residuals)? {
+            add("maps", "Residuals over the satellite's sky", picture)?;
+        }
+        if let Some(reduction) = &told.placed.reduction {
+            add("pixels", "Number of points and spread of the pixels", of_counts(reduction)?)?;
+        }
+        if let Some((chain, posterior)) = told.posterior {
+            let names: Vec<String> = posterior.marginals.iter().map(|marginal| marginal.name.clone()).collect();
+            let burn_in = chain.steps() - posterior.steps;
+            let samples: Vec<Vec<f64>> = (0..names.len()).map(|i| chain.column(i, burn_in)).collect();
+            if (2..=9).contains(&names.len()) {
+                let title = format!("Posterior of {name}");
+                add(
+                    "corner",
+                    "Posterior",
+                    corner(&Corner { title: &title, names: &names, samples: &samples, truths: None })?,
+                )?;
+            }
+        }
+        Ok(drawn)
+    }
+
+    /// Mean residuals in cells of the observer's direction, for the layers of one degree that hold most points.
+    fn residual_maps(title: &str, points: &[FitPoint], residuals: &[f64]) -> anyhow::Result<Option<Picture>> {
+        let mut all = BTreeMap::<i64, BTreeMap<u64, (f64, f64)>>::new();
+        for (point, residual) in points.iter().zip(residuals) {
+            let g = point.geometry.folded();
+            let Some(cell) = ring_cell(NSIDE, g.observer_longitude_rad, g.observer_latitude_rad) else { continue };
+            let layer = g.sun_latitude_rad.to_degrees().floor() as i64;
+            let sum = all.entry(layer).or_default().entry(cell).or_default();
+            *sum = (sum.0 + residual, sum.1 + 1.0);
+        }
+        let mut fullest: Vec<i64> = all.keys().copied().collect();
+        fullest.sort_by_key(|layer| std::cmp::Reverse(all[layer].len()));
+        fullest.truncate(MOST_LAYERS);
+        fullest.sort_by_key(|layer| std::cmp::Reverse(*layer));
+        let cells: Vec<(String, Vec<(u64, f64)>)> = fullest
+            .iter()
+            .map(|layer| {
+                let means = all[layer].iter().map(|(cell, (sum, n))| (*cell, sum / n)).collect();
+                (format!("Sun at {layer} to {} deg", layer + 1), means)
+            })
+            .collect();
+        if cells.is_empty() {
+            return Ok(None);
+        }
+        let panel = |(title, cells): &'_ (String, Vec<(u64, f64)>)| (title.clone(), cells.clone());
+        let owned: Vec<_> = cells.iter().map(panel).collect();
+        let panels =
+            owned.iter().map(|(title, cells)| LayerPanel { title, quantity: Quantity::Residual, cells }).collect();
+        Ok(Some(layers(&Layers { title, caption: "Means of cells.", nside: NSIDE, is_folded: true, panels })?))
+    }
+
+    fn of_counts(reduction: &Reduction) -> anyhow::Result<Picture> {
+        let counts: Vec<f64> = reduction.pixels.iter().map(|pixel| f64::from(pixel.count)).collect();
+        let iqr_mag: Vec<f64> = reduction.pixels.iter().map(|pixel| pixel.iqr_mag).collect();
+        Ok(counts_and_spread(&CountsAndSpread {
+            title: "Pixels",
+            counts: &counts,
+            iqr_mag: &iqr_mag,
+            least_count: f64::from(reduction.options.least_count),
+            most_iqr_mag: reduction.options.most_iqr_mag,
+        })?)
+    }
+
+    /// Figure 2 of one layer, or figure 3 of all pixels.
+    pub fn pixels_picture(path: &Path, reduction: Option<&Reduction>, layer_deg: Option<f64>) -> anyhow::Result<()> {
+        let reduction = reduction.ok_or_else(|| anyhow!("--picture draws pixels; leave --raw-points out"))?;
+        let picture = match layer_deg {
+            None => of_counts(reduction)?,
+            Some(sun_deg) => {
+                let width_deg = reduction.options.layer_width_rad.to_degrees();
+                let layer = (sun_deg / width_deg).floor() as i32;
+                let inside: Vec<&Pixel> = reduction.pixels.iter().filter(|pixel| pixel.layer == layer).collect();
+                if inside.is_empty() {
+                    return Err(anyhow!("no pixel in the layer that holds the Sun's latitude {sun_deg} deg"));
+                }
+                let of = |value: fn(&Pixel) -> f64| {
+                    inside.iter().map(|pixel| (pixel.cell, value(pixel))).collect::<Vec<_>>()
+                };
+                let (mode, count, spread) = (of(|p| p.mode_mag), of(|p| f64::from(p.count)), of(|p| p.iqr_mag));
+                let from = f64::from(layer) * width_deg;
+                let title = format!("Sun at latitude {from} to {} deg", from + width_deg);
+                layers(&Layers {
+                    title: &title,
+                    caption: "",
+                    nside: reduction.options.nside,
+                    is_folded: reduction.options.fold,
+                    panels: vec![
+                        LayerPanel { title: "(a) magnitude at 1000 km", quantity: Quantity::Magnitude, cells: &mode },
+                        LayerPanel { title: "(b) number of points", quantity: Quantity::Count, cells: &count },
+                        LayerPanel { title: "(c) interquartile range", quantity: Quantity::Spread, cells: &spread },
+                    ],
+                })?
+            }
+        };
+        write_bytes(path, &picture.to_bytes(PictureFormat::of(path)?)?)
+    }
+}

@@ -1,0 +1,242 @@
+//! `fit run`: a model file with covariance, and a report of how it came about.
+
+use std::path::Path;
+
+use anyhow::anyhow;
+use indicatif::ProgressBar;
+use streakcast::fit::{
+    Chain, ChainAbout, Entrant, Fault, Fit, FitPoint, ModelWords, Posterior, PosteriorSettings, Problem, RawWeights,
+    Spread, Standing, baselines, contest, draw, faults, honest_sigma_mag, panels_file, points_behind,
+    points_of_measurements, posterior, predict, read_chain, rms, two_panel_file, write_chain,
+};
+use streakcast::photometry::ModelFile;
+
+use super::points::{Chosen, FittedForm, Placed, form, read};
+use super::report;
+use crate::failure::Outcome;
+use crate::fit_arguments::{FitArguments, FitRunArguments, FitVerb};
+use crate::output::{check, write_bytes};
+
+/// Chains are saved after so many steps, if at all.
+const SAVED_EVERY: usize = 500;
+
+pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
+    match typed.verb {
+        FitVerb::Run(typed) => fit(&typed),
+        FitVerb::Compare(typed) => super::compare::compare(*typed),
+        FitVerb::Reduce(typed) => super::reduce::reduce(*typed),
+    }
+}
+
+/// Everything that a report tells.
+pub struct Told<'a> {
+    pub typed: &'a FitRunArguments,
+    pub placed: &'a Placed,
+    pub problem: &'a Problem,
+    pub fit: &'a Fit,
+    pub faults: &'a [Fault],
+    pub points_behind: &'a [usize],
+    pub standings: &'a [Standing],
+    /// Single measurements: residuals about the model, mag.
+    pub single_mag: &'a [f64],
+    pub posterior: Option<(&'a Chain, &'a Posterior)>,
+    pub file: &'a ModelFile,
+}
+
+fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
+    check(&typed.output)?;
+    if let Some(report) = &typed.report {
+        report::check_name(report)?;
+        check(report)?;
+    }
+    let chosen = form(&typed.form, typed.reduction.raw_points)?;
+    let placed = read(&typed.photometry, &typed.reduction)?;
+    let problem = Problem::new(chosen.form.as_form(), &placed.points, &chosen.settings)?;
+    let fit = problem.solve()?;
+    let notices = &placed.notices;
+    let in_sample = Spread::of(&fit.residuals_mag).ok_or_else(|| anyhow!("no point was fitted"))?;
+    notices.say(&format!(
+        "{} points, {} parameters: RMS {:.3} mag, core {:.3} mag",
+        in_sample.n,
+        fit.free.len(),
+        in_sample.rms_mag,
+        in_sample.core_mag
+    ));
+    let faults = faults(&problem, &fit);
+    let standings = standings(typed, &chosen, &placed)?;
+    let single_mag = single(&chosen, &placed, &fit);
+    let drawn = typed.mcmc.map(|steps| drawn(typed, &placed, &problem, &fit, steps)).transpose()?;
+    let file = file(typed, &chosen, &placed, &problem, &fit, &standings, &single_mag, faults.is_empty())?;
+    let points_behind = points_behind(&problem, &fit);
+    if let Some(path) = &typed.report {
+        let told = Told {
+            typed,
+            placed: &placed,
+            problem: &problem,
+            fit: &fit,
+            faults: &faults,
+            points_behind: &points_behind,
+            standings: &standings,
+            single_mag: &single_mag,
+            posterior: drawn.as_ref().map(|(chain, posterior)| (chain, posterior)),
+            file: &file,
+        };
+        report::write(path, &told)?;
+    }
+    write_bytes(&typed.output, (file.to_json() + "\n").as_bytes())?;
+    for fault in &faults {
+        notices.say(&format!("not sound: {fault}"));
+    }
+    Ok(if faults.is_empty() { Outcome::Done } else { Outcome::No })
+}
+
+/// The form and those that it has to beat, on the same unseen folds.
+fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyhow::Result<Vec<Standing>> {
+    if typed.form.folds == 0 {
+        return Ok(Vec::new());
+    }
+    let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
+    let mut entrants = vec![own];
+    if let FittedForm::TwoPanel(form) = &chosen.form {
+        entrants.extend(baselines(form));
+    }
+    let (_, standings) = contest(&entrants, &placed.points, &chosen.settings, typed.form.folds)?;
+    for one in &standings {
+        placed.notices.say(&format!(
+            "  unseen: {:<22} k {} RMS {:.3} core {:.3} mag, {:.0} % within one sigma",
+            one.name,
+            one.parameters,
+            one.held_out.rms_mag,
+            one.held_out.core_mag,
+            100.0 * one.within_one_sigma
+        ));
+    }
+    Ok(standings)
+}
+
+/// Residuals of single measurements about the fit.
+fn single(chosen: &Chosen, placed: &Placed, fit: &Fit) -> Vec<f64> {
+    let points: Vec<FitPoint> =
+        points_of_measurements(&placed.measurements, &RawWeights { by_group: false, ..RawWeights::default() });
+    let predicted = predict(chosen.form.as_form(), &points, &fit.values());
+    points
+        .iter()
+        .zip(predicted)
+        .map(|(point, predicted)| point.magnitude - predicted)
+        .filter(|r| r.is_finite())
+        .collect()
+}
+
+fn drawn(
+    typed: &FitRunArguments,
+    placed: &Placed,
+    problem: &Problem,
+    fit: &Fit,
+    steps: usize,
+) -> anyhow::Result<(Chain, Posterior)> {
+    let settings = PosteriorSettings { steps, burn_in: typed.burn_in, walkers: typed.walkers, seed: typed.seed };
+    if typed.burn_in >= steps {
+        return Err(anyhow!("burn-in {}; allowed: less than the {steps} steps of --mcmc", typed.burn_in));
+    }
+    let about = ChainAbout {
+        software: format!("streakcast {}", env!("CARGO_PKG_VERSION")),
+        parameters: fit.free.iter().map(|&i| fit.parameters[i].name.clone()).collect(),
+        seed: typed.seed,
+        fingerprint: problem.fingerprint(),
+    };
+    let resumed =
+        typed.chains.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &about, typed)).transpose()?;
+    if let Some(chain) = &resumed {
+        placed.notices.say(&format!("going on after {} steps", chain.steps()));
+    }
+    let bar: ProgressBar = placed.notices.steps(steps);
+    let objective = problem.objective();
+    let save = |chain: &Chain| typed.chains.as_deref().map_or(Ok(()), |path| write_chain(path, chain, &about));
+    let chain = draw(&objective, fit, &settings, resumed, |chain| {
+        bar.set_position(chain.steps() as u64);
+        if chain.steps() % SAVED_EVERY == 0 { save(chain) } else { Ok(()) }
+    })?;
+    bar.finish_and_clear();
+    save(&chain)?;
+    let found = posterior(&chain, fit, typed.burn_in);
+    let slow = found.marginals.iter().filter(|marginal| !marginal.autocorrelation.is_trusted);
+    for marginal in slow {
+        let tau = marginal.autocorrelation.steps;
+        placed.notices.say(&format!(
+            "warning: {} moves slowly: {} steps are fewer than 50 of its autocorrelation times ({tau:.0} steps)",
+            marginal.name, found.steps
+        ));
+    }
+    Ok((chain, found))
+}
+
+/// A chain of the same fit, to go on with.
+fn resumed(path: &Path, about: &ChainAbout, typed: &FitRunArguments) -> anyhow::Result<Chain> {
+    let (chain, was) = read_chain(path)?;
+    let same = was.fingerprint == about.fingerprint && was.seed == about.seed && was.parameters == about.parameters;
+    if !same || chain.walkers() != typed.walkers {
+        return Err(anyhow!(
+            "chains {}: they are of another fit (other points, parameters, walkers or seed); allowed: the same, or a new file",
+            path.display()
+        ));
+    }
+    Ok(chain)
+}
+
+#[allow(clippy::too_many_arguments)]
+fn file(
+    typed: &FitRunArguments,
+    chosen: &Chosen,
+    placed: &Placed,
+    problem: &Problem,
+    fit: &Fit,
+    standings: &[Standing],
+    single_mag: &[f64],
+    is_sound: bool,
+) -> anyhow::Result<ModelFile> {
+    // What is announced is for single measurements that were not seen: held-out ones where there are any.
+    let held = standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
+    let (sigma_mag, origin) = match held {
+        Some(held) => (
+            honest_sigma_mag(held),
+            format!("holds 68.3 % of single measurements on unseen tracks or nights ({} folds)", typed.form.folds),
+        ),
+        None => (honest_sigma_mag(single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
+    };
+    let files: Vec<String> = typed.photometry.photometry.iter().map(|path| path.display().to_string()).collect();
+    let base = &chosen.file;
+    let words = ModelWords {
+        name: typed.name.clone().unwrap_or_else(|| format!("{}-fit", base.name)),
+        title: format!("{} fitted to photometry", base.title.split(',').next().unwrap_or(&base.title)),
+        source: format!("streakcast {} fit run, form of {}", env!("CARGO_PKG_VERSION"), base.name),
+        data: typed.data.clone().unwrap_or_else(|| files.join(", ")),
+        date: typed.date.clone().unwrap_or_default(),
+        provisional: !is_sound,
+        notes: notes(typed, placed, chosen),
+        sigma_origin: origin,
+    };
+    let rms_mag = rms(&fit.residuals_mag);
+    Ok(match &chosen.form {
+        FittedForm::TwoPanel(_) => two_panel_file(base, fit, problem.points(), rms_mag, sigma_mag, &words)?,
+        FittedForm::Panels(_) => panels_file(base, fit, problem.points(), rms_mag, sigma_mag, &words)?,
+    })
+}
+
+fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<String> {
+    let kind = match &placed.reduction {
+        Some(reduction) => format!(
+            "Fitted to reduced pixels: layers of {} deg, nside {}, at least {} points, spread of {} mag or less; {} points in all.",
+            typed.reduction.layer_deg,
+            typed.reduction.nside,
+            typed.reduction.min_count,
+            typed.reduction.max_iqr,
+            reduction.points
+        ),
+        None => format!("Fitted to single measurements with a scatter of {} mag.", typed.reduction.scatter_mag),
+    };
+    let light = if typed.form.no_earthshine { "Without earthshine." } else { "With earthshine." };
+    let mut notes = vec![kind, light.to_owned(), format!("Loss: {:?}.", chosen.settings.loss)];
+    notes.push(format!("Sunlight passes at least {} km above the ground.", typed.photometry.least_grazing_km));
+    notes.extend(chosen.settings.held.iter().map(|(name, value)| format!("{name} was held at {value}.")));
+    notes
+}

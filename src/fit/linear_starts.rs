@@ -1,0 +1,111 @@
+//! Where to begin: a grid over the parameters that bend light, with those that it is linear in solved inside.
+//!
+//! The cost has several local minima, nearly all of them by exponents and widths. For given ones light is linear in the weights, and
+//! with errors of σ F residuals of light stand for those of magnitudes near the solution: a quadratic form between bounds.
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::form::Parameter;
+use super::inference::minimise_in_box;
+
+/// Light of every point, m² sr⁻¹.
+pub(super) trait Basis: Sync {
+    /// With these parameters, all of them.
+    fn light(&self, x: &[f64]) -> Vec<f64>;
+}
+
+/// Values that are tried of each bent parameter, at these shares of the room between its bounds by ratio.
+const SHARES: [f64; 4] = [0.12, 0.37, 0.62, 0.87];
+/// More combinations than this are thinned out evenly.
+const MOST_COMBINATIONS: usize = 96;
+/// How many of the best are handed on.
+const KEPT: usize = 6;
+
+/// Complete parameter sets, the least cost first: `linear` and `bent` are the free ones, the others stand in `x`.
+pub(super) fn search(
+    basis: &impl Basis,
+    parameters: &[Parameter],
+    x: &[f64],
+    linear: &[usize],
+    bent: &[usize],
+    observed: &[(f64, f64)],
+    zero_mag: f64,
+) -> Vec<Vec<f64>> {
+    let mut grid = vec![x.to_vec()];
+    for &i in bent {
+        let values = tried(&parameters[i]);
+        let with = |place: &Vec<f64>| {
+            let set = |&value: &f64| {
+                let mut place = place.clone();
+                place[i] = value;
+                place
+            };
+            values.iter().map(set).collect::<Vec<_>>()
+        };
+        grid = grid.iter().flat_map(with).collect();
+    }
+    let stride = grid.len().div_ceil(MOST_COMBINATIONS);
+    let chosen: Vec<Vec<f64>> = grid.into_iter().step_by(stride).collect();
+    let mut found: Vec<(f64, Vec<f64>)> = chosen
+        .into_par_iter()
+        .filter_map(|place| solved(basis, parameters, place, linear, observed, zero_mag))
+        .collect();
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    found.truncate(KEPT);
+    found.into_iter().map(|(_, place)| place).collect()
+}
+
+fn tried(parameter: &Parameter) -> Vec<f64> {
+    let (least, greatest) = (parameter.least, parameter.greatest);
+    let at = |share: f64| match least > 0.0 {
+        true => least * (greatest / least).powf(share),
+        false => least + share * (greatest - least),
+    };
+    SHARES.map(at).to_vec()
+}
+
+fn solved(
+    basis: &impl Basis,
+    parameters: &[Parameter],
+    mut place: Vec<f64>,
+    linear: &[usize],
+    observed: &[(f64, f64)],
+    zero_mag: f64,
+) -> Option<(f64, Vec<f64>)> {
+    linear.iter().for_each(|&i| place[i] = 0.0);
+    let dark = basis.light(&place);
+    let column = |&i: &usize| {
+        // At its upper bound and back: some laws mean nothing beyond.
+        let mut lit = place.clone();
+        lit[i] = parameters[i].greatest;
+        let light = basis.light(&lit);
+        light.iter().zip(&dark).map(|(lit, dark)| (lit - dark) / parameters[i].greatest).collect::<Vec<f64>>()
+    };
+    let columns: Vec<Vec<f64>> = linear.iter().map(column).collect();
+    // Σ ((F - D - Σ c_k b_k) / (σ F))², F the light that was observed, D that of what is held
+    let n = linear.len();
+    let (mut a, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
+    for (point, dark) in dark.iter().enumerate() {
+        let (magnitude, per_sigma) = observed[point];
+        let per_light = 10_f64.powf(0.4 * (magnitude - zero_mag)) * per_sigma;
+        let target = per_sigma - dark * per_light;
+        for i in 0..n {
+            let row = columns[i][point] * per_light;
+            b[i] += row * target;
+            (0..n).for_each(|j| a[(i, j)] += row * columns[j][point] * per_light);
+        }
+    }
+    let bounds = |end: fn(&Parameter) -> f64| linear.iter().map(|&i| end(&parameters[i])).collect::<Vec<f64>>();
+    let least = bounds(|parameter| parameter.least);
+    let c = minimise_in_box(&a, &b, &least, &bounds(|parameter| parameter.greatest), &least)?;
+    linear.iter().zip(&c).for_each(|(&i, c)| place[i] = *c);
+    // Ranked by what it costs in magnitudes, wrong points held in check.
+    let cost = |(point, light): (usize, f64)| {
+        let (magnitude, per_sigma) = observed[point];
+        let r = (magnitude - zero_mag + 2.5 * light.max(1e-12).log10()) * per_sigma;
+        (1.0 + r * r).sqrt() - 1.0
+    };
+    let total = basis.light(&place).into_iter().enumerate().map(cost).sum::<f64>();
+    Some((total, place))
+}

@@ -1,0 +1,214 @@
+//! A box with an axis on each side: where values stand, round ticks, and their labels as far as there is room.
+
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
+
+use super::numbers::labels;
+use super::picture::{INK, Picture, width_of};
+
+/// Letters of tick labels and of the names of axes.
+pub(super) const TICK_SIZE: f64 = 16.0;
+pub(super) const NAME_SIZE: f64 = 18.0;
+
+/// Between two tick labels.
+const ROOM: f64 = 12.0;
+
+/// The values along one side.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub(super) struct Axis {
+    /// At the left or lower end.
+    pub from: f64,
+    /// At the right or upper end; less than `from` where values grow the other way.
+    pub to: f64,
+    /// By the logarithm; both ends are positive then.
+    pub is_log: bool,
+}
+
+/// A box of the picture in which values stand.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Frame {
+    /// Left, top, right, bottom.
+    pub sides: [f64; 4],
+    /// Along the bottom.
+    pub x: Axis,
+    /// Along the left side.
+    pub y: Axis,
+}
+
+impl Axis {
+    /// Equal steps; where both ends are one value, some room about it.
+    pub fn linear(from: f64, to: f64) -> Self {
+        // Nearer than a few bits: no two ticks would differ.
+        if (to - from).abs() > 1e-12 * from.abs().max(to.abs()) {
+            return Self { from, to, is_log: false };
+        }
+        let room = if from == 0.0 { 1.0 } else { 0.1 * from.abs() };
+        Self { from: from - room, to: from + room, is_log: false }
+    }
+
+    /// Equal factors, between two positive values.
+    pub fn log(from: f64, to: f64) -> Self {
+        let to = if to > from { to } else { 10.0 * from };
+        Self { from, to, is_log: true }
+    }
+
+    /// 0 at the beginning, 1 at the end, beyond them outside.
+    pub fn share(&self, value: f64) -> f64 {
+        if self.is_log {
+            (value / self.from).ln() / (self.to / self.from).ln()
+        } else {
+            (value - self.from) / (self.to - self.from)
+        }
+    }
+
+    /// The value at a share.
+    pub fn value(&self, share: f64) -> f64 {
+        if self.is_log {
+            self.from * (self.to / self.from).powf(share)
+        } else {
+            self.from + share * (self.to - self.from)
+        }
+    }
+
+    /// True of values between the ends.
+    pub fn holds(&self, value: f64) -> bool {
+        (0.0..=1.0).contains(&self.share(value))
+    }
+
+    /// Round values with their labels, as many as stand apart on an axis of `length` pixels; `across` where labels stand side by side.
+    pub fn ticks(&self, length: f64, across: bool) -> Vec<(f64, String)> {
+        if self.is_log {
+            return self.decades();
+        }
+        let mut ticks = Vec::new();
+        for most in (2..=8).rev() {
+            ticks = self.multiples(most);
+            let needed = |label: &str| if across { width_of(label, TICK_SIZE) + ROOM } else { TICK_SIZE + ROOM };
+            let widest = ticks.iter().map(|(_, label)| needed(label)).fold(0.0, f64::max);
+            let apart = ticks.windows(2).map(|pair| (self.share(pair[1].0) - self.share(pair[0].0)).abs() * length);
+            if apart.fold(f64::INFINITY, f64::min) >= widest {
+                break;
+            }
+        }
+        ticks
+    }
+
+    fn multiples(&self, most: usize) -> Vec<(f64, String)> {
+        let (low, high) = (self.from.min(self.to), self.from.max(self.to));
+        let rough = (high - low) / most as f64;
+        let decade = 10_f64.powf(rough.log10().floor());
+        let step = [1.0, 2.0, 5.0, 10.0].map(|step| step * decade).into_iter().find(|step| *step >= rough * 0.999);
+        let step = step.unwrap_or(10.0 * decade);
+        let (first, last) = ((low / step - 1e-9).ceil(), (high / step + 1e-9).floor());
+        let values: Vec<f64> =
+            (0..=(last - first).clamp(-1.0, 20.0) as i64).map(|n| (first + n as f64) * step).collect();
+        let words = labels(&values, step);
+        values.into_iter().zip(words).collect()
+    }
+
+    fn decades(&self) -> Vec<(f64, String)> {
+        let (first, last) = (self.from.log10().floor() as i32, self.to.log10().ceil() as i32);
+        let values = (first..=last).map(|power| 10_f64.powi(power)).filter(|value| self.holds(*value));
+        values.map(|value| (value, value.to_string())).collect()
+    }
+}
+
+impl Frame {
+    /// Where a pair of values stands, at the border where it lies beyond.
+    pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
+        let [left, top, right, bottom] = self.sides;
+        let (across, up) = (self.x.share(x).clamp(0.0, 1.0), self.y.share(y).clamp(0.0, 1.0));
+        (left + across * (right - left), bottom - up * (bottom - top))
+    }
+
+    /// True of pairs within the box.
+    pub fn holds(&self, x: f64, y: f64) -> bool {
+        self.x.holds(x) && self.y.holds(y)
+    }
+
+    pub fn width(&self) -> f64 {
+        self.sides[2] - self.sides[0]
+    }
+
+    pub fn height(&self) -> f64 {
+        self.sides[3] - self.sides[1]
+    }
+
+    /// Border and ticks, with labels below and at the left where wanted.
+    pub fn draw(&self, picture: &mut Picture, [has_x_labels, has_y_labels]: [bool; 2]) {
+        let [left, top, _, bottom] = self.sides;
+        for (value, label) in self.y.ticks(bottom - top, false) {
+            let (_, y) = self.at(self.x.from, value);
+            picture.line(&[(left, y), (left + 5.0, y)], INK.to_rgba(), 1.2);
+            if has_y_labels {
+                picture.text(&label, (left - 8.0, y), TICK_SIZE, HPos::Right);
+            }
+        }
+        self.draw_without_y(picture, has_x_labels);
+    }
+
+    /// The same without anything at the left.
+    pub fn draw_without_y(&self, picture: &mut Picture, has_x_labels: bool) {
+        let [left, _, right, bottom] = self.sides;
+        for (value, label) in self.x.ticks(right - left, true) {
+            let (x, _) = self.at(value, self.y.from);
+            picture.line(&[(x, bottom), (x, bottom - 5.0)], INK.to_rgba(), 1.2);
+            if has_x_labels {
+                picture.text(&label, (x, bottom + 16.0), TICK_SIZE, HPos::Center);
+            }
+        }
+        picture.border(self.sides, 1.4);
+    }
+
+    /// Pixels that the labels at the left take.
+    pub fn y_label_width(&self) -> f64 {
+        self.y.ticks(self.height(), false).iter().map(|(_, label)| width_of(label, TICK_SIZE)).fold(0.0, f64::max)
+    }
+
+    /// The name of the axis below.
+    pub fn name_x(&self, picture: &mut Picture, name: &str) {
+        let [left, _, right, bottom] = self.sides;
+        picture.text(name, ((left + right) / 2.0, bottom + 42.0), NAME_SIZE, HPos::Center);
+    }
+
+    /// The name of the axis at the left, `away` pixels from it.
+    pub fn name_y(&self, picture: &mut Picture, name: &str, away: f64) {
+        let [left, top, _, bottom] = self.sides;
+        picture.upright(name, (left - away, (top + bottom) / 2.0), NAME_SIZE);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_ticks_are_round_and_stand_apart() {
+        for (from, to) in [(0.0, 1.0), (-3.3, 12.9), (0.012_31, 0.012_39), (5e6, 5.1e6), (9.0, 4.0), (-1e-8, 3e-8)] {
+            for length in [90.0, 150.0, 600.0] {
+                let axis = Axis::linear(from, to);
+                let ticks = axis.ticks(length, true);
+                assert!(
+                    !ticks.is_empty()
+                        && ticks.iter().all(|(value, _)| axis.share(*value) > -1e-6 && axis.share(*value) < 1.0 + 1e-6)
+                );
+                let labels: std::collections::HashSet<_> = ticks.iter().map(|tick| &tick.1).collect();
+                assert_eq!(labels.len(), ticks.len(), "{ticks:?}");
+            }
+        }
+        let words: Vec<String> = Axis::linear(0.0, 1.0).ticks(600.0, true).into_iter().map(|tick| tick.1).collect();
+        assert_eq!(words, ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
+        let words: Vec<String> = Axis::log(1.0, 3000.0).ticks(600.0, true).into_iter().map(|tick| tick.1).collect();
+        assert_eq!(words, ["1", "10", "100", "1000"]);
+    }
+
+    #[test]
+    fn verif_values_stand_where_their_shares_say() {
+        let frame = Frame { sides: [100.0, 50.0, 300.0, 150.0], x: Axis::log(1.0, 100.0), y: Axis::linear(9.0, 4.0) };
+        let (x, y) = frame.at(10.0, 4.0);
+        assert!((x - 200.0).abs() < 1e-9 && (y - 50.0).abs() < 1e-9);
+        assert!((frame.x.value(0.5) - 10.0).abs() < 1e-9 && !frame.holds(10.0, 3.0));
+        assert_eq!(frame.at(1e9, 0.0), (300.0, 50.0));
+        assert!(Axis::linear(3.0, 3.0).holds(3.0) && Axis::linear(0.0, 0.0).to > 0.0);
+    }
+}

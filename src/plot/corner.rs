@@ -1,0 +1,196 @@
+//! Corner plots: what a posterior says of each parameter, and of each two together.
+
+use colorous::BLUES;
+use plotters::prelude::RGBColor;
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
+
+use super::axes::{Axis, Frame, NAME_SIZE};
+use super::density::Density;
+use super::error::PlotError;
+use super::numbers::with_errors;
+use super::picture::{INK, Picture, width_of};
+use super::statistics::{ONE_SIGMA, check, check_length, histogram, quantile, sorted};
+
+/// Shares of a two-dimensional normal distribution within one and two sigma, 1 − exp(−1/2) and 1 − exp(−2).
+const HELD: [f64; 2] = [0.393, 0.865];
+/// Share of the samples that an axis may leave out at each end.
+const BEYOND: f64 = 0.001;
+/// Room beyond them at each end, as a share of their range.
+const ROOM: f64 = 0.08;
+const BARS: RGBColor = RGBColor(158, 202, 225);
+const TRUTH: RGBColor = RGBColor(213, 94, 0);
+const GAP: f64 = 12.0;
+const BELOW: f64 = 66.0;
+const RIGHT: f64 = 22.0;
+/// The widest picture, and the widest panel, pixels.
+const WIDEST: f64 = 1560.0;
+const WIDEST_PANEL: f64 = 230.0;
+
+/// Samples of a posterior.
+#[derive(Clone, Debug)]
+pub struct Corner<'a> {
+    /// Above all; may be empty.
+    pub title: &'a str,
+    /// `(n_param)`, 2 to 9: a name each, with its unit where it has one.
+    pub names: &'a [String],
+    /// `(n_param)` columns of equally many samples, finite, in the parameters' units.
+    pub samples: &'a [Vec<f64>],
+    /// `(n_param)` true values where they are known; orange lines.
+    pub truths: Option<&'a [f64]>,
+}
+
+/// Draws histograms on the diagonal, with dashed lines at the quantiles 0.16, 0.5 and 0.84 and their numbers above, and below it each two
+/// parameters together: the darker the more samples, with lines around the densest 39.3 and 86.5 % of them.
+///
+/// Axes hold at least 99.8 % of the samples, and the truths.
+///
+/// # Errors
+/// Fewer than 2 or more than 9 parameters; columns, names or truths that do not belong together; samples that are missing or not finite.
+pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
+    let axes = axes(input)?;
+    let count = axes.len();
+    let titles: Vec<Vec<String>> = (0..count).map(|i| title(&input.names[i], &input.samples[i])).collect();
+    // A first guess of the panels' size says how wide the labels at the left are.
+    let guess = (WIDEST / (count as f64 + 1.0)).min(WIDEST_PANEL);
+    let frame_of = |sides, x: usize, y: usize| Frame { sides, x: axes[x], y: axes[y] };
+    let widest_label = (1..count).map(|i| frame_of([0.0, 0.0, guess, guess], 0, i).y_label_width()).fold(0.0, f64::max);
+    let left = widest_label + 52.0;
+    let beyond = |panel: f64| {
+        let widths = titles[count - 1].iter().map(|line| width_of(line, NAME_SIZE));
+        (widths.fold(0.0, f64::max) - panel).max(0.0) + RIGHT
+    };
+    let gaps = GAP * (count as f64 - 1.0);
+    let panel = ((WIDEST - left - gaps - beyond(guess)) / count as f64).clamp(60.0, WIDEST_PANEL).floor();
+    let is_titled = !input.title.is_empty();
+    let lines = titles.iter().map(Vec::len).max().unwrap_or(1) as f64;
+    let top = 14.0 + 24.0 * lines + if is_titled { 36.0 } else { 0.0 };
+    let side = count as f64 * panel + gaps;
+    let mut picture = Picture::new((left + side + beyond(panel)) as usize, (top + side + BELOW) as usize);
+    if is_titled {
+        picture.text(input.title, (left, 26.0), 23.0, HPos::Left);
+    }
+    for row in 0..count {
+        for column in 0..=row {
+            let (x, y) = (left + column as f64 * (panel + GAP), top + row as f64 * (panel + GAP));
+            let frame = frame_of([x, y, x + panel, y + panel], column, row);
+            let is_below = row + 1 == count;
+            if row == column {
+                diagonal(&mut picture, input, &frame, row, is_below);
+                for (line, words) in titles[row].iter().rev().enumerate() {
+                    picture.text(words, (x, y - 16.0 - 24.0 * line as f64), NAME_SIZE, HPos::Left);
+                }
+            } else {
+                together(&mut picture, input, &frame, [column, row], [is_below, column == 0]);
+            }
+            if is_below {
+                frame.name_x(&mut picture, &short(&input.names[column], panel + GAP - 4.0));
+            }
+            if column == 0 && row > 0 {
+                frame.name_y(&mut picture, &short(&input.names[row], panel + GAP - 4.0), widest_label + 30.0);
+            }
+        }
+    }
+    Ok(picture)
+}
+
+/// An axis for each parameter, after the input has been looked through.
+fn axes(input: &Corner<'_>) -> Result<Vec<Axis>, PlotError> {
+    let count = input.samples.len();
+    if !(2..=9).contains(&count) {
+        let what = "the number of parameters of a corner plot".to_owned();
+        return Err(PlotError::OutOfRange { what, given: count.to_string(), allowed: "2 to 9" });
+    }
+    let unequal = |what: &str, given: usize| PlotError::Length { what: what.to_owned(), given, expected: count };
+    if input.names.len() != count {
+        return Err(unequal("names of parameters", input.names.len()));
+    }
+    if let Some(truths) = input.truths {
+        if truths.len() != count {
+            return Err(unequal("true values of parameters", truths.len()));
+        }
+        check("true values of parameters", truths)?;
+    }
+    let expected = input.samples[0].len();
+    let axis = |(index, (name, samples)): (usize, (&String, &Vec<f64>))| {
+        check_length(&format!("samples of {name}"), samples, expected)?;
+        let sorted = sorted(samples);
+        let (low, high) = (quantile(&sorted, BEYOND), quantile(&sorted, 1.0 - BEYOND));
+        let truth = input.truths.map(|truths| truths[index]);
+        let (low, high) = (truth.map_or(low, |truth| low.min(truth)), truth.map_or(high, |truth| high.max(truth)));
+        let room = ROOM * (high - low);
+        Ok(Axis::linear(low - room, high + room))
+    };
+    input.names.iter().zip(input.samples).enumerate().map(axis).collect()
+}
+
+/// `c1 = 0.0123 +0.0004 −0.0003`; the name on a line of its own where it is long.
+fn title(name: &str, samples: &[f64]) -> Vec<String> {
+    let sorted = sorted(samples);
+    let [low, middle, high] = ONE_SIGMA.map(|share| quantile(&sorted, share));
+    let value = with_errors(middle, high - middle, middle - low);
+    if name.chars().count() <= 8 { vec![format!("{name} = {value}")] } else { vec![format!("{name} ="), value] }
+}
+
+/// A name, its end cut where there is no room.
+fn short(name: &str, room: f64) -> String {
+    let mut cut = name.to_owned();
+    let mut shown = cut.clone();
+    while width_of(&shown, NAME_SIZE) > room && cut.pop().is_some() {
+        shown = format!("{cut}…");
+    }
+    shown
+}
+
+/// Bins that so many samples fill, from 16 for a few to 44.
+fn bins(samples: usize) -> usize {
+    (2.5 * (samples as f64).powf(0.25)).clamp(16.0, 44.0) as usize
+}
+
+fn diagonal(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, index: usize, is_below: bool) {
+    let samples = &input.samples[index];
+    let bins = bins(samples.len());
+    let counts = histogram(samples, &frame.x, bins);
+    let most = counts.iter().copied().max().unwrap_or(0).max(1) as f64;
+    let frame = Frame { y: Axis::linear(0.0, 1.08 * most), ..*frame };
+    let mut outline = vec![frame.at(frame.x.from, 0.0)];
+    for (bin, count) in counts.iter().enumerate() {
+        let side = |bin: usize| frame.x.value(bin as f64 / bins as f64);
+        outline.push(frame.at(side(bin), *count as f64));
+        outline.push(frame.at(side(bin + 1), *count as f64));
+    }
+    outline.push(frame.at(frame.x.to, 0.0));
+    picture.patch(outline.clone(), BARS.to_rgba());
+    picture.line(&outline, INK.to_rgba(), 1.2);
+    let sorted = sorted(samples);
+    for share in ONE_SIGMA {
+        let value = quantile(&sorted, share);
+        let line = [frame.at(value, 0.0), frame.at(value, frame.y.to)];
+        picture.dashed(&line, [6.0, 4.0], INK.to_rgba(), 1.4);
+    }
+    if let Some(truths) = input.truths {
+        picture.line(&[frame.at(truths[index], 0.0), frame.at(truths[index], frame.y.to)], TRUTH.to_rgba(), 2.0);
+    }
+    // Counts have no labels: the bars' shape is what matters.
+    frame.draw_without_y(picture, is_below);
+}
+
+fn together(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, [column, row]: [usize; 2], labels: [bool; 2]) {
+    let (x, y) = (&input.samples[column], &input.samples[row]);
+    let density = Density::of(x, y, frame, bins(x.len()));
+    let most = density.most();
+    let colour = |count: f64| {
+        let colour = BLUES.eval_continuous(0.12 + 0.78 * count / most);
+        [colour.r, colour.g, colour.b]
+    };
+    picture.paint(density.pixels(frame, colour));
+    for line in density.lines_around(frame, &HELD) {
+        picture.line(&line, INK.to_rgba(), 1.4);
+    }
+    if let Some(truths) = input.truths {
+        let (x, y) = (truths[column], truths[row]);
+        picture.line(&[frame.at(x, frame.y.from), frame.at(x, frame.y.to)], TRUTH.to_rgba(), 1.6);
+        picture.line(&[frame.at(frame.x.from, y), frame.at(frame.x.to, y)], TRUTH.to_rgba(), 1.6);
+    }
+    frame.draw(picture, labels);
+}

@@ -1,0 +1,142 @@
+//! How many points lie where: a histogram of two columns, and the lines that hold a share of them.
+
+use super::axes::Frame;
+use super::contour::contours;
+use super::picture::Pixels;
+
+/// Empty cells around those counted, so that every line is closed.
+const BORDER: usize = 3;
+
+/// Times that counts are shared with their neighbours before lines are drawn.
+const SMOOTHINGS: usize = 2;
+
+/// Counts in equal cells of a frame.
+pub(super) struct Density {
+    /// Cells along each side.
+    pub bins: usize,
+    /// Row by row, from the frame's lower left corner.
+    pub counts: Vec<f64>,
+}
+
+impl Density {
+    /// Points outside of the frame are not counted.
+    pub fn of(x: &[f64], y: &[f64], frame: &Frame, bins: usize) -> Self {
+        let mut counts = vec![0.0; bins * bins];
+        for (&x, &y) in x.iter().zip(y).filter(|(x, y)| frame.holds(**x, **y)) {
+            let cell = |share: f64| ((share * bins as f64) as usize).min(bins - 1);
+            counts[cell(frame.y.share(y)) * bins + cell(frame.x.share(x))] += 1.0;
+        }
+        Self { bins, counts }
+    }
+
+    /// The greatest count.
+    pub fn most(&self) -> f64 {
+        self.counts.iter().copied().fold(0.0, f64::max)
+    }
+
+    /// Cells as coloured rectangles that fill the frame; a colour for each count above 0.
+    pub fn pixels(&self, frame: &Frame, colour: impl Fn(f64) -> [u8; 3]) -> Pixels {
+        let bins = self.bins;
+        let one = |cell: usize| {
+            let count = self.counts[(bins - 1 - cell / bins) * bins + cell % bins];
+            (count > 0.0).then(|| colour(count))
+        };
+        let [left, top, ..] = frame.sides;
+        let each = (frame.width() / bins as f64, frame.height() / bins as f64);
+        Pixels { corner: (left, top), each, columns: bins, colours: (0..bins * bins).map(one).collect(), within: None }
+    }
+
+    /// Lines that enclose the densest cells with these shares of all points, in the picture's pixels; line by line, share by share.
+    pub fn lines_around(&self, frame: &Frame, shares: &[f64]) -> Vec<Vec<(f64, f64)>> {
+        let side = self.bins + 2 * BORDER;
+        let smooth = self.smooth(side);
+        let mut falling = smooth.clone();
+        falling.sort_unstable_by(|a, b| b.total_cmp(a));
+        let all: f64 = falling.iter().sum();
+        let [left, top, ..] = frame.sides;
+        let (wide, high) = (frame.width() / self.bins as f64, frame.height() / self.bins as f64);
+        // Middles of cells, right and up of the frame's lower left corner; what the border let beyond is brought back.
+        let place = |(x, y): (f64, f64)| {
+            let across = ((x - BORDER as f64 + 0.5) * wide).clamp(0.0, frame.width());
+            let up = ((y - BORDER as f64 + 0.5) * high).clamp(0.0, frame.height());
+            (left + across, top + frame.height() - up)
+        };
+        let level_of = |share: f64| {
+            let mut held = 0.0;
+            falling.iter().copied().find(|count| {
+                held += count;
+                held >= share * all
+            })
+        };
+        let found = shares.iter().filter_map(|share| level_of(*share)).filter(|level| *level > 0.0);
+        found
+            .flat_map(|level| contours((side, side), 1, level, |x, y| Some(smooth[y * side + x])))
+            .map(|line| line.into_iter().map(place).collect())
+            .collect()
+    }
+
+    /// Counts with a border, each shared with its neighbours as 1 : 2 : 1 along both sides.
+    fn smooth(&self, side: usize) -> Vec<f64> {
+        let mut grid = vec![0.0; side * side];
+        for (cell, count) in self.counts.iter().enumerate() {
+            grid[(cell / self.bins + BORDER) * side + cell % self.bins + BORDER] = *count;
+        }
+        for step in [1, side].into_iter().cycle().take(2 * SMOOTHINGS) {
+            let old = grid.clone();
+            let at = |index: Option<usize>| index.and_then(|index| old.get(index)).copied().unwrap_or(0.0);
+            for (index, cell) in grid.iter_mut().enumerate() {
+                *cell = 0.5 * old[index] + 0.25 * (at(index.checked_sub(step)) + at(index.checked_add(step)));
+            }
+        }
+        grid
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::axes::Axis;
+    use super::*;
+
+    /// Evenly spread quantiles of a normal distribution on both sides: a grid of points with known density.
+    fn normal_points() -> (Vec<f64>, Vec<f64>) {
+        let mut points = (Vec::new(), Vec::new());
+        for ring in 0..400 {
+            // Share of a two-dimensional normal distribution within r: 1 − exp(−r²/2).
+            let radius = (-2.0 * (1.0 - (f64::from(ring) + 0.5) / 400.0).ln()).sqrt();
+            for part in 0..100 {
+                let (sin, cos) = ((f64::from(part) + 0.37 * f64::from(ring)) * std::f64::consts::TAU / 100.0).sin_cos();
+                points.0.push(radius * cos);
+                points.1.push(radius * sin);
+            }
+        }
+        points
+    }
+
+    #[test]
+    fn verif_lines_about_a_normal_distribution_are_its_circles() {
+        let (x, y) = normal_points();
+        let axis = Axis::linear(-4.0, 4.0);
+        let frame = Frame { sides: [0.0, 0.0, 400.0, 400.0], x: axis, y: axis };
+        let density = Density::of(&x, &y, &frame, 40);
+        // 39.3 % lie within one sigma, 86.5 % within two: 50 pixels a sigma. Smoothing widens by some 0.02.
+        for (share, radius) in [(0.393, 50.0), (0.865, 100.0)] {
+            let lines = density.lines_around(&frame, &[share]);
+            let longest = lines.iter().max_by_key(|line| line.len()).unwrap();
+            let mean = longest.iter().map(|(x, y)| (x - 200.0).hypot(y - 200.0)).sum::<f64>() / longest.len() as f64;
+            assert!((mean / radius - 1.0).abs() < 0.06, "{share}: {mean}");
+        }
+        assert_eq!(
+            density.counts.iter().sum::<f64>(),
+            x.iter().zip(&y).filter(|(x, y)| frame.holds(**x, **y)).count() as f64
+        );
+    }
+
+    #[test]
+    fn verif_the_upper_left_cell_is_painted_above_and_left() {
+        let axis = Axis::linear(0.0, 2.0);
+        let frame = Frame { sides: [10.0, 20.0, 30.0, 40.0], x: axis, y: axis };
+        let pixels = Density::of(&[0.5], &[1.5], &frame, 2).pixels(&frame, |_| [1, 2, 3]);
+        assert_eq!(pixels.colours, [Some([1, 2, 3]), None, None, None]);
+        assert!(Density::of(&[], &[], &frame, 2).lines_around(&frame, &[0.5]).is_empty());
+    }
+}

@@ -1,0 +1,120 @@
+//! What charts ask of columns of numbers: quantiles, spread, histograms, and bands that run along an axis.
+
+use super::axes::Axis;
+use super::error::PlotError;
+
+/// Quantiles of the dashed lines and of bands: one standard deviation on each side of the median.
+pub(super) const ONE_SIGMA: [f64; 3] = [0.16, 0.5, 0.84];
+
+/// From median absolute deviation to standard deviation of a normal distribution, 1 / Φ⁻¹(3/4).
+const SIGMA_OF_MAD: f64 = 1.482_602_218_505_602;
+
+/// Points that a bin of a running band holds at least.
+const LEAST_IN_BAND: usize = 8;
+
+/// Refuses columns that are empty or hold what is not finite.
+pub(super) fn check(what: &str, values: &[f64]) -> Result<(), PlotError> {
+    if values.is_empty() {
+        return Err(PlotError::Empty { what: what.to_owned() });
+    }
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(index) => Err(PlotError::NotFinite { what: what.to_owned(), index, value: values[index] }),
+        None => Ok(()),
+    }
+}
+
+/// Refuses a column of another length than the one beside.
+pub(super) fn check_length(what: &str, values: &[f64], expected: usize) -> Result<(), PlotError> {
+    if values.len() == expected {
+        return check(what, values);
+    }
+    Err(PlotError::Length { what: what.to_owned(), given: values.len(), expected })
+}
+
+/// In increasing order.
+pub(super) fn sorted(values: &[f64]) -> Vec<f64> {
+    let mut values = values.to_vec();
+    values.sort_unstable_by(f64::total_cmp);
+    values
+}
+
+/// Value below which this share of sorted values lies, linear between neighbours; not a number where there are none.
+pub(super) fn quantile(sorted: &[f64], share: f64) -> f64 {
+    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
+    let at = share.clamp(0.0, 1.0) * last as f64;
+    let below = at as usize;
+    let above = (below + 1).min(last);
+    sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
+}
+
+/// Mean and standard deviation (divisor n − 1; 0 for one value).
+pub(super) fn mean_and_sd(values: &[f64]) -> (f64, f64) {
+    let mean = values.iter().sum::<f64>() / values.len() as f64;
+    let squares: f64 = values.iter().map(|value| (value - mean).powi(2)).sum();
+    (mean, (squares / values.len().saturating_sub(1).max(1) as f64).sqrt())
+}
+
+/// 1.4826 times the median distance from the median.
+pub(super) fn mad_sigma(values: &[f64]) -> f64 {
+    let median = quantile(&sorted(values), 0.5);
+    let distances: Vec<f64> = values.iter().map(|value| (value - median).abs()).collect();
+    SIGMA_OF_MAD * quantile(&sorted(&distances), 0.5)
+}
+
+/// How many values lie in each of `bins` equal parts of an axis; the last part holds the axis' end.
+pub(super) fn histogram(values: &[f64], axis: &Axis, bins: usize) -> Vec<usize> {
+    let mut counts = vec![0; bins];
+    for value in values.iter().filter(|value| axis.holds(**value)) {
+        counts[((axis.share(*value) * bins as f64) as usize).min(bins - 1)] += 1;
+    }
+    counts
+}
+
+/// Median and band of `y` along `x`, bin by bin: mean of x, and the quantiles of [`ONE_SIGMA`]. Bins with few points are left out.
+pub(super) fn running_band(x: &[f64], y: &[f64], axis: &Axis, bins: usize) -> Vec<(f64, [f64; 3])> {
+    let mut parts: Vec<(f64, Vec<f64>)> = vec![(0.0, Vec::new()); bins];
+    for (&x, &y) in x.iter().zip(y).filter(|(x, _)| axis.holds(**x)) {
+        let part = &mut parts[((axis.share(x) * bins as f64) as usize).min(bins - 1)];
+        part.0 += x;
+        part.1.push(y);
+    }
+    parts.retain(|(_, part)| part.len() >= LEAST_IN_BAND);
+    let band = |(sum, part): (f64, Vec<f64>)| {
+        let part_sorted = sorted(&part);
+        (sum / part.len() as f64, ONE_SIGMA.map(|share| quantile(&part_sorted, share)))
+    };
+    parts.into_iter().map(band).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_numbers_of_a_small_column() {
+        let values = [1.0, 2.0, 3.0, 4.0, 10.0];
+        assert_eq!(mean_and_sd(&values), (4.0, 12.5_f64.sqrt()));
+        assert!((mad_sigma(&values) - SIGMA_OF_MAD).abs() < 1e-12);
+        assert_eq!(quantile(&[1.0, 2.0, 4.0], 0.75), 3.0);
+        assert_eq!(mean_and_sd(&[7.0]), (7.0, 0.0));
+        assert_eq!(histogram(&values, &Axis::linear(0.0, 4.0), 2), [1, 3]);
+    }
+
+    #[test]
+    fn verif_a_band_follows_its_points() {
+        let x: Vec<f64> = (0..1000).map(|n| f64::from(n) / 100.0).collect();
+        let y: Vec<f64> = (0..1000).map(|n| f64::from(n) / 100.0 + f64::from(n % 3) - 1.0).collect();
+        let band = running_band(&x, &y, &Axis::linear(0.0, 10.0), 10);
+        assert_eq!(band.len(), 10);
+        assert!(band.iter().all(|(x, [low, middle, high])| (middle - x).abs() < 0.3 && low < middle && middle < high));
+        assert!(running_band(&x[..7], &y[..7], &Axis::linear(0.0, 10.0), 10).is_empty());
+    }
+
+    #[test]
+    fn verif_what_cannot_be_drawn_is_named() {
+        assert_eq!(check("O−C", &[]).unwrap_err().to_string(), "nothing to draw: there are no O−C");
+        let error = check("O−C", &[0.0, f64::NAN]).unwrap_err().to_string();
+        assert!(error.contains("O−C: value 1, counted from 0, is NaN"), "{error}");
+        assert!(check_length("phase", &[0.0], 2).unwrap_err().to_string().contains("1 values, but there must be 2"));
+    }
+}
