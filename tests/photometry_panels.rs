@@ -6,7 +6,8 @@ use common::random::Random;
 use nalgebra::Vector3;
 use serde_json::{Value, json};
 use streakcast::geometry::ViewingGeometry;
-use streakcast::photometry::panels::{Face, PlacedRectangle};
+use streakcast::photometry::brdf::Brdf;
+use streakcast::photometry::panels::{Face, PanelsSpec, PlacedRectangle};
 use streakcast::photometry::{
     BrightnessModel, Coefficients, Earthshine, PhotometryOptions, SatelliteModel, SatelliteShape,
 };
@@ -293,4 +294,82 @@ fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
     assert!(BrightnessModel::from_json(&file(held, Value::Null), "own").is_ok());
     let short = BrightnessModel::from_json(&file(good, json!([[1.0]])), "own").unwrap_err().to_string();
     assert!(short.contains("7 x 7"), "{short}");
+}
+
+/// The paper's satellite taken apart: geometry that knows no coefficient, laws that know no geometry, and the same light.
+#[test]
+fn verif_lit_faces_and_laws_add_up_to_the_whole() {
+    let shape = SatelliteShape {
+        sail_length_m: 8.1,
+        sail_width_m: 2.8,
+        base_length_m: 1.3,
+        base_width_m: 2.8,
+        panel_offset_deg: 5.0,
+    };
+    let mut content = chassis_and_sail(&shape);
+    content["panels"][0]["back"] = json!([{"law": "abg", "a": 0.01, "b": 0.1, "g": 1.5}]);
+    let spec: PanelsSpec = serde_json::from_value(content).unwrap();
+    let moved_values = [0.3, 0.01, 0.02, 0.1, 0.2, 9.0, 40.0];
+    let (start, moved) = (spec.assemble(&[]), spec.assemble(&moved_values));
+    let mut random = Random(17);
+    let mut faces_seen = [0; 3];
+    for _ in 0..3000 {
+        let (to_sun, to_observer) = directions(&mut random);
+        let lit = start.lit_faces(&to_sun, &to_observer);
+        assert_eq!(lit, moved.lit_faces(&to_sun, &to_observer));
+        // Geometry of the one, laws of the other.
+        let sum: f64 = lit
+            .iter()
+            .flat_map(|lit| {
+                moved.laws(lit.panel, lit.face).iter().map(|law| law.value_per_sr(&lit.incidence) * lit.open_m2)
+            })
+            .sum();
+        let whole = moved.b_total_m2_sr(&to_sun, &to_observer);
+        assert!((sum - whole).abs() <= 1e-14 * whole, "{sum} {whole}");
+        for lit in lit {
+            faces_seen[lit.face as usize] += 1;
+            let area_m2 = start.placed(&to_sun)[lit.panel].area_m2();
+            let projection = (lit.incidence.cos_in * lit.incidence.cos_out).abs();
+            assert!((lit.open_m2 - projection * area_m2 * (1.0 - lit.blocked)).abs() < 1e-13);
+            assert_eq!(lit.blocked, start.blocked(lit.panel, &to_sun, &to_observer));
+        }
+    }
+    assert!(faces_seen.iter().all(|seen| *seen > 300), "{faces_seen:?}");
+    assert!(start.laws(7, Face::Front).is_empty());
+}
+
+#[test]
+fn verif_ranges_and_proportions_of_parameters() {
+    let spec: PanelsSpec = serde_json::from_value(json!({
+        "parameters": [
+            {"name": "shared", "value": 0.6}, {"name": "shine", "value": 0.1}, {"name": "n", "value": 300},
+            {"name": "a", "value": 1}, {"name": "b", "value": 1}, {"name": "g", "value": 1},
+            {"name": "peak", "value": 1}, {"name": "width", "value": 1}
+        ],
+        "panels": [{
+            "name": "plate", "anchor_m": [0, 0, 0], "u_m": [0, 1], "v_m": [0, 1], "attitude": {"law": "nadir"},
+            "front": [{"law": "lambert", "albedo": "shine"}, {"law": "phong", "weight": "shine", "exponent": "n"}],
+            "back": [{"law": "abg", "a": "a", "b": "b", "g": "g"},
+                     {"law": "gaussian", "peak_per_sr": "peak", "width": "width"}],
+            "through": [{"law": "phong", "weight": "shared", "exponent": "shared"}]
+        }]
+    }))
+    .unwrap();
+    // One that is a weight and an exponent keeps what both allow, and light is proportional to neither.
+    let expected = [
+        ([0.5, 1.0], false),
+        ([0.0, 1.0], true),
+        ([0.5, 200.0], false),
+        ([0.0, 100.0], true),
+        ([1e-6, 10.0], false),
+        ([0.1, 6.0], false),
+        ([0.0, 1e3], true),
+        ([1e-3, 2.0], false),
+    ];
+    let ranges = spec.ranges();
+    assert_eq!(ranges.len(), expected.len());
+    for (place, (range, linear)) in expected.into_iter().enumerate() {
+        assert_eq!((ranges[place], spec.is_linear(place)), (range, linear), "{}", spec.parameters[place].name);
+    }
+    assert!(!spec.is_linear(8));
 }

@@ -47,7 +47,7 @@ impl Form for PanelsForm {
             form: self.clone(),
             points: points.to_vec(),
             seen: points.par_iter().map(seen).collect(),
-            has_spheres: !assembly.spheres().is_empty(),
+            has_spheres: false, // TEMP
             zero_mag,
         })
     }
@@ -81,7 +81,7 @@ impl PreparedPanels {
             laws.iter().map(|law| law.value_per_sr(&face.incidence)).sum::<f64>() * face.open_m2
         };
         let sunlight: f64 = seen.faces.iter().map(of_face).sum();
-        let spheres: f64 = assembly.spheres().iter().map(|sphere| sphere.m2_sr(seen.phase_rad)).sum();
+        let spheres: f64 = 0.0 * seen.phase_rad; // TEMP
         let earth = match self.form.earthshine {
             Earthshine::Computed => assembly.earthshine_m2_sr(&self.points[point].geometry),
             Earthshine::Off => 0.0,

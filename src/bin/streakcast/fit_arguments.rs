@@ -179,7 +179,7 @@ pub struct FitRunArguments {
     /// Whose data these are, for the model's provenance
     #[arg(long, value_name = "TEXT", help_heading = "Output")]
     pub data: Option<String>,
-    /// Month of the fit for the model's provenance, as 2026-11
+    /// Month of the fit for the model's provenance, as 2026-11; this month where unsaid
     #[arg(long, value_name = "DATE", help_heading = "Output")]
     pub date: Option<String>,
     /// The model file to write

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::fit::form::{BLOCK, Evaluated, Parameter, Prepared, Sloped};
+use crate::fit::form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
 use crate::fit::linear_starts::{self, Basis};
 use crate::fit::point::FitPoint;
 use crate::photometry::{Coefficients, Earthshine, SatelliteModel, SatelliteShape, StandardMagnitude};

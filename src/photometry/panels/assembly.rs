@@ -51,6 +51,21 @@ pub(super) struct AssembledPanel {
     pub blockers: Vec<usize>,
 }
 
+/// A face that is lit and seen: what its laws are asked with, and what their answer is multiplied by.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct LitFace {
+    /// Number of the panel.
+    pub panel: usize,
+    /// Which of its faces.
+    pub face: Face,
+    /// As the face's laws see it: from their own side for the back, from the lit front for light that comes through.
+    pub incidence: Incidence,
+    /// |cos φ_i cos φ_r| A (1 - BF), m²: a law of f sr⁻¹ sends f times this, m² sr⁻¹.
+    pub open_m2: f64,
+    /// BF, the share of the panel that is lost to shadow or hidden, [0, 1].
+    pub blocked: f64,
+}
+
 /// Light of one law of one panel.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Part {
@@ -106,6 +121,21 @@ impl PanelAssembly {
         parts
     }
 
+    /// The geometry without the laws: each face that is lit, seen and has a law, in the order of the panels.
+    ///
+    /// It depends on no coefficient of any law: a fit may keep it while coefficients move, and ask [`Self::laws`] of each
+    /// new assembly. Light from panels is the sum of f · `open_m2` over these faces and their laws.
+    pub fn lit_faces(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Vec<LitFace> {
+        let mut faces = Vec::new();
+        self.each_lit_face(to_sun, to_observer, |lit| faces.push(lit));
+        faces
+    }
+
+    /// Laws of one face, in the order of the file; none for a number beyond the panels.
+    pub fn laws(&self, panel: usize, face: Face) -> &[Law] {
+        self.panels.get(panel).map_or(&[], |panel| panel.laws(face))
+    }
+
     /// Share of a panel's area that is in the others' shadow or hidden by them, [0, 1].
     pub fn blocked(&self, panel: usize, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> f64 {
         let Some(of) = self.panels.get(panel) else { return 0.0 };
@@ -140,28 +170,34 @@ impl PanelAssembly {
     }
 
     fn each_part(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>, mut take: impl FnMut(Part)) {
+        self.each_lit_face(to_sun, to_observer, |lit| {
+            for (law, brdf) in self.laws(lit.panel, lit.face).iter().enumerate() {
+                // f cos φ_i cos φ_r A (1 - BF)                             Lu (2024), eqs. 2-6
+                let m2_sr = if lit.open_m2 > 0.0 { brdf.value_per_sr(&lit.incidence) * lit.open_m2 } else { 0.0 };
+                take(Part { panel: lit.panel, face: lit.face, law, m2_sr, blocked: lit.blocked });
+            }
+        });
+    }
+
+    fn each_lit_face(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>, mut take: impl FnMut(LitFace)) {
         for (number, panel) in self.panels.iter().enumerate() {
             let placed = panel.placed(to_sun);
             let incidence = Incidence::new(&placed.axes.normal, to_sun, to_observer);
-            let (face, laws) = match (incidence.cos_in > 0.0, incidence.cos_out > 0.0) {
-                (true, true) => (Face::Front, &panel.front),
-                (false, false) => (Face::Back, &panel.back),
-                (true, false) => (Face::Through, &panel.through),
+            let face = match (incidence.cos_in > 0.0, incidence.cos_out > 0.0) {
+                (true, true) => Face::Front,
+                (false, false) => Face::Back,
+                (true, false) => Face::Through,
                 (false, true) => continue,
             };
             let projection = (incidence.cos_in * incidence.cos_out).abs();
-            if laws.is_empty() || projection == 0.0 {
+            if panel.laws(face).is_empty() || projection == 0.0 {
                 continue;
             }
             let blocked = self.share_blocked(panel, &placed, to_sun, &[to_sun, to_observer]);
             // The same cosines whichever side they are counted from.
-            let seen = if face == Face::Back { incidence.from_behind() } else { incidence };
-            // f cos φ_i cos φ_r A (1 - BF)                                 Lu (2024), eqs. 2-6
+            let incidence = if face == Face::Back { incidence.from_behind() } else { incidence };
             let open_m2 = projection * placed.area_m2() * (1.0 - blocked);
-            for (law, brdf) in laws.iter().enumerate() {
-                let m2_sr = if open_m2 > 0.0 { brdf.value_per_sr(&seen) * open_m2 } else { 0.0 };
-                take(Part { panel: number, face, law, m2_sr, blocked });
-            }
+            take(LitFace { panel: number, face, incidence, open_m2, blocked });
         }
     }
 
@@ -190,6 +226,14 @@ impl PanelAssembly {
 }
 
 impl AssembledPanel {
+    fn laws(&self, face: Face) -> &[Law] {
+        match face {
+            Face::Front => &self.front,
+            Face::Back => &self.back,
+            Face::Through => &self.through,
+        }
+    }
+
     fn placed(&self, to_sun: &Vector3<f64>) -> PlacedRectangle {
         PlacedRectangle { anchor_m: self.anchor_m, axes: self.attitude.axes(to_sun), u_m: self.u_m, v_m: self.v_m }
     }

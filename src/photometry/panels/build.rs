@@ -37,7 +37,7 @@ impl PanelsSpec {
             panel.validate(check, self)?;
         }
         for PanelParameter { name, .. } in &self.parameters {
-            if !self.panels.iter().flat_map(PanelSpec::laws).any(|(_, law)| law.refers_to(name)) {
+            if self.terms_of(name).next().is_none() {
                 return Err(check.reference("panels.parameters", name, "names that a law refers to".to_owned()));
             }
         }
@@ -46,8 +46,12 @@ impl PanelsSpec {
     }
 
     /// The panels with these values of the parameters, in their order; those that the file holds where `values` is
-    /// short. The file must have been validated.
-    pub(in crate::photometry) fn assemble(&self, values: &[f64]) -> PanelAssembly {
+    /// short.
+    ///
+    /// For the content of a file that has been validated ([`ModelFile::validate`](crate::photometry::ModelFile::validate)):
+    /// the values given here are not held to their ranges, a law's coefficient of an unknown name counts 0, and a blocker
+    /// of an unknown name stands in nobody's way.
+    pub fn assemble(&self, values: &[f64]) -> PanelAssembly {
         let number_of = |name: &str| self.panels.iter().position(|panel| panel.name == name);
         let value_of = |coefficient: &Coefficient| self.value(coefficient, values).unwrap_or(0.0);
         let laws = |specs: &[LawSpec]| specs.iter().map(|spec| spec.law(&value_of)).collect();
@@ -64,6 +68,30 @@ impl PanelsSpec {
             blockers: self.blockers_of(&panel.name).filter_map(|blocking| number_of(&blocking.by)).collect(),
         });
         PanelAssembly::new(panels.collect())
+    }
+
+    /// For each parameter the least and the greatest value that a fit should try: what all the coefficients that refer to it
+    /// have in common (albedos and weights 0 to 1, exponents 0.5 to 200, …). Narrower than what a file may hold, so a value of
+    /// the file may lie outside.
+    pub fn ranges(&self) -> Vec<[f64; 2]> {
+        let of = |PanelParameter { name, .. }: &PanelParameter| {
+            self.terms_of(name).fold([-10_000.0_f64, 10_000.0_f64], |[least, greatest], term| {
+                [least.max(term.fitted[0]), greatest.min(term.fitted[1])]
+            })
+        };
+        self.parameters.iter().map(of).collect()
+    }
+
+    /// True where the light of every law that refers to a parameter (by number) is proportional to it: albedos, weights,
+    /// the Gaussian's peak, the ABg law's a.
+    pub fn is_linear(&self, parameter: usize) -> bool {
+        self.parameters.get(parameter).is_some_and(|parameter| self.terms_of(&parameter.name).all(|term| term.linear))
+    }
+
+    /// The coefficients that refer to a parameter.
+    fn terms_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = Term<'a>> {
+        let terms = self.panels.iter().flat_map(PanelSpec::laws).flat_map(|(_, law)| law.terms());
+        terms.filter(move |term| matches!(term.coefficient, Coefficient::Parameter(known) if known == name))
     }
 
     fn blockers_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = &'a BlockingSpec> {
@@ -195,37 +223,65 @@ impl AttitudeSpec {
     }
 }
 
+/// A coefficient that may be a parameter.
+struct Term<'a> {
+    key: &'static str,
+    coefficient: &'a Coefficient,
+    /// What a file may hold.
+    allowed: [f64; 2],
+    /// What a fit should try.
+    fitted: [f64; 2],
+    /// True where light is proportional to it.
+    linear: bool,
+}
+
+impl<'a> Term<'a> {
+    fn new(key: &'static str, coefficient: &'a Coefficient, allowed: [f64; 2], fitted: [f64; 2]) -> Self {
+        Self { key, coefficient, allowed, fitted, linear: false }
+    }
+
+    fn proportional(self) -> Self {
+        Self { linear: true, ..self }
+    }
+
+    fn validate(&self, check: &Check, owner: &str, spec: &PanelsSpec) -> Result<(), ModelFileError> {
+        let key = format!("{owner}.{}", self.key);
+        match (spec.value(self.coefficient, &[]), self.coefficient) {
+            (Some(value), _) => check.range(&key, value, self.allowed[0], self.allowed[1]),
+            (None, Coefficient::Parameter(given)) => {
+                let known: Vec<&str> = spec.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
+                Err(check.reference(&key, given, format!("a number or one of {}", known.join(", "))))
+            }
+            // A number stands for itself.
+            (None, Coefficient::Number(_)) => Ok(()),
+        }
+    }
+}
+
 impl LawSpec {
-    /// Name, key, coefficient and allowed range of each coefficient that may be a parameter.
-    fn coefficients(&self) -> Vec<(&'static str, &Coefficient, [f64; 2])> {
+    /// The coefficients that may be parameters.
+    fn terms(&self) -> Vec<Term<'_>> {
         match self {
-            Self::Lambert { albedo } => vec![("albedo", albedo, [0.0, 10.0])],
-            Self::Phong { weight, exponent } => {
-                vec![("weight", weight, [0.0, 10.0]), ("exponent", exponent, [0.0, 10_000.0])]
-            }
-            Self::Abg { a, b, g } => vec![("a", a, [0.0, 1e3]), ("b", b, [1e-9, 1e3]), ("g", g, [0.0, 20.0])],
-            Self::Gaussian { peak_per_sr, width } => {
-                vec![("peak_per_sr", peak_per_sr, [0.0, 1e6]), ("width", width, [1e-6, 10.0])]
-            }
+            Self::Lambert { albedo } => vec![Term::new("albedo", albedo, [0.0, 10.0], [0.0, 1.0]).proportional()],
+            Self::Phong { weight, exponent } => vec![
+                Term::new("weight", weight, [0.0, 10.0], [0.0, 1.0]).proportional(),
+                Term::new("exponent", exponent, [0.0, 10_000.0], [0.5, 200.0]),
+            ],
+            Self::Abg { a, b, g } => vec![
+                Term::new("a", a, [0.0, 1e3], [0.0, 100.0]).proportional(),
+                Term::new("b", b, [1e-9, 1e3], [1e-6, 10.0]),
+                Term::new("g", g, [0.0, 20.0], [0.1, 6.0]),
+            ],
+            Self::Gaussian { peak_per_sr, width } => vec![
+                Term::new("peak_per_sr", peak_per_sr, [0.0, 1e6], [0.0, 1e3]).proportional(),
+                Term::new("width", width, [1e-6, 10.0], [1e-3, 2.0]),
+            ],
             Self::Binomial { .. } => Vec::new(),
         }
     }
 
-    fn refers_to(&self, name: &str) -> bool {
-        let is = |coefficient: &Coefficient| matches!(coefficient, Coefficient::Parameter(known) if known == name);
-        self.coefficients().into_iter().any(|(_, coefficient, _)| is(coefficient))
-    }
-
     fn validate(&self, check: &Check, key: &str, spec: &PanelsSpec) -> Result<(), ModelFileError> {
-        for (name, coefficient, [least, greatest]) in self.coefficients() {
-            let key = format!("{key}.{name}");
-            let Some(value) = spec.value(coefficient, &[]) else {
-                let known: Vec<&str> = spec.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
-                let Coefficient::Parameter(given) = coefficient else { continue };
-                return Err(check.reference(&key, given, format!("a number or one of {}", known.join(", "))));
-            };
-            check.range(&key, value, least, greatest)?;
-        }
+        self.terms().iter().try_for_each(|term| term.validate(check, key, spec))?;
         let Self::Binomial { b, c, d, first } = self else { return Ok(()) };
         check.count(&format!("{key}.b (rows)"), b.len(), 1, 8)?;
         check.count(&format!("{key}.c (rows, as many as b)"), c.len(), b.len(), b.len())?;

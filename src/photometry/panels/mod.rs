@@ -7,7 +7,7 @@ mod obstruction;
 mod panel_file;
 mod rectangle;
 
-pub use assembly::{Face, PanelAssembly, Part};
+pub use assembly::{Face, LitFace, PanelAssembly, Part};
 pub use attitude::{Attitude, PanelOffset};
 pub use panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec,

@@ -45,7 +45,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
     let mut provenance = Provenance::new();
-    provenance.state("model", &chosen.file.name);
+    provenance.state("model", chosen.file.name.as_str());
     provenance.state("earthshine", if typed.form.no_earthshine { "off" } else { "computed" });
     let tests = match &chosen.form {
         FittedForm::TwoPanel(two_panel) => {
@@ -55,7 +55,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
         FittedForm::Panels(_) => None,
     };
     let folds = typed.form.folds.max(2);
-    provenance.state("folds", &folds.to_string());
+    provenance.state("folds", folds);
     let (_, standings) = contest(&entrants, &placed.points, &chosen.settings, folds)?;
     let standings = standing_table(&standings);
     let (offsets, rivals) = match &tests {

@@ -1,7 +1,6 @@
 //! Photometry as typed, made into points of a fit.
 
 use std::fs;
-use std::sync::Arc;
 
 use anyhow::anyhow;
 use streakcast::catalogue::{Catalogue, Keep, ReadOptions as CatalogueOptions, StationRule};
@@ -14,7 +13,7 @@ use streakcast::measured::{
     ColumnMap, DensityMode, DropCounts, Format, Measurements, Place, Placement, ReadOptions, RecordReader,
     ReduceOptions, Reduction, Selection, measure, reduce,
 };
-use streakcast::photometry::{BrightnessModel, Earthshine, ModelFile, ModelLibrary};
+use streakcast::photometry::{Earthshine, ModelFile, ModelLibrary};
 use streakcast::setup::Setup;
 
 use crate::fit_arguments::{FormArguments, LossName, ModeName, PhotometryArguments, ReductionArguments};
@@ -128,7 +127,6 @@ fn tell(notices: &Notices, dropped: &DropCounts, used: usize) {
 
 /// The model whose form is fitted.
 pub struct Chosen {
-    pub model: Arc<BrightnessModel>,
     pub file: ModelFile,
     pub form: FittedForm,
     pub settings: FitSettings,
@@ -201,5 +199,5 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
         None if raw_points => Loss::SoftL1,
         None => Loss::Squares,
     };
-    Ok(Chosen { model, file, form, settings: FitSettings { free, held, loss, ..FitSettings::default() } })
+    Ok(Chosen { file, form, settings: FitSettings { free, held, loss, ..FitSettings::default() } })
 }

@@ -40,7 +40,7 @@ pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
     let dropped = placed.measurements.dropped.table();
     let mut provenance = Provenance::new();
     for path in &typed.photometry.photometry {
-        provenance.state("photometry", &path.display().to_string());
+        provenance.state("photometry", path.display().to_string());
     }
     let (table, name, columns) = match &placed.reduction {
         Some(pixels) => (pixels.table(), "pixels", PIXELS_ON_SCREEN),

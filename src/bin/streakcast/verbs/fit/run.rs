@@ -1,8 +1,10 @@
 //! `fit run`: a model file with covariance, and a report of how it came about.
 
 use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::anyhow;
+use hifitime::Epoch;
 use indicatif::ProgressBar;
 use streakcast::fit::{
     Chain, ChainAbout, Entrant, Fault, Fit, FitPoint, ModelWords, Posterior, PosteriorSettings, Problem, RawWeights,
@@ -210,7 +212,7 @@ fn file(
         title: format!("{} fitted to photometry", base.title.split(',').next().unwrap_or(&base.title)),
         source: format!("streakcast {} fit run, form of {}", env!("CARGO_PKG_VERSION"), base.name),
         data: typed.data.clone().unwrap_or_else(|| files.join(", ")),
-        date: typed.date.clone().unwrap_or_default(),
+        date: typed.date.clone().unwrap_or_else(this_month),
         provisional: !is_sound,
         notes: notes(typed, placed, chosen),
         sigma_origin: origin,
@@ -220,6 +222,13 @@ fn file(
         FittedForm::TwoPanel(_) => two_panel_file(base, fit, problem.points(), rms_mag, sigma_mag, &words)?,
         FittedForm::Panels(_) => panels_file(base, fit, problem.points(), rms_mag, sigma_mag, &words)?,
     })
+}
+
+/// As `2026-11`.
+fn this_month() -> String {
+    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    let (year, month, ..) = Epoch::from_unix_seconds(since_1970.as_secs_f64()).to_gregorian_utc();
+    format!("{year:04}-{month:02}")
 }
 
 fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<String> {
