@@ -65,6 +65,8 @@ fn verif_fits_headers_hold_names_of_any_language() {
 #[cfg(feature = "plot")]
 mod pictures {
     use super::*;
+    use streakcast::geometry::ShadowModel;
+    use streakcast::photometry::{Earthshine, ModelLibrary, PhotometryOptions};
     use streakcast::plot::{PictureFormat, body_picture, paper_picture, sky_picture};
 
     /// Width, height and pixels of a PNG.
@@ -99,6 +101,68 @@ mod pictures {
             (left..right).flat_map(|x| (top..bottom).map(move |y| (x, y))).any(|(x, y)| image.get_pixel(x, y).0[0] < 90)
         };
         assert!(dark(100, 10, 700, 40) && dark(720, 200, 790, 700));
+    }
+
+    fn svg(picture: &streakcast::plot::Picture) -> String {
+        String::from_utf8(picture.to_bytes(PictureFormat::Svg).unwrap()).unwrap()
+    }
+
+    /// Air and light that are not the usual ones are said below the map, and others are not.
+    #[test]
+    fn verif_a_picture_says_what_it_was_made_with() {
+        let model = v15();
+        let said = [" 0.2 mag per airmass.", "Sunlight alone.", "Shadow of the Earth and its air."];
+        let sky = |options: PhotometryOptions, shadow| {
+            let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.3, options).unwrap().with_shadow(shadow);
+            svg(&sky_picture(&view))
+        };
+        let plain = sky(options(), ShadowModel::Geometric);
+        assert!(said.iter().all(|words| !plain.contains(words)));
+        let other =
+            PhotometryOptions { extinction_mag_per_airmass: Some(0.2), earthshine: Earthshine::Off, ..options() };
+        let all = sky(other, ShadowModel::Atmosphere);
+        assert!(said.iter().all(|words| all.contains(words)), "{:?}", said.map(|words| all.contains(words)));
+        let body = svg(&body_picture(&BodyView::new(&model, -0.2, 550.0, other).unwrap()));
+        assert!(body.contains(said[1]) && !body.contains(said[0]));
+    }
+
+    /// The air near the horizon takes magnitudes; the colours are for the rest of the sky.
+    #[test]
+    fn verif_extinction_leaves_colours_and_legend_as_they_were() {
+        let model = ModelLibrary::embedded().get("oneweb").unwrap();
+        let sky = |k: Option<f64>| {
+            let options = PhotometryOptions { extinction_mag_per_airmass: k, ..options() };
+            SkyView::new(&model, Earth::Sphere, 550.0, 0.0, 0.3, options).unwrap()
+        };
+        let (clear, air) = (sky(None), sky(Some(0.3)));
+        let scale = sky_picture(&air).scales()[0];
+        let at_10_deg = air.at(0.0, 10_f64.to_radians()).magnitude.unwrap().0;
+        assert!(scale.greatest >= at_10_deg - 0.1 && scale.greatest < at_10_deg + 1.0, "{scale:?} {at_10_deg}");
+        assert!(scale.has_higher && !scale.has_lower, "{scale:?}");
+        // Without air the whole sky counts: the mean's range spans its distances alone.
+        let horizon = clear.at(0.0, 0.0).magnitude.unwrap().0;
+        assert!(sky_picture(&clear).scales()[0].greatest >= horizon - 0.1);
+        // All the sky is lit and seen, to the rim.
+        let text = svg(&sky_picture(&air));
+        assert!(text.contains("≥ ") && !text.contains("nothing lit seen"));
+        let image = pixels(&sky_picture(&air).to_png().unwrap());
+        // Middle and radius of the disc as above; the rim's own line is 1.6 wide.
+        let shown = image.get_pixel(336 - 267, 414).0;
+        assert_eq!(shown, scale.colour(30.0), "{shown:?}");
+    }
+
+    /// Magnitudes at 1000 km are held against what an observer straight below sees.
+    #[test]
+    fn verif_the_line_of_a_body_map_is_the_limit_at_its_height() {
+        let model = v15();
+        for (height_km, words) in [(550.0, "8.3 mag: 7 mag from straight below"), (1000.0, "7.0 mag: 7 mag from")] {
+            let view = BodyView::new(&model, -0.2, height_km, options()).unwrap();
+            let text = svg(&body_picture(&view));
+            assert!(text.contains(words), "{height_km}");
+        }
+        let sky = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.2, options()).unwrap();
+        let text = svg(&sky_picture(&sky));
+        assert!(text.contains(">\n7 mag") || text.contains("7 mag") && !text.contains("straight below"));
     }
 
     #[test]

@@ -77,7 +77,7 @@ impl<'a> Light<'a> {
         magnitude.is_finite().then_some(StandardMagnitude(magnitude))
     }
 
-    /// What distance and air add to a standard magnitude; `None` where the air lets nothing through, at the horizon.
+    /// What distance and air add to a standard magnitude; `None` with air at the horizon and below, where it has no airmass.
     pub fn dimming(&self, range_km: f64, altitude_rad: f64) -> Option<Magnitude> {
         let air = match self.options.extinction_mag_per_airmass {
             Some(k) => k * airmass(altitude_rad)?,

@@ -32,7 +32,7 @@ const SKY: [Column; 4] = [
         "magnitude",
         "mag",
         4,
-        "Apparent magnitude; empty in the Earth's shadow and where nothing lit is seen.",
+        "Apparent magnitude; empty in the Earth's shadow, where nothing lit is seen, and on the horizon where there is extinction.",
     ),
 ];
 
