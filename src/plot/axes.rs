@@ -75,19 +75,28 @@ impl Axis {
         (0.0..=1.0).contains(&self.share(value))
     }
 
-    /// Round values with their labels, as many as stand apart on an axis of `length` pixels; `across` where labels stand side by side.
+    /// Round values with their labels, as many as stand apart on an axis of `length` pixels, empty where there is no room for one; `across` where
+    /// labels stand side by side.
     pub fn ticks(&self, length: f64, across: bool) -> Vec<(f64, String)> {
         if self.is_log {
             return self.decades();
         }
-        let mut ticks = Vec::new();
-        for most in (2..=8).rev() {
-            ticks = self.multiples(most);
-            let needed = |label: &str| if across { width_of(label, TICK_SIZE) + ROOM } else { TICK_SIZE + ROOM };
+        let needed = |label: &str| if across { width_of(label, TICK_SIZE) + ROOM } else { TICK_SIZE + ROOM };
+        let apart = |a: f64, b: f64| (self.share(b) - self.share(a)).abs() * length;
+        let fits = |ticks: &[(f64, String)]| {
             let widest = ticks.iter().map(|(_, label)| needed(label)).fold(0.0, f64::max);
-            let apart = ticks.windows(2).map(|pair| (self.share(pair[1].0) - self.share(pair[0].0)).abs() * length);
-            if apart.fold(f64::INFINITY, f64::min) >= widest {
-                break;
+            ticks.len() > 1 && ticks.windows(2).all(|pair| apart(pair[0].0, pair[1].0) >= widest)
+        };
+        if let Some(ticks) = (2..=8).rev().map(|most| self.multiples(most)).find(|ticks| fits(ticks)) {
+            return ticks;
+        }
+        // Short axes: some ticks, and labels at those where they have room.
+        let mut ticks = self.multiples(4);
+        let mut last: Option<(f64, f64)> = None;
+        for (value, label) in &mut ticks {
+            match last {
+                Some((before, taken)) if apart(before, *value) < (taken + needed(label)) / 2.0 => label.clear(),
+                _ => last = Some((*value, needed(label))),
             }
         }
         ticks
@@ -140,7 +149,7 @@ impl Frame {
         for (value, label) in self.y.ticks(bottom - top, false) {
             let (_, y) = self.at(self.x.from, value);
             picture.line(&[(left, y), (left + 5.0, y)], INK.to_rgba(), 1.2);
-            if has_y_labels {
+            if has_y_labels && !label.is_empty() {
                 picture.text(&label, (left - 8.0, y), TICK_SIZE, HPos::Right);
             }
         }
@@ -153,7 +162,7 @@ impl Frame {
         for (value, label) in self.x.ticks(right - left, true) {
             let (x, _) = self.at(value, self.y.from);
             picture.line(&[(x, bottom), (x, bottom - 5.0)], INK.to_rgba(), 1.2);
-            if has_x_labels {
+            if has_x_labels && !label.is_empty() {
                 picture.text(&label, (x, bottom + 16.0), TICK_SIZE, HPos::Center);
             }
         }
@@ -192,8 +201,13 @@ mod tests {
                     !ticks.is_empty()
                         && ticks.iter().all(|(value, _)| axis.share(*value) > -1e-6 && axis.share(*value) < 1.0 + 1e-6)
                 );
-                let labels: std::collections::HashSet<_> = ticks.iter().map(|tick| &tick.1).collect();
-                assert_eq!(labels.len(), ticks.len(), "{ticks:?}");
+                let labels: Vec<_> = ticks.iter().filter(|tick| !tick.1.is_empty()).collect();
+                assert!(!labels.is_empty() && ticks.len() > 1, "{ticks:?}");
+                for pair in labels.windows(2) {
+                    let apart = (axis.share(pair[1].0) - axis.share(pair[0].0)).abs() * length;
+                    let widths = (width_of(&pair[0].1, TICK_SIZE) + width_of(&pair[1].1, TICK_SIZE)) / 2.0;
+                    assert!(pair[0].1 != pair[1].1 && apart > widths, "{ticks:?} on {length}");
+                }
             }
         }
         let words: Vec<String> = Axis::linear(0.0, 1.0).ticks(600.0, true).into_iter().map(|tick| tick.1).collect();

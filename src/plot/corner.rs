@@ -20,6 +20,9 @@ const BEYOND: f64 = 0.001;
 const ROOM: f64 = 0.08;
 const BARS: RGBColor = RGBColor(158, 202, 225);
 const TRUTH: RGBColor = RGBColor(213, 94, 0);
+const LEGEND: &str = "Dashed: quantiles 0.16, 0.5 and 0.84. Lines: the densest 39.3 and 86.5 % of the samples.";
+const LEGEND_WITH_TRUTHS: &str =
+    "Dashed: quantiles 0.16, 0.5 and 0.84. Lines: the densest 39.3 and 86.5 % of the samples. Orange: true values.";
 const GAP: f64 = 12.0;
 const BELOW: f64 = 66.0;
 const RIGHT: f64 = 22.0;
@@ -70,14 +73,18 @@ pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
     if is_titled {
         picture.text(input.title, (left, 26.0), 23.0, HPos::Left);
     }
-    for row in 0..count {
+    // Above the diagonal there is room.
+    let first = left + count.div_ceil(2) as f64 * (panel + GAP);
+    let legend = if input.truths.is_some() { LEGEND_WITH_TRUTHS } else { LEGEND };
+    picture.paragraph(legend, [first, left + side + beyond(panel) - 8.0], top + 12.0, 16.0);
+    for (row, title) in titles.iter().enumerate() {
         for column in 0..=row {
             let (x, y) = (left + column as f64 * (panel + GAP), top + row as f64 * (panel + GAP));
             let frame = frame_of([x, y, x + panel, y + panel], column, row);
             let is_below = row + 1 == count;
             if row == column {
                 diagonal(&mut picture, input, &frame, row, is_below);
-                for (line, words) in titles[row].iter().rev().enumerate() {
+                for (line, words) in title.iter().rev().enumerate() {
                     picture.text(words, (x, y - 16.0 - 24.0 * line as f64), NAME_SIZE, HPos::Left);
                 }
             } else {

@@ -69,7 +69,7 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     let main = Frame { sides: [88.0, 240.0, 628.0, 760.0], x, y };
     let shares = Axis::linear(0.0, 1.0);
     let above = Frame { sides: [88.0, 64.0, 628.0, 224.0], x, y: shares };
-    let beside = Frame { sides: [644.0, 240.0, 814.0, 760.0], x: shares, y };
+    let beside = Frame { sides: [672.0, 240.0, 816.0, 760.0], x: shares, y };
 
     let mut picture = Picture::new(930, 900);
     picture.text(input.title, (465.0, 28.0), 22.0, HPos::Center);
@@ -92,7 +92,7 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     main.name_y(&mut picture, "interquartile range, mag", 56.0);
     above.name_y(&mut picture, "share of cells", 56.0);
     beside.name_x(&mut picture, "share of cells");
-    colour_bar(&mut picture, &scale, [842.0, 300.0, 864.0, 760.0], "cells");
+    colour_bar(&mut picture, &scale, [844.0, 300.0, 866.0, 760.0], "cells");
 
     let kept = |(samples, iqr): &(&f64, &f64)| **samples >= input.least_count && **iqr <= input.most_iqr_mag;
     let kept = input.counts.iter().zip(input.iqr_mag).filter(kept).count();
@@ -102,7 +102,7 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
     let narrow = per_cent(up_to(&spreads, input.most_iqr_mag));
     let words = [format!("kept: {share}"), format!("{} of {} cells", count(kept), count(counts.len()))];
     for (line, words) in words.iter().enumerate() {
-        picture.text(words, (644.0, 92.0 + 26.0 * line as f64), 18.0, HPos::Left);
+        picture.text(words, (672.0, 92.0 + 26.0 * line as f64), 18.0, HPos::Left);
     }
     let beyond = match spreads.iter().filter(|iqr| !y.holds(**iqr)).count() {
         0 => String::new(),

@@ -30,9 +30,9 @@ pub(super) fn labels(values: &[f64], step: f64) -> Vec<String> {
 pub(super) fn with_errors(value: f64, above: f64, below: f64) -> String {
     let error = if below > 0.0 && above > 0.0 { below.min(above) } else { below.max(above) };
     // Without an error, six digits of the value itself.
-    let least = if error > 0.0 { error } else { value.abs().max(1e-300) * 2e-6 };
+    let least = if error > 0.0 { error } else { value.abs().max(1e-300) * 2.001e-6 };
     let power = least.log10().floor() as i32;
-    let begins_with_one = least / 10_f64.powi(power) < 1.95;
+    let begins_with_one = error > 0.0 && least / 10_f64.powi(power) < 1.95;
     let decimals = i32::from(begins_with_one) - power;
     let largest = value.abs().max(above).max(below);
     if (decimals > 6 && largest < 1e-2) || largest >= 1e6 {

@@ -108,7 +108,8 @@ impl Picture {
                 }
                 left -= next - gone;
                 gone = next;
-                if left <= 0.0 {
+                // What rounding leaves over of a stroke would never be gone.
+                if left <= 1e-6 {
                     if is_stroke {
                         self.line(&dash, colour, width);
                         dash.clear();

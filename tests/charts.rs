@@ -1,0 +1,283 @@
+//! Charts of fits: the words and numbers they hold, their size, their colours, and input that cannot be drawn.
+
+#![cfg(feature = "plot")]
+
+use image::RgbImage;
+use streakcast::healpix::{cell_count, ring_centre_rad};
+use streakcast::plot::{
+    ColourScale, Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Picture, PlotError, Quantity,
+    ResidualHistogram, ResidualPanels, corner, counts_and_spread, layers, phase_curve, residual_histogram,
+    residual_panels,
+};
+
+/// Averaging of four pixels and rounding, in steps of 255.
+const COLOUR_STEPS: u8 = 2;
+
+fn pixels(picture: &Picture) -> RgbImage {
+    let image = image::load_from_memory(&picture.to_png().unwrap()).unwrap().to_rgb8();
+    let (width, height) = picture.size();
+    assert_eq!((image.width() as usize, image.height() as usize), (width, height));
+    assert!(width <= 1600 && height <= 1600, "{width} {height}");
+    image
+}
+
+/// The words of an SVG that is well-formed, one a line.
+fn words(picture: &Picture) -> Vec<String> {
+    let text = picture.to_svg().unwrap();
+    let mut reader = quick_xml::Reader::from_str(&text);
+    let mut words = Vec::new();
+    loop {
+        match reader.read_event().unwrap() {
+            quick_xml::events::Event::Eof => return words,
+            quick_xml::events::Event::Text(text) => words.push(text.trim().to_owned()),
+            _ => {}
+        }
+    }
+}
+
+fn has(picture: &Picture, expected: &[&str]) {
+    let words = words(picture);
+    for one in expected {
+        assert!(words.iter().any(|words| words == one), "{one} is not in {words:?}");
+    }
+}
+
+/// Evenly spread values of a normal distribution about 0, sigma 1, in an order that has nothing to do with that of another `stride`.
+fn normal(count: usize, stride: usize) -> Vec<f64> {
+    // Winitzki's inverse of the error function, good to 0.002.
+    let inverse = |share: f64| {
+        let x = 2.0 * share - 1.0;
+        let log = (1.0 - x * x).ln();
+        let first = 2.0 / (std::f64::consts::PI * 0.147) + log / 2.0;
+        x.signum() * ((first * first - log / 0.147).sqrt() - first).sqrt() * std::f64::consts::SQRT_2
+    };
+    (0..count).map(|index| inverse(((index * stride % count) as f64 + 0.5) / count as f64)).collect()
+}
+
+fn posterior(parameters: usize, samples: usize) -> (Vec<String>, Vec<Vec<f64>>) {
+    let strides = [1, 617, 1223, 2801, 3407, 4409, 5503, 6607, 7703];
+    let column = |k: usize| normal(samples, strides[k]).into_iter().map(|x| 0.0123 + 0.000_35 * x).collect();
+    ((1..=parameters).map(|k| format!("c{k}")).collect(), (0..parameters).map(column).collect())
+}
+
+#[test]
+fn verif_a_corner_plot_says_quantiles_and_names() {
+    let (names, samples) = posterior(3, 20_000);
+    let picture = corner(&Corner { title: "A model", names: &names, samples: &samples, truths: None }).unwrap();
+    // One sigma is 0.00035, and quantiles 0.16 and 0.84 lie 0.9945 of it away.
+    has(&picture, &["A model", "c1 = 0.0123 +0.0003 −0.0003", "c3 = 0.0123 +0.0003 −0.0003", "c1", "c2", "c3"]);
+    let image = pixels(&picture);
+    // Orange is there only with truths.
+    let orange = |image: &RgbImage| image.pixels().filter(|pixel| pixel.0 == [213, 94, 0]).count();
+    assert_eq!(orange(&image), 0);
+    let truths = [0.0124, 0.0122, 0.0123];
+    let with_truths = corner(&Corner { title: "", names: &names, samples: &samples, truths: Some(&truths) }).unwrap();
+    assert!(orange(&pixels(&with_truths)) > 1000);
+}
+
+#[test]
+fn verif_corner_plots_of_two_to_nine_parameters_stay_in_their_size() {
+    for parameters in 2..=9 {
+        let (names, samples) = posterior(parameters, 2_000);
+        let names: Vec<String> = names.iter().map(|name| format!("{name}_of_a_long_name")).collect();
+        pixels(&corner(&Corner { title: "", names: &names, samples: &samples, truths: None }).unwrap());
+    }
+}
+
+#[test]
+fn verif_a_corner_plot_refuses_what_it_cannot_draw() {
+    let (names, mut samples) = posterior(2, 100);
+    let drawn = |names: &[String], samples: &[Vec<f64>], truths: Option<&[f64]>| {
+        corner(&Corner { title: "", names, samples, truths }).map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert!(drawn(&names[..1], &samples[..1], None).unwrap_err().contains("is 1, allowed: 2 to 9"));
+    assert!(drawn(&names[..1], &samples, None).unwrap_err().contains("names of parameters: 1 values"));
+    assert!(
+        drawn(&names, &samples, Some(&[f64::INFINITY, 0.0])).unwrap_err().contains("value 0, counted from 0, is inf")
+    );
+    assert!(drawn(&names, &[Vec::new(), Vec::new()], None).unwrap_err().contains("there are no samples of c1"));
+    // One value, and one value many times, are drawn.
+    assert_eq!(drawn(&names, &[vec![1.0], vec![0.0]], None), Ok(()));
+    assert_eq!(drawn(&names, &[vec![1e-9; 50], vec![-3e7; 50]], None), Ok(()));
+    samples[1][7] = f64::NAN;
+    assert!(drawn(&names, &samples, None).unwrap_err().contains("samples of c2: value 7, counted from 0, is NaN"));
+    samples[1].pop();
+    assert!(drawn(&names, &samples, None).unwrap_err().contains("99 values, but there must be 100"));
+}
+
+fn southern_cells(nside: u32, value: impl Fn(f64, f64) -> f64) -> Vec<(u64, f64)> {
+    let cells = (0..cell_count(nside)).map(|cell| (cell, ring_centre_rad(nside, cell).unwrap()));
+    cells.filter(|(_, (_, latitude))| *latitude < 0.0).map(|(cell, (x, y))| (cell, value(x, y))).collect()
+}
+
+#[test]
+fn verif_cells_have_their_colours_where_they_stand() {
+    let residuals = southern_cells(8, |longitude, latitude| 0.5 * longitude.cos() * latitude.cos());
+    let missing = residuals[40].0;
+    let shown: Vec<_> = residuals.iter().copied().filter(|(cell, _)| *cell != missing).collect();
+    for is_folded in [true, false] {
+        let panel = LayerPanel { title: "(a) Sun at latitude −8°", quantity: Quantity::Residual, cells: &shown };
+        let picture =
+            layers(&Layers { title: "O−C", caption: "Test.", nside: 8, is_folded, panels: vec![panel] }).unwrap();
+        let image = pixels(&picture);
+        let scale = picture.scales()[0];
+        assert!((scale.least + scale.greatest).abs() < 1e-12);
+        // The layout: a margin of 66 and a radius of 270 at the left, 46 + 32 + 66 + 270 above.
+        let mut looked_at = 0;
+        for (cell, value) in &residuals {
+            let (longitude, latitude) = ring_centre_rad(8, *cell).unwrap();
+            let distance = 270.0 * (latitude + std::f64::consts::FRAC_PI_2) / std::f64::consts::FRAC_PI_2;
+            // Away from the borders of the half, from lines and from words.
+            let degrees = longitude.to_degrees();
+            let is_clear = [90.0, 180.0, 270.0].iter().all(|circle| (distance - circle).abs() > 6.0);
+            if !is_clear || (100.0..130.0).contains(&degrees) || (is_folded && !(8.0..172.0).contains(&degrees)) {
+                continue;
+            }
+            let (x, y) = (336.0 - distance * longitude.sin(), 414.0 - distance * longitude.cos());
+            let found = image.get_pixel(x as u32, y as u32).0;
+            let expected = if *cell == missing { [205; 3] } else { scale.colour(*value) };
+            let apart = found.iter().zip(expected).map(|(a, b)| a.abs_diff(b)).max().unwrap();
+            assert!(apart <= COLOUR_STEPS, "cell {cell} at {x} {y}: {found:?} for {expected:?}");
+            looked_at += 1;
+        }
+        assert!(looked_at > if is_folded { 100 } else { 200 }, "{looked_at}");
+        has(&picture, &["O−C", "(a) Sun at latitude −8°", "O−C, mag", "0°", "90°", "180°", "−60°", "Sun", "no cell"]);
+        assert_eq!(words(&picture).contains(&"270°".to_owned()), !is_folded);
+    }
+}
+
+#[test]
+fn verif_panels_of_several_quantities_have_a_bar_each() {
+    let magnitudes = southern_cells(4, |longitude, _| 6.0 + longitude.cos());
+    let counts = southern_cells(4, |longitude, _| (1.0 + 100.0 * longitude).floor());
+    let spreads = southern_cells(4, |_, latitude| 0.3 - 0.2 * latitude);
+    let panel = |title, quantity, cells| LayerPanel { title, quantity, cells };
+    let panels = vec![
+        panel("(a)", Quantity::Magnitude, &magnitudes[..]),
+        panel("(b)", Quantity::Count, &counts),
+        panel("(c)", Quantity::Spread, &spreads),
+    ];
+    for is_folded in [true, false] {
+        let input = Layers { title: "", caption: "", nside: 4, is_folded, panels: panels.clone() };
+        let picture = layers(&input).unwrap();
+        pixels(&picture);
+        has(&picture, &["(a)", "(b)", "(c)", "mag", "samples", "IQR, mag", "100"]);
+        let quantities: Vec<Quantity> = picture.scales().iter().map(|scale: &ColourScale| scale.quantity).collect();
+        assert_eq!(quantities, [Quantity::Magnitude, Quantity::Count, Quantity::Spread]);
+        // Twelve layers fit as well.
+        let twelve = vec![panels[0].clone(); 12];
+        pixels(&layers(&Layers { panels: twelve, ..input }).unwrap());
+    }
+}
+
+#[test]
+fn verif_layers_refuse_what_they_cannot_draw() {
+    let refused = |nside: u32, quantity: Quantity, cells: &[(u64, f64)]| {
+        let panels = vec![LayerPanel { title: "p", quantity, cells }];
+        layers(&Layers { title: "", caption: "", nside, is_folded: true, panels }).map(|_| ()).unwrap_err().to_string()
+    };
+    assert!(refused(0, Quantity::Magnitude, &[(1, 1.0)]).contains("nside is 0, allowed: 1 to 1024"));
+    assert!(refused(4, Quantity::Magnitude, &[(192, 1.0)]).contains("is 192, allowed: below 12 nside²"));
+    assert!(refused(4, Quantity::Magnitude, &[(191, f64::NAN)]).contains("value 0, counted from 0, is NaN"));
+    assert!(refused(4, Quantity::Count, &[(191, 0.0)]).contains("1 sample or more"));
+    assert!(refused(4, Quantity::Spread, &[(191, 0.1), (191, 0.2)]).contains("is twice, allowed: once"));
+    assert!(refused(4, Quantity::Spread, &[]).contains("there are no cells"));
+    let none = layers(&Layers { title: "", caption: "", nside: 4, is_folded: true, panels: Vec::new() });
+    assert!(matches!(none, Err(PlotError::OutOfRange { .. })));
+}
+
+#[test]
+fn verif_the_histogram_says_mean_deviation_and_mad() {
+    let residuals: Vec<f64> = normal(10_001, 617).into_iter().map(|x| 0.05 + 0.2 * x).collect();
+    let input = ResidualHistogram { title: "Layer", residuals_mag: &residuals, sigma_mag: 0.25 };
+    let picture = residual_histogram(&input).unwrap();
+    let expected = "n = 10,001: mean 0.050, standard deviation 0.200, 1.4826 MAD 0.200 mag. ";
+    assert!(words(&picture).iter().any(|words| words.starts_with(expected.trim())), "{:?}", words(&picture));
+    has(&picture, &["Layer", "O−C, mag", "σ = 0.250 mag"]);
+    // The curve's top, 1 / (0.25 √2π) = 1.596 per mag, is orange; above the middle is paper.
+    let image = pixels(&picture);
+    assert!((60..500).any(|y| image.get_pixel(440, y).0 == [213, 94, 0]));
+    let refused = |residuals: &[f64], sigma: f64| {
+        let input = ResidualHistogram { title: "", residuals_mag: residuals, sigma_mag: sigma };
+        residual_histogram(&input).map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert!(refused(&[], 0.2).unwrap_err().contains("there are no residuals"));
+    assert!(refused(&[f64::NAN], 0.2).unwrap_err().contains("NaN"));
+    assert!(refused(&[0.1], 0.0).unwrap_err().contains("is 0 mag, allowed: above 0 mag"));
+    assert_eq!(refused(&[0.1], 0.2), Ok(()));
+    assert_eq!(refused(&[0.0; 9], 0.2), Ok(()));
+}
+
+#[test]
+fn verif_cells_kept_are_counted() {
+    // Thresholds themselves are kept: 3 of 5.
+    let (counts, iqr_mag) = ([80.0, 79.0, 500.0, 500.0, 1e4], [0.4, 0.1, 0.41, 0.2, 0.0]);
+    let input =
+        CountsAndSpread { title: "Cells", counts: &counts, iqr_mag: &iqr_mag, least_count: 80.0, most_iqr_mag: 0.4 };
+    let picture = counts_and_spread(&input).unwrap();
+    pixels(&picture);
+    has(&picture, &["Cells", "kept: 60.0 %", "3 of 5 cells", "80", "0.4 mag", "samples in a cell"]);
+    let refused = |counts: &[f64], iqr_mag: &[f64], least_count: f64| {
+        let input = CountsAndSpread { counts, iqr_mag, least_count, ..input.clone() };
+        counts_and_spread(&input).map(|_| ()).map_err(|error| error.to_string())
+    };
+    assert!(refused(&[], &[], 80.0).unwrap_err().contains("there are no samples of cells"));
+    assert!(refused(&[3.0, 0.0], &[0.1, 0.1], 80.0).unwrap_err().contains("is 0, allowed: 1 or more"));
+    assert!(refused(&[3.0], &[-0.1], 80.0).unwrap_err().contains("is -0.1"));
+    assert!(refused(&[3.0], &[0.1, 0.2], 80.0).unwrap_err().contains("2 values, but there must be 1"));
+    assert!(refused(&[3.0], &[0.1], f64::NAN).unwrap_err().contains("is NaN"));
+    assert_eq!(refused(&[1.0], &[0.0], 1.0), Ok(()));
+}
+
+#[test]
+fn verif_points_stand_beside_their_model_and_over_their_angles() {
+    let count = 5_000;
+    let angle =
+        |stride: usize| (0..count).map(|n| 0.2 + 2.0 * (n * stride % count) as f64 / count as f64).collect::<Vec<_>>();
+    let (phase, residuals) = (angle(617), normal(count, 1223));
+    let model: Vec<f64> = phase.iter().map(|phase| 5.0 + phase).collect();
+    let measured: Vec<f64> = model.iter().zip(&residuals).map(|(model, residual)| model + 0.2 * residual).collect();
+    let curve = PhaseCurve {
+        title: "One",
+        magnitude_name: "magnitude V",
+        phase_angle_rad: &phase,
+        measured_mag: &measured,
+        model_mag: &model,
+    };
+    let both = phase_curve(&curve).unwrap();
+    has(&both, &["One", "magnitude V", "measured", "model", "running median, model", "phase angle, °"]);
+    let alone = phase_curve(&PhaseCurve { model_mag: &[], ..curve.clone() }).unwrap();
+    assert!(!words(&alone).contains(&"model".to_owned()) && alone.size().0 < both.size().0);
+    pixels(&both);
+    pixels(&alone);
+    let one = PhaseCurve { phase_angle_rad: &[1.0], measured_mag: &[6.0], model_mag: &[6.0], ..curve.clone() };
+    pixels(&phase_curve(&one).unwrap());
+    let wrong = phase_curve(&PhaseCurve { phase_angle_rad: &[4.0], ..one.clone() }).map(|_| ()).unwrap_err();
+    assert!(wrong.to_string().contains("allowed: 0 to 180°"), "{wrong}");
+
+    let panels = ResidualPanels {
+        title: "Four",
+        residuals_mag: &residuals,
+        sun_latitude_rad: &angle(1),
+        observer_longitude_rad: &angle(1223),
+        observer_latitude_rad: &angle(2801),
+        phase_angle_rad: &phase,
+    };
+    let picture = residual_panels(&panels).unwrap();
+    pixels(&picture);
+    has(&picture, &["Four", "latitude of the Sun, °", "longitude of the observer, °", "latitude of the observer, °"]);
+    has(&picture, &["O−C, mag", "running median", "16 to 84 %"]);
+    let short = residual_panels(&ResidualPanels { sun_latitude_rad: &[], ..panels.clone() }).map(|_| ()).unwrap_err();
+    assert!(short.to_string().contains("latitude of the Sun, °: 0 values"), "{short}");
+    let (zero, nothing): (&[f64], &[f64]) = (&[0.0], &[]);
+    let all = |column| ResidualPanels {
+        title: "",
+        residuals_mag: column,
+        sun_latitude_rad: column,
+        observer_longitude_rad: column,
+        observer_latitude_rad: column,
+        phase_angle_rad: column,
+    };
+    pixels(&residual_panels(&all(zero)).unwrap());
+    assert!(residual_panels(&all(nothing)).is_err());
+}
