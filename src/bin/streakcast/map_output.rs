@@ -1,7 +1,9 @@
 //! Where a map goes: a table, HEALPix in FITS, a picture, and what is said to names that do not fit.
 
 use std::ffi::OsStr;
-use std::path::{Path, PathBuf};
+use std::path::Path;
+#[cfg(feature = "fits")]
+use std::path::PathBuf;
 
 use anyhow::{anyhow, bail};
 #[cfg(feature = "fits")]

@@ -136,7 +136,6 @@ pub fn check(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Writes a file of bytes, whole or not at all.
-#[cfg(any(feature = "fits", feature = "plot"))]
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_atomically(path, |out| out.write_all(bytes)).map_err(|error| cannot_write(path, &error))
 }
