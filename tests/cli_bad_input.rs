@@ -177,7 +177,8 @@ fn words_that_mean_nothing() {
     fails(&[POINTING, SITE, SHELLS, &["--band", "q"]], &["unknown band \"q\""]);
     fails(&[POINTING, SITE, SHELLS, &["--telescope", "hubble"]], &["unknown telescope \"hubble\"", "rubin"]);
     fails(&[POINTING, SITE, SHELLS, &["--time-scale", "ut"]], &["time scale 'ut'", "utc, tai, tt"]);
-    fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["threads 0"]);
+    fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["threads 0; allowed: 1 to 1024"]);
+    fails(&[POINTING, SITE, SHELLS, &["--threads", "100000"]], &["threads 100000; allowed: 1 to 1024"]);
     fails(
         &[POINTING, SITE, SHELLS, &["--min-probability", "1.5"]],
         &["min-probability 1.5: allowed above 0, at most 1"],

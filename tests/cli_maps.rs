@@ -51,6 +51,9 @@ fn verif_body_table() {
         assert!(row[2].is_empty() || row[2].parse::<f64>().unwrap().is_finite(), "{row:?}");
     }
     assert!(text.contains("# earthshine: \"computed\""));
+    // A model of a mean receives none, and nothing is said of it.
+    let mean = answers(&[&["map", "body", "--model", "oneweb", "--sun-latitude-deg", "-14", "--format", "csv"]]);
+    assert!(mean.contains("# model: ") && !mean.contains("earthshine"), "{}", &mean[..400]);
     let sunlight = answers(&[BODY, &["--no-earthshine", "--format", "csv"]]);
     assert!(sunlight.contains("# earthshine: \"off\"") && rows != self::rows(&sunlight));
     assert!(rows.iter().any(|row| row[2].is_empty()) && rows.iter().filter(|row| !row[2].is_empty()).count() > 8000);
@@ -114,6 +117,28 @@ fn verif_the_papers_twelve_maps() {
     assert_eq!(fs::read_dir(&made).unwrap().count(), 4);
 }
 
+/// Light and run are said to the paper's figures as to any map.
+#[cfg(feature = "plot")]
+#[test]
+fn verif_the_papers_figures_in_another_band() {
+    let folder = tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let file = answers(&[&["model", "show", "oneweb"]]);
+    let file = file.replace("\"oneweb\"", "\"mine\"").replace("\"provisional\": false", "\"provisional\": true");
+    fs::write(path("mine.json"), file).unwrap();
+    fs::write(path("mine.toml"), "extinction = 0.2\n[models]\nfiles = ['mine.json']\n").unwrap();
+    let (made, config) = (path("figures"), path("mine.toml"));
+    let paper = ["map", "paper", "--format", "svg", "-o", &made, "--model", "mine", "--config", &config, "--band", "r"];
+    let (code, _, stderr) = run(&[&paper, &["--threads", "1"]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("warning: model prior:mine is provisional"), "{stderr}");
+    assert!(stderr.contains("warning: the configuration's extinction has no part in the paper's figures"), "{stderr}");
+    let figure = fs::read_to_string(folder.path().join("figures/figure-7.svg")).unwrap();
+    assert!(figure.contains("r (AB)"));
+    assert_eq!(run(&[&paper, &["--quiet"]]).2, "");
+    fails(&[&paper, &["--threads", "0"]], &["threads 0"]);
+}
+
 #[cfg(feature = "fits")]
 #[test]
 fn verif_fits_by_format_or_by_name() {
@@ -156,13 +181,12 @@ fn verif_questions_that_are_none() {
     fails(&[SKY, &["--lat", "91", "--lon", "0"], &out], &["lat"]);
     fails(&[SKY, &["--extinction", "-1"], &out], &["extinction -1 mag: allowed 0 to 5 mag"]);
     fails(&[SKY, &["--band", "q"], &out], &["q"]);
+    fails(&[SKY, &["--threads", "100000"], &out], &["threads 100000; allowed: 1 to 1024"]);
     fails(&[&["map", "sky", "--model", "v1.5"], &out], &["--sun-altitude-deg"]);
     #[cfg(feature = "plot")]
     {
         fails(&[SKY, &["--picture", "map.gif"], &out], &["picture map.gif: its name must end in .png or .svg"]);
         fails(&[SKY, &["--picture", "no/such/folder/map.png"], &out], &["no/such/folder"]);
-        let both = folder.path().join("both.png").display().to_string();
-        fails(&[SKY, &["--picture", &both, "-o", &both]], &["name the same file"]);
         fails(&[&["map", "paper", "-o", "no/such/folder"]], &["cannot make the folder no/such/folder"]);
     }
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
@@ -179,4 +203,132 @@ fn verif_a_provisional_model_and_a_sun_behind_the_earth_are_said() {
     assert!(run(&[&dark]).2.contains("below the Earth's limb (-23.0 deg)"));
     assert_eq!(run(&[&dark, &["--quiet"]]).2, "");
     assert_eq!(run(&[&dark, &["--height-km", "1200"]]).2, "");
+}
+
+/// The end of a file's name says what is in it, in any case, and what it cannot be is refused before any work.
+#[test]
+fn verif_names_say_what_is_in_files() {
+    let folder = tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    #[cfg(feature = "fits")]
+    for name in ["a.FITS", "a.fit", "a.Fits"] {
+        assert_eq!(answers(&[SKY, &["--nside", "4", "-o", &path(name)]]), "");
+        assert!(fs::read(path(name)).unwrap().starts_with(b"SIMPLE  ="), "{name}");
+        fs::remove_file(path(name)).unwrap();
+    }
+    assert_eq!(answers(&[SKY, &["--nside", "4", "-o", &path("a.JSON")]]), "");
+    assert!(fs::read_to_string(path("a.JSON")).unwrap().starts_with('{'));
+    fs::remove_file(path("a.JSON")).unwrap();
+
+    fails(&[SKY, &["-o", &path("a.fits.gz")]], &["nothing is compressed here; say", "a.fits"]);
+    #[cfg(feature = "plot")]
+    fails(&[SKY, &["-o", &path("a.PNG")]], &["pictures are made by --picture", "a.PNG"]);
+    #[cfg(feature = "plot")]
+    fails(&[SKY, &["-o", &path("a.svg"), "--format", "csv"]], &["pictures are made by --picture"]);
+    fails(&[SKY, &["-o", &path("a.csv"), "--format", "fits"]], &["format fits in a file", "should end in .fits"]);
+    fails(&[SKY, &["-o", &path("a.fits"), "--format", "ecsv"]], &["format ecsv in a file", "should end in .ecsv"]);
+    fails(&[SKY, &["--format", "parquet"]], &["'parquet' is not known; allowed: table, csv, ecsv, json, jsonl, fits"]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
+}
+
+#[cfg(feature = "plot")]
+#[test]
+fn verif_one_file_is_not_two() {
+    let folder = tempdir().unwrap();
+    fs::create_dir(folder.path().join("sub")).unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    for (output, picture) in [("a.svg", "a.svg"), ("a.svg", "./a.svg"), ("sub/../a.png", "a.png")] {
+        let said = ["-o", &path(output), "--picture", &path(picture)];
+        fails(&[SKY, &said], &["pictures are made by --picture"]);
+    }
+    fails(&[SKY, &["--nside", "8", "--picture", &path("a.png")]], &["--nside is for tables", "needs -o or --format"]);
+    fails(&[BODY, &["--step-deg", "1", "--picture", &path("a.png")]], &["--step-deg is for tables"]);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    let both = answers(&[BODY, &["--step-deg", "5", "--picture", &path("a.png"), "--format", "csv"]]);
+    assert_eq!(rows(&both).len(), 1 + 72 * 19);
+    assert!(fs::read(path("a.png")).unwrap().starts_with(b"\x89PNG"));
+}
+
+/// What a configuration says counts where nothing was typed; what a map cannot do is said.
+#[test]
+fn verif_a_configuration() {
+    let folder = tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).display().to_string();
+    let config = |name: &str, text: &str| {
+        fs::write(path(name), text).unwrap();
+        path(name)
+    };
+    let night = config("night.toml", "format = 'json'\nband = 'r'\nmpc = 'X05'\nfov = '3deg'\nsun-distance = true\n");
+    let with = ["--config", night.as_str(), "--nside", "4"];
+    let (code, stdout, stderr) = run(&[SKY, &with]);
+    let json: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!((code, &json["provenance"]["band"], json["directions"][0].is_object()), (0, &"r".into(), true));
+    assert!(stderr.contains("warning: the configuration's sun_distance has no part in a map of the sky"), "{stderr}");
+    // What is typed wins, the end of a name too.
+    assert!(answers(&[SKY, &with, &["--format", "csv"]]).contains("healpix_cell,azimuth_deg"));
+    let table = path("sky.csv");
+    assert_eq!(answers(&[SKY, &with, &["-o", &table]]), "");
+    assert!(fs::read_to_string(&table).unwrap().contains("healpix_cell,azimuth_deg"));
+    let other = path("sky.out");
+    assert_eq!(answers(&[SKY, &with, &["-o", &other]]), "");
+    assert!(fs::read_to_string(&other).unwrap().starts_with('{'));
+
+    let air = config("air.toml", "extinction = 0.2\nshadow = 'atmosphere'\n");
+    let (code, _, stderr) = run(&[BODY, &["--config", &air]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("configuration's extinction, shadow have no part in a map of a satellite's own sky"));
+    assert!(!run(&[SKY, &["--config", &air, "--step-deg", "5"]]).2.contains("no part"));
+
+    let space = config("space.toml", "observer_norad = 20580\nobserver_elements = 'hst.tle'\n");
+    fails(&[SKY, &["--config", &space]], &["observer is in orbit", "say --site, --mpc or --lat"]);
+    answers(&[SKY, &["--config", &space, "--mpc", "X05", "--step-deg", "5"]]);
+    answers(&[BODY, &["--config", &space, "--step-deg", "5"]]);
+}
+
+#[test]
+fn verif_a_model_is_a_name_or_a_path() {
+    let folder = tempdir().unwrap();
+    let file = answers(&[&["model", "show", "oneweb"]]).replace("\"oneweb\"", "\"mine\"");
+    fs::write(folder.path().join("mine.v2"), &file).unwrap();
+    fs::write(folder.path().join("oneweb"), "no model").unwrap();
+    let here = |model: &str| {
+        let asked =
+            ["map", "body", "--model", model, "--sun-latitude-deg", "-14", "--step-deg", "5", "--format", "csv"];
+        let output = Command::new(STREAKCAST).args(asked).current_dir(folder.path()).output().unwrap();
+        [output.stdout, output.stderr].map(|bytes| String::from_utf8(bytes).unwrap())
+    };
+    let whole = folder.path().join("mine.v2").display().to_string();
+    for path in ["mine.v2", "./mine.v2", &whole] {
+        assert!(here(path)[0].contains("# model: \"prior:mine\""), "{path}: {:?}", here(path)[1]);
+    }
+    // A model's name is no file's, and a path no model's.
+    assert!(here("oneweb")[0].contains("# model: \"prior:oneweb\""), "{}", here("oneweb")[1]);
+    assert!(here("./oneweb")[1].contains("./oneweb"));
+    assert!(
+        here("no/such/model")[1].contains("error: model no/such/model: No such file"),
+        "{}",
+        here("no/such/model")[1]
+    );
+    assert!(here("nope")[1].contains("unknown model 'nope', and no file has that name; known are"));
+}
+
+#[cfg(feature = "fits")]
+#[test]
+fn verif_a_bad_scratch_folder_is_told_once_with_its_remedy() {
+    let folder = tempdir().unwrap();
+    let bracket = folder.path().join("a[b]");
+    fs::create_dir(&bracket).unwrap();
+    let output = folder.path().join("a.fits");
+    for (scratch, why) in [(folder.path().join("missing"), "No such file"), (bracket, "its name holds one of")] {
+        let command = Command::new(STREAKCAST)
+            .args([SKY, &["--nside", "4", "-o", &output.display().to_string()]].concat())
+            .env("TMPDIR", &scratch)
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8(command.stderr).unwrap();
+        let error = stderr.lines().find(|line| line.starts_with("error: ")).unwrap();
+        assert!(error.contains(why) && error.contains("TMPDIR can name another folder"), "{error}");
+        assert_eq!(error.matches(&scratch.display().to_string()).count(), 1, "{error}");
+        assert!(!output.exists());
+    }
 }

@@ -42,10 +42,32 @@ fn verif_fits_holds_the_table() {
     assert!(map.to_fits(&bracket).unwrap_err().to_string().contains("its name holds one of"));
 }
 
+/// Names in headers stay readable in ASCII, and what is too long for a card says that it was cut.
+#[cfg(feature = "fits")]
+#[test]
+fn verif_fits_headers_hold_names_of_any_language() {
+    use fitsio::FitsFile;
+    let model = v15();
+    let folder = tempfile::tempdir().unwrap();
+    let long = format!("O'Higgins {}", "x".repeat(80));
+    let cut = format!("O'Higgins {}...", "x".repeat(54));
+    for (name, card) in [("Côte d’Azur, Ondřejov", "Cote d'Azur, Ondrejov"), (&long, &cut)] {
+        let site = streakcast::geometry::Site::new_deg(name, 43.7, 7.3, 650.0).unwrap();
+        let view = SkyView::new(&model, Earth::Ellipsoid(site), 550.0, 0.0, -0.3, options()).unwrap();
+        let path = folder.path().join("map.fits");
+        std::fs::write(&path, view.map(Grid::healpix(2).unwrap()).to_fits(folder.path()).unwrap()).unwrap();
+        let mut file = FitsFile::open(&path).unwrap();
+        let hdu = file.hdu(1).unwrap();
+        assert_eq!(hdu.read_key::<String>(&mut file, "SITE").unwrap(), card);
+    }
+}
+
 #[cfg(feature = "plot")]
 mod pictures {
     use super::*;
-    use streakcast::plot::{PictureFormat, body_picture, paper_picture, sky_picture};
+    use streakcast::geometry::ShadowModel;
+    use streakcast::photometry::{Earthshine, ModelLibrary, PhotometryOptions};
+    use streakcast::plot::{Picture, PictureFormat, body_picture, paper_picture, sky_picture};
 
     /// Width, height and pixels of a PNG.
     fn pixels(bytes: &[u8]) -> image::RgbImage {
@@ -79,6 +101,71 @@ mod pictures {
             (left..right).flat_map(|x| (top..bottom).map(move |y| (x, y))).any(|(x, y)| image.get_pixel(x, y).0[0] < 90)
         };
         assert!(dark(100, 10, 700, 40) && dark(720, 200, 790, 700));
+    }
+
+    /// The words of a picture, its lines joined.
+    fn words(picture: &Picture) -> String {
+        let text = String::from_utf8(picture.to_bytes(PictureFormat::Svg).unwrap()).unwrap();
+        let lines = text.split('<').filter_map(|tag| Some(tag.split_once('>')?.1.trim()));
+        lines.filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
+    }
+
+    /// Air and light that are not the usual ones are said below the map, and others are not.
+    #[test]
+    fn verif_a_picture_says_what_it_was_made_with() {
+        let model = v15();
+        let said = [" 0.2 mag per airmass.", "Sunlight alone.", "Shadow of the Earth and its air."];
+        let sky = |options: PhotometryOptions, shadow| {
+            let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.3, options).unwrap().with_shadow(shadow);
+            words(&sky_picture(&view))
+        };
+        let plain = sky(options(), ShadowModel::Geometric);
+        assert!(said.iter().all(|part| !plain.contains(part)));
+        let other =
+            PhotometryOptions { extinction_mag_per_airmass: Some(0.2), earthshine: Earthshine::Off, ..options() };
+        let all = sky(other, ShadowModel::Atmosphere);
+        assert!(said.iter().all(|part| all.contains(part)), "{all}");
+        let body = words(&body_picture(&BodyView::new(&model, -0.2, 550.0, other).unwrap()));
+        assert!(body.contains(said[1]) && !body.contains(said[0]));
+    }
+
+    /// The air near the horizon takes magnitudes; the colours are for the rest of the sky.
+    #[test]
+    fn verif_extinction_leaves_colours_and_legend_as_they_were() {
+        let model = ModelLibrary::embedded().get("oneweb").unwrap();
+        let sky = |k: Option<f64>| {
+            let options = PhotometryOptions { extinction_mag_per_airmass: k, ..options() };
+            SkyView::new(&model, Earth::Sphere, 550.0, 0.0, 0.3, options).unwrap()
+        };
+        let (clear, air) = (sky(None), sky(Some(0.3)));
+        let scale = sky_picture(&air).scales()[0];
+        let at_10_deg = air.at(0.0, 10_f64.to_radians()).magnitude.unwrap().0;
+        assert!(scale.greatest >= at_10_deg - 0.1 && scale.greatest < at_10_deg + 1.0, "{scale:?} {at_10_deg}");
+        assert!(scale.has_higher && !scale.has_lower, "{scale:?}");
+        // Without air the whole sky counts: the mean's range spans its distances alone.
+        let horizon = clear.at(0.0, 0.0).magnitude.unwrap().0;
+        assert!(sky_picture(&clear).scales()[0].greatest >= horizon - 0.1);
+        // All the sky is lit and seen, to the rim.
+        let text = words(&sky_picture(&air));
+        assert!(text.contains("≥ ") && !text.contains("nothing lit seen"));
+        let image = pixels(&sky_picture(&air).to_png().unwrap());
+        // Middle and radius of the disc as above; the rim's own line is 1.6 wide.
+        let shown = image.get_pixel(336 - 267, 414).0;
+        assert_eq!(shown, scale.colour(30.0), "{shown:?}");
+    }
+
+    /// Magnitudes at 1000 km are held against what an observer straight below sees.
+    #[test]
+    fn verif_the_line_of_a_body_map_is_the_limit_at_its_height() {
+        let model = v15();
+        for (height_km, line) in [(550.0, "8.3 mag: 7 mag from straight below"), (1000.0, "7.0 mag: 7 mag from")] {
+            let view = BodyView::new(&model, -0.2, height_km, options()).unwrap();
+            let text = words(&body_picture(&view));
+            assert!(text.contains(line), "{height_km}");
+        }
+        let sky = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.2, options()).unwrap();
+        let text = words(&sky_picture(&sky));
+        assert!(text.contains("7 mag") && !text.contains("straight below"));
     }
 
     #[test]

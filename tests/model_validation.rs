@@ -7,9 +7,10 @@ mod common;
 use std::collections::BTreeMap;
 
 use streakcast::checks::{
-    CheckError, Comparison, DataSet, OFFSET_TOLERANCE_MAG, Photometry, ReferenceKind, Verdict, compare,
+    CheckError, Comparison, DataSet, Measurement, OFFSET_TOLERANCE_MAG, Photometry, ReferenceKind, Verdict, compare,
 };
-use streakcast::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
+use streakcast::geometry::ViewingGeometry;
+use streakcast::photometry::{BrightnessModel, ModelLibrary, StandardMagnitude, StandardMagnitudes};
 
 fn one(rows: &[Comparison], kind: ReferenceKind) -> &Comparison {
     rows.iter().find(|row| row.kind == kind).unwrap_or_else(|| panic!("no {} in {rows:?}", kind.name()))
@@ -104,6 +105,35 @@ fn verif_a_model_that_is_wrong_is_called_off() {
     let rows = compare(&changed("oneweb.json", "mine", &[]), None);
     assert_eq!(rows.len(), 1);
     assert_eq!((rows[0].kind, rows[0].verdict, rows[0].satellites), (ReferenceKind::None, Verdict::NoData, None));
+}
+
+/// A model may be made in any band; what it is compared with is V (Vega).
+#[test]
+fn verif_a_model_in_another_band_is_brought_to_v() {
+    const ROUNDING_MAG: f64 = 1e-9;
+    // Willmer (2018), table 3, as `Band` has it: the Sun in i (AB) -27.04, in V (Vega) -26.76.
+    const I_LESS_V_MAG: f64 = -27.04 + 26.76;
+    let in_i = [("/band", "i".into()), ("/mag_system", "AB".into())];
+    let apart = |from: &str, name: &str, key: &str, value: f64| {
+        let shifted = (key, (value + I_LESS_V_MAG).into());
+        let rows = compare(&changed(from, name, &[&in_i[..], &[shifted]].concat()), None);
+        rows.iter().filter_map(|row| row.difference_mag).collect::<Vec<_>>()
+    };
+    assert!(apart("oneweb.json", "oneweb-i", "/mean_mag", 7.18)[0].abs() < ROUNDING_MAG);
+    let curve = apart("visorsat.json", "visorsat-i", "/phase_function/coefficients/0", 5.732);
+    assert!(curve[1].abs() < ROUNDING_MAG, "{curve:?}");
+    // Panels reflect; in which band they are asked changes no reflectance, and so nothing here.
+    let (panels_in_i, panels) = (changed("starlink-v1.5.json", "v1.5-i", &in_i), rows_of("starlink-v1.5", None));
+    for (in_i, in_v) in compare(&panels_in_i, None).iter().zip(&panels).filter(|(_, row)| row.n > 0) {
+        assert!((in_i.difference_mag.unwrap() - in_v.difference_mag.unwrap()).abs() < ROUNDING_MAG, "{in_i:?}");
+    }
+    // Measurements too.
+    let geometry = ViewingGeometry::from_angles(-0.2, 1.0, -0.8, 1000.0, 550.0);
+    let magnitude = StandardMagnitude(6.0);
+    let seen = Measurement { magnitude, phase_rad: geometry.unwrap().phase_angle_rad(), geometry };
+    let [in_i, in_v] = [&panels_in_i, &*ModelLibrary::embedded().get("starlink-v1.5").unwrap()]
+        .map(|model| seen.of_model(model).unwrap().0);
+    assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");
 }
 
 /// What files state, and a fit to more points of the same survey, rounded to 0.01, and zero points that differ by as much.

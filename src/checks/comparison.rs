@@ -2,7 +2,7 @@
 
 use crate::photometry::BrightnessModel;
 
-use super::photometry::Photometry;
+use super::photometry::{Photometry, in_v};
 use super::population::Population;
 use super::published::{PublishedCurve, PublishedMean, Subject};
 use super::residuals::{Residuals, share_within};
@@ -62,7 +62,7 @@ impl Verdict {
     }
 }
 
-/// One model and one reference. Magnitudes are at 1000 km, differences reference minus model.
+/// One model and one reference. Magnitudes are V (Vega) at 1000 km, whatever band the model was made in; differences are reference minus model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Name of the model.
@@ -118,7 +118,7 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
             .viewed
             .iter()
             .filter_map(|viewed| {
-                let magnitude = model.standard_magnitude(&viewed.geometry)?.0;
+                let magnitude = in_v(model, &viewed.geometry)?.0;
                 Some(Said { magnitude, weight: viewed.weight, phase_rad: viewed.geometry.phase_angle_rad() })
             })
             .collect();

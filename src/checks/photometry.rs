@@ -6,7 +6,7 @@ use std::path::Path;
 
 use crate::geometry::ViewingGeometry;
 use crate::measured::{DropReason, Format, Placement, Placer, ReadOptions, RecordReader, Records, Sighting};
-use crate::photometry::{BrightnessModel, StandardMagnitude};
+use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude};
 
 use super::amateurs;
 use super::error::CheckError;
@@ -76,7 +76,7 @@ impl DataSet {
 /// One measured magnitude.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Measurement {
-    /// Brought to 1000 km.
+    /// Brought to 1000 km, as V (Vega), though some were measured through no filter.
     pub magnitude: StandardMagnitude,
     /// Angle Sun-satellite-observer, [0, π], radians.
     pub phase_rad: f64,
@@ -89,12 +89,18 @@ impl Measurement {
         Self { magnitude, phase_rad, geometry }
     }
 
-    /// What the model says, magnitude at 1000 km; `None` where it says nothing: nothing lit is seen, or it needs angles that are not known.
+    /// What the model says, V (Vega) at 1000 km; `None` where it says nothing: nothing lit is seen, or it needs angles that are not known.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
         let of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
         let geometry = if of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
-        geometry.and_then(|geometry| model.standard_magnitude(&geometry))
+        geometry.and_then(|geometry| in_v(model, &geometry))
     }
+}
+
+/// What a model says by full sunlight at 1000 km, whatever its own band, in that of everything it is compared with: V (Vega).
+pub(super) fn in_v(model: &BrightnessModel, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
+    let colour_mag = model.colour_to_mag(Band::V, MagSystem::Vega);
+    model.standard_magnitude(geometry).map(|magnitude| StandardMagnitude(magnitude.0 + colour_mag))
 }
 
 /// A geometry of this phase: the Sun on the plane of the chassis, the observer in its half plane, turned over the zenith past 90°.

@@ -76,6 +76,11 @@ impl<'a> BodyView<'a> {
         self.sun_latitude_rad
     }
 
+    /// Satellite above 6378.137 km, km.
+    pub fn height_km(&self) -> f64 {
+        self.height_km
+    }
+
     /// Magnitude at 1000 km in one direction; `None` where nothing lit is seen.
     pub fn at(&self, observer_longitude_rad: f64, observer_latitude_rad: f64) -> Option<StandardMagnitude> {
         let to_observer = Direction::from_lon_lat_rad(observer_longitude_rad, observer_latitude_rad);

@@ -34,6 +34,10 @@ pub enum MapError {
     #[cfg(feature = "fits")]
     #[error("FITS: {0}")]
     Fits(String),
+    /// The folder in which a FITS file is made before its bytes are handed over is of no use.
+    #[cfg(feature = "fits")]
+    #[error("FITS files are made in a scratch folder first; {0}")]
+    Scratch(String),
 }
 
 /// The value, where it lies in the range.

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use rayon::prelude::*;
 
-use crate::healpix::{MOST_NSIDE, cell_count, northern_cell_count, ring_centre_rad};
+use crate::healpix::{MOST_NSIDE, cell_count, northern_cell_count, northern_rings};
 
 use super::error::{MapError, in_range};
 
@@ -14,19 +14,17 @@ pub const DEFAULT_STEP_DEG: f64 = 2.0;
 /// Division of a HEALPix map for which none was said: cells of 0.92°.
 pub const DEFAULT_NSIDE: u32 = 64;
 
-/// Which directions a map holds.
+/// Which directions a map holds: [`Grid::regular`] or [`Grid::healpix`].
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub enum Grid {
-    /// Longitudes 0, s, 2s, ... below 360° at latitudes 0, s, ... 90° (or their negatives), the pole once for each longitude.
-    Regular {
-        /// s, degrees.
-        step_deg: f64,
-    },
-    /// Centres of HEALPix cells in RING order, those on the equator included.
-    Healpix {
-        /// Division of the twelve base cells.
-        nside: u32,
-    },
+pub struct Grid(Division);
+
+/// Only [`Grid`]'s makers make one, so every one that there is can be asked.
+#[derive(Copy, Clone, Debug, PartialEq)]
+enum Division {
+    /// So many steps in 90°.
+    Steps(u32),
+    /// HEALPix, N.
+    Cells(u32),
 }
 
 /// Directions of one latitude, equally spaced.
@@ -75,7 +73,7 @@ pub(super) fn fill<T: Copy + Send>(
 }
 
 impl Grid {
-    /// A grid of steps that divide 90°.
+    /// Longitudes 0, s, 2s, ... below 360° at latitudes 0, s, ... 90° (or their negatives), the pole once for each longitude, s in degrees.
     ///
     /// # Errors
     /// A step below 0.1 or above 5 degrees, or one of which 90 is no multiple.
@@ -83,56 +81,56 @@ impl Grid {
         let allowed = "0.1 to 5 deg, a whole number of them in 90";
         let steps = 90.0 / step_deg;
         let is_allowed = (0.1..=5.0).contains(&step_deg) && (steps - steps.round()).abs() < 1e-6;
-        Ok(Self::Regular { step_deg: in_range("step", step_deg, " deg", allowed, is_allowed)? })
+        in_range("step", step_deg, " deg", allowed, is_allowed)?;
+        Ok(Self(Division::Steps(steps.round() as u32)))
     }
 
-    /// The centres of 12 N² cells.
+    /// The centres of HEALPix's 12 N² cells in RING order, those on the equator included.
     ///
     /// # Errors
     /// N below 1 or above 1024.
     pub fn healpix(nside: u32) -> Result<Self, MapError> {
         in_range("nside", f64::from(nside), "", "1 to 1024", (1..=MOST_NSIDE).contains(&nside))?;
-        Ok(Self::Healpix { nside })
+        Ok(Self(Division::Cells(nside)))
+    }
+
+    /// HEALPix's N; `None` for a grid of steps.
+    pub fn nside(&self) -> Option<u32> {
+        match self.0 {
+            Division::Steps(_) => None,
+            Division::Cells(nside) => Some(nside),
+        }
     }
 
     /// How many directions the half sphere from the equator to a pole has.
     pub fn half_len(&self) -> usize {
-        match *self {
-            Self::Regular { step_deg } => {
-                let steps = (90.0 / step_deg).round() as usize;
-                4 * steps * (steps + 1)
-            }
-            Self::Healpix { nside } => northern_cell_count(nside) as usize,
+        match self.0 {
+            Division::Steps(steps) => 4 * steps as usize * (steps as usize + 1),
+            Division::Cells(nside) => northern_cell_count(nside) as usize,
         }
     }
 
     /// The half from the equator to the north pole: regular grids from the equator up, cells in RING order.
     pub(super) fn northern(&self) -> Vec<GridRow> {
-        match *self {
-            Self::Regular { step_deg } => {
-                let steps = (90.0 / step_deg).round() as usize;
-                let step_rad = FRAC_PI_2 / steps as f64;
-                let row = |row: usize| GridRow {
-                    latitude_rad: (row as f64 * step_rad).min(FRAC_PI_2),
+        match self.0 {
+            Division::Steps(steps) => {
+                let step_rad = FRAC_PI_2 / f64::from(steps);
+                let row = |row: u32| GridRow {
+                    latitude_rad: (f64::from(row) * step_rad).min(FRAC_PI_2),
                     first_rad: 0.0,
                     step_rad,
-                    count: 4 * steps,
+                    count: 4 * steps as usize,
                 };
                 (0..=steps).map(row).collect()
             }
-            Self::Healpix { nside } => {
-                let mut first_cell = 0;
-                (1..=2 * nside)
-                    .map(|ring| {
-                        // Rings of the cap have 4, 8, 12 ... cells, those of the belt 4 N.
-                        let count = 4 * ring.min(nside);
-                        let (first_rad, latitude_rad) = ring_centre_rad(nside, first_cell).unwrap_or_default();
-                        first_cell += u64::from(count);
-                        let count = count as usize;
-                        GridRow { latitude_rad, first_rad, step_rad: TAU / count as f64, count }
-                    })
-                    .collect()
-            }
+            Division::Cells(nside) => northern_rings(nside)
+                .map(|ring| GridRow {
+                    latitude_rad: ring.latitude_rad,
+                    first_rad: ring.first_rad,
+                    step_rad: TAU / f64::from(ring.count),
+                    count: ring.count as usize,
+                })
+                .collect(),
         }
     }
 
@@ -145,21 +143,19 @@ impl Grid {
 
     /// The HEALPix cell of point `index` of a northern half; `None` where the grid has none.
     pub fn northern_cell(&self, index: usize) -> Option<u64> {
-        matches!(self, Self::Healpix { .. }).then_some(index as u64)
+        self.nside().map(|_| index as u64)
     }
 
     /// The HEALPix cell of point `index` of a southern half; `None` where the grid has none.
     pub fn southern_cell(&self, index: usize) -> Option<u64> {
-        match *self {
-            Self::Regular { .. } => None,
-            Self::Healpix { nside } => Some(cell_count(nside) - northern_cell_count(nside) + index as u64),
-        }
+        self.nside().map(|nside| cell_count(nside) - northern_cell_count(nside) + index as u64)
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::healpix::ring_centre_rad;
 
     fn directions(rows: Vec<GridRow>) -> Vec<(f64, f64)> {
         rows.into_iter()
@@ -184,7 +180,7 @@ mod tests {
 
     #[test]
     fn verif_rows_of_cells_hold_their_centres() {
-        for nside in [1, 2, 3, 4, 17, 64] {
+        for nside in [1, 2, 3, 4, 17, 64, 1023, MOST_NSIDE] {
             let grid = Grid::healpix(nside).unwrap();
             for (half, cell) in [
                 (grid.northern(), Grid::northern_cell as fn(&Grid, usize) -> Option<u64>),

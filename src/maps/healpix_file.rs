@@ -2,10 +2,10 @@
 //!
 //! One row a cell of the whole sphere in RING order. Cells of the other half, and those without a magnitude, hold -1.6375e30, the mark of
 //! HEALPix for missing data. Longitude and latitude of the cells are azimuth and altitude, or the observer's in the satellite's frame: the
-//! keyword COORDSYS says which; neither is a place among the stars.
+//! keyword COORDSYS says which; neither is a place among the stars. Text in the header is ASCII: accents are left out, and three dots end what
+//! is longer than a card.
 
 use std::fs;
-use std::io;
 use std::path::Path;
 
 use fitsio::FitsFile;
@@ -15,6 +15,7 @@ use crate::healpix::cell_count;
 use crate::table::ScratchFolder;
 
 use super::body::BodyMap;
+use super::card_text::card_text;
 use super::error::MapError;
 use super::facts::{Fact, FactValue};
 use super::grid::Grid;
@@ -22,9 +23,6 @@ use super::sky::SkyMap;
 
 /// What HEALPix holds for missing data.
 const BAD_DATA: f64 = -1.6375e30;
-
-/// The longest text of one FITS card; CFITSIO would cut it without a word.
-const LONGEST_TEXT: usize = 68;
 
 /// FITS files are made of blocks of this many bytes.
 const BLOCK: u64 = 2880;
@@ -38,7 +36,8 @@ impl BodyMap {
     /// CFITSIO works on files alone: one is made in the folder `scratch` and removed.
     ///
     /// # Errors
-    /// The grid is none of HEALPix; the name of `scratch` holds characters that CFITSIO takes for its own syntax; whatever CFITSIO reports.
+    /// [`MapError::Fits`] where the grid is none of HEALPix, and for whatever CFITSIO reports; [`MapError::Scratch`] where `scratch` cannot be written
+    /// to, or its name holds characters that CFITSIO takes for its own syntax.
     pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
         let magnitude = |index: usize| self.points[index].standard_magnitude.map(|magnitude| magnitude.0);
         let columns: [CellColumn<'_>; 1] = [("standard_magnitude", "mag", Box::new(magnitude))];
@@ -79,26 +78,25 @@ fn to_fits(
     cells: impl Iterator<Item = Option<u64>>,
     scratch: &Path,
 ) -> Result<Vec<u8>, MapError> {
-    let Grid::Healpix { nside } = grid else {
-        return Err(MapError::Fits("a map of steps has no HEALPix cells; make it with an nside".to_owned()));
-    };
-    let system = |error: io::Error| MapError::Fits(format!("scratch folder {}: {error}", scratch.display()));
-    let folder = ScratchFolder::new(scratch).map_err(system)?;
+    let no_cells = || MapError::Fits("a map of steps has no HEALPix cells; make it with an nside".to_owned());
+    let nside = grid.nside().ok_or_else(no_cells)?;
+    let of_scratch = |why: &dyn std::fmt::Display| MapError::Scratch(format!("folder {}: {why}", scratch.display()));
+    // Its errors name the folder.
+    let folder = ScratchFolder::new(scratch).map_err(|error| MapError::Scratch(error.to_string()))?;
     let path = folder.path().join("map.fits");
     // CFITSIO reads a name as an expression: filters in brackets, templates, protocols, pipes.
     let is_plain = |text: &str| !text.contains(['[', ']', '(', ')', '!', '*', '?', '+', '|', '@', ':']);
     if !path.to_str().is_some_and(is_plain) {
-        let text = format!("scratch folder {}: its name holds one of []()!*?+|@: or is no UTF-8", scratch.display());
-        return Err(MapError::Fits(text));
+        return Err(of_scratch(&"its name holds one of []()!*?+|@: or is no UTF-8"));
     }
     write(&path, nside, facts, columns, &cells.collect::<Vec<_>>())
         .map_err(|error| MapError::Fits(error.to_string()))?;
-    let bytes = fs::read(&path).map_err(system)?;
+    let bytes = fs::read(&path).map_err(|error| of_scratch(&error))?;
     // Closing tells of no failure; a full disk shows here.
     let rows = cell_count(nside) * 8 * columns.len() as u64;
     let length = bytes.len() as u64;
     if length < rows + 2 * BLOCK || !length.is_multiple_of(BLOCK) {
-        return Err(MapError::Fits(format!("the file broke off at {length} bytes; is the disk full?")));
+        return Err(of_scratch(&format_args!("the file broke off at {length} bytes; is the disk full?")));
     }
     Ok(bytes)
 }
@@ -149,10 +147,4 @@ fn write(
         hdu.write_col(&mut file, *name, &rows)?;
     }
     Ok(())
-}
-
-/// Text as a card can hold it: ASCII, and no longer than the card.
-fn card_text(text: &str) -> String {
-    let plain = |c: char| if (' '..='~').contains(&c) && c != '\'' { c } else { '?' };
-    text.chars().map(plain).take(LONGEST_TEXT).collect()
 }

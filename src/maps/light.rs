@@ -25,10 +25,7 @@ pub(super) struct Light<'a> {
 
 impl<'a> Light<'a> {
     pub fn new(model: &'a BrightnessModel, options: PhotometryOptions) -> Self {
-        let (band, system) = model.band();
-        // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
-        let colour_mag = options.band.sun_magnitude(options.system) - band.sun_magnitude(system);
-        Self { model, options, colour_mag }
+        Self { model, options, colour_mag: model.colour_to_mag(options.band, options.system) }
     }
 
     /// At 1000 km by sunlight of which `lit_fraction` (above 0) is left and, where it is not off, earthshine; the Sun at 1 au. `None` where nothing
@@ -80,7 +77,7 @@ impl<'a> Light<'a> {
         magnitude.is_finite().then_some(StandardMagnitude(magnitude))
     }
 
-    /// What distance and air add to a standard magnitude; `None` where the air lets nothing through, at the horizon.
+    /// What distance and air add to a standard magnitude; `None` with air at the horizon and below, where it has no airmass.
     pub fn dimming(&self, range_km: f64, altitude_rad: f64) -> Option<Magnitude> {
         let air = match self.options.extinction_mag_per_airmass {
             Some(k) => k * airmass(altitude_rad)?,
@@ -96,8 +93,15 @@ impl<'a> Light<'a> {
             Fact::new("model", "MODEL", text(&self.model.source()), "what magnitudes rest on"),
             Fact::new("band", "BAND", text(&self.options.band), "passband"),
             Fact::new("mag_system", "MAGSYS", text(&self.options.system), "zero point"),
-            Fact::new("earthshine", "ERTHSHIN", text(&self.options.earthshine.name()), "on models made of panels"),
         ];
+        if self.model.is_of_panels() {
+            facts.push(Fact::new(
+                "earthshine",
+                "ERTHSHIN",
+                text(&self.options.earthshine.name()),
+                "light of the Earth",
+            ));
+        }
         if self.model.file().is_some_and(|file| file.provenance.provisional) {
             facts.push(Fact::new("model_status", "MODSTAT", text(&"provisional"), "as the model file says"));
         }

@@ -1,9 +1,11 @@
 //! Magnitude maps: over a satellite's own sky, and over the sky of a site.
 //!
 //! `grid` says which directions are asked, `body` and `sky` answer for any direction and for all of a grid, `tables` makes tables of the
-//! answers, `healpix_file` FITS files, `light` turns directions into magnitudes, `facts` says what all rests on, and `paper` knows the panels of figures 6 to 9 of Lu (2024).
+//! answers, `healpix_file` FITS files (`card_text` the words in their headers), `light` turns directions into magnitudes, `facts` says what all rests on, and `paper` knows the panels of figures 6 to 9 of Lu (2024).
 
 mod body;
+#[cfg(feature = "fits")]
+mod card_text;
 mod error;
 mod facts;
 mod grid;

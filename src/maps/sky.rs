@@ -67,7 +67,7 @@ pub struct SkyPoint {
     pub range_km: f64,
     /// The part of the Sun's disk that the satellite there sees, [0, 1]; 0 in the umbra.
     pub lit_fraction: f64,
-    /// `None` in the umbra and where nothing lit is seen.
+    /// `None` in the umbra, where nothing lit is seen, and with extinction on the horizon.
     pub magnitude: Option<Magnitude>,
 }
 
@@ -149,6 +149,11 @@ impl<'a> SkyView<'a> {
         self.sun_altitude_rad
     }
 
+    /// Extinction, mag per airmass; `None` for magnitudes above the air.
+    pub fn extinction_mag_per_airmass(&self) -> Option<f64> {
+        self.light.extinction()
+    }
+
     /// Satellites above 6378.137 km, km.
     pub fn height_km(&self) -> f64 {
         self.radius_km - EARTH_EQUATORIAL_RADIUS_KM
@@ -189,7 +194,7 @@ impl<'a> SkyView<'a> {
             ]);
         }
         facts.extend(self.light.facts());
-        if let Some(k) = self.light.extinction() {
+        if let Some(k) = self.extinction_mag_per_airmass() {
             facts.push(Fact::new("extinction_mag_per_airmass", "EXTINCT", FactValue::Real(k), "[mag] per airmass"));
         }
         facts

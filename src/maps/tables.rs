@@ -32,7 +32,7 @@ const SKY: [Column; 4] = [
         "magnitude",
         "mag",
         4,
-        "Apparent magnitude; empty in the Earth's shadow and where nothing lit is seen.",
+        "Apparent magnitude; empty in the Earth's shadow, where nothing lit is seen, and on the horizon where there is extinction.",
     ),
 ];
 
@@ -72,7 +72,7 @@ fn table<const N: usize>(
     grid: Grid,
     rows: impl Iterator<Item = (Option<u64>, [Value; N])>,
 ) -> Table {
-    let has_cells = matches!(grid, Grid::Healpix { .. });
+    let has_cells = grid.nside().is_some();
     let cell = |cell: Option<u64>| cell.and_then(|cell| i64::try_from(cell).ok()).map_or(Value::Null, Value::Integer);
     Table {
         columns: has_cells.then_some(CELL).into_iter().chain(columns.iter().copied()).collect(),

@@ -303,8 +303,7 @@ impl BrightnessModel {
         let earth_m2_sr = self.earthshine_m2_sr(geometry, options.earthshine) / lit_fraction.min(1.0);
         let standard = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr)?;
         let grey_reflectance = options.band != self.band;
-        // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
-        let colour = options.band.sun_magnitude(options.system) - self.band.sun_magnitude(self.system);
+        let colour = self.colour_to_mag(options.band, options.system);
         let dimming = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
         let sun = if options.sun_distance { 5.0 * geometry.sun_distance_au.log10() } else { 0.0 };
         let air = match options.extinction_mag_per_airmass {
@@ -397,6 +396,12 @@ impl BrightnessModel {
     /// Band and system that the model itself is made in.
     pub fn band(&self) -> (Band, MagSystem) {
         (self.band, self.system)
+    }
+
+    /// What is added to the model's magnitudes to have them in another band and system, mag, as if the satellite were grey.
+    pub fn colour_to_mag(&self, band: Band, system: MagSystem) -> f64 {
+        // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
+        band.sun_magnitude(system) - self.band.sun_magnitude(self.system)
     }
 
     /// Typical extent across the sky of the part that shines, m.

@@ -37,6 +37,8 @@ pub struct Disc<'a> {
     pub is_half: bool,
     /// What is seen at a longitude and at an angle from the middle in [0, π/2], radians.
     pub seen: Box<dyn Fn(f64, f64) -> Seen + Sync + 'a>,
+    /// Values farther from the middle than this angle, radians, have no part in where the colours end.
+    pub scaled_within_rad: f64,
     /// Longitude of the Sun, radians.
     pub sun_longitude_rad: f64,
     /// Words outside of the rim, at longitudes in degrees.
@@ -88,10 +90,16 @@ pub(super) fn place(longitude_rad: f64, from_middle_rad: f64) -> (f64, f64) {
 }
 
 impl Raster {
-    /// All values shown.
-    pub fn values(&self) -> impl Iterator<Item = f64> {
-        self.pixels.iter().filter_map(|pixel| match pixel {
-            Some(Seen::Value(value)) => Some(*value),
+    /// All values shown, with their angles from the middle, radians.
+    pub fn values(&self) -> impl Iterator<Item = (f64, f64)> {
+        let middle = self.side as f64 / 2.0;
+        let angle = move |index: usize| {
+            let (right, below) = ((index % self.side) as f64 + 0.5 - middle, (index / self.side) as f64 + 0.5 - middle);
+            // The raster is a pixel wider than the disc on every side.
+            FRAC_PI_2 * right.hypot(below) / (middle - 1.0)
+        };
+        self.pixels.iter().enumerate().filter_map(move |(index, pixel)| match pixel {
+            Some(Seen::Value(value)) => Some((angle(index), *value)),
             _ => None,
         })
     }
@@ -126,6 +134,7 @@ mod tests {
             title: String::new(),
             // The longitude and the angle in one number.
             seen: Box::new(|longitude, angle| Seen::Value(longitude + 10.0 * angle)),
+            scaled_within_rad: FRAC_PI_2,
             sun_longitude_rad: 0.0,
             quantity: Quantity::Magnitude,
             is_half: false,
@@ -141,6 +150,11 @@ mod tests {
             let Some(Seen::Value(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
             // Half a pixel is 0.008 rad of angle, and 0.03 rad of longitude at 0.3 rad.
             assert!((shown - longitude - 10.0 * angle).abs() < 0.2, "{longitude} {angle}: {shown}");
+        }
+        // Values come back with the angles at which they were asked.
+        for (angle, value) in raster.values().filter(|(angle, _)| *angle <= FRAC_PI_2) {
+            let longitude = value - 10.0 * angle;
+            assert!((-1e-9..=TAU).contains(&longitude), "{angle} {value}");
         }
         // East is left.
         assert!(place(FRAC_PI_2, 0.5).0 < 0.0);

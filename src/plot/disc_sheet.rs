@@ -38,8 +38,8 @@ pub struct DiscSheet<'a> {
     pub radius: usize,
     /// How many stand in a row, 1 or more.
     pub in_a_row: usize,
-    /// Magnitude of a line in every disc.
-    pub contour_mag: Option<f64>,
+    /// Magnitude of a line in every disc, and what the legend calls it.
+    pub contour_mag: Option<(f64, String)>,
     /// What it means where a disc shows nothing.
     pub nothing: &'static str,
 }
@@ -59,7 +59,10 @@ impl DiscSheet<'_> {
         for disc in &self.discs {
             if scales.iter().all(|scale| scale.quantity != disc.quantity) {
                 let alike = self.discs.iter().zip(&rasters).filter(|(other, _)| other.quantity == disc.quantity);
-                scales.push(ColourScale::of(disc.quantity, alike.flat_map(|(_, raster)| raster.values())));
+                let shown = || alike.clone().flat_map(|(disc, raster)| raster.values().map(move |value| (disc, value)));
+                let counted = shown().filter(|(disc, (angle, _))| *angle <= disc.scaled_within_rad);
+                let scale = ColourScale::of(disc.quantity, counted.map(|(_, (_, value))| value));
+                scales.push(scale.showing(shown().map(|(_, (_, value))| value)));
             }
         }
         Layout { sheet: self, rasters, scales }.picture()
@@ -145,7 +148,7 @@ impl Layout<'_> {
         let colours = raster.pixels.iter().map(|pixel| pixel.map(|seen| self.colour(disc.quantity, seen))).collect();
         let within = Some((middle, radius));
         picture.paint(Pixels { corner, each: (1.0, 1.0), columns: raster.side, colours, within });
-        for line in self.sheet.contour_mag.iter().flat_map(|level| raster.contours(*level)) {
+        for line in self.sheet.contour_mag.iter().flat_map(|(level, _)| raster.contours(*level)) {
             let line: Vec<_> = line.iter().map(|(x, y)| (corner.0 + x, corner.1 + y)).collect();
             picture.line(&line, INK.to_rgba(), 4.0);
             picture.line(&line, WHITE.to_rgba(), 2.0);
@@ -194,7 +197,8 @@ impl Layout<'_> {
         let left = left + 8.0 - if self.has_halves() { 30.0 } else { 0.0 };
         let (top, right, bottom) = (middle - half, left + BAR_WIDTH as f64, middle + half);
         colour_bar(picture, scale, [left, top, right, bottom], scale.quantity.words());
-        if let Some(level) = self.sheet.contour_mag.filter(|level| (scale.least..=scale.greatest).contains(level)) {
+        let contour = self.sheet.contour_mag.as_ref().map(|(level, _)| *level);
+        if let Some(level) = contour.filter(|level| (scale.least..=scale.greatest).contains(level)) {
             let y = bottom - (bottom - top) * scale.share(level);
             picture.line(&[(left, y), (right, y)], INK.to_rgba(), 4.0);
             picture.line(&[(left, y), (right, y)], WHITE.to_rgba(), 2.0);
@@ -206,12 +210,12 @@ impl Layout<'_> {
         let mut x = 24.0;
         picture.sun((x + 12.0, y));
         x = picture.words("Sun", x + 32.0, y);
-        if let Some(level) = self.sheet.contour_mag
-            && self.rasters.iter().any(|raster| !raster.contours(level).is_empty())
+        if let Some((level, words)) = &self.sheet.contour_mag
+            && self.rasters.iter().any(|raster| !raster.contours(*level).is_empty())
         {
             picture.line(&[(x, y), (x + 30.0, y)], INK.to_rgba(), 4.0);
             picture.line(&[(x, y), (x + 30.0, y)], WHITE.to_rgba(), 2.0);
-            x = picture.words(&format!("{level} mag"), x + 38.0, y);
+            x = picture.words(words, x + 38.0, y);
         }
         for (seen, words) in [(Seen::Shadow, "Earth's shadow"), (Seen::Nothing, self.sheet.nothing)] {
             if self.rasters.iter().any(|raster| raster.shows(seen)) {

@@ -15,8 +15,14 @@ use super::scale::Quantity;
 const ALONE: usize = 270;
 const OF_THREE: usize = 210;
 
-/// The limit that the astronomers' union asks of operators, mag: the line drawn in every map.
+/// The limit that the astronomers' union asks of operators, mag, as an observer sees it.
 const LIMIT_MAG: f64 = 7.0;
+
+/// With extinction, what stands lower than this sets no end of the colours: there the air takes magnitudes.
+const LOW_DEG: f64 = 10.0;
+
+/// What is drawn at the rim stands so high, radians: on the horizon itself satellites have set and there is no airmass.
+const RIM_RAD: f64 = 1e-6;
 
 const SKY_CAPTION: &str = "Zenith in the middle, horizon at the rim, east left.";
 const BODY_CAPTION: &str = "Below the satellite, seen from above: nadir in the middle, longitudes from the Sun.";
@@ -29,10 +35,10 @@ pub fn sky_picture(view: &SkyView<'_>) -> Picture {
         Earth::Sphere => String::new(),
         Earth::Ellipsoid(site) => format!(" Site: {}.", site.name),
     };
-    let caption = format!("{SKY_CAPTION}{site}{}", status(&facts));
+    let caption = format!("{SKY_CAPTION}{site}{}", conditions(&facts));
     let (altitude, azimuth) = (degrees(view.sun_altitude_rad()), degrees(view.sun_azimuth_rad()));
     let disc = sky_disc(view.clone(), format!("Sun at altitude {altitude}°, azimuth {azimuth}°"));
-    drawn(title, caption, vec![disc], ALONE)
+    drawn(title, caption, vec![disc], ALONE, sky_limit())
 }
 
 /// A map of a satellite's own sky.
@@ -40,8 +46,8 @@ pub fn body_picture(view: &BodyView<'_>) -> Picture {
     let facts = view.facts();
     let disc = body_disc(view.clone(), format!("Sun at latitude {}°", degrees(view.sun_latitude_rad())));
     let title = format!("{}, {}", standard(&facts), text_of(&facts, "model"));
-    let caption = format!("{BODY_CAPTION}{}", status(&facts));
-    drawn(title, caption, vec![disc], ALONE)
+    let caption = format!("{BODY_CAPTION}{}", conditions(&facts));
+    drawn(title, caption, vec![disc], ALONE, body_limit(view.height_km()))
 }
 
 /// A figure of the paper: three maps with one scale, Sun in the north, spherical Earth.
@@ -55,12 +61,14 @@ pub fn paper_picture(
 ) -> Result<Picture, PlotError> {
     let mut discs = Vec::new();
     let mut words = (String::new(), "", String::new());
+    let mut limit = sky_limit();
     for (panel, letter) in figure.panels.iter().zip(["a", "b", "c"]) {
         match *panel {
             FigurePanel::Body { sun_latitude_deg, height_km } => {
                 let view = BodyView::new(model, sun_latitude_deg.to_radians(), height_km, options)?;
                 let facts = view.facts();
-                words = (standard(&facts), BODY_CAPTION, status(&facts));
+                words = (standard(&facts), BODY_CAPTION, conditions(&facts));
+                limit = body_limit(height_km);
                 let title = format!("({letter}) Sun at latitude {}°", degrees(view.sun_latitude_rad()));
                 discs.push(body_disc(view, title));
             }
@@ -68,7 +76,7 @@ pub fn paper_picture(
                 let sun_altitude_rad = sun_altitude_deg.to_radians();
                 let view = SkyView::new(model, Earth::Sphere, height_km, 0.0, sun_altitude_rad, options)?;
                 let facts = view.facts();
-                words = (format!("{}, {height_km} km", apparent(&facts)), SKY_CAPTION, status(&facts));
+                words = (format!("{}, {height_km} km", apparent(&facts)), SKY_CAPTION, conditions(&facts));
                 let title = format!("({letter}) Sun at altitude {}°", degrees(view.sun_altitude_rad()));
                 discs.push(sky_disc(view, title));
             }
@@ -76,29 +84,43 @@ pub fn paper_picture(
     }
     let title = format!("{}, {}", words.0, model.source());
     let caption = format!("{} After figure {} of Lu (2024).{}", words.1, figure.number, words.2);
-    Ok(drawn(title, caption, discs, OF_THREE))
+    Ok(drawn(title, caption, discs, OF_THREE, limit))
 }
 
 /// Discs with a line where satellites are as bright as they may be.
-fn drawn(title: String, caption: String, discs: Vec<Disc<'_>>, radius: usize) -> Picture {
-    DiscSheet { title, caption, discs, radius, in_a_row: 3, contour_mag: Some(LIMIT_MAG), nothing: "nothing lit seen" }
+fn drawn(title: String, caption: String, discs: Vec<Disc<'_>>, radius: usize, limit: (f64, String)) -> Picture {
+    DiscSheet { title, caption, discs, radius, in_a_row: 3, contour_mag: Some(limit), nothing: "nothing lit seen" }
         .picture()
+}
+
+/// The line of a map of apparent magnitudes, and its words.
+fn sky_limit() -> (f64, String) {
+    (LIMIT_MAG, format!("{LIMIT_MAG} mag"))
+}
+
+/// The line of a map of magnitudes at 1000 km: the limit for who stands straight below, at the satellite's height.
+fn body_limit(height_km: f64) -> (f64, String) {
+    // m₁₀₀₀ = m + 5 log₁₀(1000 km / h)
+    let at_1000_km = LIMIT_MAG + 5.0 * (1000.0 / height_km).log10();
+    (at_1000_km, format!("{at_1000_km:.1} mag: {LIMIT_MAG} mag from straight below"))
 }
 
 fn sky_disc(view: SkyView<'_>, title: String) -> Disc<'_> {
     let sun_longitude_rad = view.sun_azimuth_rad();
+    let has_air = view.extinction_mag_per_airmass().is_some();
     Disc {
         title,
         quantity: Quantity::Magnitude,
         is_half: false,
         seen: Box::new(move |azimuth, from_zenith| {
-            let point = view.at(azimuth, FRAC_PI_2 - from_zenith);
+            let point = view.at(azimuth, (FRAC_PI_2 - from_zenith).max(RIM_RAD));
             match point.magnitude {
                 Some(magnitude) => Seen::Value(magnitude.0),
                 None if point.lit_fraction <= 0.0 => Seen::Shadow,
                 None => Seen::Nothing,
             }
         }),
+        scaled_within_rad: if has_air { FRAC_PI_2 - LOW_DEG.to_radians() } else { FRAC_PI_2 },
         sun_longitude_rad,
         rim: vec![(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
         circles: vec![(30.0, "60°".to_owned()), (60.0, "30°".to_owned())],
@@ -115,6 +137,7 @@ fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
         seen: Box::new(move |longitude, from_nadir| {
             view.at(longitude, from_nadir - FRAC_PI_2).map_or(Seen::Nothing, |magnitude| Seen::Value(magnitude.0))
         }),
+        scaled_within_rad: FRAC_PI_2,
         sun_longitude_rad: 0.0,
         rim: vec![(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")],
         circles: vec![(30.0, "−60°".to_owned()), (60.0, "−30°".to_owned())],
@@ -122,12 +145,25 @@ fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
     }
 }
 
-/// What a reader must know of the model.
-fn status(facts: &[Fact]) -> String {
-    match text_of(facts, "model_status").as_str() {
-        "" => String::new(),
-        status => format!(" The model is {status}."),
+/// What a reader must know of air, light and model, where it is not what a map usually rests on.
+fn conditions(facts: &[Fact]) -> String {
+    let text = |name: &str| text_of(facts, name);
+    let mut words = String::new();
+    match text("extinction_mag_per_airmass").as_str() {
+        "" => {}
+        k => words.push_str(&format!(" Extinction {k} mag per airmass.")),
     }
+    if text("earthshine") == "off" {
+        words.push_str(" Sunlight alone.");
+    }
+    if text("shadow") == "atmosphere" {
+        words.push_str(" Shadow of the Earth and its air.");
+    }
+    match text("model_status").as_str() {
+        "" => {}
+        status => words.push_str(&format!(" The model is {status}.")),
+    }
+    words
 }
 
 /// What the colours of a sky map show.

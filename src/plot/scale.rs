@@ -30,6 +30,9 @@ pub struct ColourScale {
     pub has_higher: bool,
 }
 
+/// Bars of magnitudes longer than this have ticks at whole ones, shorter ones at halves.
+const LONG_MAG: f64 = 3.0;
+
 /// Share of the values that may lie beyond each end.
 const BEYOND: f64 = 0.01;
 
@@ -77,7 +80,12 @@ impl ColourScale {
         let (low, high) = (all[beyond], all[all.len() - 1 - beyond]);
         let round = quantity.round();
         let (least, greatest) = match quantity {
-            Quantity::Magnitude => ((low / round).floor() * round, (high / round).ceil() * round),
+            Quantity::Magnitude => {
+                let ends = |round: f64| ((low / round).floor() * round, (high / round).ceil() * round);
+                let (least, greatest) = ends(round);
+                // Both ends carry words, so they lie on ticks.
+                if greatest - least > LONG_MAG { ends(1.0) } else { (least, greatest) }
+            }
             Quantity::Count => (round_count(low, f64::floor), round_count(high, f64::ceil)),
             Quantity::Spread => (0.0, (high / round).ceil() * round),
             Quantity::Residual => {
@@ -88,6 +96,15 @@ impl ColourScale {
         // One value alone has a bar all the same.
         let greatest = if greatest > least { greatest } else { least + round };
         Self { quantity, least, greatest, has_lower: first < least, has_higher: last > greatest }
+    }
+
+    /// The same scale for a picture that shows these values as well: its ends say where some of them lie beyond.
+    pub fn showing(self, values: impl IntoIterator<Item = f64>) -> Self {
+        values.into_iter().fold(self, |scale, value| Self {
+            has_lower: scale.has_lower || value < scale.least,
+            has_higher: scale.has_higher || value > scale.greatest,
+            ..scale
+        })
     }
 
     /// 0 at the lower end of the bar, 1 at the upper: bright satellites, many samples, wide spread and observed fainter than computed are above.
@@ -119,7 +136,7 @@ impl ColourScale {
     pub(super) fn ticks(&self) -> Vec<(f64, String)> {
         let span = self.greatest - self.least;
         let values = match self.quantity {
-            Quantity::Magnitude => multiples(if span > 3.0 { 1.0 } else { 0.5 }, self.least, self.greatest),
+            Quantity::Magnitude => multiples(if span > LONG_MAG { 1.0 } else { 0.5 }, self.least, self.greatest),
             Quantity::Count => counts(self.least, self.greatest),
             Quantity::Spread | Quantity::Residual => {
                 let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0];
@@ -191,12 +208,32 @@ mod tests {
     #[test]
     fn verif_a_scale_holds_nearly_all_and_says_what_it_leaves_out() {
         let scale = ColourScale::of(Quantity::Magnitude, (0..1000).map(|n| 5.2 + 0.003 * f64::from(n)));
-        assert_eq!((scale.least, scale.greatest), (5.0, 8.5));
+        assert_eq!((scale.least, scale.greatest), (5.0, 9.0));
         assert!(!scale.has_lower && !scale.has_higher);
         let outlier = ColourScale::of(Quantity::Magnitude, (0..1000).map(|n| if n == 0 { 1.0 } else { 6.2 }));
         assert_eq!((outlier.least, outlier.greatest, outlier.has_lower), (6.0, 6.5, true));
         assert_eq!(outlier.ticks()[0], (6.0, "≤ 6".to_owned()));
         assert_eq!(ColourScale::of(Quantity::Magnitude, [f64::NAN]).least, 4.0);
+        let more = scale.showing([6.0, 9.5]);
+        assert_eq!((more.has_lower, more.has_higher, more.greatest), (false, true, 9.0));
+    }
+
+    /// What lies beyond a bar is said at its end, so both ends have words, wherever the values begin and end.
+    #[test]
+    fn verif_both_ends_of_a_bar_have_words() {
+        for (low, high) in [(4.6, 8.4), (4.4, 8.6), (5.1, 8.4), (5.1, 5.9), (4.5, 7.5), (4.5, 7.6), (3.9, 12.2)] {
+            // One in two hundred lies beyond on each side.
+            let values = (0..1000).map(|n| match n {
+                0..5 => low - 3.0,
+                5..10 => high + 3.0,
+                _ => low + (high - low) * f64::from(n - 10) / 989.0,
+            });
+            let scale = ColourScale::of(Quantity::Magnitude, values);
+            let ticks = scale.ticks();
+            let words = |end: f64| &ticks.iter().find(|(value, _)| (value - end).abs() < 1e-9).unwrap().1;
+            assert!(words(scale.least).starts_with("≤ "), "{low} {high}: {ticks:?}");
+            assert!(words(scale.greatest).starts_with("≥ "), "{low} {high}: {ticks:?}");
+        }
     }
 
     #[test]

@@ -106,7 +106,7 @@ pub struct SharedArguments {
     /// Configuration file: these flags by name; flags that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     pub config: Option<PathBuf>,
-    /// Threads; all cores where unsaid
+    /// Threads, 1 to 1024; all cores where unsaid
     #[arg(long, value_name = "N", help_heading = "Run")]
     pub threads: Option<usize>,
     /// No warnings, no progress

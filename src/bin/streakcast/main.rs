@@ -4,6 +4,7 @@ mod arguments;
 mod failure;
 mod fit_arguments;
 mod map_arguments;
+mod map_output;
 mod notices;
 mod output;
 mod screen;

@@ -18,20 +18,17 @@ pub struct MapArguments {
 #[derive(Subcommand)]
 pub enum MapVerb {
     /// Magnitude at 1000 km in every direction below a satellite
-    Body(MapBodyArguments),
+    Body(Box<MapBodyArguments>),
     /// Apparent magnitude over the sky of a site, for satellites of one height
     Sky(Box<MapSkyArguments>),
     /// The twelve maps of figures 6 to 9 of Lu (2024) as four pictures
     #[cfg(feature = "plot")]
-    Paper(MapPaperArguments),
+    Paper(Box<MapPaperArguments>),
 }
 
-/// Whose light, and how it is measured.
+/// How light is measured, and how the run goes.
 #[derive(Args)]
 pub struct LightArguments {
-    /// Brightness model by name (streakcast model list), or a model file
-    #[arg(long, value_name = "NAME")]
-    pub model: String,
     /// Passband of the magnitudes: B V R I u g r i z y G
     #[arg(long, value_name = "BAND")]
     pub band: Option<String>,
@@ -44,7 +41,7 @@ pub struct LightArguments {
     /// Configuration file: band, site and models of one's own; flags that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     pub config: Option<PathBuf>,
-    /// Threads; all cores where unsaid
+    /// Threads, 1 to 1024; all cores where unsaid
     #[arg(long, value_name = "N", help_heading = "Run")]
     pub threads: Option<usize>,
     /// No warnings
@@ -61,7 +58,7 @@ pub struct MapOutputArguments {
     /// HEALPix cells in RING order instead of steps: 1 to 1024; 64 where the format is fits
     #[arg(long, value_name = "N", help_heading = "Output")]
     pub nside: Option<u32>,
-    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, fits (HEALPix, needs -o)
+    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, fits (HEALPix, needs -o); by the end of -o where unsaid
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
     /// File to write, whole or not at all; standard output where unsaid, nothing there where only a picture is wanted
@@ -75,6 +72,9 @@ pub struct MapOutputArguments {
 
 #[derive(Args)]
 pub struct MapBodyArguments {
+    /// Brightness model by name (streakcast model list), or a model file
+    #[arg(long, value_name = "NAME")]
+    pub model: String,
     /// The Sun above the plane of the chassis, degrees (negative below it)
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     pub sun_latitude_deg: f64,
@@ -89,6 +89,9 @@ pub struct MapBodyArguments {
 
 #[derive(Args)]
 pub struct MapSkyArguments {
+    /// Brightness model by name (streakcast model list), or a model file
+    #[arg(long, value_name = "NAME")]
+    pub model: String,
     /// The Sun above the horizon, degrees (negative below it)
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
     pub sun_altitude_deg: f64,
@@ -132,9 +135,8 @@ pub struct MapPaperArguments {
     /// Brightness model by name (streakcast model list), or a model file
     #[arg(long, value_name = "NAME", default_value = "starlink-v1.5")]
     pub model: String,
-    /// Sunlight alone on models made of panels, without the light that the Earth throws on them
-    #[arg(long)]
-    pub no_earthshine: bool,
+    #[command(flatten)]
+    pub light: LightArguments,
 }
 
 impl LightArguments {

@@ -21,23 +21,24 @@ pub enum Format {
     JsonLines,
 }
 
-const FORMATS: &str = "table, csv, ecsv, json, jsonl";
+/// Their names.
+pub const FORMATS: &str = "table, csv, ecsv, json, jsonl";
 
 impl Format {
-    fn by_name(name: &str) -> anyhow::Result<Self> {
+    pub fn by_name(name: &str) -> Option<Self> {
         match name {
-            "table" => Ok(Format::Table),
-            "csv" => Ok(Format::Csv),
-            "ecsv" => Ok(Format::Ecsv),
-            "json" => Ok(Format::Json),
-            "jsonl" => Ok(Format::JsonLines),
-            _ => Err(anyhow!("format '{name}' is not known; allowed: {FORMATS}")),
+            "table" => Some(Format::Table),
+            "csv" => Some(Format::Csv),
+            "ecsv" => Some(Format::Ecsv),
+            "json" => Some(Format::Json),
+            "jsonl" => Some(Format::JsonLines),
+            _ => None,
         }
     }
 
-    /// By the end of a file's name.
+    /// By the end of a file's name, in any case.
     fn by_extension(path: &Path) -> Option<Self> {
-        path.extension().and_then(OsStr::to_str).and_then(|name| Self::by_name(name).ok())
+        path.extension().and_then(OsStr::to_str).and_then(|name| Self::by_name(&name.to_ascii_lowercase()))
     }
 }
 
@@ -69,7 +70,9 @@ impl Output {
             None if stdout().is_terminal() => Format::Table,
             None => Format::Csv,
         };
-        let format = format.map(Format::by_name).transpose()?.unwrap_or_else(unsaid);
+        let unknown = |name| anyhow!("format '{name}' is not known; allowed: {FORMATS}");
+        let by_name = |name| Format::by_name(name).ok_or_else(|| unknown(name));
+        let format = format.map(by_name).transpose()?.unwrap_or_else(unsaid);
         if let Some(path) = &path {
             check(path)?;
         }
@@ -133,7 +136,6 @@ pub fn check(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Writes a file of bytes, whole or not at all.
-#[cfg(any(feature = "fits", feature = "plot"))]
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_atomically(path, |out| out.write_all(bytes)).map_err(|error| cannot_write(path, &error))
 }

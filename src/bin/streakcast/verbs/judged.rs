@@ -20,6 +20,9 @@ use crate::notices::Notices;
 /// Rows judged at a time: often enough for a progress bar, and a night shares its preparation.
 const ROWS_AT_A_TIME: usize = 1000;
 
+/// More threads than any machine has cores are a slip of the finger, and starting them takes minutes.
+const MOST_THREADS: usize = 1024;
+
 /// A schedule with its verdicts.
 pub struct Judged {
     pub schedule: Schedule,
@@ -34,8 +37,8 @@ pub struct Judged {
 /// Sets the threads, and says how loud the run is.
 pub fn begin(setup: &Setup) -> anyhow::Result<Notices> {
     if let Some(threads) = setup.threads {
-        if threads == 0 {
-            return Err(anyhow!("threads 0; allowed: 1 or more"));
+        if !(1..=MOST_THREADS).contains(&threads) {
+            return Err(anyhow!("threads {threads}; allowed: 1 to {MOST_THREADS}"));
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }

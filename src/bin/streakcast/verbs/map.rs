@@ -2,23 +2,20 @@
 
 use std::fs;
 use std::path::Path;
-#[cfg(feature = "fits")]
-use std::path::PathBuf;
 use std::sync::Arc;
 
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use streakcast::geometry::Site;
-#[cfg(feature = "fits")]
-use streakcast::maps::DEFAULT_NSIDE;
-use streakcast::maps::{BodyView, DEFAULT_STEP_DEG, Earth, Fact, Grid, SkyView};
+use streakcast::maps::{BodyView, Earth, Fact, SkyView};
 use streakcast::photometry::{BrightnessModel, ModelLibrary};
 use streakcast::setup::Setup;
 use streakcast::table::{Provenance, Section, Table};
 
 use crate::failure::Outcome;
-use crate::map_arguments::{MapArguments, MapBodyArguments, MapOutputArguments, MapSkyArguments, MapVerb};
-#[cfg(any(feature = "fits", feature = "plot"))]
-use crate::output::check;
+use crate::map_arguments::{MapArguments, MapBodyArguments, MapSkyArguments, MapVerb};
+use crate::map_output::Target;
+#[cfg(feature = "fits")]
+use crate::map_output::fits_bytes;
 #[cfg(feature = "fits")]
 use crate::output::write_bytes;
 use crate::output::{Answer, Output};
@@ -41,20 +38,22 @@ const SKY_ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: MapArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
-        MapVerb::Body(typed) => body(typed),
+        MapVerb::Body(typed) => body(*typed),
         MapVerb::Sky(typed) => sky(*typed),
         #[cfg(feature = "plot")]
-        MapVerb::Paper(typed) => pictures::paper(&typed),
+        MapVerb::Paper(typed) => pictures::paper(*typed),
     }
 }
 
 fn body(typed: MapBodyArguments) -> anyhow::Result<Outcome> {
     let setup = typed.light.setup(Setup::default())?;
     let notices = begin(&setup)?;
-    let model = model_of(&setup.model_library()?, &typed.light.model)?;
+    let model = model_of(&setup.model_library()?, &typed.model)?;
     let view = BodyView::new(&model, typed.sun_latitude_deg.to_radians(), typed.height_km, setup.photometry()?)?;
-    let target = Target::new(&typed.output)?;
+    let target = Target::new(&typed.output, setup.format.as_deref())?;
     notices.warn(&provisional(&model));
+    let of_a_site = [("extinction", setup.extinction.is_some()), ("shadow", setup.shadow.is_some())];
+    notices.warn(&without_part(&setup, &of_a_site, "a map of a satellite's own sky"));
     if view.sun_latitude_rad() < view.limb_latitude_rad() {
         notices.say(&format!(
             "warning: at {} km the Sun is below the Earth's limb ({:.1} deg); magnitudes are those of full sunlight all the same",
@@ -72,7 +71,7 @@ fn body(typed: MapBodyArguments) -> anyhow::Result<Outcome> {
             write_table(output, &map.table(), &provenance_of(&map.facts), BODY_ON_SCREEN)?;
         }
         #[cfg(feature = "fits")]
-        Target::Fits(path, grid) => write_bytes(path, &view.map(*grid).to_fits(&std::env::temp_dir())?)?,
+        Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
     }
     #[cfg(feature = "plot")]
     pictures::write(typed.output.picture.as_deref(), picture)?;
@@ -82,19 +81,25 @@ fn body(typed: MapBodyArguments) -> anyhow::Result<Outcome> {
 fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
     let setup = typed.light.setup(typed.place.setup())?;
     let notices = begin(&setup)?;
-    let model = model_of(&setup.model_library()?, &typed.light.model)?;
+    let model = model_of(&setup.model_library()?, &typed.model)?;
     let setup = Setup {
         extinction: typed.extinction.or(setup.extinction),
         shadow: typed.shadow.clone().or(setup.shadow),
         ..setup
     };
+    if setup.observer_elements.is_some() || setup.observer_norad.is_some() {
+        bail!(
+            "the configuration's observer is in orbit, and a map needs one on the ground: say --site, --mpc or --lat"
+        );
+    }
     let options = setup.photometry()?;
     let earth = site_of(&setup)?.map_or(Earth::Sphere, Earth::Ellipsoid);
     let (sun_azimuth, sun_altitude) = (typed.sun_azimuth_deg.to_radians(), typed.sun_altitude_deg.to_radians());
     let view =
         SkyView::new(&model, earth, typed.height_km, sun_azimuth, sun_altitude, options)?.with_shadow(setup.shadow()?);
-    let target = Target::new(&typed.output)?;
+    let target = Target::new(&typed.output, setup.format.as_deref())?;
     notices.warn(&provisional(&model));
+    notices.warn(&without_part(&setup, &[], "a map of the sky"));
     #[cfg(feature = "plot")]
     let picture = pictures::made(typed.output.picture.as_deref(), || streakcast::plot::sky_picture(&view))?;
     match &target {
@@ -105,22 +110,35 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
             write_table(output, &map.table(), &provenance_of(&map.facts), SKY_ON_SCREEN)?;
         }
         #[cfg(feature = "fits")]
-        Target::Fits(path, grid) => write_bytes(path, &view.map(*grid).to_fits(&std::env::temp_dir())?)?,
+        Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
     }
     #[cfg(feature = "plot")]
     pictures::write(typed.output.picture.as_deref(), picture)?;
     Ok(Outcome::Done)
 }
 
-/// A model of the library, or of a file.
+/// A model of the library, or of a file: what ends in .json or has a folder in it, and what is no model but a file.
 pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<BrightnessModel>> {
-    if Path::new(name).extension().is_some_and(|end| end == "json") {
+    let path = Path::new(name);
+    let is_path =
+        path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json")) || name.contains(std::path::is_separator);
+    let known = library.get(name).filter(|_| !is_path);
+    if known.is_none() && (is_path || path.is_file()) {
         let text = fs::read_to_string(name).map_err(|error| anyhow!("model {name}: {error}"))?;
         return Ok(Arc::new(BrightnessModel::from_json(&text, name)?));
     }
-    library
-        .get(name)
-        .ok_or_else(|| anyhow!("unknown model '{name}'; known are {}", library.names().collect::<Vec<_>>().join(", ")))
+    known.ok_or_else(|| {
+        let names = library.names().collect::<Vec<_>>().join(", ");
+        anyhow!("unknown model '{name}', and no file has that name; known are {names}")
+    })
+}
+
+/// A warning of what a configuration says about light and a map leaves out.
+fn without_part(setup: &Setup, more: &[(&str, bool)], map: &str) -> Option<String> {
+    let sun = ("sun_distance", setup.sun_distance == Some(true));
+    let said: Vec<&str> = [sun].iter().chain(more).filter(|(_, is_said)| *is_said).map(|(key, _)| *key).collect();
+    let verb = if said.len() == 1 { "has" } else { "have" };
+    (!said.is_empty()).then(|| format!("the configuration's {} {verb} no part in {map}", said.join(", ")))
 }
 
 /// The site, where one was said.
@@ -150,56 +168,6 @@ fn write_table(output: &Output, table: &Table, provenance: &Provenance, shown: &
     })
 }
 
-/// Where the numbers go; looked at before any work.
-enum Target {
-    /// Only a picture is wanted.
-    #[cfg(feature = "plot")]
-    Nothing,
-    Table(Output, Grid),
-    #[cfg(feature = "fits")]
-    Fits(PathBuf, Grid),
-}
-
-impl Target {
-    fn new(typed: &MapOutputArguments) -> anyhow::Result<Self> {
-        let grid = match (typed.nside, typed.step_deg) {
-            (Some(nside), _) => Grid::healpix(nside)?,
-            (None, step) => Grid::regular(step.unwrap_or(DEFAULT_STEP_DEG))?,
-        };
-        #[cfg(feature = "plot")]
-        if let Some(picture) = &typed.picture {
-            streakcast::plot::PictureFormat::of(picture)?;
-            check(picture)?;
-            if typed.output.as_ref() == Some(picture) {
-                return Err(anyhow!("--output and --picture name the same file {}", picture.display()));
-            }
-            if typed.output.is_none() && typed.format.is_none() {
-                return Ok(Self::Nothing);
-            }
-        }
-        let ends_in_fits = typed.output.as_ref().is_some_and(|path| path.extension().is_some_and(|end| end == "fits"));
-        if typed.format.as_deref() == Some("fits") || typed.format.is_none() && ends_in_fits {
-            return Self::fits(typed, grid);
-        }
-        Ok(Self::Table(Output::new(typed.format.as_deref(), typed.output.clone())?, grid))
-    }
-
-    #[cfg(feature = "fits")]
-    fn fits(typed: &MapOutputArguments, grid: Grid) -> anyhow::Result<Self> {
-        let path = typed.output.clone().ok_or_else(|| anyhow!("format fits needs a file; say -o map.fits"))?;
-        if typed.step_deg.is_some() {
-            return Err(anyhow!("format fits holds HEALPix maps; say --nside {DEFAULT_NSIDE} instead of --step-deg"));
-        }
-        check(&path)?;
-        Ok(Self::Fits(path, if typed.nside.is_some() { grid } else { Grid::healpix(DEFAULT_NSIDE)? }))
-    }
-
-    #[cfg(not(feature = "fits"))]
-    fn fits(_: &MapOutputArguments, _: Grid) -> anyhow::Result<Self> {
-        Err(anyhow!("this streakcast was built without FITS (feature fits); allowed: table, csv, ecsv, json, jsonl"))
-    }
-}
-
 /// What is drawn.
 #[cfg(feature = "plot")]
 mod pictures {
@@ -208,12 +176,14 @@ mod pictures {
 
     use anyhow::anyhow;
     use streakcast::maps::PAPER_FIGURES;
-    use streakcast::photometry::{Earthshine, ModelLibrary, PhotometryOptions};
+    use streakcast::photometry::PhotometryOptions;
     use streakcast::plot::{Picture, PictureFormat, paper_picture};
+    use streakcast::setup::Setup;
 
     use crate::failure::Outcome;
     use crate::map_arguments::{MapPaperArguments, PictureName};
     use crate::output::{check, write_bytes};
+    use crate::verbs::judged::begin;
 
     /// The bytes of a picture, where one is wanted.
     pub fn made(path: Option<&Path>, picture: impl FnOnce() -> Picture) -> anyhow::Result<Option<Vec<u8>>> {
@@ -228,18 +198,23 @@ mod pictures {
     }
 
     /// All four figures are drawn before the first is written.
-    pub fn paper(typed: &MapPaperArguments) -> anyhow::Result<Outcome> {
-        let model = super::model_of(&ModelLibrary::embedded(), &typed.model)?;
+    pub fn paper(typed: MapPaperArguments) -> anyhow::Result<Outcome> {
+        let setup = typed.light.setup(Setup::default())?;
+        let notices = begin(&setup)?;
+        let model = super::model_of(&setup.model_library()?, &typed.model)?;
         let (format, end) = match typed.format {
             PictureName::Png => (PictureFormat::Png, "png"),
             PictureName::Svg => (PictureFormat::Svg, "svg"),
         };
+        // The paper's maps are those above the air.
+        let options = PhotometryOptions { extinction_mag_per_airmass: None, ..setup.photometry()? };
         let folder = &typed.output;
         if !folder.is_dir() {
             fs::create_dir(folder).map_err(|error| anyhow!("cannot make the folder {}: {error}", folder.display()))?;
         }
-        let earthshine = if typed.no_earthshine { Earthshine::Off } else { Earthshine::default() };
-        let options = PhotometryOptions { earthshine, ..PhotometryOptions::default() };
+        notices.warn(&super::provisional(&model));
+        let of_a_site = [("extinction", setup.extinction.is_some()), ("shadow", setup.shadow.is_some())];
+        notices.warn(&super::without_part(&setup, &of_a_site, "the paper's figures"));
         let mut pictures = Vec::new();
         for figure in &PAPER_FIGURES {
             let path = folder.join(format!("figure-{}.{end}", figure.number));
