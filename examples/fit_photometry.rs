@@ -4,7 +4,8 @@
 
 use streakcast::catalogue::{Constellation, History};
 use streakcast::fit::{
-    COEFFICIENTS, FitSettings, PosteriorSettings, Problem, RawWeights, TwoPanelForm, draw, faults, points_of_measurements, posterior, rms,
+    COEFFICIENTS, FitSettings, PosteriorSettings, Problem, RawWeights, TwoPanelForm, draw, faults,
+    points_of_measurements, posterior, rms,
 };
 use streakcast::measured::{Placement, Selection, SimulationOptions, measure, simulate};
 use streakcast::photometry::{Earthshine, ModelLibrary};
@@ -17,7 +18,11 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
                  satellites_per_plane = 15, phasing = 5 }]";
     let first = "2023-05-20T12:00:00 UTC".parse()?;
     let history = History::new(Constellation::from_toml(shell)?.remove(0).element_sets(first));
-    let photometry = simulate(&truth, &history, &SimulationOptions { tracks_per_night: 60, cadence_s: 2.0, ..SimulationOptions::mmt9(first, 5)? })?;
+    let photometry = simulate(
+        &truth,
+        &history,
+        &SimulationOptions { tracks_per_night: 60, cadence_s: 2.0, ..SimulationOptions::mmt9(first, 5)? },
+    )?;
 
     // 2. Its geometry, by the nearest element set, and the paper's selection.
     let measured = measure(&mut photometry.records.source(), &Placement::elements(&history), &Selection::default())?;

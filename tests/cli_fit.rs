@@ -41,7 +41,8 @@ fn folder() -> TempDir {
 }
 
 fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
-    let output = Command::new(STREAKCAST).args(arguments.split_whitespace()).current_dir(folder).output().expect("a run");
+    let output =
+        Command::new(STREAKCAST).args(arguments.split_whitespace()).current_dir(folder).output().expect("a run");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
     (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
 }
@@ -80,7 +81,8 @@ fn verif_a_fit_writes_a_model_that_works_and_a_report_with_pictures() {
     let (code, table, said) = run(folder.path(), "map body --model mine.json --sun-latitude-deg -14 --format csv");
     assert!(code == 0 && table.contains("brdf:mine"), "{said}");
     let (code, page, said) = {
-        let (code, _, said) = run(folder.path(), &format!("{FIT} --free c3,c5 --folds 0 --quiet -o two.json --report fit.html"));
+        let (code, _, said) =
+            run(folder.path(), &format!("{FIT} --free c3,c5 --folds 0 --quiet -o two.json --report fit.html"));
         (code, fs::read_to_string(at("fit.html")).expect("a page"), said)
     };
     assert!(code < 2 && said.is_empty(), "{said}");
@@ -94,7 +96,9 @@ fn verif_chains_go_on_where_they_were_cut_short() {
     let folder = folder();
     let at = |name: &str| folder.path().join(name);
     let fit = |steps: usize, chains: &str, threads: usize| {
-        let more = format!("--no-earthshine --folds 0 --mcmc {steps} --burn-in 5 --seed 4 --chains {chains} --threads {threads} -o m.json");
+        let more = format!(
+            "--no-earthshine --folds 0 --mcmc {steps} --burn-in 5 --seed 4 --chains {chains} --threads {threads} -o m.json"
+        );
         run(folder.path(), &format!("{FIT} {more}"))
     };
     for (steps, chains, threads) in [(60, "whole.npz", 1), (25, "cut.npz", 2), (60, "cut.npz", 2)] {
@@ -109,7 +113,9 @@ fn verif_chains_go_on_where_they_were_cut_short() {
     // Other points are another fit.
     let (code, _, said) = run(
         folder.path(),
-        &format!("{FIT} --no-earthshine --folds 0 --scatter-mag 0.3 --mcmc 70 --burn-in 5 --seed 4 --chains cut.npz -o m.json"),
+        &format!(
+            "{FIT} --no-earthshine --folds 0 --scatter-mag 0.3 --mcmc 70 --burn-in 5 --seed 4 --chains cut.npz -o m.json"
+        ),
     );
     assert!(code == 2 && said.contains("another fit"), "{said}");
     fs::write(at("broken.npz"), b"PK not really").expect("a file");
@@ -132,7 +138,9 @@ fn verif_pixels_comparison_and_pictures() {
         assert_eq!(code, 0, "{said}");
     }
     #[cfg(feature = "plot")]
-    assert!(at("three.png").is_file() && fs::read_to_string(at("two.svg")).is_ok_and(|svg| svg.contains("Sun at latitude")));
+    assert!(
+        at("three.png").is_file() && fs::read_to_string(at("two.svg")).is_ok_and(|svg| svg.contains("Sun at latitude"))
+    );
     let compare = "fit compare --photometry mmt.csv --height-km 550 --model starlink-v1.5 --nside 8 --min-count 5 --max-iqr 1 --layer-deg 4";
     let (code, json, said) = run(folder.path(), &format!("{compare} --format json"));
     assert_eq!(code, 0, "{said}");
@@ -154,7 +162,8 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
     fs::write(at("empty.csv"), "Date,StdMag,Mag,Filter,Penumbra,Distance,Phase,Channel,Track\n").expect("a file");
     let mixed = "observation_time,mag,filter\n2024-01-01T00:00:00Z,5.0,g\n";
     fs::write(at("unknown.csv"), mixed).expect("a file");
-    let few: String = fs::read_to_string(at("mmt.csv")).expect("a table").lines().take(6).map(|line| format!("{line}\n")).collect();
+    let few: String =
+        fs::read_to_string(at("mmt.csv")).expect("a table").lines().take(6).map(|line| format!("{line}\n")).collect();
     fs::write(at("few.csv"), few).expect("a file");
     for (arguments, parts) in [
         (format!("{FIT} -o nowhere/m.json"), vec!["nowhere"]),
@@ -190,12 +199,20 @@ fn valid_published_photometry_is_predicted_better_than_by_phase_alone() {
     let Some(data) = common::data_dir() else { return };
     let pomenis = data.join("photometry/pomenis/pomenis_observations.csv");
     let folder = tempdir().expect("a folder");
-    let arguments = format!("fit compare --photometry {} --model starlink-v1.5 --raw-points --loss squares --format json", pomenis.display());
+    let arguments = format!(
+        "fit compare --photometry {} --model starlink-v1.5 --raw-points --loss squares --format json",
+        pomenis.display()
+    );
     let (code, json, said) = run(folder.path(), &arguments);
     assert_eq!(code, 0, "{said}");
     assert!(said.contains("742 measurements, 178 rows left out"), "{said}");
     let answer: serde_json::Value = serde_json::from_str(&json).expect("JSON");
-    let unseen: Vec<f64> = answer["standings"].as_array().expect("rows").iter().filter_map(|row| row["held_out_rms_mag"].as_f64()).collect();
+    let unseen: Vec<f64> = answer["standings"]
+        .as_array()
+        .expect("rows")
+        .iter()
+        .filter_map(|row| row["held_out_rms_mag"].as_f64())
+        .collect();
     // The best published figure is 0.762, in sample.
     assert!(unseen[0] < 0.55 && unseen[1..].iter().all(|other| *other > unseen[0] + 0.05), "{unseen:?}");
 }

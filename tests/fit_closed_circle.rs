@@ -6,8 +6,8 @@
 
 use streakcast::catalogue::{Constellation, ElementSet, History};
 use streakcast::fit::{
-    COEFFICIENTS, Fit, FitSettings, PaperTests, Problem, RawWeights, TwoPanelForm, paper_tests, points_of_measurements, points_of_pixels,
-    predict, rms,
+    COEFFICIENTS, Fit, FitSettings, PaperTests, Problem, RawWeights, TwoPanelForm, paper_tests, points_of_measurements,
+    points_of_pixels, predict, rms,
 };
 use streakcast::measured::{
     Measurements, Placement, ReduceOptions, Reduction, Selection, SimulationOptions, measure, reduce, simulate,
@@ -67,14 +67,21 @@ struct Circle {
     tests: PaperTests,
 }
 
-fn circle(nights: u32, per_night: usize, track_scatter_mag: f64, reduction: ReduceOptions, truth: Earthshine) -> Circle {
+fn circle(
+    nights: u32,
+    per_night: usize,
+    track_scatter_mag: f64,
+    reduction: ReduceOptions,
+    truth: Earthshine,
+) -> Circle {
     let measurements = observed(nights, per_night, track_scatter_mag, truth);
     let pixels = reduce(&measurements.points, reduction).expect("pixels");
     let points = points_of_pixels(&pixels);
     let form = form(truth);
     let problem = Problem::new(&form, &points, &FitSettings::free(&COEFFICIENTS)).expect("a problem");
     let fit = problem.solve().expect("a fit");
-    let tests = paper_tests(&form, &points, &FitSettings::default(), reduction.layer_width_rad.to_degrees()).expect("tests");
+    let tests =
+        paper_tests(&form, &points, &FitSettings::default(), reduction.layer_width_rad.to_degrees()).expect("tests");
     println!(
         "{} points in {} tracks, {} dropped; {} of {} pixels kept; RMS {:.4} mag",
         measurements.points.len(),
@@ -94,14 +101,22 @@ fn comes_back(circle: &Circle, sigmas: f64, share: f64) {
         let (parameter, sigma) = (&circle.fit.parameters[i], circle.fit.certainty.sigma(i).expect("a sigma"));
         println!("  {:<7} {:.5} ± {sigma:.5}, true {truth}", parameter.name, parameter.value);
         let allowed = (sigmas * sigma).max(share * truth);
-        assert!((parameter.value - truth).abs() < allowed, "{} {} ± {sigma}, true {truth}", parameter.name, parameter.value);
+        assert!(
+            (parameter.value - truth).abs() < allowed,
+            "{} {} ± {sigma}, true {truth}",
+            parameter.name,
+            parameter.value
+        );
     }
 }
 
 fn tests_say_what_is_true(circle: &Circle, truth: Earthshine) {
     let tests = &circle.tests;
     for layer in &tests.offsets {
-        println!("  {:?} n {} POA {:+.3} ± {:.3?} RMS {:.4}", layer.sun_latitude_deg, layer.n, layer.panel_offset_deg, layer.sigma_deg, layer.rms_mag);
+        println!(
+            "  {:?} n {} POA {:+.3} ± {:.3?} RMS {:.4}",
+            layer.sun_latitude_deg, layer.n, layer.panel_offset_deg, layer.sigma_deg, layer.rms_mag
+        );
     }
     println!("  {:?}\n  {:?}", tests.sail_glossy, tests.earthshine);
     // The sail stands upright: offsets lie about 0, whatever the layer.
@@ -120,7 +135,13 @@ fn tests_say_what_is_true(circle: &Circle, truth: Earthshine) {
 
 #[test]
 fn verif_known_coefficients_come_back_through_the_pipeline() {
-    let reduction = ReduceOptions { nside: 16, least_count: 40, most_iqr_mag: 0.8, layer_width_rad: 2_f64.to_radians(), ..ReduceOptions::default() };
+    let reduction = ReduceOptions {
+        nside: 16,
+        least_count: 40,
+        most_iqr_mag: 0.8,
+        layer_width_rad: 2_f64.to_radians(),
+        ..ReduceOptions::default()
+    };
     let circle = circle(12, 150, 0.1, reduction, Earthshine::Off);
     comes_back(&circle, 4.0, 0.25);
     tests_say_what_is_true(&circle, Earthshine::Off);
@@ -145,7 +166,8 @@ fn verif_two_million_points_of_the_papers_pipeline() {
         // Single measurements scatter as they were made to.
         let points = points_of_measurements(&circle.measurements, &RawWeights::default());
         let predicted = predict(&form(truth), &points, &circle.fit.values());
-        let residuals: Vec<f64> = points.iter().zip(predicted).map(|(p, m)| p.magnitude - m).filter(|r| r.is_finite()).collect();
+        let residuals: Vec<f64> =
+            points.iter().zip(predicted).map(|(p, m)| p.magnitude - m).filter(|r| r.is_finite()).collect();
         println!("  single measurements: RMS {:.3} mag", rms(&residuals));
     }
 }

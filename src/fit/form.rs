@@ -56,7 +56,7 @@ pub trait Prepared: Sync + Send {
             up[i] = (x[i] + parameter.step).min(parameter.greatest);
             down[i] = (x[i] - parameter.step).max(parameter.least);
             let per_step = 1.0 / (up[i] - down[i]).max(f64::MIN_POSITIVE);
-            (self.at(&up), self.at(&down), per_step)
+            Moved { up: self.at(&up), down: self.at(&down), per_step }
         };
         Box::new(Differences { middle: self.at(x), moved: free.iter().map(moved).collect() })
     }
@@ -77,14 +77,21 @@ pub trait Sloped: Sync + Send {
 /// Derivatives by central differences.
 struct Differences<'a> {
     middle: Box<dyn Evaluated + 'a>,
-    moved: Vec<(Box<dyn Evaluated + 'a>, Box<dyn Evaluated + 'a>, f64)>,
+    moved: Vec<Moved<'a>>,
+}
+
+/// A form with one parameter moved both ways, and one over the way between.
+struct Moved<'a> {
+    up: Box<dyn Evaluated + 'a>,
+    down: Box<dyn Evaluated + 'a>,
+    per_step: f64,
 }
 
 impl Sloped for Differences<'_> {
     fn magnitudes_and_slopes(&self, block: usize, out: &mut [f64; BLOCK], slopes: &mut [[f64; BLOCK]]) {
         self.middle.magnitudes(block, out);
         let mut down_mag = [0.0; BLOCK];
-        for ((up, down, per_step), slope) in self.moved.iter().zip(slopes) {
+        for (Moved { up, down, per_step }, slope) in self.moved.iter().zip(slopes) {
             up.magnitudes(block, slope);
             down.magnitudes(block, &mut down_mag);
             for (slope, down) in slope.iter_mut().zip(&down_mag) {

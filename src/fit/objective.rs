@@ -109,9 +109,9 @@ impl<'a> Objective<'a> {
         for (block, observed) in blocks.iter().enumerate() {
             evaluated.magnitudes(from + block, &mut out);
             // C = ½ Σ ρ(r²)
-            for lane in 0..BLOCK {
-                let r = (observed.magnitude[lane] - out[lane]) * observed.per_sigma[lane];
-                out[lane] = r * r;
+            for ((out, magnitude), per_sigma) in out.iter_mut().zip(&observed.magnitude).zip(&observed.per_sigma) {
+                let r = (magnitude - *out) * per_sigma;
+                *out = r * r;
             }
             if self.loss != Loss::Squares {
                 out.iter_mut().for_each(|r2| *r2 = self.loss.of(*r2));

@@ -83,7 +83,7 @@ impl Chain {
         let fits = walkers > 0
             && parameters > 0
             && accepted.len() == walkers
-            && log_probabilities.len() % walkers == 0
+            && log_probabilities.len().is_multiple_of(walkers)
             && places.len() == log_probabilities.len() * parameters;
         if !fits {
             return Err(EnsembleError::Shape { given: places.len(), walkers, parameters });

@@ -111,10 +111,10 @@ impl Loop for Magnitudes<'_> {
         let through = c[2] * FRAC_1_PI;
         let mut light = [0.0; BLOCK];
         // B_total                                                         Lu (2024), eqs. 1-6
-        for lane in 0..BLOCK {
+        for (lane, light) in light.iter_mut().enumerate() {
             let sail = fused::<F>(glossy_sail, exp::<F>(n.n_sail * block.ln_sail[lane]), diffuse_sail);
             let base = fused::<F>(glossy_base, exp::<F>(n.n_base * block.ln_base[lane]), diffuse_base);
-            light[lane] = fused::<F>(
+            *light = fused::<F>(
                 sail,
                 block.front_m2[lane],
                 fused::<F>(base, block.base_m2[lane], through * block.through_m2[lane]),

@@ -74,7 +74,9 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     }
     if output.is_table() {
         let parts = [(&offsets, OFFSETS_ON_SCREEN), (&rivals, RIVALS_ON_SCREEN), (&standings, STANDINGS_ON_SCREEN)];
-        return output.write_tables(parts.into_iter().filter(|(table, _)| !table.rows.is_empty())).map(|()| Outcome::Done);
+        return output
+            .write_tables(parts.into_iter().filter(|(table, _)| !table.rows.is_empty()))
+            .map(|()| Outcome::Done);
     }
     output.write(&Answer {
         sections: vec![

@@ -7,9 +7,9 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use indicatif::ProgressBar;
 use streakcast::fit::{
-    Chain, ChainAbout, Entrant, Fault, Fit, FitPoint, ModelWords, Posterior, PosteriorSettings, Problem, RawWeights, Spread, Standing,
-    baselines, contest, draw, faults, honest_sigma_mag, panels_file, points_behind, points_of_measurements, posterior, predict, read_chain,
-    rms, two_panel_file, write_chain,
+    Chain, ChainAbout, Entrant, Fault, Fit, FitPoint, ModelWords, Posterior, PosteriorSettings, Problem, RawWeights,
+    Spread, Standing, baselines, contest, draw, faults, honest_sigma_mag, panels_file, points_of_measurements,
+    posterior, predict, read_chain, rms, two_panel_file, write_chain,
 };
 use streakcast::photometry::ModelFile;
 
@@ -30,19 +30,18 @@ pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
     }
 }
 
-/// Everything that a report tells.
+/// Everything that came out: what the model file and the report are made of.
 pub struct Told<'a> {
     pub typed: &'a FitRunArguments,
+    pub chosen: &'a Chosen,
     pub placed: &'a Placed,
     pub problem: &'a Problem,
     pub fit: &'a Fit,
     pub faults: &'a [Fault],
-    pub points_behind: &'a [usize],
     pub standings: &'a [Standing],
     /// Single measurements: residuals about the model, mag.
     pub single_mag: &'a [f64],
     pub posterior: Option<(&'a Chain, &'a Posterior)>,
-    pub file: &'a ModelFile,
 }
 
 fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
@@ -68,22 +67,20 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     let standings = standings(typed, &chosen, &placed)?;
     let single_mag = single(&chosen, &placed, &fit);
     let drawn = typed.mcmc.map(|steps| drawn(typed, &placed, &problem, &fit, steps)).transpose()?;
-    let file = file(typed, &chosen, &placed, &problem, &fit, &standings, &single_mag, faults.is_empty())?;
-    let points_behind = points_behind(&problem, &fit);
+    let told = Told {
+        typed,
+        chosen: &chosen,
+        placed: &placed,
+        problem: &problem,
+        fit: &fit,
+        faults: &faults,
+        standings: &standings,
+        single_mag: &single_mag,
+        posterior: drawn.as_ref().map(|(chain, posterior)| (chain, posterior)),
+    };
+    let file = file(&told)?;
     if let Some(path) = &typed.report {
-        let told = Told {
-            typed,
-            placed: &placed,
-            problem: &problem,
-            fit: &fit,
-            faults: &faults,
-            points_behind: &points_behind,
-            standings: &standings,
-            single_mag: &single_mag,
-            posterior: drawn.as_ref().map(|(chain, posterior)| (chain, posterior)),
-            file: &file,
-        };
-        report::write(path, &told)?;
+        report::write(path, &told, &file)?;
     }
     write_bytes(&typed.output, (file.to_json() + "\n").as_bytes())?;
     for fault in &faults {
@@ -119,7 +116,12 @@ fn single(chosen: &Chosen, placed: &Placed, fit: &Fit) -> Vec<f64> {
     let points: Vec<FitPoint> =
         points_of_measurements(&placed.measurements, &RawWeights { by_group: false, ..RawWeights::default() });
     let predicted = predict(chosen.form.as_form(), &points, &fit.values());
-    points.iter().zip(predicted).map(|(point, predicted)| point.magnitude - predicted).filter(|r| r.is_finite()).collect()
+    points
+        .iter()
+        .zip(predicted)
+        .map(|(point, predicted)| point.magnitude - predicted)
+        .filter(|r| r.is_finite())
+        .collect()
 }
 
 fn drawn(
@@ -139,7 +141,8 @@ fn drawn(
         seed: typed.seed,
         fingerprint: problem.fingerprint(),
     };
-    let resumed = typed.chains.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &about, typed)).transpose()?;
+    let resumed =
+        typed.chains.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &about, typed)).transpose()?;
     if let Some(chain) = &resumed {
         placed.notices.say(&format!("going on after {} steps", chain.steps()));
     }
@@ -177,25 +180,16 @@ fn resumed(path: &Path, about: &ChainAbout, typed: &FitRunArguments) -> anyhow::
     Ok(chain)
 }
 
-#[allow(clippy::too_many_arguments)]
-fn file(
-    typed: &FitRunArguments,
-    chosen: &Chosen,
-    placed: &Placed,
-    problem: &Problem,
-    fit: &Fit,
-    standings: &[Standing],
-    single_mag: &[f64],
-    is_sound: bool,
-) -> anyhow::Result<ModelFile> {
+fn file(told: &Told) -> anyhow::Result<ModelFile> {
+    let Told { typed, chosen, placed, problem, fit, .. } = told;
     // What is announced is for single measurements that were not seen: held-out ones where there are any.
-    let held = standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
+    let held = told.standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
     let (sigma_mag, origin) = match held {
         Some(held) => (
             honest_sigma_mag(held),
             format!("holds 68.3 % of single measurements on unseen tracks or nights ({} folds)", typed.form.folds),
         ),
-        None => (honest_sigma_mag(single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
+        None => (honest_sigma_mag(told.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
     };
     let files: Vec<String> = typed.photometry.photometry.iter().map(|path| path.display().to_string()).collect();
     let base = &chosen.file;
@@ -205,7 +199,7 @@ fn file(
         source: format!("streakcast {} fit run, form of {}", env!("CARGO_PKG_VERSION"), base.name),
         data: typed.data.clone().unwrap_or_else(|| files.join(", ")),
         date: typed.date.clone().unwrap_or_else(this_month),
-        provisional: !is_sound,
+        provisional: !told.faults.is_empty(),
         notes: notes(typed, placed, chosen),
         sigma_origin: origin,
     };
@@ -227,7 +221,11 @@ fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<Strin
     let kind = match &placed.reduction {
         Some(reduction) => format!(
             "Fitted to reduced pixels: layers of {} deg, nside {}, at least {} points, spread of {} mag or less; {} points in all.",
-            typed.reduction.layer_deg, typed.reduction.nside, typed.reduction.min_count, typed.reduction.max_iqr, reduction.points
+            typed.reduction.layer_deg,
+            typed.reduction.nside,
+            typed.reduction.min_count,
+            typed.reduction.max_iqr,
+            reduction.points
         ),
         None => format!("Fitted to single measurements with a scatter of {} mag.", typed.reduction.scatter_mag),
     };
