@@ -1,7 +1,7 @@
 //! Any list of panels and spheres as something to be fitted: the parameters that its model file names.
 //!
 //! What geometry makes of the panels (cosines, areas, what is hidden) does not depend on the parameters: it is made once for each
-//! point. Laws are then asked with each set of parameters; derivatives are differences of those laws alone that a parameter moves.
+//! point, and so is the Earth's light by each law. Laws are then asked with each set of parameters; derivatives are differences.
 
 use rayon::prelude::*;
 
@@ -11,6 +11,7 @@ use crate::photometry::{Coefficients, Earthshine, SatelliteShape, StandardMagnit
 
 use super::form::{BLOCK, Evaluated, Form, Parameter, Prepared};
 use super::linear_starts::{self, Basis};
+use super::panel_earth::PanelEarth;
 use super::point::FitPoint;
 use super::two_panel::TwoPanelForm;
 
@@ -49,6 +50,10 @@ impl Form for PanelsForm {
             points: points.to_vec(),
             seen: points.par_iter().map(seen).collect(),
             has_spheres: !assembly.spheres().is_empty(),
+            earth: match self.earthshine {
+                Earthshine::Computed => PanelEarth::new(&self.spec, points),
+                Earthshine::Off => Some(PanelEarth::default()),
+            },
             zero_mag,
         })
     }
@@ -89,6 +94,8 @@ struct PreparedPanels {
     points: Vec<FitPoint>,
     seen: Vec<Seen>,
     has_spheres: bool,
+    /// The Earth's light made ready; `None` where it has to be computed each time.
+    earth: Option<PanelEarth>,
     zero_mag: f64,
 }
 
@@ -97,19 +104,34 @@ const LEAST_LIT_M2: f64 = 1e-6;
 /// Light is never taken as less than this, m² sr⁻¹.
 const LEAST_M2_SR: f64 = 1e-12;
 
+/// Laws with parameters put in.
+struct PanelsAt<'a> {
+    prepared: &'a PreparedPanels,
+    assembly: PanelAssembly,
+    /// What each law of the Earth's light counts for.
+    earth: Vec<Vec<f64>>,
+}
+
 impl PreparedPanels {
+    fn with(&self, x: &[f64]) -> PanelsAt<'_> {
+        let earth = self.earth.as_ref().map(|earth| earth.weights(x)).unwrap_or_default();
+        PanelsAt { prepared: self, assembly: self.form.spec.assemble(x), earth }
+    }
+}
+
+impl PanelsAt<'_> {
     /// Reflected light of one point, m² sr⁻¹.
-    fn light_m2_sr(&self, assembly: &PanelAssembly, point: usize) -> f64 {
-        let seen = &self.seen[point];
+    fn light_m2_sr(&self, point: usize) -> f64 {
+        let seen = &self.prepared.seen[point];
         let of_face = |face: &LitFace| {
-            let laws: &[Law] = assembly.laws(face.panel, face.face);
+            let laws: &[Law] = self.assembly.laws(face.panel, face.face);
             laws.iter().map(|law| law.value_per_sr(&face.incidence)).sum::<f64>() * face.open_m2
         };
         let sunlight: f64 = seen.faces.iter().map(of_face).sum();
-        let spheres: f64 = assembly.spheres().iter().map(|sphere| sphere.m2_sr(seen.phase_rad)).sum();
-        let earth = match self.form.earthshine {
-            Earthshine::Computed => assembly.earthshine_m2_sr(&self.points[point].geometry),
-            Earthshine::Off => 0.0,
+        let spheres: f64 = self.assembly.spheres().iter().map(|sphere| sphere.m2_sr(seen.phase_rad)).sum();
+        let earth = match &self.prepared.earth {
+            Some(earth) => earth.m2_sr(&self.earth, point),
+            None => self.assembly.earthshine_m2_sr(&self.prepared.points[point].geometry),
         };
         sunlight + spheres + earth
     }
@@ -122,7 +144,7 @@ impl Prepared for PreparedPanels {
     }
 
     fn at<'a>(&'a self, x: &[f64]) -> Box<dyn Evaluated + 'a> {
-        Box::new(PanelsAt { prepared: self, assembly: self.form.spec.assemble(x) })
+        Box::new(self.with(x))
     }
 
     fn starts(&self, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>> {
@@ -144,14 +166,9 @@ fn has_laws(spec: &PanelsSpec, face: &LitFace) -> bool {
 /// Light is linear in some parameters: their basis functions are light with one of them 1 and the others 0.
 impl Basis for PreparedPanels {
     fn light(&self, x: &[f64]) -> Vec<f64> {
-        let assembly = self.form.spec.assemble(x);
-        (0..self.points.len()).into_par_iter().map(|point| self.light_m2_sr(&assembly, point)).collect()
+        let at = self.with(x);
+        (0..self.points.len()).into_par_iter().map(|point| at.light_m2_sr(point)).collect()
     }
-}
-
-struct PanelsAt<'a> {
-    prepared: &'a PreparedPanels,
-    assembly: PanelAssembly,
 }
 
 impl Evaluated for PanelsAt<'_> {
@@ -160,7 +177,7 @@ impl Evaluated for PanelsAt<'_> {
         let lanes = BLOCK.min(self.prepared.points.len() - from);
         *out = [0.0; BLOCK];
         for (lane, out) in out[..lanes].iter_mut().enumerate() {
-            let light = self.prepared.light_m2_sr(&self.assembly, from + lane).max(LEAST_M2_SR);
+            let light = self.light_m2_sr(from + lane).max(LEAST_M2_SR);
             *out = self.prepared.zero_mag - 2.5 * light.log10();
         }
     }

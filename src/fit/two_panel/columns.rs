@@ -4,12 +4,13 @@ use rayon::prelude::*;
 
 use crate::fit::form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
 use crate::fit::linear_starts::{self, Basis};
+use crate::fit::log_nodes::LogNodes;
 use crate::fit::point::FitPoint;
 use crate::photometry::{Coefficients, Earthshine, SatelliteModel, SatelliteShape, StandardMagnitude};
 
-use super::earth::{EarthBlock, Exponents};
+use super::earth::{EarthBlock, NODES};
 use super::kernel::{At, Numbers};
-use super::shape::{OFFSET, TwoPanelForm};
+use super::shape::{EXPONENTS, OFFSET, TwoPanelForm};
 
 /// ln cos θ where the mirror cosine is not positive: any power of it is 0.
 const NO_LOBE: f64 = -1e5;
@@ -33,13 +34,13 @@ pub(super) struct Columns {
     blocks: Vec<Block>,
     /// One for each block; none where earthshine is off.
     earth: Vec<EarthBlock>,
-    exponents: Exponents,
+    exponents: LogNodes<NODES>,
     zero_mag: f64,
 }
 
 impl Columns {
     pub fn new(form: &TwoPanelForm, points: &[FitPoint]) -> Self {
-        let exponents = Exponents::new();
+        let exponents = LogNodes::new(EXPONENTS);
         let earth = match form.earthshine {
             Earthshine::Computed => {
                 points.par_chunks(BLOCK).map(|block| EarthBlock::new(form, block, &exponents)).collect()
