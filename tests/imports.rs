@@ -34,7 +34,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("quick_xml", &["catalogue"]),
     ("flate2", &["catalogue", "measured"]),
     ("rand", &["measured"]),
-    ("rand_chacha", &["measured"]),
+    ("rand_chacha", &["fit", "measured"]),
     ("rand_distr", &["measured"]),
     ("sha2", &["catalogue", "fit"]),
     ("saphyr", &["schedule"]),

@@ -158,6 +158,9 @@ pub struct FitRunArguments {
     pub reduction: ReductionArguments,
     #[command(flatten)]
     pub form: FormArguments,
+    /// Sets of tracks that are left out in turn for the errors of a fit to pixels, more than the free parameters; 0: pixels count as independent
+    #[arg(long, value_name = "N", default_value_t = 24, help_heading = "Model")]
+    pub jackknife: usize,
     /// Draw the posterior with so many steps of walkers
     #[arg(long, value_name = "STEPS", help_heading = "Posterior")]
     pub mcmc: Option<usize>,
