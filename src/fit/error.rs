@@ -70,7 +70,9 @@ pub enum FitError {
         folds: usize,
     },
     /// Sets of groups for the jackknife.
-    #[error("{groups} groups of points (tracks, nights) in {sets} sets: allowed are more sets than the {free} free parameters, and no more than groups")]
+    #[error(
+        "{groups} groups of points (tracks, nights) in {sets} sets: allowed are more sets than the {free} free parameters, and no more than groups"
+    )]
     Sets {
         /// Sets asked for.
         sets: usize,

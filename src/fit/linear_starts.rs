@@ -47,8 +47,10 @@ pub(super) fn search(
     }
     let stride = grid.len().div_ceil(MOST_COMBINATIONS);
     let chosen: Vec<Vec<f64>> = grid.into_iter().step_by(stride).collect();
-    let mut found: Vec<(f64, Vec<f64>)> =
-        chosen.into_par_iter().filter_map(|place| solved(basis, parameters, place, linear, observed, zero_mag)).collect();
+    let mut found: Vec<(f64, Vec<f64>)> = chosen
+        .into_par_iter()
+        .filter_map(|place| solved(basis, parameters, place, linear, observed, zero_mag))
+        .collect();
     found.sort_by(|a, b| a.0.total_cmp(&b.0));
     found.truncate(KEPT);
     found.into_iter().map(|(_, place)| place).collect()

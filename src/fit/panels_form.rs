@@ -31,7 +31,9 @@ impl Form for PanelsForm {
 
     fn parameters(&self) -> Vec<Parameter> {
         let named = self.spec.parameters.iter().zip(self.spec.ranges());
-        named.map(|(parameter, [least, greatest])| Parameter::new(&parameter.name, parameter.value, least, greatest)).collect()
+        named
+            .map(|(parameter, [least, greatest])| Parameter::new(&parameter.name, parameter.value, least, greatest))
+            .collect()
     }
 
     fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared> {

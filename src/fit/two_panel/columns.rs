@@ -137,7 +137,8 @@ impl Prepared for Columns {
     }
 
     fn starts(&self, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>> {
-        let among = |span: std::ops::Range<usize>| free.iter().copied().filter(|i| span.contains(i)).collect::<Vec<_>>();
+        let among =
+            |span: std::ops::Range<usize>| free.iter().copied().filter(|i| span.contains(i)).collect::<Vec<_>>();
         let (linear, bent) = (among(0..LINEAR), among(LINEAR..OFFSET));
         linear_starts::search(self, &self.form.parameters(), x, &linear, &bent, observed, self.zero_mag)
     }

@@ -1,8 +1,6 @@
 //! `fit compare`: the paper's tests, and forms of law on unseen points.
 
-use streakcast::fit::{
-    Entrant, baselines, contest, offset_table, paper_tests, rival_table, standing_table,
-};
+use streakcast::fit::{Entrant, baselines, contest, offset_table, paper_tests, rival_table, standing_table};
 use streakcast::table::{Provenance, Section};
 
 use super::points::{FittedForm, form, read};
@@ -69,7 +67,9 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     }
     if output.is_table() {
         let parts = [(&offsets, OFFSETS_ON_SCREEN), (&rivals, RIVALS_ON_SCREEN), (&standings, STANDINGS_ON_SCREEN)];
-        return output.write_tables(parts.into_iter().filter(|(table, _)| !table.rows.is_empty())).map(|()| Outcome::Done);
+        return output
+            .write_tables(parts.into_iter().filter(|(table, _)| !table.rows.is_empty()))
+            .map(|()| Outcome::Done);
     }
     output.write(&Answer {
         sections: vec![

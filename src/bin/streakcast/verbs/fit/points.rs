@@ -5,13 +5,13 @@ use std::fs;
 use anyhow::anyhow;
 use streakcast::catalogue::{Catalogue, Keep, ReadOptions as CatalogueOptions, StationRule};
 use streakcast::fit::{
-    FitPoint, FitSettings, Form, Loss, PANEL_OFFSET, PanelsForm, Parameter, RawWeights, TwoPanelForm, points_of_measurements,
-    points_of_pixels,
+    FitPoint, FitSettings, Form, Loss, PANEL_OFFSET, PanelsForm, Parameter, RawWeights, TwoPanelForm,
+    points_of_measurements, points_of_pixels,
 };
 use streakcast::frames::EopTable;
 use streakcast::measured::{
-    ColumnMap, DensityMode, DropCounts, Format, Measurements, Place, Placement, ReadOptions, RecordReader, ReduceOptions,
-    Reduction, Selection, measure, reduce,
+    ColumnMap, DensityMode, DropCounts, Format, Measurements, Place, Placement, ReadOptions, RecordReader,
+    ReduceOptions, Reduction, Selection, measure, reduce,
 };
 use streakcast::photometry::{Earthshine, ModelFile, ModelLibrary};
 use streakcast::setup::Setup;
@@ -112,6 +112,7 @@ fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {
             ModeName::Kernel => DensityMode::Kernel,
         },
         least_count: typed.min_count,
+        least_tracks: typed.min_tracks,
         most_iqr_mag: typed.max_iqr,
     }
 }
@@ -176,7 +177,8 @@ pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
     let known = || parameters.iter().map(|parameter| parameter.name.as_str()).collect::<Vec<_>>().join(", ");
     let mut held = Vec::new();
     for entry in &typed.hold {
-        let parsed = entry.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
+        let parsed =
+            entry.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
         let (name, value) = parsed.ok_or_else(|| anyhow!("hold {entry}; allowed: NAME=NUMBER, as c1=0"))?;
         let found = parameters.iter().find(|parameter| parameter.name == name);
         let parameter = found.ok_or_else(|| anyhow!("hold {name}: no such parameter; allowed: {}", known()))?;

@@ -71,14 +71,20 @@ fn text(told: &Told, pictures: &BTreeMap<String, &Drawn>) -> Report {
     }
     report.section("Parameters");
     report.table(&parameter_table(fit, told.points_behind));
-    report.say(&format!("Errors: {:?}. Costs that the starting places led to: {}.", fit.certainty.kind, costs(&fit.costs)));
+    report.say(&format!(
+        "Errors: {:?}. Costs that the starting places led to: {}.",
+        fit.certainty.kind,
+        costs(&fit.costs)
+    ));
     report.section("Residuals");
     let spread = |name: &str, residuals: &[f64]| {
         Spread::of(residuals).map(|s| {
             format!("{name}: {} points, mean {:+.3}, RMS {:.3}, core {:.3} mag", s.n, s.mean_mag, s.rms_mag, s.core_mag)
         })
     };
-    report.list(spread("Fitted points", &fit.residuals_mag).into_iter().chain(spread("Single measurements", told.single_mag)));
+    report.list(
+        spread("Fitted points", &fit.residuals_mag).into_iter().chain(spread("Single measurements", told.single_mag)),
+    );
     if !told.standings.is_empty() {
         report.section("On unseen points");
         report.say("Each form fitted without one fold of tracks or nights at a time, and held against it.");
@@ -135,8 +141,8 @@ mod drawn {
     use streakcast::healpix::ring_cell;
     use streakcast::measured::{Pixel, Reduction};
     use streakcast::plot::{
-        Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Picture, PictureFormat, Quantity, ResidualHistogram, ResidualPanels,
-        corner, counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
+        Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Picture, PictureFormat, Quantity, ResidualHistogram,
+        ResidualPanels, corner, counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,
     };
 
     use super::{Drawn, Told};
@@ -157,12 +163,17 @@ mod drawn {
         let residuals = &fit.residuals_mag;
         let column = |of: fn(&FitPoint) -> f64| points.iter().map(of).collect::<Vec<f64>>();
         let (sun, longitude) = (column(|p| p.geometry.sun_latitude_rad), column(|p| p.geometry.observer_longitude_rad));
-        let (latitude, phase) = (column(|p| p.geometry.observer_latitude_rad), column(|p| p.geometry.phase_angle_rad()));
+        let (latitude, phase) =
+            (column(|p| p.geometry.observer_latitude_rad), column(|p| p.geometry.phase_angle_rad()));
         let measured = column(|p| p.magnitude);
         let model: Vec<f64> = measured.iter().zip(residuals).map(|(measured, residual)| measured - residual).collect();
         let title = format!("{name}: observed minus computed");
         let sigma_mag = told.file.sigma_mag.max(1e-3);
-        add("histogram", "Residuals", residual_histogram(&ResidualHistogram { title: &title, residuals_mag: residuals, sigma_mag })?)?;
+        add(
+            "histogram",
+            "Residuals",
+            residual_histogram(&ResidualHistogram { title: &title, residuals_mag: residuals, sigma_mag })?,
+        )?;
         let panels = ResidualPanels {
             title: &title,
             residuals_mag: residuals,
@@ -192,7 +203,11 @@ mod drawn {
             let samples: Vec<Vec<f64>> = (0..names.len()).map(|i| chain.column(i, burn_in)).collect();
             if (2..=9).contains(&names.len()) {
                 let title = format!("Posterior of {name}");
-                add("corner", "Posterior", corner(&Corner { title: &title, names: &names, samples: &samples, truths: None })?)?;
+                add(
+                    "corner",
+                    "Posterior",
+                    corner(&Corner { title: &title, names: &names, samples: &samples, truths: None })?,
+                )?;
             }
         }
         Ok(drawn)
@@ -224,7 +239,8 @@ mod drawn {
         }
         let panel = |(title, cells): &'_ (String, Vec<(u64, f64)>)| (title.clone(), cells.clone());
         let owned: Vec<_> = cells.iter().map(panel).collect();
-        let panels = owned.iter().map(|(title, cells)| LayerPanel { title, quantity: Quantity::Residual, cells }).collect();
+        let panels =
+            owned.iter().map(|(title, cells)| LayerPanel { title, quantity: Quantity::Residual, cells }).collect();
         Ok(Some(layers(&Layers { title, caption: "Means of cells.", nside: NSIDE, is_folded: true, panels })?))
     }
 
@@ -252,7 +268,9 @@ mod drawn {
                 if inside.is_empty() {
                     return Err(anyhow!("no pixel in the layer that holds the Sun's latitude {sun_deg} deg"));
                 }
-                let of = |value: fn(&Pixel) -> f64| inside.iter().map(|pixel| (pixel.cell, value(pixel))).collect::<Vec<_>>();
+                let of = |value: fn(&Pixel) -> f64| {
+                    inside.iter().map(|pixel| (pixel.cell, value(pixel))).collect::<Vec<_>>()
+                };
                 let (mode, count, spread) = (of(|p| p.mode_mag), of(|p| f64::from(p.count)), of(|p| p.iqr_mag));
                 let from = f64::from(layer) * width_deg;
                 let title = format!("Sun at latitude {from} to {} deg", from + width_deg);

@@ -7,9 +7,10 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use indicatif::ProgressBar;
 use streakcast::fit::{
-    Chain, ChainAbout, CovarianceKind, Entrant, Fault, Fit, FitError, FitPoint, ModelWords, Posterior, PosteriorSettings, Problem, RawWeights, Spread, Standing,
-    baselines, contest, draw, faults, honest_sigma_mag, jackknife, panels_file, points_behind, points_of_measurements, posterior, predict, read_chain,
-    rms, two_panel_file, write_chain,
+    Chain, ChainAbout, CovarianceKind, Entrant, Fault, Fit, FitError, FitPoint, ModelWords, Posterior,
+    PosteriorSettings, Problem, RawWeights, Spread, Standing, baselines, contest, draw, faults, honest_sigma_mag,
+    jackknife, panels_file, points_behind, points_of_measurements, posterior, predict, read_chain, rms, two_panel_file,
+    write_chain,
 };
 use streakcast::photometry::ModelFile;
 
@@ -135,7 +136,12 @@ fn single(chosen: &Chosen, placed: &Placed, fit: &Fit) -> Vec<f64> {
     let points: Vec<FitPoint> =
         points_of_measurements(&placed.measurements, &RawWeights { by_group: false, ..RawWeights::default() });
     let predicted = predict(chosen.form.as_form(), &points, &fit.values());
-    points.iter().zip(predicted).map(|(point, predicted)| point.magnitude - predicted).filter(|r| r.is_finite()).collect()
+    points
+        .iter()
+        .zip(predicted)
+        .map(|(point, predicted)| point.magnitude - predicted)
+        .filter(|r| r.is_finite())
+        .collect()
 }
 
 fn drawn(
@@ -155,7 +161,8 @@ fn drawn(
         seed: typed.seed,
         fingerprint: problem.fingerprint(),
     };
-    let resumed = typed.chains.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &about, typed)).transpose()?;
+    let resumed =
+        typed.chains.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &about, typed)).transpose()?;
     if let Some(chain) = &resumed {
         placed.notices.say(&format!("going on after {} steps", chain.steps()));
     }
@@ -243,7 +250,11 @@ fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<Strin
     let kind = match &placed.reduction {
         Some(reduction) => format!(
             "Fitted to reduced pixels: layers of {} deg, nside {}, at least {} points, spread of {} mag or less; {} points in all.",
-            typed.reduction.layer_deg, typed.reduction.nside, typed.reduction.min_count, typed.reduction.max_iqr, reduction.points
+            typed.reduction.layer_deg,
+            typed.reduction.nside,
+            typed.reduction.min_count,
+            typed.reduction.max_iqr,
+            reduction.points
         ),
         None => format!("Fitted to single measurements with a scatter of {} mag.", typed.reduction.scatter_mag),
     };
