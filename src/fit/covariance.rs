@@ -7,7 +7,8 @@
 //! Σ = H⁻¹ (Σ_g s_g s_gᵀ) H⁻¹ G/(G-1),    s_g = Σ_{i in g} slopes of the cost of point i
 //! ```
 //!
-//! is used (Liang and Zeger 1986, Biometrika 73, 13). With too few groups for that, H⁻¹ is scaled by χ²/(n - k).
+//! is used (Liang and Zeger 1986, Biometrika 73, 13). A track gives to many pixels, so pixels have no such groups: see `jackknife`.
+//! With too few groups for the sandwich, H⁻¹ is scaled by χ²/(n - k).
 
 use nalgebra::{DMatrix, DVector};
 
@@ -25,6 +26,8 @@ pub enum CovarianceKind {
     Grouped,
     /// Curvature of the cost, scaled by χ²/(n - k).
     Scaled,
+    /// Tracks left out by the set ([`jackknife`](super::jackknife())).
+    Jackknife,
 }
 
 /// What is known of the parameters.
@@ -71,7 +74,8 @@ pub(super) fn certainty(
     let at_bound: Vec<usize> = free.iter().copied().filter(|&i| at_end(i)).collect();
     let inner: Vec<usize> = (0..free.len()).filter(|&k| !at_end(free[k])).collect();
     let group_count = groups.iter().collect::<std::collections::HashSet<_>>().len();
-    let kind = if group_count > 2 * free.len() { CovarianceKind::Grouped } else { CovarianceKind::Scaled };
+    let is_grouped = group_count > 2 * free.len();
+    let kind = if is_grouped { CovarianceKind::Grouped } else { CovarianceKind::Scaled };
     let mut known = Certainty { covariance: None, kind, at_bound, undetermined: Vec::new() };
 
     // Scaled to a diagonal of 1, so that no unit of a parameter matters.
@@ -91,22 +95,19 @@ pub(super) fn certainty(
     }
     let Some(inverse) = unit.try_inverse() else { return known };
     let inverse = DMatrix::from_fn(m, m, |r, c| inverse[(r, c)] / (scale[r] * scale[c]));
-    let covariance = match kind {
-        CovarianceKind::Scaled => {
-            // χ² = 2 C for squares
-            let spare = scores.len().saturating_sub(free.len()).max(1) as f64;
-            inverse * (2.0 * cost / spare)
+    let covariance = if is_grouped {
+        let mut sums = std::collections::BTreeMap::<u32, DVector<f64>>::new();
+        for (score, group) in scores.iter().zip(groups) {
+            let sum = sums.entry(*group).or_insert_with(|| DVector::zeros(m));
+            inner.iter().enumerate().for_each(|(k, &column)| sum[k] += score[column]);
         }
-        CovarianceKind::Grouped => {
-            let mut sums = std::collections::BTreeMap::<u32, DVector<f64>>::new();
-            for (score, group) in scores.iter().zip(groups) {
-                let sum = sums.entry(*group).or_insert_with(|| DVector::zeros(m));
-                inner.iter().enumerate().for_each(|(k, &column)| sum[k] += score[column]);
-            }
-            let meat = sums.values().fold(DMatrix::zeros(m, m), |meat, sum| meat + sum * sum.transpose());
-            let groups = sums.len() as f64;
-            &inverse * meat * &inverse * (groups / (groups - 1.0))
-        }
+        let meat = sums.values().fold(DMatrix::zeros(m, m), |meat, sum| meat + sum * sum.transpose());
+        let groups = sums.len() as f64;
+        &inverse * meat * &inverse * (groups / (groups - 1.0))
+    } else {
+        // χ² = 2 C for squares
+        let spare = scores.len().saturating_sub(free.len()).max(1) as f64;
+        inverse * (2.0 * cost / spare)
     };
     let mut full = vec![vec![0.0; parameters.len()]; parameters.len()];
     for r in 0..m {

@@ -4,6 +4,8 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
+use crate::measured::MeasuredError;
+
 use super::inference::EnsembleError;
 
 /// Why a fit cannot be made.
@@ -67,6 +69,21 @@ pub enum FitError {
         /// Folds asked for.
         folds: usize,
     },
+    /// Sets of groups for the jackknife.
+    #[error(
+        "{groups} groups of points (tracks, nights) in {sets} sets: allowed are more sets than the {free} free parameters, and no more than groups"
+    )]
+    Sets {
+        /// Sets asked for.
+        sets: usize,
+        /// Groups there are.
+        groups: usize,
+        /// Free parameters.
+        free: usize,
+    },
+    /// Measurements that cannot be reduced again.
+    #[error(transparent)]
+    Reduction(#[from] MeasuredError),
     /// The ensemble of walkers.
     #[error(transparent)]
     Ensemble(#[from] EnsembleError),

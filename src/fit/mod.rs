@@ -2,8 +2,8 @@
 //!
 //! `point` is what a fit sees of a measurement, `form` what a law must answer (`two_panel` the paper's, `phase` those that it
 //! has to beat), `objective` a form held against points under a `loss`, `solve` its least squares from several starts with
-//! their `covariance`, `posterior` the walkers' draws (kept by `chain_file`), `comparison` and `cross_validation` which form
-//! explains more. `inference` knows functions of a vector and nothing of satellites.
+//! their `covariance` (of pixels by `jackknife` over the tracks behind them), `posterior` the walkers' draws (kept by
+//! `chain_file`), `comparison` and `cross_validation` which form explains more. `inference` knows functions of a vector and nothing of satellites.
 
 mod chain_file;
 mod comparison;
@@ -13,6 +13,7 @@ mod cross_validation;
 mod error;
 mod form;
 pub mod inference;
+mod jackknife;
 mod linear_starts;
 mod log_nodes;
 mod loss;
@@ -40,6 +41,7 @@ pub use cross_validation::{HeldOut, cross_validate, folds_by_group, predict};
 pub use error::FitError;
 pub use form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
 pub use inference::Chain;
+pub use jackknife::jackknife;
 pub use loss::Loss;
 pub use markdown::Report;
 pub use model_of_fit::{ModelWords, panels_file, range_of, two_panel_file};

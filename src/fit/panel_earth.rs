@@ -1,7 +1,7 @@
 //! The Earth's light on lists of panels at each point, ready for any coefficients.
 //!
 //! Light is linear in the weight of each law; what a law of weight 1 makes of the Earth is computed once for each point, and where a
-//! parameter bends it (an exponent, a width, a slope) at twelve values of that, between which it is interpolated.
+//! parameter bends it (an exponent, a width, a slope) at sixteen values of that, between which it is interpolated.
 
 use rayon::prelude::*;
 
@@ -11,7 +11,7 @@ use super::log_nodes::LogNodes;
 use super::point::FitPoint;
 
 /// Values of a bending parameter at which light is known: between them it is good to 1e-3 of itself.
-const NODES: usize = 12;
+const NODES: usize = 16;
 
 /// All laws on fronts that the Earth lights.
 #[derive(Default)]

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 use sha2::{Digest, Sha256};
 
-use super::covariance::{Certainty, certainty};
+use super::covariance::{Certainty, CovarianceKind, certainty};
 use super::error::FitError;
 use super::form::{Form, Parameter, Prepared};
 use super::inference::{LeastSquares, Minimum, Stop, minimise};
@@ -198,6 +198,14 @@ impl Fit {
     /// Values of all parameters, in order.
     pub fn values(&self) -> Vec<f64> {
         self.parameters.iter().map(|parameter| parameter.value).collect()
+    }
+
+    /// The same with another covariance of all parameters, `(n_parameter, n_parameter)`. Where the curvature is singular there still is none.
+    pub fn with_covariance(mut self, covariance: Vec<Vec<f64>>, kind: CovarianceKind) -> Self {
+        if let Some(own) = &mut self.certainty.covariance {
+            (*own, self.certainty.kind) = (covariance, kind);
+        }
+        self
     }
 
     /// The value of one.

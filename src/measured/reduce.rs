@@ -25,12 +25,15 @@ pub struct ReduceOptions {
     pub mode: DensityMode,
     /// Cells of fewer points are not kept.
     pub least_count: u32,
+    /// Cells of fewer tracks (or what else points were grouped by) are not kept. The points of one track cannot show that it was booked
+    /// under another satellite, nor how far satellites differ: its spread is small, so it even weighs much.
+    pub least_tracks: u32,
     /// Cells of wider spread are not kept, mag.
     pub most_iqr_mag: f64,
 }
 
 impl Default for ReduceOptions {
-    /// 1°, nside 32, folded, half-sample mode, 80 points, 0.4 mag: Lu (2024), section 3.
+    /// 1°, nside 32, folded, half-sample mode, 80 points of any number of tracks, 0.4 mag: Lu (2024), section 3.
     fn default() -> Self {
         Self {
             layer_width_rad: 1_f64.to_radians(),
@@ -38,6 +41,7 @@ impl Default for ReduceOptions {
             fold: true,
             mode: DensityMode::HalfSample,
             least_count: 80,
+            least_tracks: 1,
             most_iqr_mag: 0.4,
         }
     }
@@ -62,6 +66,8 @@ pub struct Pixel {
     pub iqr_mag: f64,
     /// Number of points.
     pub count: u32,
+    /// Number of tracks they are of.
+    pub tracks: u32,
     /// ⌊δ_sun / width⌋.
     pub layer: i32,
     /// HEALPix cell in RING order.
@@ -80,9 +86,12 @@ pub struct Reduction {
 }
 
 impl Reduction {
-    /// True of a pixel with enough points and little spread.
+    /// True of a pixel with enough points and tracks and little spread.
     pub fn keeps(&self, pixel: &Pixel) -> bool {
-        pixel.count >= self.options.least_count && pixel.iqr_mag <= self.options.most_iqr_mag
+        let options = &self.options;
+        pixel.count >= options.least_count
+            && pixel.tracks >= options.least_tracks
+            && pixel.iqr_mag <= options.most_iqr_mag
     }
 
     /// Pixels to be fitted.
@@ -98,13 +107,15 @@ struct Sums {
     height_km: f64,
 }
 
-/// Collects measurements, chunk by chunk: 8 bytes a point, some 100 a cell.
+/// A point: slot, magnitude (rounding to an f32 is 5e-7 mag), group.
+type Slotted = (u32, f32, u32);
+
+/// Collects measurements, chunk by chunk: 12 bytes a point, some 100 a cell.
 pub struct Reducer {
     options: ReduceOptions,
     slot_of: HashMap<(i32, u64), u32>,
     cells: Vec<(i32, u64, Sums)>,
-    /// Slot and magnitude; rounding to an f32 is 5e-7 mag.
-    points: Vec<(u32, f32)>,
+    points: Vec<Slotted>,
 }
 
 impl Reducer {
@@ -132,7 +143,8 @@ impl Reducer {
         let options = self.options;
         let placed: Vec<Option<(i32, u64, Sums, f32)>> =
             points.par_iter().map(|point| placed(point, &options)).collect();
-        for (layer, cell, one, magnitude) in placed.into_iter().flatten() {
+        for (placed, point) in placed.into_iter().zip(points) {
+            let Some((layer, cell, one, magnitude)) = placed else { continue };
             let next = self.cells.len() as u32;
             let slot = *self.slot_of.entry((layer, cell)).or_insert(next);
             if slot == next {
@@ -142,18 +154,21 @@ impl Reducer {
             sums.sun_latitude_rad += one.sun_latitude_rad;
             sums.to_observer += one.to_observer;
             sums.height_km += one.height_km;
-            self.points.push((slot, magnitude));
+            self.points.push((slot, magnitude, point.group));
         }
     }
 
     /// The pixels: the same for the same points in the same order, at any number of threads.
     pub fn finish(mut self) -> Reduction {
         self.points.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
-        let runs: Vec<&[(u32, f32)]> = self.points.chunk_by(|a, b| a.0 == b.0).collect();
-        let pixel = |run: &&[(u32, f32)]| {
+        let runs: Vec<&[Slotted]> = self.points.chunk_by(|a, b| a.0 == b.0).collect();
+        let pixel = |run: &&[Slotted]| {
             let (layer, cell, sums) = self.cells[run[0].0 as usize];
             let sorted: Vec<f64> = run.iter().map(|point| f64::from(point.1)).collect();
             let n = sorted.len() as f64;
+            let mut tracks: Vec<u32> = run.iter().map(|point| point.2).collect();
+            tracks.sort_unstable();
+            tracks.dedup();
             Pixel {
                 sun_latitude_rad: sums.sun_latitude_rad / n,
                 observer_longitude_rad: sums.to_observer.y.atan2(sums.to_observer.x).rem_euclid(std::f64::consts::TAU),
@@ -163,6 +178,7 @@ impl Reducer {
                 median_mag: quantile(&sorted, 0.5),
                 iqr_mag: interquartile_range(&sorted),
                 count: u32::try_from(sorted.len()).unwrap_or(u32::MAX),
+                tracks: u32::try_from(tracks.len()).unwrap_or(u32::MAX),
                 layer,
                 cell,
             }

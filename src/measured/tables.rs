@@ -17,7 +17,7 @@ const LATITUDE: Column =
 const HEIGHT: Column =
     Column::real("height_km", "km", 3, "Satellite's distance from the Earth's centre less 6378.137 km.");
 
-const PIXELS: [Column; 11] = [
+const PIXELS: [Column; 12] = [
     Column::new("layer", Kind::Integer, "Layer of the Sun's latitude, in widths, rounded down."),
     Column::new("healpix_cell", Kind::Integer, "Cell of the observer's direction, HEALPix in RING order."),
     SUN,
@@ -28,7 +28,8 @@ const PIXELS: [Column; 11] = [
     Column::real("median_mag", "mag", 4, "Median magnitude at 1000 km."),
     Column::real("iqr_mag", "mag", 4, "Interquartile range."),
     Column::new("count", Kind::Integer, "Points in the cell."),
-    Column::new("kept", Kind::Boolean, "Whether there are enough points of little enough spread."),
+    Column::new("tracks", Kind::Integer, "Tracks (satellites, nights, files: as rows are grouped) that they are of."),
+    Column::new("kept", Kind::Boolean, "Whether there are enough points and tracks of little enough spread."),
 ];
 
 const POINTS: [Column; 9] = [
@@ -44,7 +45,7 @@ const POINTS: [Column; 9] = [
 ];
 
 impl Reduction {
-    /// One row a pixel: layer, cell, mean angles, mode, median, spread, count, and whether it is kept.
+    /// One row a pixel: layer, cell, mean angles, mode, median, spread, count, tracks, and whether it is kept.
     pub fn table(&self) -> Table {
         let row = |pixel: &Pixel| {
             vec![
@@ -58,6 +59,7 @@ impl Reduction {
                 pixel.median_mag.into(),
                 pixel.iqr_mag.into(),
                 i64::from(pixel.count).into(),
+                i64::from(pixel.tracks).into(),
                 self.keeps(pixel).into(),
             ]
         };

@@ -95,6 +95,9 @@ pub struct ReductionArguments {
     /// Pixels of fewer points are not kept
     #[arg(long, value_name = "N", default_value_t = 80, help_heading = "Reduction")]
     pub min_count: u32,
+    /// Pixels of fewer tracks are not kept: several tell a wrongly identified one from the others
+    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Reduction")]
+    pub min_tracks: u32,
     /// Pixels of wider spread are not kept, mag
     #[arg(long, value_name = "MAG", default_value_t = 0.4, help_heading = "Reduction")]
     pub max_iqr: f64,
@@ -158,6 +161,9 @@ pub struct FitRunArguments {
     pub reduction: ReductionArguments,
     #[command(flatten)]
     pub form: FormArguments,
+    /// Sets of tracks that are left out in turn for the errors of a fit to pixels, more than the free parameters; 0: pixels count as independent
+    #[arg(long, value_name = "N", default_value_t = 24, help_heading = "Model")]
+    pub jackknife: usize,
     /// Draw the posterior with so many steps of walkers
     #[arg(long, value_name = "STEPS", help_heading = "Posterior")]
     pub mcmc: Option<usize>,

@@ -112,6 +112,7 @@ fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {
             ModeName::Kernel => DensityMode::Kernel,
         },
         least_count: typed.min_count,
+        least_tracks: typed.min_tracks,
         most_iqr_mag: typed.max_iqr,
     }
 }

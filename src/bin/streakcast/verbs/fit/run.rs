@@ -7,9 +7,9 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use indicatif::ProgressBar;
 use streakcast::fit::{
-    Chain, ChainAbout, Entrant, Fault, Fit, FitPoint, ModelWords, Posterior, PosteriorSettings, Problem, RawWeights,
-    Spread, Standing, baselines, contest, draw, faults, honest_sigma_mag, panels_file, points_of_measurements,
-    posterior, predict, read_chain, rms, two_panel_file, write_chain,
+    Chain, ChainAbout, CovarianceKind, Entrant, Fault, Fit, FitError, FitPoint, ModelWords, Posterior,
+    PosteriorSettings, Problem, RawWeights, Spread, Standing, baselines, contest, draw, faults, honest_sigma_mag,
+    jackknife, panels_file, points_of_measurements, posterior, predict, read_chain, rms, two_panel_file, write_chain,
 };
 use streakcast::photometry::ModelFile;
 
@@ -53,8 +53,8 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
     let placed = read(&typed.photometry, &typed.reduction)?;
     let problem = Problem::new(chosen.form.as_form(), &placed.points, &chosen.settings)?;
-    let fit = problem.solve()?;
     let notices = &placed.notices;
+    let fit = with_errors_of_tracks(typed.jackknife, &chosen, &placed, problem.solve()?)?;
     let in_sample = Spread::of(&fit.residuals_mag).ok_or_else(|| anyhow!("no point was fitted"))?;
     notices.say(&format!(
         "{} points, {} parameters: RMS {:.3} mag, core {:.3} mag",
@@ -87,6 +87,20 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         notices.say(&format!("not sound: {fault}"));
     }
     Ok(if faults.is_empty() { Outcome::Done } else { Outcome::No })
+}
+
+/// Pixels share tracks: how certain a fit to them is, sets of tracks that are left out tell.
+fn with_errors_of_tracks(sets: usize, chosen: &Chosen, placed: &Placed, fit: Fit) -> anyhow::Result<Fit> {
+    let Some(reduction) = placed.reduction.as_ref().filter(|_| sets > 0) else { return Ok(fit) };
+    match jackknife(chosen.form.as_form(), &placed.measurements, reduction.options, &fit, &chosen.settings, sets) {
+        Ok(covariance) => Ok(fit.with_covariance(covariance, CovarianceKind::Jackknife)),
+        // As of a table that names no tracks.
+        Err(problem @ FitError::Sets { .. }) => {
+            placed.notices.say(&format!("warning: errors take pixels as independent, which is too good: {problem}"));
+            Ok(fit)
+        }
+        Err(problem) => Err(problem.into()),
+    }
 }
 
 /// The form and those that it has to beat, on the same unseen folds.

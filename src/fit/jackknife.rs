@@ -1,0 +1,240 @@
+//! Errors of a fit to pixels: tracks left out by the set, reduced and fitted again.
+//!
+//! One track crosses many pixels and brings its own offset to all of them, so that pixels are not independent and no sum over them knows
+//! how certain the parameters are. Tracks are independent. They are dealt into G sets of like size, and with each set left out in turn
+//! everything from the reduction on is done again (delete-a-group jackknife: Efron and Stein 1981, Ann. Statist. 9, 586):
+//!
+//! ```text
+//! Σ = (G-1)/G Σ_g (θ_g - θ̄)(θ_g - θ̄)ᵀ,    θ̄ = Σ_g θ_g / G
+//! ```
+//!
+//! Of G sets, sigmas are themselves known to one part in √(2(G-1)): 15 % for 24. Errors that all tracks share (of the photometric zero
+//! point, of the form) are not in it.
+//!
+//! What is not smooth asks for large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not smooth: they jump where a few of many
+//! points are left out. Where a pixel has points of many tracks, the sigma is too large: in the tests below, with 70 points of as many
+//! tracks, by 1.4 to 1.7 (kernel) and 1.8 to 2.4 (half-sample modes). It errs on the safe side.
+
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
+use rayon::prelude::*;
+
+use crate::measured::{Measurement, Measurements, ReduceOptions, Reducer};
+
+use super::error::FitError;
+use super::form::Form;
+use super::observed::points_of_pixels;
+use super::solve::{Fit, FitSettings, Problem};
+
+/// Tracks are dealt in an order drawn with this seed: neighbours in a file share a night and its geometry.
+const SEED: u64 = 1;
+/// Measurements that go to a reducer at a time: the few that stay out of a set need no copy of all others.
+const CHUNK: usize = 1 << 16;
+
+/// Covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, 0 for those that were held or stand at a bound.
+///
+/// `measurements`, reduced with `options` and fitted with `form` and `settings`, gave `fit`; descents start at its solution. Each thread
+/// holds one more reduction, some 10 bytes a measurement. The same at any number of threads.
+///
+/// # Errors
+/// [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets; [`FitError::Reduction`] for
+/// options that cannot be; [`FitError::NoMinimum`] where a descent ends at no finite cost; those of [`Problem::new`], where what is left
+/// makes too few pixels.
+pub fn jackknife(
+    form: &dyn Form,
+    measurements: &Measurements,
+    options: ReduceOptions,
+    fit: &Fit,
+    settings: &FitSettings,
+    sets: usize,
+) -> Result<Vec<Vec<f64>>, FitError> {
+    let (set_of_group, groups) = dealt(&measurements.points, sets);
+    if sets <= fit.free.len() || groups < sets {
+        return Err(FitError::Sets { sets, groups, free: fit.free.len() });
+    }
+    let values = fit.values();
+    let start: Vec<f64> = fit.free.iter().map(|&i| values[i]).collect();
+    let without = |set: usize| {
+        let mut reducer = Reducer::new(options)?;
+        for chunk in measurements.points.chunks(CHUNK) {
+            let stays = |point: &&Measurement| set_of_group[point.group as usize] != set;
+            reducer.add(&chunk.iter().filter(stays).copied().collect::<Vec<_>>());
+        }
+        let problem = Problem::new(form, &points_of_pixels(&reducer.finish()), settings)?;
+        let minimum = problem.descend(&start);
+        if minimum.cost.is_finite() { Ok(minimum.x) } else { Err(FitError::NoMinimum { starts: 1 }) }
+    };
+    let replicas = (0..sets).into_par_iter().map(without).collect::<Result<Vec<Vec<f64>>, FitError>>()?;
+
+    let per_set = 1.0 / sets as f64;
+    let mean = |k: usize| replicas.iter().map(|replica| replica[k]).sum::<f64>() * per_set;
+    let means: Vec<f64> = (0..start.len()).map(mean).collect();
+    let inner = |k: usize| !fit.certainty.at_bound.contains(&fit.free[k]);
+    let mut covariance = vec![vec![0.0; values.len()]; values.len()];
+    for r in (0..start.len()).filter(|&k| inner(k)) {
+        for c in (0..start.len()).filter(|&k| inner(k)) {
+            // Σ = (G-1)/G Σ_g (θ_g - θ̄)(θ_g - θ̄)ᵀ
+            let products = replicas.iter().map(|replica| (replica[r] - means[r]) * (replica[c] - means[c]));
+            covariance[fit.free[r]][fit.free[c]] = (1.0 - per_set) * products.sum::<f64>();
+        }
+    }
+    Ok(covariance)
+}
+
+/// The set of each group that has a point, by its number, and how many such groups there are.
+fn dealt(points: &[Measurement], sets: usize) -> (Vec<usize>, usize) {
+    let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
+    groups.sort_unstable();
+    groups.dedup();
+    let mut random = ChaCha8Rng::seed_from_u64(SEED);
+    let mut drawn: Vec<(u64, u32)> = groups.iter().map(|&group| (random.next_u64(), group)).collect();
+    drawn.sort_unstable();
+    let mut set_of_group = vec![0; groups.last().map_or(0, |&last| last as usize + 1)];
+    for (place, (_, group)) in drawn.into_iter().enumerate() {
+        set_of_group[group as usize] = place % sets.max(1);
+    }
+    (set_of_group, groups.len())
+}
+
+#[cfg(test)]
+mod tests {
+    use rand::RngExt;
+    use rand_distr::StandardNormal;
+
+    use super::*;
+    use crate::fit::{CovarianceKind, SphereForm};
+    use crate::geometry::ViewingGeometry;
+    use crate::measured::{DensityMode, reduce};
+    use crate::photometry::{DiffuseSphere, StandardMagnitude};
+
+    const SETS: usize = 24;
+    const HALF_LIT_MAG: f64 = 6.0;
+    /// One sigma from point to point, mag.
+    const NOISE_MAG: f64 = 0.1;
+
+    /// Cells of some 70 points.
+    fn coarse(mode: DensityMode) -> ReduceOptions {
+        let paper = ReduceOptions::default();
+        ReduceOptions { nside: 4, layer_width_rad: 0.2, least_count: 20, most_iqr_mag: 3.0, mode, ..paper }
+    }
+
+    /// Cells so small that each holds a point: no mode is in it, and the fit is the mean of all points, which is smooth.
+    fn fine() -> ReduceOptions {
+        ReduceOptions { nside: 1024, least_count: 1, ..coarse(DensityMode::HalfSample) }
+    }
+
+    /// A diffuse sphere, seen in 240 groups of 30 points; each group has an offset.
+    fn seen(seed: u64, offset_mag: f64) -> Measurements {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let sphere = DiffuseSphere { half_lit: StandardMagnitude(HALF_LIT_MAG) };
+        let mut seen = Measurements::default();
+        for group in 0..240 {
+            seen.groups.push(group.to_string());
+            let offset = offset_mag * random.sample::<f64, _>(StandardNormal);
+            for _ in 0..30 {
+                let between =
+                    |least: f64, most: f64, random: &mut ChaCha8Rng| least + (most - least) * random.random::<f64>();
+                let longitude = between(0.0, 3.1, &mut random);
+                let latitude = between(-1.4, -0.6, &mut random);
+                let geometry =
+                    ViewingGeometry::from_angles(-0.3, longitude, latitude, 1000.0, 550.0).expect("a geometry");
+                let noise = offset + NOISE_MAG * random.sample::<f64, _>(StandardNormal);
+                let sphere_mag = sphere.standard_magnitude(geometry.phase_angle_rad()).expect("a magnitude").0;
+                let magnitude = StandardMagnitude(sphere_mag + noise);
+                seen.points.push(Measurement {
+                    magnitude,
+                    sigma_mag: None,
+                    geometry,
+                    group,
+                    norad_id: None,
+                    epoch: None,
+                });
+            }
+        }
+        seen
+    }
+
+    /// Value, variance by the curvature and variance by the jackknife.
+    fn fitted(seed: u64, offset_mag: f64, options: ReduceOptions) -> (f64, f64, f64) {
+        let (seen, settings) = (seen(seed, offset_mag), FitSettings::free(&["half_lit_mag"]));
+        let points = points_of_pixels(&reduce(&seen.points, options).expect("pixels"));
+        let fit = Problem::new(&SphereForm, &points, &settings).and_then(|problem| problem.solve()).expect("a fit");
+        let by_sets = jackknife(&SphereForm, &seen, options, &fit, &settings, SETS).expect("a covariance");
+        let own = fit.certainty.covariance.as_ref().expect("a covariance")[0][0];
+        let known = fit.clone().with_covariance(by_sets.clone(), CovarianceKind::Jackknife);
+        assert_eq!(known.certainty.sigma(0), Some(by_sets[0][0].sqrt()));
+        (fit.parameters[0].value, own, by_sets[0][0])
+    }
+
+    /// Scatter of the value, and the sigmas that the curvature and the jackknife give on average.
+    fn sigmas(offset_mag: f64, options: ReduceOptions) -> [f64; 3] {
+        const SIMULATIONS: u64 = 48;
+        let all: Vec<(f64, f64, f64)> = (1..=SIMULATIONS).map(|seed| fitted(seed, offset_mag, options)).collect();
+        let n = SIMULATIONS as f64;
+        let mean = all.iter().map(|one| one.0).sum::<f64>() / n;
+        let scatter = all.iter().map(|one| (one.0 - mean).powi(2)).sum::<f64>() / (n - 1.0);
+        let own = all.iter().map(|one| one.1).sum::<f64>() / n;
+        let by_sets = all.iter().map(|one| one.2).sum::<f64>() / n;
+        [scatter.sqrt(), own.sqrt(), by_sets.sqrt()]
+    }
+
+    #[test]
+    fn verif_sigma_is_the_scatter_where_groups_share_an_offset() {
+        let [scatter, own, by_sets] = sigmas(0.3, fine());
+        println!("scatter {scatter:.5}, curvature {own:.5}, jackknife {by_sets:.5} mag");
+        /// Share; the scatter of 48 is known to 10 %.
+        const ALIKE: f64 = 0.25;
+        assert!((by_sets / scatter - 1.0).abs() < ALIKE, "{by_sets} {scatter}");
+        // Pixels taken as independent know too much.
+        assert!(own < 0.7 * scatter, "{own} {scatter}");
+    }
+
+    #[test]
+    fn verif_sigma_is_that_of_the_curvature_where_points_are_independent() {
+        let [scatter, own, by_sets] = sigmas(0.0, fine());
+        println!("scatter {scatter:.5}, curvature {own:.5}, jackknife {by_sets:.5} mag");
+        /// Share.
+        const ALIKE: f64 = 0.3;
+        assert!((by_sets / own - 1.0).abs() < ALIKE, "{by_sets} {own} {scatter}");
+    }
+
+    #[test]
+    fn verif_sigma_of_modes_errs_on_the_safe_side() {
+        /// Shares: modes jump where a few of many points are left out.
+        const ALIKE: [(DensityMode, std::ops::Range<f64>); 2] =
+            [(DensityMode::Kernel, 0.75..2.0), (DensityMode::HalfSample, 0.75..3.0)];
+        for (mode, alike) in ALIKE {
+            for offset_mag in [0.0, 0.3] {
+                let [scatter, own, by_sets] = sigmas(offset_mag, coarse(mode));
+                println!(
+                    "{mode:?}, offsets {offset_mag}: scatter {scatter:.5}, curvature {own:.5}, jackknife {by_sets:.5} mag"
+                );
+                assert!(alike.contains(&(by_sets / scatter)), "{by_sets} {scatter}");
+            }
+        }
+    }
+
+    #[test]
+    fn verif_too_few_sets_or_groups_are_named() {
+        let (seen, settings) = (seen(1, 0.1), FitSettings::free(&["half_lit_mag"]));
+        let points = points_of_pixels(&reduce(&seen.points, coarse(DensityMode::Kernel)).expect("pixels"));
+        let fit = Problem::new(&SphereForm, &points, &settings).and_then(|problem| problem.solve()).expect("a fit");
+        for sets in [0, 1, 241] {
+            let refused = jackknife(&SphereForm, &seen, coarse(DensityMode::Kernel), &fit, &settings, sets);
+            assert!(matches!(refused, Err(FitError::Sets { groups: 240, free: 1, .. })), "{sets}: {refused:?}");
+        }
+    }
+
+    #[test]
+    fn verif_held_parameters_have_no_covariance() {
+        let seen = seen(1, 0.1);
+        let form = crate::fit::PhaseForm { degree: 2 };
+        let settings = FitSettings::free(&["a0", "a2"]);
+        let points = points_of_pixels(&reduce(&seen.points, coarse(DensityMode::Kernel)).expect("pixels"));
+        let fit = Problem::new(&form, &points, &settings).and_then(|problem| problem.solve()).expect("a fit");
+        let covariance =
+            jackknife(&form, &seen, coarse(DensityMode::Kernel), &fit, &settings, SETS).expect("a covariance");
+        assert!(covariance[1].iter().all(|of_held| *of_held == 0.0));
+        assert!(covariance[0][0] > 0.0 && covariance[2][2] > 0.0 && covariance[0][2] == covariance[2][0]);
+    }
+}
