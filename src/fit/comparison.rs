@@ -26,6 +26,11 @@ pub struct PairedTest {
 /// where all differences are equal.
 pub fn paired_t_test(one: &[f64], other: &[f64]) -> Option<PairedTest> {
     let differences: Vec<f64> = one.iter().zip(other).map(|(a, b)| a - b).collect();
+    // Without scatter there is no t, and the library would look for the tail of an infinite one.
+    let first = *differences.first()?;
+    if differences.iter().all(|difference| *difference == first) {
+        return None;
+    }
     let (t, p) = ttest_onesample(differences, 0.0, Alternative::TwoSided, NaNPolicy::Error).ok()?;
     (t.is_finite() && p.is_finite()).then_some(PairedTest { t, p })
 }
