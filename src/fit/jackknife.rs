@@ -181,7 +181,6 @@ mod tests {
     #[test]
     fn verif_sigma_is_the_scatter_where_groups_share_an_offset() {
         let [scatter, own, by_sets] = sigmas(0.3, fine());
-        println!("scatter {scatter:.5}, curvature {own:.5}, jackknife {by_sets:.5} mag");
         /// Share; the scatter of 48 is known to 10 %.
         const ALIKE: f64 = 0.25;
         assert!((by_sets / scatter - 1.0).abs() < ALIKE, "{by_sets} {scatter}");
@@ -192,7 +191,6 @@ mod tests {
     #[test]
     fn verif_sigma_is_that_of_the_curvature_where_points_are_independent() {
         let [scatter, own, by_sets] = sigmas(0.0, fine());
-        println!("scatter {scatter:.5}, curvature {own:.5}, jackknife {by_sets:.5} mag");
         /// Share.
         const ALIKE: f64 = 0.3;
         assert!((by_sets / own - 1.0).abs() < ALIKE, "{by_sets} {own} {scatter}");
@@ -205,10 +203,7 @@ mod tests {
             [(DensityMode::Kernel, 0.75..2.0), (DensityMode::HalfSample, 0.75..3.0)];
         for (mode, alike) in ALIKE {
             for offset_mag in [0.0, 0.3] {
-                let [scatter, own, by_sets] = sigmas(offset_mag, coarse(mode));
-                println!(
-                    "{mode:?}, offsets {offset_mag}: scatter {scatter:.5}, curvature {own:.5}, jackknife {by_sets:.5} mag"
-                );
+                let [scatter, _, by_sets] = sigmas(offset_mag, coarse(mode));
                 assert!(alike.contains(&(by_sets / scatter)), "{by_sets} {scatter}");
             }
         }
