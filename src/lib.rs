@@ -30,6 +30,7 @@ pub mod passes;
 pub mod photometry;
 #[cfg(feature = "plot")]
 pub mod plot;
+mod quantile;
 pub mod schedule;
 pub mod setup;
 pub mod table;

@@ -56,6 +56,7 @@ else
     step "fits and plot alone" cargo check --quiet --no-default-features --features fits,plot
     step "example flag_exposures" cargo run --quiet --example flag_exposures
     step "example sky_map" cargo run --quiet --example sky_map
+    step "example fit_photometry" cargo run --quiet --example fit_photometry
     step "example charts" cargo run --quiet --example charts -- "$log"
     # What the pages show is what comes out: every line of the answer stands in them.
     transcript() {

@@ -3,8 +3,10 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
+use crate::quantile::quantile;
+
 use super::error::FitError;
-use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_times, quantile};
+use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_times};
 use super::objective::Objective;
 use super::solve::Fit;
 

@@ -1,6 +1,6 @@
 //! Residuals in a few numbers.
 
-use super::inference::quantile;
+use crate::quantile::quantile;
 
 /// Residuals of a fit or a prediction, mag.
 #[derive(Copy, Clone, Debug, PartialEq)]

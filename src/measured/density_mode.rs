@@ -8,6 +8,8 @@
 //! **Kernel mode**: the maximum of a sum of normal curves on the points, sigma by Silverman's rule (1986, eq. 3.31). Smoother, and drawn
 //! towards the longer wing by about its width.
 
+use crate::quantile::quantile;
+
 /// How the densest magnitude is found.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum DensityMode {
@@ -107,17 +109,6 @@ pub fn kernel_sigma(sorted: &[f64]) -> f64 {
     let mean = sorted.iter().sum::<f64>() / n;
     let deviation = (sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
     0.9 * deviation.min(interquartile_range(sorted) / 1.34) * n.powf(-0.2)
-}
-
-/// Straight line between the values about the place (n - 1) p, as numpy's default; not a number for none.
-pub fn quantile(sorted: &[f64], p: f64) -> f64 {
-    let place = p * sorted.len().saturating_sub(1) as f64;
-    let below = place.floor() as usize;
-    match (sorted.get(below), sorted.get(below + 1)) {
-        (Some(low), Some(high)) => low + (high - low) * (place - below as f64),
-        (Some(low), None) => *low,
-        _ => f64::NAN,
-    }
 }
 
 /// Third quartile minus first.

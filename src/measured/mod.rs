@@ -50,9 +50,10 @@ mod station;
 mod tables;
 mod triangle;
 
+pub use crate::quantile::quantile;
 pub use associate::{AssociationOptions, Candidate, associate};
 pub use column_map::ColumnMap;
-pub use density_mode::{DensityMode, half_sample_mode, interquartile_range, kernel_mode, kernel_sigma, quantile};
+pub use density_mode::{DensityMode, half_sample_mode, interquartile_range, kernel_mode, kernel_sigma};
 pub use dropped::{DropCounts, DropExample, DropReason};
 pub use error::MeasuredError;
 pub use format::Format;

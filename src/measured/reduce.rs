@@ -7,8 +7,9 @@ use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::healpix::{MOST_NSIDE, ring_cell};
+use crate::quantile::quantile;
 
-use super::density_mode::{DensityMode, interquartile_range, quantile};
+use super::density_mode::{DensityMode, interquartile_range};
 use super::error::MeasuredError;
 use super::measurement::Measurement;
 

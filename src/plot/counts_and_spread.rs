@@ -4,6 +4,8 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
+use crate::quantile::quantile;
+
 use super::axes::{Axis, Frame};
 use super::bar::colour_bar;
 use super::density::Density;
@@ -11,7 +13,7 @@ use super::error::PlotError;
 use super::numbers::{count, fixed, per_cent};
 use super::picture::{Picture, width_of};
 use super::scale::{ColourScale, Quantity};
-use super::statistics::{check, check_length, quantile, sorted};
+use super::statistics::{check, check_length, sorted};
 
 const LINE: RGBColor = RGBColor(0, 114, 178);
 const THRESHOLD: RGBColor = RGBColor(213, 94, 0);

@@ -6,11 +6,13 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
+use crate::quantile::quantile;
+
 use super::axes::{Axis, Frame};
 use super::error::PlotError;
 use super::numbers::{count, fixed};
 use super::picture::{INK, Picture};
-use super::statistics::{check, histogram, mad_sigma, mean_and_sd, quantile, sorted};
+use super::statistics::{check, histogram, mad_sigma, mean_and_sd, sorted};
 
 const BARS: RGBColor = RGBColor(158, 202, 225);
 const CURVE: RGBColor = RGBColor(213, 94, 0);

@@ -4,12 +4,14 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
+use crate::quantile::quantile;
+
 use super::axes::{Axis, Frame};
 use super::dots::dots;
 use super::error::PlotError;
 use super::numbers::count;
 use super::picture::{INK, Picture};
-use super::statistics::{check, check_length, quantile, running_band, sorted};
+use super::statistics::{check, check_length, running_band, sorted};
 
 const DOT: RGBColor = RGBColor(120, 120, 120);
 const BAND: RGBColor = RGBColor(86, 180, 233);

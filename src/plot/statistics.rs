@@ -1,5 +1,7 @@
 //! What charts ask of columns of numbers: quantiles, spread, histograms, and bands that run along an axis.
 
+use crate::quantile::quantile;
+
 use super::axes::Axis;
 use super::error::PlotError;
 
@@ -36,15 +38,6 @@ pub(super) fn sorted(values: &[f64]) -> Vec<f64> {
     let mut values = values.to_vec();
     values.sort_unstable_by(f64::total_cmp);
     values
-}
-
-/// Value below which this share of sorted values lies, linear between neighbours; not a number where there are none.
-pub(super) fn quantile(sorted: &[f64], share: f64) -> f64 {
-    let Some(last) = sorted.len().checked_sub(1) else { return f64::NAN };
-    let at = share.clamp(0.0, 1.0) * last as f64;
-    let below = at as usize;
-    let above = (below + 1).min(last);
-    sorted[below] + (at - below as f64) * (sorted[above] - sorted[below])
 }
 
 /// Mean and standard deviation (divisor n − 1; 0 for one value).
