@@ -44,7 +44,7 @@ pub use inference::Chain;
 pub use jackknife::jackknife;
 pub use loss::Loss;
 pub use markdown::Report;
-pub use model_of_fit::{ModelWords, panels_file, range_of, two_panel_file};
+pub use model_of_fit::{ModelWords, model_file, range_of};
 pub use objective::Objective;
 pub use observed::{RawWeights, points_of_measurements, points_of_pixels};
 pub use panels_form::PanelsForm;

@@ -1,9 +1,9 @@
 //! A fit as a model file.
 
 use crate::geometry::ViewingGeometry;
-use crate::photometry::{Coefficients, GeometryRange, ModelFile, ModelFileError, Provenance};
+use crate::photometry::{GeometryRange, ModelFile, ModelFileError, Provenance};
 
-use super::paper::COEFFICIENTS;
+use super::paper::{COEFFICIENTS, PANEL_OFFSET};
 use super::point::FitPoint;
 use super::solve::Fit;
 
@@ -33,11 +33,12 @@ pub struct ModelWords {
     pub sigma_origin: String,
 }
 
-/// The model that `base` becomes with the fitted coefficients, their covariance, the range of the points, and a sigma.
+/// The model that `base` (chassis and sail, or a list of panels) becomes with the fitted parameters, their covariance, the range of the
+/// points, and a sigma.
 ///
 /// # Errors
-/// [`ModelFileError`] where the fit's numbers are outside what a model file may hold, or `base` is not made of two panels.
-pub fn two_panel_file(
+/// [`ModelFileError`] where the fit's numbers are outside what a model file may hold.
+pub fn model_file(
     base: &ModelFile,
     fit: &Fit,
     points: &[FitPoint],
@@ -45,64 +46,29 @@ pub fn two_panel_file(
     sigma_mag: f64,
     words: &ModelWords,
 ) -> Result<ModelFile, ModelFileError> {
-    let value = |name: &str| fit.value(name).unwrap_or(f64::NAN);
-    let index = |name: &str| fit.parameters.iter().position(|parameter| parameter.name == name);
-    let order: Vec<usize> = COEFFICIENTS.iter().filter_map(|name| index(name)).collect();
+    let order: Vec<usize> = base
+        .parameters()
+        .iter()
+        .filter_map(|(name, _)| fit.parameters.iter().position(|parameter| parameter.name == *name))
+        .collect();
     let covariance = fit.certainty.covariance.as_ref();
-    let mut shape = base.shape;
-    if let (Some(shape), Some(offset)) = (&mut shape, fit.value("panel_offset_deg")) {
-        shape.panel_offset_deg = offset;
+    let value = |name: &str, otherwise: f64| fit.value(name).unwrap_or(otherwise);
+    let mut fitted = base.clone();
+    if let Some(shape) = &mut fitted.shape {
+        shape.panel_offset_deg = value(PANEL_OFFSET, shape.panel_offset_deg);
     }
-    let fitted = ModelFile {
-        shape,
-        coefficients: Some(Coefficients {
-            c1: value("c1"),
-            c2: value("c2"),
-            c3: value("c3"),
-            c4: value("c4"),
-            c5: value("c5"),
-            n_sail: value("n_sail"),
-            n_base: value("n_base"),
-        }),
-        covariance: covariance.map(|all| order.iter().map(|&i| order.iter().map(|&j| all[i][j]).collect()).collect()),
-        ..base.clone()
-    };
-    named(fitted, fit, points, rms_mag, sigma_mag, words)
-}
-
-/// The same for a model that lists its panels.
-///
-/// # Errors
-/// As [`two_panel_file`].
-pub fn panels_file(
-    base: &ModelFile,
-    fit: &Fit,
-    points: &[FitPoint],
-    rms_mag: f64,
-    sigma_mag: f64,
-    words: &ModelWords,
-) -> Result<ModelFile, ModelFileError> {
-    let mut panels = base.panels.clone();
-    for parameter in panels.iter_mut().flat_map(|panels| &mut panels.parameters) {
-        parameter.value = fit.value(&parameter.name).unwrap_or(parameter.value);
+    if let Some(c) = &mut fitted.coefficients {
+        let all = [&mut c.c1, &mut c.c2, &mut c.c3, &mut c.c4, &mut c.c5, &mut c.n_sail, &mut c.n_base];
+        COEFFICIENTS.iter().zip(all).for_each(|(name, c)| *c = value(name, *c));
     }
-    let fitted = ModelFile { panels, covariance: fit.certainty.covariance.clone(), ..base.clone() };
-    named(fitted, fit, points, rms_mag, sigma_mag, words)
-}
-
-/// Everything but the numbers of the law.
-fn named(
-    fitted: ModelFile,
-    fit: &Fit,
-    points: &[FitPoint],
-    rms_mag: f64,
-    sigma_mag: f64,
-    words: &ModelWords,
-) -> Result<ModelFile, ModelFileError> {
+    for parameter in fitted.panels.iter_mut().flat_map(|panels| &mut panels.parameters) {
+        parameter.value = value(&parameter.name, parameter.value);
+    }
     let file = ModelFile {
         name: words.name.clone(),
         aliases: Vec::new(),
         title: words.title.clone(),
+        covariance: covariance.map(|all| order.iter().map(|&i| order.iter().map(|&j| all[i][j]).collect()).collect()),
         rms_mag: Some(rounded(rms_mag)),
         sigma_mag: rounded(sigma_mag),
         sigma_outside_mag: rounded(sigma_mag.hypot(OUTSIDE_MAG)),

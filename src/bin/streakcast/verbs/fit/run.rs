@@ -9,11 +9,11 @@ use indicatif::ProgressBar;
 use streakcast::fit::{
     Chain, ChainAbout, CovarianceKind, Entrant, Fault, Fit, FitError, FitPoint, ModelWords, Posterior,
     PosteriorSettings, Problem, RawWeights, Spread, Standing, baselines, contest, draw, faults, honest_sigma_mag,
-    jackknife, panels_file, points_of_measurements, posterior, predict, read_chain, rms, two_panel_file, write_chain,
+    jackknife, model_file, points_of_measurements, posterior, predict, read_chain, rms, write_chain,
 };
 use streakcast::photometry::ModelFile;
 
-use super::points::{Chosen, FittedForm, Placed, form, read};
+use super::points::{Chosen, Placed, form, read};
 use super::report;
 use crate::failure::Outcome;
 use crate::fit_arguments::{FitArguments, FitRunArguments, FitVerb};
@@ -218,10 +218,7 @@ fn file(told: &Told) -> anyhow::Result<ModelFile> {
         sigma_origin: origin,
     };
     let rms_mag = rms(&fit.residuals_mag);
-    Ok(match &chosen.form {
-        FittedForm::TwoPanel(_) => two_panel_file(base, fit, problem.points(), rms_mag, sigma_mag, &words)?,
-        FittedForm::Panels(_) => panels_file(base, fit, problem.points(), rms_mag, sigma_mag, &words)?,
-    })
+    Ok(model_file(base, fit, problem.points(), rms_mag, sigma_mag, &words)?)
 }
 
 /// As `2026-11`.
