@@ -32,7 +32,7 @@ fn below(nadir_deg: f64, longitude_deg: f64) -> Vector3<f64> {
 
 /// c5 and c4 of the shipped Starlink V1.5: both terms in one number, without area and cos φ_r.
 fn chassis(shine: &Shine, exponent: f64) -> f64 {
-    0.0844 / PI * shine.irradiance + 0.1097 * (exponent + 2.0) / (2.0 * PI) * shine.lobe
+    0.0915 / PI * shine.irradiance + 0.1889 * (exponent + 2.0) / (2.0 * PI) * shine.lobe
 }
 
 fn magnitudes_apart(a: f64, b: f64) -> f64 {

@@ -146,17 +146,21 @@ fn verif_shipped_files_meet_their_schema_and_our_own_rules() {
 }
 
 #[test]
-fn verif_the_provisional_model_says_what_it_is() {
+fn verif_the_model_of_v15_says_what_it_is() {
     let value: Value = serde_json::from_str(shipped("starlink-v1.5.json")).unwrap();
     let c = &value["coefficients"];
     for (key, expected) in
-        [("c1", 0.0), ("c2", 0.0279), ("c3", 0.0053), ("c4", 0.1097), ("c5", 0.0844), ("n_sail", 5.0), ("n_base", 22.0)]
+        [("c1", 0.0), ("c2", 0.0329233), ("c3", 0.00540113), ("c4", 0.188929), ("c5", 0.0915459), ("n_base", 26.741)]
     {
         assert_eq!(c[key].as_f64(), Some(expected), "{key}");
     }
-    assert!(value["covariance"].is_null());
-    assert_eq!(value["rms_mag"].as_f64(), Some(0.67));
-    assert_eq!(value["provenance"]["provisional"], json!(true));
+    // What was held has no error, the others have.
+    for (index, is_held) in [true, false, false, false, false, true, false].into_iter().enumerate() {
+        assert_eq!(value["covariance"][index][index].as_f64() == Some(0.0), is_held, "{index}");
+    }
+    // Sigma holds 68.3 %, the RMS has the wings.
+    assert_eq!([&value["rms_mag"], &value["sigma_mag"]].map(Value::as_f64), [Some(0.513), Some(0.417)]);
+    assert_eq!(value["provenance"]["provisional"], json!(false));
 }
 
 #[test]
@@ -197,7 +201,7 @@ fn verif_wrong_files_get_one_clear_error() {
         (|v| v["band"] = json!("W"), &["band is \"W\"", "allowed is B V R"]),
         (|v| v["mag_system"] = json!("ST"), &["mag_system", "Vega or AB"]),
         (|v| v["name"] = json!("My Model"), &["name is \"My Model\"", "lower-case"]),
-        (|v| v["sigma_outside_mag"] = json!(0.1), &["sigma_outside_mag is 0.1", "0.67 to 5"]),
+        (|v| v["sigma_outside_mag"] = json!(0.1), &["sigma_outside_mag is 0.1", "0.417 to 5"]),
         (|v| v["geometry_range"]["sun_latitude_deg"] = json!([-5, -23]), &["sun_latitude_deg[1] is -23", "-5 to 90"]),
         (|v| v["covariance"] = json!([[1.0]]), &["covariance", "7 x 7", "1 rows"]),
         (|v| v["provenance"]["source"] = json!("  "), &["provenance.source"]),
@@ -210,7 +214,8 @@ fn verif_wrong_files_get_one_clear_error() {
         }
     }
     // NaN is no JSON; a value too large to hold reads as an error too.
-    for text in ["", "{", "[1]", &spoiled(|_| {}).replace("0.0279", "NaN"), &spoiled(|_| {}).replace("0.0279", "1e999")]
+    for text in
+        ["", "{", "[1]", &spoiled(|_| {}).replace("0.0329233", "NaN"), &spoiled(|_| {}).replace("0.0329233", "1e999")]
     {
         assert!(matches!(BrightnessModel::from_json(text, "x"), Err(ModelFileError::Json { .. })), "{text}");
     }

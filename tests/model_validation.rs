@@ -34,8 +34,8 @@ fn valid_every_shipped_model_agrees_with_what_was_published() {
             compared += 1;
         }
     }
-    // 14 models of satellites of which a mean is known (two of them V2 Mini's, with two means), 7 of those with a curve.
-    assert_eq!(compared, 14 + 2 + 7);
+    // 15 models of satellites of which a mean is known (two of them V2 Mini's, with two means), 8 of those with a curve.
+    assert_eq!(compared, 15 + 2 + 8);
 }
 
 #[test]
@@ -75,7 +75,7 @@ fn valid_population_means_against_satellites_one_by_one() {
         assert!((our_sd - sd).abs() < SD_TOLERANCE_MAG, "{}: {our_sd} against {sd}", &record[0]);
         compared += 1;
     }
-    assert_eq!(compared, 8);
+    assert_eq!(compared, 9);
 }
 
 /// A shipped file under another name, with other numbers.
@@ -136,32 +136,36 @@ fn verif_a_model_in_another_band_is_brought_to_v() {
     assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");
 }
 
-/// What files state, and a fit to more points of the same survey, rounded to 0.01, and zero points that differ by as much.
-const STATED_MAG: f64 = 0.02;
 /// The same rows through other code, with astropy's places of the site and the Sun: arc seconds, and three digits.
 const PYTHON_MAG: f64 = 0.002;
+/// The core is a median, which jumps from point to point where there are 742.
+const PYTHON_CORE_MAG: f64 = 0.005;
+/// Rows that pass the 100 km rule here and not there, by metres.
+const PYTHON_ROWS: usize = 5;
 
-/// n, mean difference, RMS and core of shipped models about the measurements, mag, and how well these are known.
-const EXPECTED: &[(&str, usize, [f64; 3], f64)] = &[
-    // Feasibility fit, in Python: RMS 0.668, core 0.386 on 1173 points, of which the folder holds 920.
-    ("starlink-v1.5", 920, [-0.02, 0.668, 0.386], STATED_MAG),
-    // Published functions and means, nothing fitted: the offsets and scatters that the model files state.
-    ("starlink-v1.5-phase", 920, [0.07, 0.75, 0.66], STATED_MAG),
-    ("v2mini", 1232, [-0.24, 0.94, 0.61], STATED_MAG),
-    ("visorsat", 12_633, [-0.02, 0.58, 0.37], STATED_MAG),
-    ("oneweb", 57_436, [-0.04, 0.61, 0.52], STATED_MAG),
-    // Shipped coefficients in the Python of tests/reference/fit_provisional_models.py (`shipped`): its own geometry, its own two panels.
-    ("v2mini-panels", 1232, [-0.173, 0.871, 0.298], PYTHON_MAG),
-    ("visorsat-panels", 11_722, [-0.115, 0.568, 0.335], PYTHON_MAG),
-    ("oneweb-panels", 52_649, [-0.058, 0.521, 0.365], PYTHON_MAG),
+/// n, mean difference, RMS and core of shipped models about the measurements, mag: shipped files in the Python of
+/// tests/reference/model_magnitudes.py, its own geometry, its own panels, laws and spheres.
+const EXPECTED: &[(&str, usize, [f64; 3])] = &[
+    ("starlink-v1.5", 742, [0.007, 0.514, 0.374]),
+    ("starlink-v1.5-facets", 742, [0.004, 0.474, 0.335]),
+    ("starlink-v1.5-phase", 742, [0.053, 0.672, 0.644]),
+    ("v2mini-panels", 1221, [-0.049, 0.576, 0.288]),
+    ("v2mini", 1221, [-0.240, 0.944, 0.603]),
+    ("visorsat-panels", 10_307, [-0.028, 0.554, 0.342]),
+    ("visorsat", 10_307, [-0.014, 0.600, 0.369]),
+    ("oneweb-panels", 52_649, [0.016, 0.470, 0.377]),
+    ("oneweb", 52_649, [-0.043, 0.606, 0.510]),
+    ("iridium-next", 11_403, [-0.007, 0.259, 0.211]),
 ];
+
+/// Those fitted for this project: their sigma is measured on unseen points.
+const FITTED: [&str; 6] =
+    ["starlink-v1.5", "starlink-v1.5-facets", "v2mini-panels", "visorsat-panels", "oneweb-panels", "iridium-next"];
 
 #[test]
 fn valid_shipped_models_against_photometry() {
     let Some(data) = common::data_dir() else { return };
     let photometry = Photometry::read(&data).unwrap();
-    // A file states its sigma rounded, and that of unseen points where it was fitted.
-    const SIGMA_TOLERANCE_MAG: f64 = 0.1;
     let library = ModelLibrary::embedded();
     let mut found = BTreeMap::new();
     for name in library.names() {
@@ -174,19 +178,32 @@ fn valid_shipped_models_against_photometry() {
         }
     }
     assert_eq!(found.len(), EXPECTED.len() + 2, "and the two priors");
-    for &(name, n, expected, tolerance) in EXPECTED {
+    for &(name, n, expected) in EXPECTED {
         let row = &found[name];
-        assert_eq!(row.n, n, "{name}");
-        for (ours, expected) in [row.difference_mag, row.rms_mag, row.core_mag].into_iter().zip(expected) {
+        assert!(row.n.abs_diff(n) <= PYTHON_ROWS, "{name}: {} of {n}", row.n);
+        let ours = [row.difference_mag, row.rms_mag, row.core_mag];
+        for ((ours, expected), tolerance) in ours.iter().zip(expected).zip([PYTHON_MAG, PYTHON_MAG, PYTHON_CORE_MAG]) {
             assert!((ours.unwrap() - expected).abs() < tolerance, "{row:?}");
         }
-        assert!((row.rms_mag.unwrap() - row.sigma_mag).abs() < SIGMA_TOLERANCE_MAG, "{row:?}");
         assert!(row.difference_mag.unwrap().abs() < OFFSET_TOLERANCE_MAG, "{row:?}");
-        // Of a normal distribution 0.683 lie within one sigma; wings make it more.
-        assert!((0.68..0.92).contains(&row.within_one_sigma.unwrap()), "{row:?}");
+        // Published sigmas are scatters of single magnitudes, of which wings leave more within.
+        let is_fitted = FITTED.contains(&name);
+        let share = if is_fitted { 0.6..0.8 } else { 0.68..0.92 };
+        assert!(share.contains(&row.within_one_sigma.unwrap()), "{row:?}");
+        // Sigma is that of the core and not of the wings: between them.
+        let (rms, core) = (row.rms_mag.unwrap(), row.core_mag.unwrap());
+        assert!(!is_fitted || (core < row.sigma_mag && rms < 2.0 * row.sigma_mag && row.sigma_mag < rms), "{row:?}");
     }
-    let [panels, phase] = ["starlink-v1.5", "starlink-v1.5-phase"].map(|name| found[name].rms_mag.unwrap());
-    assert!(panels < phase, "the panels explain more than the phase alone");
+    let rms = |name: &str| found[name].rms_mag.unwrap();
+    for (more, less) in [
+        ("starlink-v1.5", "starlink-v1.5-phase"),
+        ("starlink-v1.5-facets", "starlink-v1.5"),
+        ("v2mini-panels", "v2mini"),
+        ("visorsat-panels", "visorsat"),
+        ("oneweb-panels", "oneweb"),
+    ] {
+        assert!(rms(more) < rms(less), "{more} explains more than {less}");
+    }
     // The priors are the mean and the scatter of what is listed.
     for (name, n) in [("unknown", 2360), ("rocket-body", 1640)] {
         let row = &found[name];
@@ -200,14 +217,15 @@ fn valid_fitted_range_holds_the_points_it_was_fitted_to() {
     let Some(data) = common::data_dir() else { return };
     let photometry = Photometry::read(&data).unwrap();
     let library = ModelLibrary::embedded();
-    // Files state the inner 99 % of three angles, their ends rounded to whole degrees, which leaves out up to 35 more of Slingshot's 1232
-    // points at one end (-30 deg); that of V1.5 leaves out nine bright points too.
+    // Files state the inner 99 % of three angles, their ends rounded to whole degrees; that of V1.5 leaves out nine bright points too.
     const LEAST_SHARE: f64 = 0.93;
     for (name, set) in [
         ("starlink-v1.5", DataSet::Pomenis),
+        ("starlink-v1.5-facets", DataSet::Pomenis),
         ("v2mini-panels", DataSet::SlingshotV2),
         ("visorsat-panels", DataSet::Mmt9VisorSat),
         ("oneweb-panels", DataSet::Mmt9OneWeb),
+        ("iridium-next", DataSet::Mmt9IridiumNext),
     ] {
         let model = library.get(name).unwrap();
         let all: Vec<_> = photometry.get(set).unwrap().iter().filter_map(|one| one.geometry).collect();

@@ -224,7 +224,9 @@ fn verif_what_options_and_shadow_do_to_a_magnitude() {
     let default = PhotometryOptions { earthshine: Earthshine::Off, ..PhotometryOptions::default() };
     let plain = model.brightness(&geometry, 1.0, &default).unwrap();
     assert_eq!(plain.source.to_string(), "brdf:starlink-v1.5");
-    assert!(plain.in_fitted_range && !plain.grey_reflectance && plain.sigma_mag == 0.67);
+    assert!(plain.in_fitted_range && !plain.grey_reflectance);
+    // The file's sigma, and what the errors of the coefficients add.
+    assert!((0.417..0.45).contains(&plain.sigma_mag), "{}", plain.sigma_mag);
     assert!((plain.magnitude.0 - model.standard_magnitude(&geometry).unwrap().at_range(700.0).0).abs() < 1e-12);
     let with = |options: PhotometryOptions, lit: f64| model.brightness(&geometry, lit, &options);
     let change = |options: PhotometryOptions, lit: f64| with(options, lit).unwrap().magnitude.0 - plain.magnitude.0;

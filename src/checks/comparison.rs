@@ -11,9 +11,14 @@ use super::residuals::{Residuals, share_within};
 /// 0.2 mag for colours like the Sun's, and single surveys of one satellite type by as much again.
 pub const OFFSET_TOLERANCE_MAG: f64 = 0.3;
 
-/// RMS about measurements or a published curve up to which a model is called good, in units of the sigma that its file states: a file
-/// that states 0.6 where 0.7 is found misleads nobody; one that states half of what is found does.
-pub const RMS_TOLERANCE_SIGMA: f64 = 1.15;
+/// Core about measurements up to which a model is called good, in units of the sigma that its file states: sigma
+/// holds 68.3 % of single magnitudes, and so does the core where they are normal. A file that states 0.6 where 0.7 is found misleads
+/// nobody; one that states half of what is found does.
+pub const CORE_TOLERANCE_SIGMA: f64 = 1.15;
+
+/// RMS up to which it is called good, in the same units: flares and wrongly identified satellites make wings, and the RMS larger than
+/// the sigma that holds 68.3 %, but beyond twice that sigma most of what is seen is wings.
+pub const RMS_TOLERANCE_SIGMA: f64 = 2.0;
 
 /// What a model is compared with.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -100,10 +105,12 @@ pub struct Comparison {
 
 /// Holds a model against all that is known of its satellites, and against measurements where there are any.
 ///
-/// The name of the model, or an alias, says whose it is ([`Subject`]). A model of a mean is good where the two means differ by no more than
-/// the published standard deviation (the model's sigma where none was published): a survey's geometries are not those of the population.
-/// Against a curve or measurements it is good where the mean differs by no more than [`OFFSET_TOLERANCE_MAG`] from measurements, or the model's
-/// sigma from a curve, and the RMS is no more than [`RMS_TOLERANCE_SIGMA`] of that sigma. At least one row comes back.
+/// The name of the model, or an alias, says whose it is ([`Subject`]). Against a published mean it is good where the two means differ by no
+/// more than the standard deviation of that survey ([`PublishedMean::survey_sd_mag`]): its geometries are not those of the population.
+/// Against a published curve, where both the mean and the RMS of what lies between are no more than that: about its own curve the survey
+/// scatters as much, and a model that knows more than the phase lies off it too. Against measurements, where the mean differs by no more than
+/// [`OFFSET_TOLERANCE_MAG`], the core is no more than [`CORE_TOLERANCE_SIGMA`] and the RMS no more than [`RMS_TOLERANCE_SIGMA`] of the sigma
+/// that the model states. At least one row comes back.
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {
     let name = model.file().map(|file| file.name.clone()).unwrap_or_default();
     let sigma_mag = model.file().map_or(f64::NAN, |file| file.sigma_mag);
@@ -123,12 +130,17 @@ pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<
             })
             .collect();
         rows.extend(subject.means.iter().map(|published| against.mean(published, &said)));
-        rows.extend(subject.curve.iter().map(|curve| against.curve(curve, &said)));
+        rows.extend(subject.curve.iter().map(|curve| against.curve(curve, subject.survey_sd_mag(), &said)));
     }
     if let Some(set) = subject.photometry {
         let measured = photometry.and_then(|photometry| photometry.get(set)).unwrap_or_default();
         let pairs = measured.iter().filter_map(|one| Some((one.magnitude.0, one.of_model(model)?.0, 1.0))).collect();
-        rows.push(against.pairs(ReferenceKind::Photometry, set.source(), OFFSET_TOLERANCE_MAG, pairs));
+        let allowed = Allowed {
+            mean_mag: OFFSET_TOLERANCE_MAG,
+            core_mag: CORE_TOLERANCE_SIGMA * sigma_mag,
+            rms_mag: RMS_TOLERANCE_SIGMA * sigma_mag,
+        };
+        rows.push(against.pairs(ReferenceKind::Photometry, set.source(), allowed, pairs));
     }
     rows
 }
@@ -160,6 +172,13 @@ struct Said {
     phase_rad: f64,
 }
 
+/// The most that differences may be where the two agree, mag.
+struct Allowed {
+    mean_mag: f64,
+    core_mag: f64,
+    rms_mag: f64,
+}
+
 /// Makes rows for one model.
 struct Against {
     blank: Comparison,
@@ -171,7 +190,6 @@ impl Against {
         let Some(model) = Residuals::weighted(said.iter().map(|one| (one.magnitude, one.weight))) else { return row };
         let apart: Vec<_> = said.iter().map(|one| (published.mean_mag - one.magnitude, one.weight)).collect();
         let difference = published.mean_mag - model.mean_mag;
-        let allowed = published.sd_mag.unwrap_or(row.sigma_mag);
         Comparison {
             n: model.n,
             model_mean_mag: Some(model.mean_mag),
@@ -180,14 +198,15 @@ impl Against {
             reference_sd_mag: published.sd_mag,
             difference_mag: Some(difference),
             within_one_sigma: published.sd_mag.and_then(|sd| share_within(&apart, sd)),
-            verdict: if difference.abs() <= allowed { Verdict::Ok } else { Verdict::Off },
+            verdict: if difference.abs() <= published.survey_sd_mag() { Verdict::Ok } else { Verdict::Off },
             ..row
         }
     }
 
-    fn curve(&self, curve: &PublishedCurve, said: &[Said]) -> Comparison {
+    fn curve(&self, curve: &PublishedCurve, sd_mag: f64, said: &[Said]) -> Comparison {
+        let allowed = Allowed { mean_mag: sd_mag, core_mag: sd_mag, rms_mag: sd_mag };
         let pairs = said.iter().filter_map(|one| Some((curve.at(one.phase_rad)?, one.magnitude, one.weight)));
-        self.pairs(ReferenceKind::PhaseCurve, curve.source, self.blank.sigma_mag, pairs.collect())
+        self.pairs(ReferenceKind::PhaseCurve, curve.source, allowed, pairs.collect())
     }
 
     /// From triples of reference, model and weight.
@@ -195,7 +214,7 @@ impl Against {
         &self,
         kind: ReferenceKind,
         source: &'static str,
-        offset_mag: f64,
+        allowed: Allowed,
         pairs: Vec<(f64, f64, f64)>,
     ) -> Comparison {
         let row = Comparison { kind, reference: source, ..self.blank.clone() };
@@ -208,7 +227,9 @@ impl Against {
             return row;
         };
         let sigma = row.sigma_mag;
-        let is_good = difference.mean_mag.abs() <= offset_mag && difference.rms_mag <= RMS_TOLERANCE_SIGMA * sigma;
+        let is_good = difference.mean_mag.abs() <= allowed.mean_mag
+            && difference.core_mag <= allowed.core_mag
+            && difference.rms_mag <= allowed.rms_mag;
         Comparison {
             n: difference.n,
             model_mean_mag: Some(model.mean_mag),

@@ -21,10 +21,12 @@ mod published;
 mod residuals;
 mod tables;
 
-pub use comparison::{Comparison, OFFSET_TOLERANCE_MAG, RMS_TOLERANCE_SIGMA, ReferenceKind, Verdict, compare};
+pub use comparison::{
+    CORE_TOLERANCE_SIGMA, Comparison, OFFSET_TOLERANCE_MAG, RMS_TOLERANCE_SIGMA, ReferenceKind, Verdict, compare,
+};
 pub use error::CheckError;
 pub use photometry::{DataSet, Measurement, Photometry};
 pub use population::{LEAST_ALTITUDE_DEG, POPULATION, Population, SITE_LATITUDE_DEG, SUN_ALTITUDES_DEG, Viewed};
-pub use published::{PublishedCurve, PublishedMean, SUBJECTS, Subject};
+pub use published::{PublishedCurve, PublishedMean, SUBJECTS, Subject, USUAL_SURVEY_SD_MAG};
 pub use residuals::Residuals;
 pub use tables::comparison_table;

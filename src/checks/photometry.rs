@@ -5,7 +5,7 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::path::Path;
 
 use crate::geometry::ViewingGeometry;
-use crate::measured::{DropReason, Format, Placement, Placer, ReadOptions, RecordReader, Records, Sighting};
+use crate::measured::{DropReason, Format, Placement, ReadOptions, RecordReader, Selection, measure};
 use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude};
 
 use super::amateurs;
@@ -22,6 +22,8 @@ pub enum DataSet {
     Mmt9VisorSat,
     /// OneWeb, MMT-9.
     Mmt9OneWeb,
+    /// Iridium NEXT, MMT-9.
+    Mmt9IridiumNext,
     /// Payloads of qs.mag.
     AmateursPayloads,
     /// Rocket bodies of qs.mag.
@@ -30,11 +32,12 @@ pub enum DataSet {
 
 impl DataSet {
     /// All of them.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 7] = [
         Self::Pomenis,
         Self::SlingshotV2,
         Self::Mmt9VisorSat,
         Self::Mmt9OneWeb,
+        Self::Mmt9IridiumNext,
         Self::AmateursPayloads,
         Self::AmateursRocketBodies,
     ];
@@ -44,7 +47,9 @@ impl DataSet {
         match self {
             Self::Pomenis => "Pomenis (Fankhauser, Tyson and Askari 2023)",
             Self::SlingshotV2 => "Slingshot (Kandula et al. 2025)",
-            Self::Mmt9VisorSat | Self::Mmt9OneWeb => "MMT-9 (Karpov et al. 2016, Beskin et al. 2017)",
+            Self::Mmt9VisorSat | Self::Mmt9OneWeb | Self::Mmt9IridiumNext => {
+                "MMT-9 (Karpov et al. 2016, Beskin et al. 2017)"
+            }
             Self::AmateursPayloads | Self::AmateursRocketBodies => "qs.mag (McCants)",
         }
     }
@@ -56,6 +61,7 @@ impl DataSet {
             Self::SlingshotV2 => "photometry/slingshot_v2/Observations_in_field.csv",
             Self::Mmt9VisorSat => "derived/mmt9_starlink_visorsat.csv.gz",
             Self::Mmt9OneWeb => "derived/mmt9_oneweb.csv.gz",
+            Self::Mmt9IridiumNext => "derived/mmt9_iridium2.csv.gz",
             Self::AmateursPayloads | Self::AmateursRocketBodies => "metadata/qs.mag",
         }
     }
@@ -64,9 +70,10 @@ impl DataSet {
         match self {
             Self::Pomenis => surveyed(path, Format::Pomenis, None),
             Self::SlingshotV2 => surveyed(path, Format::Slingshot, None),
-            // No element sets: circular orbits at the shell's height.
-            Self::Mmt9VisorSat => surveyed(path, Format::Mmt, Some(550.0)),
+            // No element sets: circular orbits at the height where the points were fitted.
+            Self::Mmt9VisorSat => surveyed(path, Format::Mmt, Some(540.0)),
             Self::Mmt9OneWeb => surveyed(path, Format::Mmt, Some(1200.0)),
+            Self::Mmt9IridiumNext => surveyed(path, Format::Mmt, Some(780.0)),
             Self::AmateursPayloads => amateurs::read(path, false),
             Self::AmateursRocketBodies => amateurs::read(path, true),
         }
@@ -85,6 +92,10 @@ pub struct Measurement {
 }
 
 impl Measurement {
+    fn in_geometry(magnitude: StandardMagnitude, geometry: ViewingGeometry) -> Self {
+        Self::with_phase(magnitude, geometry.phase_angle_rad(), Some(geometry))
+    }
+
     pub(super) fn with_phase(magnitude: StandardMagnitude, phase_rad: f64, geometry: Option<ViewingGeometry>) -> Self {
         Self { magnitude, phase_rad, geometry }
     }
@@ -109,27 +120,17 @@ fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
     ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)
 }
 
-/// Every row through the usual filter and out of the penumbra: all of them count, so a broken one is an error.
+/// Every row through the usual filter in full sunlight, by the paper's 100 km rule: all of them count, so a broken one is an error.
 fn surveyed(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<Measurement>, CheckError> {
     let options = ReadOptions { format: Some(format), keep_duplicates: true, ..ReadOptions::default() };
-    let records = Records::collect(&mut RecordReader::open(&[path], &options)?)?;
+    let mut reader = RecordReader::open(&[path], &options)?;
+    let measured = measure(&mut reader, &Placement::recorded(height_km), &Selection::default())?;
     let broken = [DropReason::Unparsable, DropReason::NoMagnitude];
-    if let Some(example) = broken.iter().find_map(|reason| records.dropped.example(*reason)) {
+    if let Some(example) = broken.iter().find_map(|reason| measured.dropped.example(*reason)) {
         return Err(CheckError::Row(example.clone()));
     }
-    let placement = Placement::recorded(height_km);
-    let placed = Placer::new(&placement).place(&records.source(), &records.records);
-    let measured = records.records.iter().zip(placed).filter(|(record, _)| !record.in_penumbra);
-    let measured = measured.filter_map(|(record, placed)| {
-        let geometry = placed.ok().map(|placed| placed.geometry);
-        let seen = geometry.map(|geometry| (geometry.range_km, geometry.phase_angle_rad()));
-        let (range_km, phase_rad) = match record.sighting {
-            Sighting::Distance { range_km, phase_rad: Some(phase_rad) } => (range_km, phase_rad),
-            _ => seen?,
-        };
-        Some(Measurement::with_phase(record.magnitude.to_standard(range_km), phase_rad, geometry))
-    });
-    Ok(measured.collect())
+    let points = measured.points.iter();
+    Ok(points.map(|point| Measurement::in_geometry(point.magnitude, point.geometry)).collect())
 }
 
 /// All measurements that a folder holds.

@@ -6,6 +6,9 @@ use crate::photometry::ModelFile;
 
 use super::photometry::DataSet;
 
+/// Standard deviation of a survey that states none, mag: those that do have 0.64 to 0.86, but for satellites of many heights.
+pub const USUAL_SURVEY_SD_MAG: f64 = 0.7;
+
 /// The mean of a survey.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PublishedMean {
@@ -15,6 +18,13 @@ pub struct PublishedMean {
     pub sd_mag: Option<f64>,
     /// Where it was published.
     pub source: &'static str,
+}
+
+impl PublishedMean {
+    /// Standard deviation of single magnitudes about it: as published, else [`USUAL_SURVEY_SD_MAG`].
+    pub fn survey_sd_mag(&self) -> f64 {
+        self.sd_mag.unwrap_or(USUAL_SURVEY_SD_MAG)
+    }
 }
 
 /// A polynomial in the angle Sun-satellite-observer.
@@ -57,6 +67,11 @@ pub struct Subject {
 }
 
 impl Subject {
+    /// How single magnitudes scatter in the survey that a curve is from, mag: about the first mean, which is of the same survey.
+    pub fn survey_sd_mag(&self) -> f64 {
+        self.means.first().map_or(USUAL_SURVEY_SD_MAG, PublishedMean::survey_sd_mag)
+    }
+
     /// Whose model a file is, by its name first and then by its aliases; the longest name that fits counts.
     pub fn of(file: &ModelFile) -> Option<&'static Self> {
         std::iter::once(&file.name).chain(&file.aliases).find_map(|name| Self::by_name(name))
@@ -133,6 +148,14 @@ pub const SUBJECTS: &[Subject] = &[
         means: &[mean(7.18, Some(0.68), "Mallama, arXiv 2012.05100")],
         curve: None,
         photometry: Some(DataSet::Mmt9OneWeb),
+    },
+    Subject {
+        name: "Iridium NEXT",
+        model_names: &["iridium-next"],
+        shell: None,
+        means: &[],
+        curve: None,
+        photometry: Some(DataSet::Mmt9IridiumNext),
     },
     Subject {
         name: "Amazon Leo (Kuiper)",

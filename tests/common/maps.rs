@@ -2,7 +2,7 @@
 
 use streakcast::photometry::{BrightnessModel, ModelLibrary, PhotometryOptions};
 
-/// The provisional model of Starlink V1.5.
+/// The shipped two panels of Starlink V1.5.
 pub fn v15() -> BrightnessModel {
     ModelLibrary::embedded().get("starlink-v1.5").unwrap().as_ref().clone()
 }

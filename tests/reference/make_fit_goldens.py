@@ -15,7 +15,7 @@ import sys
 import numpy as np
 
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
-from fit_provisional_models import basis, columns, magnitude  # noqa: E402
+from model_magnitudes import basis, columns, magnitude  # noqa: E402
 
 SHAPE = (8.1, 2.8, 1.3, 2.8)
 TRUTH = np.array([0.02, 0.004, 0.006, 0.35, 0.09, 6.0, 18.0])

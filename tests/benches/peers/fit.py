@@ -23,7 +23,7 @@ import numpy as np  # noqa: E402
 ROOT = pathlib.Path(__file__).parents[3]
 sys.path.insert(0, str(ROOT / "tests/reference"))
 import make_fit_goldens as peer  # noqa: E402
-from fit_provisional_models import magnitude  # noqa: E402
+from model_magnitudes import magnitude  # noqa: E402
 
 START = [0.05, 0.01, 0.01, 0.2, 0.1, 4.0, 12.0]
 

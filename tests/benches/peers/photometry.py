@@ -5,7 +5,7 @@
 
 Each round runs every tool once, ratios are taken within a round, the medians of both are printed. Ours is `cargo bench --bench magnitudes`
 (columns on one core; its first lines) and `--bench photometry` (earthshine computed and from the table), numpy the form of
-tests/reference/fit_provisional_models.py on one thread, lumos its published calculator, one direction a call as its interface wants it.
+tests/reference/model_magnitudes.py on one thread, lumos its published calculator, one direction a call as its interface wants it.
 """
 
 import argparse
@@ -24,7 +24,7 @@ import numpy as np  # noqa: E402
 
 ROOT = Path(__file__).resolve().parents[3]
 sys.path.insert(0, str(ROOT / "tests/reference"))
-from fit_provisional_models import basis, magnitude  # noqa: E402
+from model_magnitudes import basis, magnitude  # noqa: E402
 
 SHAPE = (8.1, 2.8, 1.3, 2.8)
 COEFFICIENTS = (0.05, 0.0279, 0.0053, 0.1097, 0.0844, 5.0, 22.0)
