@@ -71,7 +71,7 @@ fn verif_a_fit_writes_a_model_that_works_and_a_report_with_pictures() {
     // Every picture that the report names is there.
     #[cfg(feature = "plot")]
     {
-        let named: Vec<&str> = report.split("](").skip(1).filter_map(|rest| rest.split(')').next()).collect();
+        let named: Vec<&str> = report.split("](<").skip(1).filter_map(|rest| rest.split(">)").next()).collect();
         assert!(named.len() >= 4, "{named:?}");
         for name in named {
             assert!(fs::read(at(name)).is_ok_and(|bytes| bytes.starts_with(b"\x89PNG")), "{name}");
@@ -171,7 +171,14 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
         (format!("{FIT} -o m.json --scatter-mag 0"), vec!["scatter-mag 0"]),
         (format!("{FIT} -o m.json --mcmc 100 --burn-in 100"), vec!["burn-in 100", "100 steps"]),
         (format!("{FIT} -o m.json --mcmc 100 --burn-in 5 --walkers 9"), vec!["9 walkers", "even"]),
-        (format!("{FIT} -o m.json --folds 5000"), vec!["5000 folds"]),
+        (format!("{FIT} -o m.json --report ./m.json"), vec!["m.json is named twice"]),
+        (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains ./m.json"), vec!["named twice"]),
+        (format!("{FIT} -o mmt.csv"), vec!["mmt.csv is named twice"]),
+        (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains nowhere/c.npz"), vec!["nowhere"]),
+        (format!("{FIT} -o m.json --layer-deg 0"), vec!["layer-deg 0", "0.01 to 180"]),
+        (FIT.replace("--raw-points", "--min-count 100000") + " -o m.json", vec!["no pixel is left", "--min-count"]),
+        (FIT.replace("--height-km 550", "") + " -o m.json", vec!["no geometry", "--height-km"]),
+        (FIT.replace("fit run", "fit compare") + " --folds 1", vec!["folds 1", "2 or more"]),
         (FIT.replace("starlink-v1.5", "v2mini") + " -o m.json", vec!["v2mini", "two_panel or panels"]),
         (FIT.replace("starlink-v1.5", "nobody") + " -o m.json", vec!["nobody", "known are"]),
         (FIT.replace("mmt.csv", "missing.csv") + " -o m.json", vec!["missing.csv"]),
@@ -188,6 +195,29 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
         }
         assert!(!at("m.json").exists(), "{arguments}");
     }
+}
+
+/// Every parameter ends at a bound, or there are fewer nights than folds: an answer all the same.
+#[test]
+fn verif_poor_fits_are_told_and_not_dropped() {
+    let folder = folder();
+    let (code, _, said) = run(folder.path(), &format!("{FIT} --free c3 --hold c5=1 --folds 0 -o bound.json"));
+    assert_eq!(code, 1, "{said}");
+    assert!(said.contains("not sound: c3 stands at its bound 0"), "{said}");
+    let (code, _, said) = run(folder.path(), &format!("{FIT} --folds 5000 -o m.json"));
+    assert!(code < 2 && said.contains("cannot be held out in 5000 folds"), "{said}");
+    assert!(folder.path().join("m.json").is_file());
+    // Held values are held by the paper's tests too, but for what a test sets itself.
+    let compare = FIT.replace("fit run", "fit compare") + " --format json --quiet --layer-deg 10";
+    let rivals = |more: &str| {
+        let (code, json, said) = run(folder.path(), &format!("{compare} {more}"));
+        assert_eq!(code, 0, "{said}");
+        let answer: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+        answer["rivals"].clone()
+    };
+    let (plain, held) = (rivals(""), rivals("--hold c1=0.3"));
+    assert_eq!(plain[1]["rms_mag"], held[1]["rms_mag"], "without the lobe c1 is 0, whatever is held");
+    assert_ne!(plain[0], held[0]);
 }
 
 /// Pomenis and Slingshot as they were published; single measurements on unseen nights.

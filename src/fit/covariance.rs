@@ -1,10 +1,10 @@
 //! How certain each parameter is.
 //!
-//! The curvature H = JᵀW J of the cost is inverted over the parameters that stand between their bounds. Where points come in groups
+//! The curvature H = Σ ψ' J Jᵀ/σ² of the cost (ψ the pull of a residual; JᵀW J for squares) is inverted over the parameters that stand between their bounds. Where points come in groups
 //! that share their faults (a track, a night), the errors of one are not those of another and H⁻¹ is too small; then the sandwich
 //!
 //! ```text
-//! Σ = H⁻¹ (Σ_g s_g s_gᵀ) H⁻¹ G/(G-1),    s_g = Σ_{i in g} slopes of the cost of point i
+//! Σ = H⁻¹ (Σ_g s_g s_gᵀ) H⁻¹ G/(G-k),    s_g = Σ_{i in g} slopes of the cost of point i
 //! ```
 //!
 //! is used (Liang and Zeger 1986, Biometrika 73, 13). A track gives to many pixels, so pixels have no such groups: see `jackknife`.
@@ -33,7 +33,7 @@ pub enum CovarianceKind {
 /// What is known of the parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Certainty {
-    /// All parameters by all parameters; 0 for those that were held or stand at a bound. `None` where the curvature is singular.
+    /// All parameters by all parameters; 0 for those that were held, stand at a bound or are undetermined. `None` where the curvature is singular.
     pub covariance: Option<Vec<Vec<f64>>>,
     /// How it was made.
     pub kind: CovarianceKind,
@@ -78,23 +78,33 @@ pub(super) fn certainty(
     let kind = if is_grouped { CovarianceKind::Grouped } else { CovarianceKind::Scaled };
     let mut known = Certainty { covariance: None, kind, at_bound, undetermined: Vec::new() };
 
-    // Scaled to a diagonal of 1, so that no unit of a parameter matters.
-    let scale: Vec<f64> = inner.iter().map(|&k| curvature[(k, k)].sqrt()).collect();
-    if let Some(k) = scale.iter().position(|scale| !(*scale > 0.0 && scale.is_finite())) {
-        known.undetermined.push((free[inner[k]], 1.0));
-        return known;
-    }
+    let mut inner = inner;
+    let inverse = loop {
+        // What nothing is said of is left out, and the others go on without it.
+        if let Some(place) = inner.iter().position(|&k| !(curvature[(k, k)] > 0.0 && curvature[(k, k)].is_finite())) {
+            known.undetermined.push((free[inner.remove(place)], 1.0));
+            continue;
+        }
+        let m = inner.len();
+        if m == 0 {
+            known.covariance = Some(vec![vec![0.0; parameters.len()]; parameters.len()]);
+            return known;
+        }
+        // Scaled to a diagonal of 1, so that no unit of a parameter matters.
+        let scale: Vec<f64> = inner.iter().map(|&k| curvature[(k, k)].sqrt()).collect();
+        let unit = DMatrix::from_fn(m, m, |r, c| curvature[(inner[r], inner[c])] / (scale[r] * scale[c]));
+        let eigen = unit.clone().symmetric_eigen();
+        if let Some(flat) = eigen.eigenvalues.iter().position(|value| *value < SINGULAR) {
+            let direction = eigen.eigenvectors.column(flat);
+            let (moving, fixed): (Vec<usize>, Vec<usize>) = (0..m).partition(|&k| direction[k].abs() > 0.3);
+            known.undetermined.extend(moving.iter().map(|&k| (free[inner[k]], direction[k].powi(2))));
+            inner = fixed.into_iter().map(|k| inner[k]).collect();
+            continue;
+        }
+        let Some(inverse) = unit.try_inverse() else { return known };
+        break DMatrix::from_fn(m, m, |r, c| inverse[(r, c)] / (scale[r] * scale[c]));
+    };
     let m = inner.len();
-    let unit = DMatrix::from_fn(m, m, |r, c| curvature[(inner[r], inner[c])] / (scale[r] * scale[c]));
-    let eigen = unit.clone().symmetric_eigen();
-    if let Some(flat) = eigen.eigenvalues.iter().position(|value| *value < SINGULAR) {
-        let direction = eigen.eigenvectors.column(flat);
-        known.undetermined =
-            (0..m).filter(|&k| direction[k].abs() > 0.3).map(|k| (free[inner[k]], direction[k].powi(2))).collect();
-        return known;
-    }
-    let Some(inverse) = unit.try_inverse() else { return known };
-    let inverse = DMatrix::from_fn(m, m, |r, c| inverse[(r, c)] / (scale[r] * scale[c]));
     let covariance = if is_grouped {
         let mut sums = std::collections::BTreeMap::<u32, DVector<f64>>::new();
         for (score, group) in scores.iter().zip(groups) {
@@ -103,7 +113,7 @@ pub(super) fn certainty(
         }
         let meat = sums.values().fold(DMatrix::zeros(m, m), |meat, sum| meat + sum * sum.transpose());
         let groups = sums.len() as f64;
-        &inverse * meat * &inverse * (groups / (groups - 1.0))
+        &inverse * meat * &inverse * (groups / (groups - m as f64))
     } else {
         // χ² = 2 C for squares
         let spare = scores.len().saturating_sub(free.len()).max(1) as f64;

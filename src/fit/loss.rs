@@ -32,6 +32,19 @@ impl Loss {
     }
 }
 
+impl Loss {
+    /// Derivative of the pull ψ(r) = ρ'(r²) r: the curvature of the cost itself, where [`Self::weight`] is that of a descent. Negative far off
+    /// for Student's errors.
+    pub fn bend(self, r2: f64) -> f64 {
+        // ψ' = ρ' + 2 r² ρ''
+        match self {
+            Self::Squares => 1.0,
+            Self::SoftL1 => (1.0 + r2).powf(-1.5),
+            Self::Student(nu) => (nu + 1.0) * (nu - r2) / (nu + r2).powi(2),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -44,6 +57,10 @@ mod tests {
                 let h = 1e-5 * r2;
                 let slope = (loss.of(r2 + h) - loss.of(r2 - h)) / (2.0 * h);
                 assert!((slope - loss.weight(r2)).abs() < 1e-8, "{loss:?} {r2}");
+                let (r, h) = (r2.sqrt(), 1e-5 * r2.sqrt());
+                let pull = |r: f64| loss.weight(r * r) * r;
+                let bend = (pull(r + h) - pull(r - h)) / (2.0 * h);
+                assert!((bend - loss.bend(r2)).abs() < 1e-8, "{loss:?} {r2}");
             }
         }
     }

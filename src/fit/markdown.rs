@@ -25,21 +25,21 @@ impl Report {
 
     /// A paragraph.
     pub fn say(&mut self, words: &str) {
-        let _ = write!(self.text, "\n{words}\n");
+        let _ = write!(self.text, "\n{}\n", plain(words));
     }
 
     /// A list.
     pub fn list(&mut self, items: impl IntoIterator<Item = String>) {
         self.text.push('\n');
         for item in items {
-            let _ = writeln!(self.text, "- {item}");
+            let _ = writeln!(self.text, "- {}", plain(&item));
         }
     }
 
     /// A table with its columns' names and units; numbers as their columns write them.
     pub fn table(&mut self, table: &Table) {
         self.text.push('\n');
-        let cell = |text: &str| text.replace('|', "\\|");
+        let cell = |text: &str| plain(text).replace('|', "\\|");
         let heads = table.columns.iter().map(|column| cell(column.name));
         let _ = writeln!(self.text, "| {} |", heads.collect::<Vec<_>>().join(" | "));
         let rules = table.columns.iter().map(|column| match column.kind {
@@ -55,7 +55,7 @@ impl Report {
 
     /// A picture by the name of its file, which stands beside the report.
     pub fn picture(&mut self, caption: &str, file: &str) {
-        let _ = write!(self.text, "\n![{caption}]({file})\n");
+        let _ = write!(self.text, "\n![{caption}](<{file}>)\n");
     }
 
     /// As Markdown.
@@ -85,6 +85,11 @@ impl Report {
     }
 }
 
+/// Words that come from outside are no markup.
+fn plain(words: &str) -> String {
+    words.replace('&', "&amp;").replace('<', "&lt;")
+}
+
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}\
 table{border-collapse:collapse;font-variant-numeric:tabular-nums;display:block;overflow-x:auto}\
 th,td{border:1px solid #bbb;padding:.2rem .6rem}img{max-width:100%}";
@@ -102,14 +107,16 @@ mod tests {
             columns: vec![Column::new("name", Kind::Text, "A name."), Column::real("x_mag", "mag", 2, "A number.")],
             rows: vec![vec!["a|b".into(), Value::Real(1.234)]],
         });
-        report.picture("residuals", "r.png");
+        report.say("Data: <script>alert(1)</script> & more");
+        report.picture("residuals", "a r.png");
         assert!(
             report.to_markdown().contains("| name | x_mag |\n| --- | ---: |\n| a\\|b | 1.23 |"),
             "{}",
             report.to_markdown()
         );
-        let page = report.to_html(|name| (name == "r.png").then(|| "data:image/png;base64,AA".to_owned()));
+        let page = report.to_html(|name| (name == "a r.png").then(|| "data:image/png;base64,AA".to_owned()));
         assert!(page.contains("<title>Fit of &lt;a &amp; b&gt;</title>"), "{page}");
+        assert!(!page.contains("<script>") && page.contains("&lt;script&gt;alert(1)"), "{page}");
         assert!(page.contains("<td>a|b</td>") && page.contains("src=\"data:image/png;base64,AA\""), "{page}");
     }
 }

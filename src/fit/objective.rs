@@ -84,22 +84,29 @@ impl<'a> Objective<'a> {
         residuals
     }
 
-    /// Slopes of the cost, point by point, by the free parameters: JᵀW r split into its terms, `(n_point)` of `(n_free)`.
-    pub fn scores(&self, free: &[f64], points: usize) -> Vec<Vec<f64>> {
+    /// Slopes of the cost, point by point, by the free parameters: JᵀW r split into its terms, `(n_point)` of `(n_free)`; and the curvature of the
+    /// cost that its scatter is held against, Σ ψ'(r) J Jᵀ/σ² `(n_free, n_free)`.
+    pub fn scores(&self, free: &[f64], points: usize) -> (Vec<Vec<f64>>, DMatrix<f64>) {
+        let n = self.free.len();
         let sloped = self.prepared.with_slopes(&self.all(free), &self.free, &self.parameters);
-        let (mut out, mut slopes) = ([0.0; BLOCK], vec![[0.0; BLOCK]; self.free.len()]);
+        let (mut out, mut slopes) = ([0.0; BLOCK], vec![[0.0; BLOCK]; n]);
         let mut scores = Vec::with_capacity(self.observed.len() * BLOCK);
+        let mut bread = DMatrix::zeros(n, n);
         for (block, observed) in self.observed.iter().enumerate() {
             sloped.magnitudes_and_slopes(block, &mut out, &mut slopes);
-            for lane in 0..BLOCK {
+            for (lane, computed) in out.iter().enumerate() {
                 let per_sigma = observed.per_sigma[lane];
-                let r = (observed.magnitude[lane] - out[lane]) * per_sigma;
+                let r = (observed.magnitude[lane] - computed) * per_sigma;
                 let pull = -self.loss.weight(r * r) * r * per_sigma;
+                let bend = self.loss.bend(r * r) * per_sigma * per_sigma;
+                for i in 0..n {
+                    (0..n).for_each(|j| bread[(i, j)] += bend * slopes[i][lane] * slopes[j][lane]);
+                }
                 scores.push(slopes.iter().map(|slope| pull * slope[lane]).collect());
             }
         }
         scores.truncate(points);
-        scores
+        (scores, bread)
     }
 
     fn cost_of_blocks(&self, evaluated: &dyn Evaluated, from: usize) -> f64 {

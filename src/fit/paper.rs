@@ -71,8 +71,17 @@ pub fn paper_tests(
     settings: &FitSettings,
     layer_deg: f64,
 ) -> Result<PaperTests, FitError> {
-    let free = |names: &[&str]| FitSettings { free: FitSettings::free(names).free, ..settings.clone() };
-    let solve = |form: &TwoPanelForm, names: &[&str]| Problem::new(form, points, &free(names))?.solve();
+    // What is held stays held, but for what a test itself moves or sets.
+    let free = |names: &[&str], set: &[&str]| {
+        let is_held = |name: &str| settings.held.iter().any(|(held, _)| held == name);
+        let moved = |name: &&str| **name == *PANEL_OFFSET || !is_held(name);
+        let free = names.iter().filter(|name| moved(name)).map(|&name| name.to_owned()).collect::<Vec<String>>();
+        let stays = |(name, _): &&(String, f64)| !free.contains(name) && !set.contains(&name.as_str());
+        let held = settings.held.iter().filter(stays).cloned().collect();
+        FitSettings { free, held, ..settings.clone() }
+    };
+    let solve =
+        |form: &TwoPanelForm, names: &[&str], set: &[&str]| Problem::new(form, points, &free(names, set))?.solve();
     let mut layers = std::collections::BTreeMap::<i64, Vec<FitPoint>>::new();
     for point in points {
         let layer = (point.geometry.sun_latitude_rad.to_degrees() / layer_deg).floor() as i64;
@@ -83,7 +92,8 @@ pub fn paper_tests(
     with_offset.push(PANEL_OFFSET);
     for (layer, points) in layers.iter().rev() {
         let span = [*layer as f64 * layer_deg, (*layer + 1) as f64 * layer_deg];
-        let fit = (points.len() >= LEAST_IN_LAYER).then(|| Problem::new(form, points, &free(&with_offset))?.solve());
+        let fit =
+            (points.len() >= LEAST_IN_LAYER).then(|| Problem::new(form, points, &free(&with_offset, &[]))?.solve());
         let Some(Ok(fit)) = fit else {
             left_out.push((span, points.len()));
             continue;
@@ -97,18 +107,18 @@ pub fn paper_tests(
             rms_mag: rms(&fit.residuals_mag),
         });
     }
-    let whole = solve(form, &COEFFICIENTS)?;
+    let whole = solve(form, &COEFFICIENTS, &[])?;
     let dull_form = {
         let mut dull = form.clone();
         dull.coefficients.c1 = 0.0;
         dull
     };
-    let dull = solve(&dull_form, &["c2", "c3", "c4", "c5", "n_base"])?;
+    let dull = solve(&dull_form, &["c2", "c3", "c4", "c5", "n_base"], &["c1"])?;
     let other = match form.earthshine {
         Earthshine::Computed => Earthshine::Off,
         Earthshine::Off => Earthshine::Computed,
     };
-    let other = solve(&TwoPanelForm { earthshine: other, ..form.clone() }, &COEFFICIENTS)?;
+    let other = solve(&TwoPanelForm { earthshine: other, ..form.clone() }, &COEFFICIENTS, &[])?;
     let (lit, unlit) = if form.earthshine == Earthshine::Computed { (&whole, &other) } else { (&other, &whole) };
     Ok(PaperTests {
         offsets,

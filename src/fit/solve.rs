@@ -177,8 +177,10 @@ impl Problem {
         for (parameter, value) in parameters.iter_mut().zip(objective.all(&minimum.x)) {
             parameter.value = value;
         }
-        let scores = objective.scores(&minimum.x, self.points.len());
-        let curvature: &DMatrix<f64> = &minimum.curvature;
+        let (scores, bread) = objective.scores(&minimum.x, self.points.len());
+        // Far from the model a robust loss bends the other way; where that wins, the descent's own curvature stands for it.
+        let is_definite = bread.clone().cholesky().is_some();
+        let curvature: &DMatrix<f64> = if is_definite { &bread } else { &minimum.curvature };
         let groups: Vec<u32> = self.points.iter().map(|point| point.group).collect();
         Fit {
             form: self.form.clone(),

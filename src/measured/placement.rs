@@ -255,7 +255,10 @@ impl<'a> Placing<'a> {
                     };
                     let (telescope, _) = stand.at(&moment);
                     let along_km = telescope.vector().dot(&moment.sun.vector().normalize());
+                    let sun_distance_au = moment.sun.norm_km() / AU_KM;
                     triangle::geometry(radius_km, range_km, phase_rad, telescope.norm_km(), along_km).map(|geometry| {
+                        // The triangle's angles tell nothing of how far the Sun is that day.
+                        let geometry = ViewingGeometry { sun_distance_au, ..geometry };
                         Placed {
                             altitude_rad: geometry.geocentric_altitude_rad(),
                             geometry,

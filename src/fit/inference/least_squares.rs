@@ -114,7 +114,7 @@ pub fn minimise(
             damping *= growth;
             growth *= 2.0;
             if damping > 1e16 {
-                break Stop::Step;
+                break Stop::Failed;
             }
         }
     };

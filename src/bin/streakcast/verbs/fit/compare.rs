@@ -1,5 +1,6 @@
 //! `fit compare`: the paper's tests, and forms of law on unseen points.
 
+use anyhow::anyhow;
 use streakcast::fit::{
     COEFFICIENTS, Entrant, baselines, contest, offset_table, paper_tests, rival_table, standing_table,
 };
@@ -42,6 +43,9 @@ const RIVALS_ON_SCREEN: &[Shown] = &[
 
 pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
+    if typed.form.folds < 2 {
+        return Err(anyhow!("folds {}; allowed: 2 or more", typed.form.folds));
+    }
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
     let placed = read(&typed.photometry, &typed.reduction)?;
     let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
@@ -61,8 +65,11 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
         entrants.push(Entrant { name: "the paper's form".to_owned(), form: Box::new(paper.clone()), free });
     }
     entrants.extend(baselines(two_panels.as_ref()));
-    let folds = typed.form.folds.max(2);
+    let folds = typed.form.folds;
     provenance.state("folds", folds);
+    if placed.reduction.is_some() {
+        placed.notices.say(super::run::PIXELS_ARE_SEEN);
+    }
     let (_, standings) = contest(&entrants, &placed.points, &chosen.settings, folds)?;
     let standings = standing_table(&standings);
     let (offsets, rivals) = match &tests {

@@ -10,7 +10,7 @@ use streakcast::fit::{
 };
 use streakcast::frames::EopTable;
 use streakcast::measured::{
-    ColumnMap, DensityMode, DropCounts, Format, Measurements, Place, Placement, ReadOptions, RecordReader,
+    ColumnMap, DensityMode, DropCounts, DropReason, Format, Measurements, Place, Placement, ReadOptions, RecordReader,
     ReduceOptions, Reduction, Selection, measure, reduce,
 };
 use streakcast::photometry::{Earthshine, ModelFile, ModelLibrary};
@@ -34,6 +34,12 @@ pub struct Placed {
 pub fn read(typed: &PhotometryArguments, reduction: &ReductionArguments) -> anyhow::Result<Placed> {
     let setup = Setup { threads: typed.threads, quiet: Some(typed.quiet), ..typed.place.setup() };
     let notices = begin(&setup)?;
+    if !(0.01..=180.0).contains(&reduction.layer_deg) {
+        return Err(anyhow!("layer-deg {}; allowed: 0.01 to 180", reduction.layer_deg));
+    }
+    if typed.height_km.is_some() && !typed.elements.is_empty() {
+        return Err(anyhow!("--height-km and --elements: the geometry comes from one of them"));
+    }
     let columns = typed.columns.as_ref().map(|said| {
         // A file, or the pairs themselves.
         let text = if said.contains('=') {
@@ -99,6 +105,9 @@ pub fn read(typed: &PhotometryArguments, reduction: &ReductionArguments) -> anyh
         ));
         (Some(pixels), points)
     };
+    if points.is_empty() {
+        return Err(nothing_left(&measurements, pixels.as_ref()));
+    }
     Ok(Placed { measurements, reduction: pixels, points, notices })
 }
 
@@ -114,6 +123,33 @@ fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {
         least_count: typed.min_count,
         least_tracks: typed.min_tracks,
         most_iqr_mag: typed.max_iqr,
+    }
+}
+
+/// Why no point is left, and which option may help.
+fn nothing_left(measurements: &Measurements, pixels: Option<&Reduction>) -> anyhow::Error {
+    let most = measurements.dropped.iter().max_by_key(|(_, count, _)| *count);
+    match (measurements.points.len(), pixels, most) {
+        (0, _, Some((reason, count, _))) => anyhow!(
+            "no measurement is left: {} rows left out, {count} of them for {}{}",
+            measurements.dropped.total(),
+            reason.name().replace('_', " "),
+            remedy(reason)
+        ),
+        (0, ..) => anyhow!("no measurement is left: the tables hold none"),
+        (n, ..) => anyhow!(
+            "no pixel is left of {n} measurements; allowed by --min-count, --max-iqr and --min-tracks, or point by point with --raw-points"
+        ),
+    }
+}
+
+fn remedy(reason: DropReason) -> &'static str {
+    match reason {
+        DropReason::NoGeometry => " (distance and phase need --height-km, others a site or --elements)",
+        DropReason::NoElements => " (the rows must name a satellite that --elements hold)",
+        DropReason::StaleElements => " (see --max-element-age-days)",
+        DropReason::WrongFilter => " (see --filter)",
+        _ => "",
     }
 }
 

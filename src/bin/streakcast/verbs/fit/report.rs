@@ -88,7 +88,10 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
     );
     if !told.standings.is_empty() {
         report.section("On unseen points");
-        report.say("Each form fitted without one fold of tracks or nights at a time, and held against it.");
+        report.say(match &told.placed.reduction {
+            None => "Each form fitted without one fold of tracks or nights at a time, and held against it.",
+            Some(_) => "Each form fitted without one fold of pixels at a time, and held against it. Tracks cross many pixels, so these have seen the same tracks.",
+        });
         report.table(&standing_table(told.standings));
     }
     if let Some((_, posterior)) = told.posterior {
@@ -100,6 +103,9 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
             100.0 * posterior.acceptance,
             told.typed.seed
         ));
+        report.say(
+            "Points are taken as independent here: where tracks or nights share their faults, the errors of the table above are the larger and the honest ones.",
+        );
         report.table(&marginal_table(posterior));
     }
     if !pictures.is_empty() {
@@ -138,7 +144,7 @@ mod drawn {
     use std::path::Path;
 
     use anyhow::anyhow;
-    use streakcast::fit::FitPoint;
+    use streakcast::fit::{FitPoint, rms};
     use streakcast::healpix::ring_cell;
     use streakcast::measured::{Pixel, Reduction};
     use streakcast::photometry::ModelFile;
@@ -170,7 +176,9 @@ mod drawn {
         let measured = column(|p| p.magnitude);
         let model: Vec<f64> = measured.iter().zip(residuals).map(|(measured, residual)| measured - residual).collect();
         let title = format!("{name}: observed minus computed");
-        let sigma_mag = file.sigma_mag.max(1e-3);
+        // Single measurements are held against what is foretold of them, pixels against their own scatter.
+        let scatter = if told.placed.reduction.is_some() { rms(residuals) } else { file.sigma_mag };
+        let sigma_mag = scatter.max(1e-3);
         add(
             "histogram",
             "Residuals",

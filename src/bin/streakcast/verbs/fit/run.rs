@@ -1,6 +1,6 @@
 //! `fit run`: a model file with covariance, and a report of how it came about.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 use anyhow::anyhow;
@@ -46,6 +46,13 @@ pub struct Told<'a> {
 
 fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     check(&typed.output)?;
+    if let Some(chains) = &typed.chains {
+        check(chains)?;
+    }
+    distinct(typed)?;
+    if let Some(steps) = typed.mcmc.filter(|steps| typed.burn_in >= *steps) {
+        return Err(anyhow!("burn-in {}; allowed: less than the {steps} steps of --mcmc", typed.burn_in));
+    }
     if let Some(report) = &typed.report {
         report::check_name(report)?;
         check(report)?;
@@ -79,10 +86,10 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         posterior: drawn.as_ref().map(|(chain, posterior)| (chain, posterior)),
     };
     let file = file(&told)?;
+    write_bytes(&typed.output, (file.to_json() + "\n").as_bytes())?;
     if let Some(path) = &typed.report {
         report::write(path, &told, &file)?;
     }
-    write_bytes(&typed.output, (file.to_json() + "\n").as_bytes())?;
     for fault in &faults {
         notices.say(&format!("not sound: {fault}"));
     }
@@ -103,6 +110,29 @@ fn with_errors_of_tracks(sets: usize, chosen: &Chosen, placed: &Placed, fit: Fit
     }
 }
 
+/// That no output stands where another does, or where the photometry is.
+fn distinct(typed: &FitRunArguments) -> anyhow::Result<()> {
+    let outputs = [Some(&typed.output), typed.report.as_ref(), typed.chains.as_ref()];
+    let mut taken: Vec<PathBuf> = typed.photometry.photometry.iter().map(|path| place_of(path)).collect();
+    for path in outputs.into_iter().flatten() {
+        let place = place_of(path);
+        if taken.contains(&place) {
+            return Err(anyhow!("{} is named twice; every output needs a file of its own", path.display()));
+        }
+        taken.push(place);
+    }
+    Ok(())
+}
+
+/// Folder and name, whatever way they are written.
+fn place_of(path: &Path) -> PathBuf {
+    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default())
+}
+
+/// Folds of pixels hold points of the same tracks.
+pub const PIXELS_ARE_SEEN: &str = "warning: folds are of pixels, and tracks cross many: what is called unseen has seen the same tracks; --raw-points holds out whole tracks";
+
 /// The form and those that it has to beat, on the same unseen folds.
 fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyhow::Result<Vec<Standing>> {
     if typed.form.folds == 0 {
@@ -111,7 +141,21 @@ fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyho
     let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
     entrants.extend(baselines(chosen.form.as_two_panels().as_ref()));
-    let (_, standings) = contest(&entrants, &placed.points, &chosen.settings, typed.form.folds)?;
+    let standings = match contest(&entrants, &placed.points, &chosen.settings, typed.form.folds) {
+        Ok((_, standings)) => standings,
+        // A fit of one night is a fit all the same.
+        Err(FitError::Folds { groups, folds }) => {
+            let words = format!(
+                "warning: {groups} tracks or nights cannot be held out in {folds} folds (--folds): nothing is said of unseen points"
+            );
+            placed.notices.say(&words);
+            return Ok(Vec::new());
+        }
+        Err(error) => return Err(error.into()),
+    };
+    if placed.reduction.is_some() {
+        placed.notices.say(PIXELS_ARE_SEEN);
+    }
     for one in &standings {
         placed.notices.say(&format!(
             "  unseen: {:<22} k {} RMS {:.3} core {:.3} mag, {:.0} % within one sigma",
@@ -146,9 +190,6 @@ fn drawn(
     steps: usize,
 ) -> anyhow::Result<(Chain, Posterior)> {
     let settings = PosteriorSettings { steps, burn_in: typed.burn_in, walkers: typed.walkers, seed: typed.seed };
-    if typed.burn_in >= steps {
-        return Err(anyhow!("burn-in {}; allowed: less than the {steps} steps of --mcmc", typed.burn_in));
-    }
     let about = ChainAbout {
         software: format!("streakcast {}", env!("CARGO_PKG_VERSION")),
         parameters: fit.free.iter().map(|&i| fit.parameters[i].name.clone()).collect(),
