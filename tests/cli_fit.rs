@@ -175,6 +175,9 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
         (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains ./m.json"), vec!["named twice"]),
         (format!("{FIT} -o mmt.csv"), vec!["mmt.csv is named twice"]),
         (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains nowhere/c.npz"), vec!["nowhere"]),
+        (format!("{FIT} -o m.json --nside 8"), vec!["--nside", "--raw-points"]),
+        (format!("{FIT} -o m.json --seed 3"), vec!["--mcmc"]),
+        (format!("{FIT} -o m.json --identified mmt.csv"), vec!["--elements"]),
         (format!("{FIT} -o m.json --layer-deg 0"), vec!["layer-deg 0", "0.01 to 180"]),
         (FIT.replace("--raw-points", "--min-count 100000") + " -o m.json", vec!["no pixel is left", "--min-count"]),
         (FIT.replace("--height-km 550", "") + " -o m.json", vec!["no geometry", "--height-km"]),
@@ -218,6 +221,34 @@ fn verif_poor_fits_are_told_and_not_dropped() {
     let (plain, held) = (rivals(""), rivals("--hold c1=0.3"));
     assert_eq!(plain[1]["rms_mag"], held[1]["rms_mag"], "without the lobe c1 is 0, whatever is held");
     assert_ne!(plain[0], held[0]);
+}
+
+/// Tracks of MMT-9 whose satellites somebody found, placed by element sets: closer to the record, and at least as well explained.
+#[test]
+fn valid_identified_tracks_are_placed_by_elements() {
+    let Some(data) = common::data_dir() else { return };
+    let folder = tempdir().expect("a folder");
+    let at = |name: &str| data.join(name).display().to_string();
+    let (table, tracks) = (at("derived/mmt9_starlink_visorsat.csv.gz"), at("derived/mmt9_visorsat_track_ident.csv"));
+    let elements: Vec<String> = ["2020-12-29", "2021-01-01", "2021-01-07", "2021-02-19"]
+        .map(|day| at(&format!("tle/mmt_2021/starlink_{day}.txt")))
+        .to_vec();
+    let arguments = format!(
+        "fit reduce --photometry {table} --elements {} --identified {tracks} --fit-offset-s 90 --raw-points --format csv",
+        elements.join(" ")
+    );
+    let (code, rows, said) = run(folder.path(), &arguments);
+    assert_eq!(code, 0, "{said}");
+    let named = rows
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .skip(1)
+        .filter(|line| !line.split(',').nth(1).unwrap_or("").is_empty());
+    assert!(named.count() > 5_000, "{said}");
+    // A table without the columns, and a number that is none.
+    fs::write(folder.path().join("bad.csv"), "track,norad\n18903315,many\n").expect("a file");
+    let (code, _, said) = run(folder.path(), &arguments.replace(&tracks, "bad.csv"));
+    assert!(code == 2 && said.contains("row 1: norad many"), "{said}");
 }
 
 /// Pomenis and Slingshot as they were published; single measurements on unseen nights.

@@ -16,11 +16,17 @@ pub struct HeldOut {
     pub folds: Vec<usize>,
 }
 
-/// Which fold each point is held out in: groups in the order of their numbers, dealt out in turn, so that a group is never split.
-pub fn folds_by_group(points: &[FitPoint], folds: usize) -> Vec<usize> {
+/// Each group once, in order.
+fn groups_of(points: &[FitPoint]) -> Vec<u32> {
     let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
     groups.sort_unstable();
     groups.dedup();
+    groups
+}
+
+/// Which fold each point is held out in: groups in the order of their numbers, dealt out in turn, so that a group is never split.
+pub fn folds_by_group(points: &[FitPoint], folds: usize) -> Vec<usize> {
+    let groups = groups_of(points);
     let rank = |group: u32| groups.partition_point(|&other| other < group);
     points.iter().map(|point| rank(point.group) % folds.max(1)).collect()
 }
@@ -36,9 +42,7 @@ pub fn cross_validate(
     folds: usize,
 ) -> Result<HeldOut, FitError> {
     let of_point = folds_by_group(points, folds);
-    let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
-    groups.sort_unstable();
-    groups.dedup();
+    let groups = groups_of(points);
     if folds < 2 || groups.len() < folds {
         return Err(FitError::Folds { groups: groups.len(), folds });
     }

@@ -5,6 +5,11 @@ use super::point::FitPoint;
 /// Points that are worked on together: their numbers stay in the nearest cache.
 pub const BLOCK: usize = 128;
 
+/// Less than this of all panels together is nothing lit that is seen, m².
+pub(super) const LEAST_LIT_M2: f64 = 1e-6;
+/// Light is never taken as less than this, m² sr⁻¹: a magnitude of 33 at 1000 km. A black model is bad, not infinitely so.
+pub(super) const LEAST_M2_SR: f64 = 1e-12;
+
 /// One number of a form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {

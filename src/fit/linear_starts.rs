@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
-use super::form::Parameter;
+use super::form::{LEAST_M2_SR, Parameter};
 use super::inference::minimise_in_box;
 
 /// Light of every point, m² sr⁻¹.
@@ -103,7 +103,7 @@ fn solved(
     // Ranked by what it costs in magnitudes, wrong points held in check.
     let cost = |(point, light): (usize, f64)| {
         let (magnitude, per_sigma) = observed[point];
-        let r = (magnitude - zero_mag + 2.5 * light.max(1e-12).log10()) * per_sigma;
+        let r = (magnitude - zero_mag + 2.5 * light.max(LEAST_M2_SR).log10()) * per_sigma;
         (1.0 + r * r).sqrt() - 1.0
     };
     let total = basis.light(&place).into_iter().enumerate().map(cost).sum::<f64>();

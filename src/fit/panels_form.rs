@@ -9,7 +9,7 @@ use crate::photometry::brdf::{Brdf, Law};
 use crate::photometry::panels::{AttitudeSpec, Face, LitFace, PanelAssembly, PanelsSpec};
 use crate::photometry::{Coefficients, Earthshine, SatelliteShape, StandardMagnitude};
 
-use super::form::{BLOCK, Evaluated, Form, Parameter, Prepared};
+use super::form::{BLOCK, Evaluated, Form, LEAST_LIT_M2, LEAST_M2_SR, Parameter, Prepared};
 use super::linear_starts::{self, Basis};
 use super::panel_earth::PanelEarth;
 use super::point::FitPoint;
@@ -98,11 +98,6 @@ struct PreparedPanels {
     earth: Option<PanelEarth>,
     zero_mag: f64,
 }
-
-/// Less than this of all panels together is nothing lit that is seen, m².
-const LEAST_LIT_M2: f64 = 1e-6;
-/// Light is never taken as less than this, m² sr⁻¹.
-const LEAST_M2_SR: f64 = 1e-12;
 
 /// Laws with parameters put in.
 struct PanelsAt<'a> {

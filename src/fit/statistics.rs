@@ -2,6 +2,8 @@
 
 use crate::quantile::quantile;
 
+use super::comparison::rms;
+
 /// Residuals of a fit or a prediction, mag.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Spread {
@@ -24,7 +26,7 @@ impl Spread {
         }
         let n = finite.len() as f64;
         let mean_mag = finite.iter().sum::<f64>() / n;
-        let rms_mag = (finite.iter().map(|r| r * r).sum::<f64>() / n).sqrt();
+        let rms_mag = rms(&finite);
         finite.sort_by(f64::total_cmp);
         let median = quantile(&finite, 0.5);
         let mut deviations: Vec<f64> = finite.iter().map(|r| (r - median).abs()).collect();

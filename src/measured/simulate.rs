@@ -331,7 +331,7 @@ impl<'o> Night<'o> {
             booked_as: booked.as_ref().unwrap_or(propagator).norad_id(),
             attitude_mag,
         };
-        let sine = options.least_altitude_rad;
+        let least_altitude_rad = options.least_altitude_rad;
         let mut points = Vec::new();
         for step in 0..=(track_s / options.cadence_s) as u32 {
             let seconds = start_s + f64::from(step) * options.cadence_s;
@@ -342,7 +342,7 @@ impl<'o> Night<'o> {
             let noise = normal(options.noise_mag.hypot(options.point_scatter_mag), random);
             let turned = random.random::<f64>() < options.outlier_point_share;
             let turned_mag = normal(options.outlier_mag, random);
-            if !is_lit || placed.altitude_rad.is_none_or(|altitude| altitude < sine) {
+            if !is_lit || placed.altitude_rad.is_none_or(|altitude| altitude < least_altitude_rad) {
                 continue;
             }
             let Some(standard) = model.standard_magnitude_with(&placed.geometry, options.earthshine) else { continue };

@@ -43,11 +43,14 @@ pub struct PhotometryArguments {
     /// Element sets, with their history: satellites stand where the nearest one has them
     #[arg(long, value_name = "FILE", num_args = 1.., help_heading = "Geometry")]
     pub elements: Vec<PathBuf>,
+    /// Which satellite each track is of: a CSV with columns track and norad, for tables that name none
+    #[arg(long, value_name = "FILE", requires = "elements", help_heading = "Geometry")]
+    pub identified: Option<PathBuf>,
     /// Shift each track along its orbit until its ranges fit, by at most so many seconds (with --elements)
     #[arg(long, value_name = "S", requires = "elements", help_heading = "Geometry")]
     pub fit_offset_s: Option<f64>,
     /// An element set farther away in time is not used, days
-    #[arg(long, value_name = "DAYS", default_value_t = 14.0, help_heading = "Geometry")]
+    #[arg(long, requires = "elements", value_name = "DAYS", default_value_t = 14.0, help_heading = "Geometry")]
     pub max_element_age_days: f64,
     /// Height of the orbits, km: for rows of distance and phase without element sets
     #[arg(long, value_name = "KM", help_heading = "Geometry")]
@@ -58,10 +61,10 @@ pub struct PhotometryArguments {
     #[arg(long, requires = "elements", help_heading = "Selection")]
     pub on_station: bool,
     /// On station: least height above the equatorial radius, km
-    #[arg(long, value_name = "KM", default_value_t = 530.0, help_heading = "Selection")]
+    #[arg(long, requires = "on_station", value_name = "KM", default_value_t = 530.0, help_heading = "Selection")]
     pub station_height_km: f64,
     /// On station: greatest rate of the semi-major axis, m/day
-    #[arg(long, value_name = "M", default_value_t = 100.0, help_heading = "Selection")]
+    #[arg(long, requires = "on_station", value_name = "M", default_value_t = 100.0, help_heading = "Selection")]
     pub station_rate_m_day: f64,
     /// Sunlight that passes lower above the ground than this, km, is no full sunlight
     #[arg(long, value_name = "KM", default_value_t = 100.0, allow_hyphen_values = true, help_heading = "Selection")]
@@ -87,28 +90,33 @@ pub struct ReductionArguments {
     #[arg(long, value_name = "DEG", default_value_t = 1.0, help_heading = "Reduction")]
     pub layer_deg: f64,
     /// HEALPix division of the observer's directions
-    #[arg(long, value_name = "N", default_value_t = 32, help_heading = "Reduction")]
+    #[arg(long, conflicts_with = "raw_points", value_name = "N", default_value_t = 32, help_heading = "Reduction")]
     pub nside: u32,
     /// How a pixel's densest magnitude is found
-    #[arg(long, value_name = "MODE", value_enum, default_value_t = ModeName::HalfSample, help_heading = "Reduction")]
+    #[arg(long, conflicts_with = "raw_points", value_name = "MODE", value_enum, default_value_t = ModeName::HalfSample, help_heading = "Reduction")]
     pub mode: ModeName,
     /// Pixels of fewer points are not kept
-    #[arg(long, value_name = "N", default_value_t = 80, help_heading = "Reduction")]
+    #[arg(long, conflicts_with = "raw_points", value_name = "N", default_value_t = 80, help_heading = "Reduction")]
     pub min_count: u32,
     /// Pixels of fewer tracks are not kept: several tell a wrongly identified one from the others
-    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Reduction")]
+    #[arg(long, conflicts_with = "raw_points", value_name = "N", default_value_t = 1, help_heading = "Reduction")]
     pub min_tracks: u32,
     /// Pixels of wider spread are not kept, mag
-    #[arg(long, value_name = "MAG", default_value_t = 0.4, help_heading = "Reduction")]
+    #[arg(long, conflicts_with = "raw_points", value_name = "MAG", default_value_t = 0.4, help_heading = "Reduction")]
     pub max_iqr: f64,
-    /// Both sides of the Sun's plane apart
-    #[arg(long, help_heading = "Reduction")]
+    /// Both sides of the Sun's plane apart (rows of distance and phase know one side only)
+    #[arg(long, conflicts_with = "raw_points", help_heading = "Reduction")]
     pub no_fold: bool,
+}
+
+/// How single measurements are weighed.
+#[derive(Args)]
+pub struct WeightArguments {
     /// Scatter of single measurements beyond their own errors, mag (with --raw-points)
-    #[arg(long, value_name = "MAG", default_value_t = 0.5, help_heading = "Reduction")]
+    #[arg(long, requires = "raw_points", value_name = "MAG", default_value_t = 0.5, help_heading = "Reduction")]
     pub scatter_mag: f64,
     /// Every measurement weighs the same, however many its track or night has (with --raw-points)
-    #[arg(long, help_heading = "Reduction")]
+    #[arg(long, requires = "raw_points", help_heading = "Reduction")]
     pub equal_weights: bool,
 }
 
@@ -160,21 +168,23 @@ pub struct FitRunArguments {
     #[command(flatten)]
     pub reduction: ReductionArguments,
     #[command(flatten)]
+    pub weights: WeightArguments,
+    #[command(flatten)]
     pub form: FormArguments,
     /// Sets of tracks that are left out in turn for the errors of a fit to pixels, more than the free parameters; 0: pixels count as independent
-    #[arg(long, value_name = "N", default_value_t = 24, help_heading = "Model")]
+    #[arg(long, conflicts_with = "raw_points", value_name = "N", default_value_t = 24, help_heading = "Model")]
     pub jackknife: usize,
     /// Draw the posterior with so many steps of walkers
     #[arg(long, value_name = "STEPS", help_heading = "Posterior")]
     pub mcmc: Option<usize>,
     /// Walkers, an even number
-    #[arg(long, value_name = "N", default_value_t = 32, help_heading = "Posterior")]
+    #[arg(long, requires = "mcmc", value_name = "N", default_value_t = 32, help_heading = "Posterior")]
     pub walkers: usize,
     /// Steps at the beginning that are not looked at
-    #[arg(long, value_name = "N", default_value_t = 200, help_heading = "Posterior")]
+    #[arg(long, requires = "mcmc", value_name = "N", default_value_t = 200, help_heading = "Posterior")]
     pub burn_in: usize,
     /// Seed of the walkers
-    #[arg(long, value_name = "N", default_value_t = 1, help_heading = "Posterior")]
+    #[arg(long, requires = "mcmc", value_name = "N", default_value_t = 1, help_heading = "Posterior")]
     pub seed: u64,
     /// Chains as .npz, saved on the way; a run that was cut short goes on from it
     #[arg(long, value_name = "FILE", requires = "mcmc", help_heading = "Posterior")]
@@ -202,6 +212,8 @@ pub struct FitCompareArguments {
     pub photometry: PhotometryArguments,
     #[command(flatten)]
     pub reduction: ReductionArguments,
+    #[command(flatten)]
+    pub weights: WeightArguments,
     #[command(flatten)]
     pub form: FormArguments,
     #[command(flatten)]

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::fit::form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
+use crate::fit::form::{BLOCK, Evaluated, Form, LEAST_LIT_M2, Parameter, Prepared, Sloped};
 use crate::fit::linear_starts::{self, Basis};
 use crate::fit::log_nodes::LogNodes;
 use crate::fit::point::FitPoint;
@@ -107,9 +107,6 @@ impl Block {
         block
     }
 }
-
-/// Less than this of all panels together is nothing lit that is seen, m².
-const LEAST_LIT_M2: f64 = 1e-6;
 
 impl Prepared for Columns {
     fn explains(&self, point: usize) -> bool {

@@ -6,13 +6,11 @@ use std::f64::consts::{FRAC_1_PI, LN_10, TAU};
 use pulp::{Arch, NullaryFnOnce};
 
 use crate::elementary::{exp, fused, ln};
-use crate::fit::form::{BLOCK, Evaluated};
+use crate::fit::form::{BLOCK, Evaluated, LEAST_M2_SR};
 
 use super::columns::Block;
 use super::earth::{EarthBlock, NODES};
 
-/// Light is never taken as less than this, m² sr⁻¹: a magnitude of 33 at 1000 km. A black model is bad, not infinitely so.
-const LEAST_M2_SR: f64 = 1e-12;
 /// Parameters whose derivatives are known: all but the panel offset.
 const SLOPES: usize = 7;
 

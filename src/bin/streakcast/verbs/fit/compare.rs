@@ -6,7 +6,7 @@ use streakcast::fit::{
 };
 use streakcast::table::{Provenance, Section};
 
-use super::points::{FittedForm, form, read};
+use super::points::{FittedForm, form, read, weights};
 use crate::failure::Outcome;
 use crate::fit_arguments::FitCompareArguments;
 use crate::output::{Answer, Output};
@@ -47,10 +47,14 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
         return Err(anyhow!("folds {}; allowed: 2 or more", typed.form.folds));
     }
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
-    let placed = read(&typed.photometry, &typed.reduction)?;
+    let placed = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
     let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
     let mut provenance = Provenance::new();
+    for path in &typed.photometry.photometry {
+        provenance.state("photometry", path.display().to_string());
+    }
+    provenance.state("loss", format!("{:?}", chosen.settings.loss));
     provenance.state("model", chosen.file.name.as_str());
     provenance.state("earthshine", if typed.form.no_earthshine { "off" } else { "computed" });
     let tests = match &chosen.form {

@@ -1,9 +1,11 @@
 //! Photometry as typed, made into points of a fit.
 
+use std::collections::HashMap;
 use std::fs;
+use std::path::Path;
 
 use anyhow::anyhow;
-use streakcast::catalogue::{Catalogue, Keep, ReadOptions as CatalogueOptions, StationRule};
+use streakcast::catalogue::{Catalogue, Keep, NoradId, ReadOptions as CatalogueOptions, StationRule};
 use streakcast::fit::{
     FitPoint, FitSettings, Form, Loss, PANEL_OFFSET, PanelsForm, Parameter, RawWeights, TwoPanelForm,
     points_of_measurements, points_of_pixels,
@@ -16,7 +18,9 @@ use streakcast::measured::{
 use streakcast::photometry::{Earthshine, ModelFile, ModelLibrary};
 use streakcast::setup::Setup;
 
-use crate::fit_arguments::{FormArguments, LossName, ModeName, PhotometryArguments, ReductionArguments};
+use crate::fit_arguments::{
+    FormArguments, LossName, ModeName, PhotometryArguments, ReductionArguments, WeightArguments,
+};
 use crate::notices::Notices;
 use crate::verbs::judged::begin;
 use crate::verbs::map::{model_of, site_of};
@@ -31,7 +35,11 @@ pub struct Placed {
     pub notices: Notices,
 }
 
-pub fn read(typed: &PhotometryArguments, reduction: &ReductionArguments) -> anyhow::Result<Placed> {
+pub fn read(
+    typed: &PhotometryArguments,
+    reduction: &ReductionArguments,
+    weights: &RawWeights,
+) -> anyhow::Result<Placed> {
     let setup = Setup { threads: typed.threads, quiet: Some(typed.quiet), ..typed.place.setup() };
     let notices = begin(&setup)?;
     if !(0.01..=180.0).contains(&reduction.layer_deg) {
@@ -68,6 +76,7 @@ pub fn read(typed: &PhotometryArguments, reduction: &ReductionArguments) -> anyh
             place: Place::Elements { fit_offset_s: typed.fit_offset_s },
             max_element_age_days: typed.max_element_age_days,
             eop: EopTable::embedded(),
+            identified: typed.identified.as_deref().map(identified).transpose()?.unwrap_or_default(),
             ..Placement::elements(history)
         },
         None => Placement::recorded(typed.height_km),
@@ -87,11 +96,7 @@ pub fn read(typed: &PhotometryArguments, reduction: &ReductionArguments) -> anyh
     let measurements = measure(&mut reader, &placement, &selection)?;
     tell(&notices, &measurements.dropped, measurements.points.len());
     let (pixels, points) = if reduction.raw_points {
-        if !(reduction.scatter_mag > 0.0 && reduction.scatter_mag.is_finite()) {
-            return Err(anyhow!("scatter-mag {}; allowed: more than 0", reduction.scatter_mag));
-        }
-        let weights = RawWeights { scatter_mag: reduction.scatter_mag, by_group: !reduction.equal_weights };
-        (None, points_of_measurements(&measurements, &weights))
+        (None, points_of_measurements(&measurements, weights))
     } else {
         let pixels = reduce(&measurements.points, reduce_options(reduction))?;
         let points = points_of_pixels(&pixels);
@@ -109,6 +114,46 @@ pub fn read(typed: &PhotometryArguments, reduction: &ReductionArguments) -> anyh
         return Err(nothing_left(&measurements, pixels.as_ref()));
     }
     Ok(Placed { measurements, reduction: pixels, points, notices })
+}
+
+/// How single measurements are weighed, as typed.
+pub fn weights(typed: &WeightArguments) -> anyhow::Result<RawWeights> {
+    if !(typed.scatter_mag > 0.0 && typed.scatter_mag.is_finite()) {
+        return Err(anyhow!("scatter-mag {}; allowed: more than 0", typed.scatter_mag));
+    }
+    Ok(RawWeights { scatter_mag: typed.scatter_mag, by_group: !typed.equal_weights })
+}
+
+/// Tracks and the satellites they are of; rows without a number are tracks that nobody identified.
+fn identified(path: &Path) -> anyhow::Result<HashMap<String, NoradId>> {
+    let unreadable = |error: csv::Error| anyhow!("identified {}: {error}", path.display());
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(unreadable)?;
+    let headers = reader.headers().map_err(unreadable)?.clone();
+    let column = |name: &str| {
+        let found = headers.iter().position(|header| header.trim() == name);
+        found.ok_or_else(|| anyhow!("identified {}: no column {name}; needed are track and norad", path.display()))
+    };
+    let (track, norad) = (column("track")?, column("norad")?);
+    let mut tracks = HashMap::new();
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(unreadable)?;
+        let (track, text) =
+            (record.get(track).unwrap_or_default().trim(), record.get(norad).unwrap_or_default().trim());
+        if text.is_empty() {
+            continue;
+        }
+        let number: u32 = text.parse().map_err(|_| {
+            anyhow!(
+                "identified {}: row {}: norad {text}; allowed: a catalogue number, or nothing",
+                path.display(),
+                row + 1
+            )
+        })?;
+        if number > 0 {
+            tracks.insert(track.to_owned(), NoradId(number));
+        }
+    }
+    Ok(tracks)
 }
 
 fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {

@@ -1,5 +1,6 @@
 //! `fit reduce`: photometry as pixels of the body frame, or point by point.
 
+use streakcast::fit::RawWeights;
 use streakcast::table::{Provenance, Section};
 
 use super::points::read;
@@ -36,7 +37,7 @@ pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
         streakcast::plot::PictureFormat::of(picture)?;
         crate::output::check(picture)?;
     }
-    let placed = read(&typed.photometry, &typed.reduction)?;
+    let placed = read(&typed.photometry, &typed.reduction, &RawWeights::default())?;
     let dropped = placed.measurements.dropped.table();
     let mut provenance = Provenance::new();
     for path in &typed.photometry.photometry {

@@ -13,7 +13,7 @@ use streakcast::fit::{
 };
 use streakcast::photometry::ModelFile;
 
-use super::points::{Chosen, Placed, form, read};
+use super::points::{Chosen, Placed, form, read, weights};
 use super::report;
 use crate::failure::Outcome;
 use crate::fit_arguments::{FitArguments, FitRunArguments, FitVerb};
@@ -58,7 +58,7 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         check(report)?;
     }
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
-    let placed = read(&typed.photometry, &typed.reduction)?;
+    let placed = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
     let problem = Problem::new(chosen.form.as_form(), &placed.points, &chosen.settings)?;
     let notices = &placed.notices;
     let fit = with_errors_of_tracks(typed.jackknife, &chosen, &placed, problem.solve()?)?;
@@ -198,6 +198,9 @@ fn drawn(
     };
     let resumed =
         typed.chains.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &about, typed)).transpose()?;
+    if let Some(chain) = resumed.as_ref().filter(|chain| chain.steps() > steps) {
+        return Err(anyhow!("mcmc {steps}: the chains hold {} steps already; allowed: as many or more", chain.steps()));
+    }
     if let Some(chain) = &resumed {
         placed.notices.say(&format!("going on after {} steps", chain.steps()));
     }
@@ -279,10 +282,13 @@ fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<Strin
             typed.reduction.max_iqr,
             reduction.points
         ),
-        None => format!("Fitted to single measurements with a scatter of {} mag.", typed.reduction.scatter_mag),
+        None => format!("Fitted to single measurements with a scatter of {} mag.", typed.weights.scatter_mag),
     };
     let light = if typed.form.no_earthshine { "Without earthshine." } else { "With earthshine." };
     let mut notes = vec![kind, light.to_owned(), format!("Loss: {:?}.", chosen.settings.loss)];
+    if !typed.photometry.filter.is_empty() {
+        notes.push(format!("Filters: {}; taken as the band of the model.", typed.photometry.filter.join(", ")));
+    }
     notes.push(format!("Sunlight passes at least {} km above the ground.", typed.photometry.least_grazing_km));
     notes.extend(chosen.settings.held.iter().map(|(name, value)| format!("{name} was held at {value}.")));
     notes
