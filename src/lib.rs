@@ -15,6 +15,7 @@
 //! ICRS astrometric topocentric unless it says otherwise: the place a satellite takes among catalogue stars on a
 //! calibrated image. The library never prints, and never asks the environment, the clock or the network.
 
+pub mod camera;
 pub mod catalogue;
 pub mod checks;
 pub mod constants;
@@ -33,5 +34,6 @@ pub mod plot;
 mod quantile;
 pub mod schedule;
 pub mod setup;
+pub mod streak;
 pub mod table;
 pub mod telescope;

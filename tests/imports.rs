@@ -13,6 +13,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("table", &[]),
     ("telescope", &[]),
     ("healpix", &[]),
+    ("camera", &["frames", "table"]),
     ("geometry", &["frames"]),
     ("orbit", &["catalogue", "frames"]),
     ("photometry", &["elementary", "frames", "geometry"]),
@@ -22,6 +23,10 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("measured", &["catalogue", "frames", "geometry", "healpix", "orbit", "photometry", "quantile", "table"]),
     ("fit", &["elementary", "geometry", "measured", "photometry", "quantile", "table"]),
     ("checks", &["frames", "geometry", "measured", "photometry", "table"]),
+    (
+        "streak",
+        &["camera", "catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"],
+    ),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),
 ];

@@ -1,0 +1,74 @@
+//! One image in memory.
+
+use thiserror::Error;
+
+/// Why a plane cannot be made.
+#[derive(Debug, Error, PartialEq)]
+pub enum PlaneError {
+    /// The values do not fill it.
+    #[error("{given} values for an image of {rows} rows by {columns} columns ({} are needed)", rows * columns)]
+    Shape {
+        /// Rows asked for.
+        rows: usize,
+        /// Columns asked for.
+        columns: usize,
+        /// Values given.
+        given: usize,
+    },
+}
+
+/// An image, shape (rows, columns), row after row, the row that FITS holds first at index 0.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Plane {
+    rows: usize,
+    columns: usize,
+    values: Vec<f32>,
+}
+
+impl Plane {
+    /// All zero.
+    pub fn zeros(rows: usize, columns: usize) -> Self {
+        Self { rows, columns, values: vec![0.0; rows * columns] }
+    }
+
+    /// From values row after row.
+    ///
+    /// # Errors
+    /// [`PlaneError::Shape`] where their number is not rows times columns.
+    pub fn from_values(rows: usize, columns: usize, values: Vec<f32>) -> Result<Self, PlaneError> {
+        if values.len() != rows * columns {
+            return Err(PlaneError::Shape { rows, columns, given: values.len() });
+        }
+        Ok(Self { rows, columns, values })
+    }
+
+    /// Number of rows (NAXIS2).
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Number of columns (NAXIS1).
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// All values, row after row.
+    pub fn values(&self) -> &[f32] {
+        &self.values
+    }
+
+    /// All values, row after row, to be changed.
+    pub fn values_mut(&mut self) -> &mut [f32] {
+        &mut self.values
+    }
+
+    /// One row; empty where there is none of this number.
+    pub fn row(&self, row: usize) -> &[f32] {
+        self.values.get(row * self.columns..(row + 1) * self.columns).unwrap_or(&[])
+    }
+
+    /// One row, to be changed; empty where there is none of this number.
+    pub fn row_mut(&mut self, row: usize) -> &mut [f32] {
+        self.values.get_mut(row * self.columns..(row + 1) * self.columns).unwrap_or(&mut [])
+    }
+}

@@ -1,0 +1,1 @@
+//! Streaks in pixels: the light of a pass put into a frame, with its truth.
