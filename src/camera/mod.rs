@@ -2,6 +2,10 @@
 
 mod pixel;
 mod plane;
+#[cfg(feature = "plot")]
+mod preview;
 
 pub use pixel::PixelPosition;
 pub use plane::{Plane, PlaneError};
+#[cfg(feature = "plot")]
+pub use preview::{Overlay, PreviewError, preview_png};

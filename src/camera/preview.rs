@@ -1,0 +1,218 @@
+//! A frame as a picture, to look at.
+
+use image::{ImageFormat, Rgb, RgbImage};
+use thiserror::Error;
+
+use super::pixel::PixelPosition;
+use super::plane::Plane;
+
+/// Why no picture came.
+#[derive(Debug, Error)]
+pub enum PreviewError {
+    /// A frame without rows or columns.
+    #[error("a frame of {rows} rows by {columns} columns has no picture")]
+    Empty {
+        /// Rows.
+        rows: usize,
+        /// Columns.
+        columns: usize,
+    },
+    /// The encoder failed.
+    #[error("the picture cannot be encoded: {0}")]
+    Encode(#[from] image::ImageError),
+}
+
+/// A line to be drawn over a preview.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Overlay {
+    /// Places in the frame, joined in order.
+    pub line: Vec<PixelPosition>,
+    /// Drawn beside the line at this distance to both sides, pixels of the frame, so that what lies between is seen.
+    pub half_width_pix: f64,
+}
+
+/// Longer sides are made smaller by a whole number.
+const LONGEST_SIDE: usize = 1600;
+/// Smaller frames are made larger by a whole number, up to this side.
+const SHORTEST_SIDE: usize = 400;
+/// Values that black and white stand for, as shares of the sorted values.
+const BLACK_SHARE: f64 = 0.02;
+const WHITE_SHARE: f64 = 0.997;
+/// Strength of the stretch: above it the sky's noise is as visible as the stars.
+const SOFTENING: f64 = 8.0;
+/// Pixels looked at to find black and white.
+const SAMPLED: usize = 200_000;
+const OVERLAY_COLOUR: Rgb<u8> = Rgb([255, 170, 40]);
+
+/// The frame as a PNG: grey, first row at the bottom, asinh stretch between the 2nd and the 99.7th percentile; `overlays` in orange.
+///
+/// Frames beyond 1600 pixels are averaged down, those below 400 enlarged. Pixels that are no number are dark blue.
+///
+/// # Errors
+/// [`PreviewError`] for a frame without pixels.
+pub fn preview_png(plane: &Plane, overlays: &[Overlay]) -> Result<Vec<u8>, PreviewError> {
+    let (rows, columns) = (plane.rows(), plane.columns());
+    if rows == 0 || columns == 0 {
+        return Err(PreviewError::Empty { rows, columns });
+    }
+    let scale = Scale::of(rows, columns);
+    let [black, white] = limits(plane);
+    let (width, height) = scale.size(rows, columns);
+    let mut picture = RgbImage::new(width, height);
+    for (x, y, pixel) in picture.enumerate_pixels_mut() {
+        let value = scale.mean(plane, x as usize, (height - 1 - y) as usize);
+        *pixel = if value.is_finite() { grey(f64::from(value), black, white) } else { Rgb([10, 20, 70]) };
+    }
+    for overlay in overlays {
+        draw(&mut picture, overlay, &scale, height);
+    }
+    let mut bytes = std::io::Cursor::new(Vec::new());
+    picture.write_to(&mut bytes, ImageFormat::Png)?;
+    Ok(bytes.into_inner())
+}
+
+/// How many pixels of the frame make one of the picture, or the other way round.
+#[derive(Copy, Clone, Debug, PartialEq)]
+enum Scale {
+    Down(usize),
+    Up(usize),
+}
+
+impl Scale {
+    fn of(rows: usize, columns: usize) -> Self {
+        let longest = rows.max(columns);
+        if longest > LONGEST_SIDE {
+            Self::Down(longest.div_ceil(LONGEST_SIDE))
+        } else {
+            Self::Up((SHORTEST_SIDE / longest).max(1))
+        }
+    }
+
+    fn size(self, rows: usize, columns: usize) -> (u32, u32) {
+        let side = |pixels: usize| match self {
+            Self::Down(factor) => pixels.div_ceil(factor),
+            Self::Up(factor) => pixels * factor,
+        } as u32;
+        (side(columns), side(rows))
+    }
+
+    /// Mean of the frame's pixels under one of the picture; those that are no number do not count.
+    fn mean(self, plane: &Plane, x: usize, y: usize) -> f32 {
+        match self {
+            Self::Up(factor) => plane.row(y / factor).get(x / factor).copied().unwrap_or(f32::NAN),
+            Self::Down(factor) => {
+                let (mut sum, mut count) = (0.0, 0u32);
+                for row in y * factor..((y + 1) * factor).min(plane.rows()) {
+                    let end = ((x + 1) * factor).min(plane.columns());
+                    for value in
+                        plane.row(row).get(x * factor..end).unwrap_or(&[]).iter().filter(|value| value.is_finite())
+                    {
+                        sum += value;
+                        count += 1;
+                    }
+                }
+                sum / count as f32
+            }
+        }
+    }
+
+    /// A place of the frame in the picture, before it is turned over.
+    fn place(self, at: PixelPosition) -> (f64, f64) {
+        let along = |value: f64| match self {
+            Self::Down(factor) => (value + 0.5) / factor as f64 - 0.5,
+            Self::Up(factor) => (value + 0.5) * factor as f64 - 0.5,
+        };
+        (along(at.x), along(at.y))
+    }
+
+    fn factor(self) -> f64 {
+        match self {
+            Self::Down(factor) => 1.0 / factor as f64,
+            Self::Up(factor) => factor as f64,
+        }
+    }
+}
+
+/// The values that black and white stand for.
+fn limits(plane: &Plane) -> [f64; 2] {
+    let step = (plane.values().len() / SAMPLED).max(1);
+    let mut values: Vec<f32> = plane.values().iter().step_by(step).copied().filter(|value| value.is_finite()).collect();
+    values.sort_by(f32::total_cmp);
+    let at = |share: f64| {
+        values.get((share * values.len().saturating_sub(1) as f64) as usize).map_or(0.0, |&value| f64::from(value))
+    };
+    [at(BLACK_SHARE), at(WHITE_SHARE)]
+}
+
+fn grey(value: f64, black: f64, white: f64) -> Rgb<u8> {
+    // asinh(s x) / asinh(s), x from black (0) to white (1); a flat frame is half grey.
+    let share = if white > black { ((value - black) / (white - black)).clamp(0.0, 1.0) } else { 0.2 };
+    let level = ((SOFTENING * share).asinh() / SOFTENING.asinh() * 255.0).round() as u8;
+    Rgb([level, level, level])
+}
+
+fn draw(picture: &mut RgbImage, overlay: &Overlay, scale: &Scale, height: u32) {
+    for pair in overlay.line.windows(2) {
+        let (from, to) = (scale.place(pair[0]), scale.place(pair[1]));
+        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
+        let length = dx.hypot(dy);
+        if !(length > 0.0 && length.is_finite()) {
+            continue;
+        }
+        let beside = (overlay.half_width_pix * scale.factor()).max(3.0);
+        for side in [-beside, beside] {
+            let steps = length.ceil().min(10_000.0) as usize;
+            for step in 0..=steps {
+                let share = step as f64 / steps as f64;
+                let x = from.0 + share * dx - side * dy / length;
+                let y = from.1 + share * dy + side * dx / length;
+                let row = f64::from(height) - 1.0 - y;
+                if x >= -0.5 && row >= -0.5 {
+                    let (x, row) = (x.round() as u32, row.round() as u32);
+                    if x < picture.width() && row < picture.height() {
+                        picture.put_pixel(x, row, OVERLAY_COLOUR);
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn decoded(bytes: &[u8]) -> RgbImage {
+        image::load_from_memory_with_format(bytes, ImageFormat::Png).unwrap().to_rgb8()
+    }
+
+    #[test]
+    fn verif_the_first_row_is_at_the_bottom_and_bright_is_bright() {
+        let mut plane = Plane::zeros(500, 450);
+        for (index, value) in plane.values_mut().iter_mut().enumerate() {
+            *value = (index % 7) as f32;
+        }
+        plane.row_mut(3)[440] = 1000.0;
+        plane.row_mut(400)[10] = f32::NAN;
+        let picture = decoded(&preview_png(&plane, &[]).unwrap());
+        assert_eq!(picture.dimensions(), (450, 500));
+        assert_eq!(picture.get_pixel(440, 499 - 3), &Rgb([255, 255, 255]));
+        assert_eq!(picture.get_pixel(10, 499 - 400), &Rgb([10, 20, 70]));
+    }
+
+    #[test]
+    fn verif_sizes_are_whole_multiples_and_overlays_lie_beside_the_line() {
+        let large = decoded(&preview_png(&Plane::zeros(4000, 1000), &[]).unwrap());
+        assert_eq!(large.dimensions(), (334, 1334));
+        let overlay = Overlay {
+            line: vec![PixelPosition { x: 10.0, y: 20.0 }, PixelPosition { x: 80.0, y: 20.0 }],
+            half_width_pix: 5.0,
+        };
+        let small = decoded(&preview_png(&Plane::zeros(100, 90), &[overlay]).unwrap());
+        assert_eq!(small.dimensions(), (360, 400));
+        let rows: Vec<u32> = (0..400).filter(|&row| small.get_pixel(200, row) == &OVERLAY_COLOUR).collect();
+        // Row 20 of 100 is centred at 81.5 of 400 from below; the lines lie 20 picture pixels beside it.
+        assert_eq!(rows, [298, 338]);
+        assert!(preview_png(&Plane::zeros(0, 5), &[]).is_err());
+    }
+}

@@ -1,0 +1,270 @@
+//! Light that changes along the track for reasons that no model of a steady satellite knows: tumbling, glints, a light curve of one's own.
+
+use thiserror::Error;
+
+use super::sky_track::{SkyPoint, SkyTrack};
+
+/// The brightness of a body that turns: a sine in magnitudes.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Tumbling {
+    /// Seconds from one maximum to the next.
+    pub period_s: f64,
+    /// From the faintest to the brightest, mag.
+    pub amplitude_mag: f64,
+    /// Where in the period the shutter opens, in turns; at 0 the light is at its mean and brightens.
+    pub phase: f64,
+}
+
+/// A flash of light: a mirror that points at the observer for a moment.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Glint {
+    /// Apparent magnitude of the flash alone at its height.
+    pub magnitude: f64,
+    /// Its height in seconds after the middle of the track in the field; before it where negative.
+    pub offset_s: f64,
+    /// Full width at half of its height, seconds; it rises and falls as a Gaussian.
+    pub duration_s: f64,
+}
+
+/// A light curve of one's own: what is added to the magnitude at times after the shutter opened.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct LightCurve {
+    points: Vec<(f64, f64)>,
+}
+
+/// Why light cannot change so.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum ModulationError {
+    /// A number that is out of range or none.
+    #[error("{what} is {given} (allowed: {allowed})")]
+    OutOfRange {
+        /// Which number.
+        what: &'static str,
+        /// As given.
+        given: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A light curve whose times do not grow, or of fewer than two points.
+    #[error("light curve, point {point}: {problem}")]
+    Curve {
+        /// Counted from 1.
+        point: usize,
+        /// What is wrong, and what is allowed.
+        problem: &'static str,
+    },
+}
+
+impl LightCurve {
+    /// From (seconds after the shutter opened, magnitudes to add), straight lines between, the end values beyond the ends.
+    ///
+    /// # Errors
+    /// Fewer than two points, numbers that are none, times that do not grow.
+    pub fn new(points: Vec<(f64, f64)>) -> Result<Self, ModulationError> {
+        let wrong = |point, problem| Err(ModulationError::Curve { point, problem });
+        if points.len() < 2 {
+            return wrong(points.len(), "too few points (allowed: 2 or more)");
+        }
+        for (index, point) in points.iter().enumerate() {
+            if !(point.0.is_finite() && point.1.is_finite()) {
+                return wrong(index + 1, "not a number (allowed: seconds and magnitudes)");
+            }
+            if index > 0 && points[index - 1].0 >= point.0 {
+                return wrong(index + 1, "the time is not later than that of the point before");
+            }
+        }
+        Ok(Self { points })
+    }
+
+    /// Magnitudes to add at a time.
+    pub fn at(&self, time_s: f64) -> f64 {
+        let after = self.points.partition_point(|point| point.0 <= time_s);
+        match (after.checked_sub(1).and_then(|before| self.points.get(before)), self.points.get(after)) {
+            (Some(a), Some(b)) => a.1 + (b.1 - a.1) * (time_s - a.0) / (b.0 - a.0),
+            (Some(end), None) | (None, Some(end)) => end.1,
+            (None, None) => 0.0,
+        }
+    }
+
+    fn shortest_s(&self) -> f64 {
+        self.points.windows(2).map(|pair| pair[1].0 - pair[0].0).fold(f64::INFINITY, f64::min)
+    }
+}
+
+/// Everything that changes the light along a track.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Modulation {
+    /// A body that turns.
+    pub tumbling: Option<Tumbling>,
+    /// Flashes.
+    pub glints: Vec<Glint>,
+    /// A light curve of one's own.
+    pub curve: Option<LightCurve>,
+}
+
+/// Points in the shortest change of the light.
+const STEPS_IN_A_CHANGE: f64 = 16.0;
+
+/// Full width at half height of a Gaussian in standard deviations: 2 √(2 ln 2).
+const FWHM_SIGMAS: f64 = 2.354_820_045_030_949;
+
+/// The most points that one track is refined to: a period far below a pixel's crossing time is even light.
+const MOST_POINTS: f64 = 200_000.0;
+
+impl Modulation {
+    /// Refuses periods, durations and amplitudes that are none.
+    ///
+    /// # Errors
+    /// [`ModulationError::OutOfRange`].
+    pub fn check(&self) -> Result<(), ModulationError> {
+        let held = |what, given: f64, allowed, right: bool| {
+            if right { Ok(()) } else { Err(ModulationError::OutOfRange { what, given, allowed }) }
+        };
+        if let Some(Tumbling { period_s, amplitude_mag, phase }) = self.tumbling {
+            held("tumbling period, s", period_s, "1e-4 to 1e5", (1e-4..=1e5).contains(&period_s))?;
+            held("tumbling amplitude, mag", amplitude_mag, "0 to 10", (0.0..=10.0).contains(&amplitude_mag))?;
+            held("tumbling phase, turns", phase, "-1 to 1", (-1.0..=1.0).contains(&phase))?;
+        }
+        for glint in &self.glints {
+            held("glint magnitude", glint.magnitude, "-20 to 30", (-20.0..=30.0).contains(&glint.magnitude))?;
+            held("glint offset, s", glint.offset_s, "-1e5 to 1e5", glint.offset_s.abs() <= 1e5)?;
+            held("glint duration, s", glint.duration_s, "1e-4 to 1e4", (1e-4..=1e4).contains(&glint.duration_s))?;
+        }
+        Ok(())
+    }
+
+    /// True where the light stays as it is.
+    pub fn is_none(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The track in this light, with points enough that it is seen. In the Earth's shadow nothing turns bright.
+    pub fn applied(&self, track: &SkyTrack) -> SkyTrack {
+        let Some(middle_s) = track.middle_s().filter(|_| !self.is_none()) else { return track.clone() };
+        let span_s = track.points.last().map_or(0.0, |last| last.time_s) - track.points[0].time_s;
+        let shortest_s = self.shortest_s() / STEPS_IN_A_CHANGE;
+        let mut points = track.refined(shortest_s.max(span_s / MOST_POINTS)).points;
+        for point in &mut points {
+            point.magnitude = point.magnitude.map(|steady| self.magnitude(steady, point, middle_s));
+        }
+        SkyTrack { points }
+    }
+
+    fn magnitude(&self, steady: f64, point: &SkyPoint, middle_s: f64) -> f64 {
+        // m = m₀ - A/2 sin 2π(t / P + φ)
+        let turned = self.tumbling.map_or(0.0, |tumbling| {
+            let turns = point.time_s / tumbling.period_s + tumbling.phase;
+            -0.5 * tumbling.amplitude_mag * (std::f64::consts::TAU * turns).sin()
+        });
+        let curved = self.curve.as_ref().map_or(0.0, |curve| curve.at(point.time_s));
+        let light = |magnitude: f64| 10f64.powf(-0.4 * magnitude);
+        let flashes: f64 = self
+            .glints
+            .iter()
+            .map(|glint| {
+                let sigmas = (point.time_s - middle_s - glint.offset_s) / (glint.duration_s / FWHM_SIGMAS);
+                light(glint.magnitude) * (-0.5 * sigmas * sigmas).exp()
+            })
+            .sum();
+        -2.5 * (light(steady + turned + curved) + flashes).log10()
+    }
+
+    fn shortest_s(&self) -> f64 {
+        let tumbling = self.tumbling.map(|tumbling| 0.5 * tumbling.period_s);
+        let glints = self.glints.iter().map(|glint| glint.duration_s);
+        let curve = self.curve.as_ref().map(LightCurve::shortest_s);
+        tumbling.into_iter().chain(glints).chain(curve).fold(f64::INFINITY, f64::min)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::Direction;
+
+    fn steady(magnitude: f64) -> SkyTrack {
+        let point = |index: u32| SkyPoint {
+            time_s: 2.0 + 0.25 * f64::from(index),
+            direction: Direction::from_lon_lat_rad(0.01 * f64::from(index), 0.2),
+            range_km: 600.0,
+            magnitude: (index <= 16).then_some(magnitude),
+        };
+        SkyTrack { points: (0..=24).map(point).collect() }
+    }
+
+    /// ∫ light dt by trapezes, in that of magnitude 0 for a second.
+    fn light_s(track: &SkyTrack) -> f64 {
+        let light = |point: &SkyPoint| point.magnitude.map_or(0.0, |magnitude| 10f64.powf(-0.4 * magnitude));
+        track
+            .points
+            .windows(2)
+            .map(|pair| 0.5 * (light(&pair[0]) + light(&pair[1])) * (pair[1].time_s - pair[0].time_s))
+            .sum()
+    }
+
+    #[test]
+    fn verif_a_tumbling_body_swings_by_its_amplitude() {
+        let tumbling = Tumbling { period_s: 0.5, amplitude_mag: 2.0, phase: 0.0 };
+        let track = Modulation { tumbling: Some(tumbling), ..Modulation::default() }.applied(&steady(6.0));
+        let lit = || track.points.iter().filter_map(|point| point.magnitude);
+        assert!((lit().fold(f64::INFINITY, f64::min) - 5.0).abs() < 0.01);
+        assert!((lit().fold(f64::NEG_INFINITY, f64::max) - 7.0).abs() < 0.01);
+        let quarter = track.points.iter().find(|point| (point.time_s - 2.125).abs() < 1e-9).unwrap();
+        assert!(
+            (quarter.magnitude.unwrap() - 5.0).abs() < 1e-9,
+            "brightest a quarter of a period after a whole number of turns"
+        );
+        assert!(track.points.iter().filter(|point| point.time_s > 6.01).all(|point| point.magnitude.is_none()));
+    }
+
+    #[test]
+    fn verif_a_glint_brings_its_own_light() {
+        // The track lasts from 2 to 8 s: its middle is at 5 s.
+        let glint = Glint { magnitude: 3.0, offset_s: -1.0, duration_s: 0.1 };
+        let track = Modulation { glints: vec![glint], ..Modulation::default() }.applied(&steady(7.0));
+        let peak = track
+            .points
+            .iter()
+            .min_by(|a, b| a.magnitude.unwrap_or(99.0).total_cmp(&b.magnitude.unwrap_or(99.0)))
+            .unwrap();
+        assert!((peak.time_s - 4.0).abs() < 0.01, "{}", peak.time_s);
+        // Gaussian of height h and FWHM w: h w √(π / ln 2) / 2.
+        let own = 10f64.powf(-0.4 * 3.0) * 0.1 * (std::f64::consts::PI / std::f64::consts::LN_2).sqrt() / 2.0;
+        let gained = light_s(&track) - light_s(&steady(7.0).refined(0.1 / 16.0));
+        assert!((gained / own - 1.0).abs() < 2e-3, "{gained} {own}");
+    }
+
+    #[test]
+    fn verif_a_light_curve_is_followed_and_held_to_its_form() {
+        let curve = LightCurve::new(vec![(3.0, 0.0), (4.0, 1.0), (4.1, -1.0)]).unwrap();
+        for (time_s, added) in [(0.0, 0.0), (3.5, 0.5), (4.05, 0.0), (9.0, -1.0)] {
+            assert!((curve.at(time_s) - added).abs() < 1e-12, "{time_s}");
+        }
+        let track = Modulation { curve: Some(curve), ..Modulation::default() }.applied(&steady(6.0));
+        let at =
+            |time_s: f64| track.points.iter().find(|point| (point.time_s - time_s).abs() < 1e-9).unwrap().magnitude;
+        assert!((at(3.5).unwrap() - 6.5).abs() < 1e-9 && (at(5.0).unwrap() - 5.0).abs() < 1e-9);
+        for (points, words) in [
+            (vec![(1.0, 0.0)], "too few"),
+            (vec![(1.0, 0.0), (1.0, 1.0)], "point 2: the time is not later"),
+            (vec![(1.0, 0.0), (2.0, f64::NAN)], "point 2: not a number"),
+        ] {
+            let message = LightCurve::new(points).unwrap_err().to_string();
+            assert!(message.contains(words), "{message}");
+        }
+    }
+
+    #[test]
+    fn verif_impossible_changes_are_refused_and_none_is_none() {
+        let tumbling = |period_s, amplitude_mag| Modulation {
+            tumbling: Some(Tumbling { period_s, amplitude_mag, phase: 0.0 }),
+            ..Modulation::default()
+        };
+        assert!(tumbling(0.0, 1.0).check().unwrap_err().to_string().contains("period, s is 0 (allowed: 1e-4 to 1e5)"));
+        assert!(tumbling(1.0, f64::NAN).check().is_err());
+        let glint = Glint { magnitude: 3.0, offset_s: 0.0, duration_s: -1.0 };
+        assert!(Modulation { glints: vec![glint], ..Modulation::default() }.check().is_err());
+        assert!(tumbling(2.0, 1.0).check().is_ok());
+        assert_eq!(Modulation::default().applied(&steady(6.0)), steady(6.0));
+    }
+}

@@ -1,0 +1,207 @@
+//! Streaks that no satellite made: for training sets, drawn from a seed.
+
+use nalgebra::Vector3;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::{Distribution, Poisson};
+use thiserror::Error;
+
+use super::sky_track::{SkyPoint, SkyTrack};
+use crate::frames::{Direction, Gcrs};
+
+/// What is drawn.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct RandomStreaks {
+    /// How many a frame.
+    pub number: StreakNumber,
+    /// Apparent magnitudes, evenly between the brightest and the faintest.
+    pub magnitude: [f64; 2],
+    /// Speeds on the sky, rad/s, evenly in their logarithm between the slowest and the fastest.
+    pub rate_rad_s: [f64; 2],
+}
+
+/// How many streaks a frame gets.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum StreakNumber {
+    /// As many, all of which touch the frame.
+    Exactly(usize),
+    /// As many on the average: Poisson numbers.
+    OnAverage(f64),
+}
+
+/// Why nothing can be drawn.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum RandomStreakError {
+    /// A number out of range.
+    #[error("random streaks: {what} of {from} to {to} (allowed: {allowed})")]
+    OutOfRange {
+        /// Which numbers.
+        what: &'static str,
+        /// The lower end as given.
+        from: f64,
+        /// The upper end as given.
+        to: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+}
+
+/// The speed of low satellites past an observer, km/s: with the rate it sets the distance, and so the defocus.
+const PASSING_KM_S: f64 = 7.6;
+
+/// Points along one track.
+const POINTS: usize = 65;
+
+/// The most streaks in one frame.
+const MOST_STREAKS: usize = 10_000;
+
+impl RandomStreaks {
+    /// Refuses ranges that are none.
+    ///
+    /// # Errors
+    /// [`RandomStreakError::OutOfRange`].
+    pub fn check(&self) -> Result<(), RandomStreakError> {
+        let held = |what, [from, to]: [f64; 2], allowed, [least, most]: [f64; 2]| {
+            let right = from >= least && to <= most && from <= to;
+            if right { Ok(()) } else { Err(RandomStreakError::OutOfRange { what, from, to, allowed }) }
+        };
+        let number = match self.number {
+            StreakNumber::Exactly(number) => number as f64,
+            StreakNumber::OnAverage(mean) => mean,
+        };
+        held("a number", [number, number], "0 to 10000", [0.0, MOST_STREAKS as f64])?;
+        held("magnitudes", self.magnitude, "-20 to 30, the brighter first", [-20.0, 30.0])?;
+        let rates_deg_s = self.rate_rad_s.map(f64::to_degrees);
+        held("rates, deg/s,", rates_deg_s, "1e-4 to 10, the slower first", [1e-4, 10.0])
+    }
+
+    /// The tracks of one frame. `place` is asked for as many random places as there are streaks: two numbers in [0, 1) become a direction in the
+    /// frame that the streak passes, at a random moment of the exposure, in a random direction of motion. Tracks reach `radius_rad` beyond that
+    /// place, or from the opening to the closing of the shutter.
+    ///
+    /// The same seed gives the same streaks, whatever else is drawn for other frames.
+    pub fn tracks(
+        &self,
+        seed: u64,
+        exposure_s: f64,
+        radius_rad: f64,
+        place: impl Fn([f64; 3]) -> Option<Direction<Gcrs>>,
+    ) -> Vec<SkyTrack> {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let number = match self.number {
+            StreakNumber::Exactly(number) => number,
+            // A mean of nothing has no distribution: there are no streaks.
+            StreakNumber::OnAverage(mean) => {
+                Poisson::new(mean).map_or(0, |poisson| (poisson.sample(&mut random) as usize).min(MOST_STREAKS))
+            }
+        };
+        let streaks = (0..number).map(|_| {
+            let mut draw = || random.random::<f64>();
+            let centre = place([draw(), draw(), draw()]);
+            let [moment, turn, speed, light] = [draw(), draw(), draw(), draw()];
+            let [slow, fast] = self.rate_rad_s;
+            let rate_rad_s = slow * (fast / slow).powf(speed);
+            let [bright, faint] = self.magnitude;
+            let magnitude = bright + (faint - bright) * light;
+            let passing_s = moment * exposure_s;
+            Some(straight(
+                &centre?,
+                turn * std::f64::consts::TAU,
+                rate_rad_s,
+                passing_s,
+                exposure_s,
+                radius_rad,
+                magnitude,
+            ))
+        });
+        streaks.flatten().collect()
+    }
+}
+
+/// An even motion along the great circle through `centre`, which it passes at `passing_s`.
+fn straight(
+    centre: &Direction<Gcrs>,
+    position_angle_rad: f64,
+    rate_rad_s: f64,
+    passing_s: f64,
+    exposure_s: f64,
+    radius_rad: f64,
+    magnitude: f64,
+) -> SkyTrack {
+    let (east, north) = centre.east_north();
+    let ahead: Vector3<f64> = east * position_angle_rad.sin() + north * position_angle_rad.cos();
+    let reach_s = radius_rad / rate_rad_s;
+    let (from_s, to_s) = ((passing_s - reach_s).max(0.0), (passing_s + reach_s).min(exposure_s));
+    let points = (0..POINTS).map(|index| {
+        let time_s = from_s + (to_s - from_s) * index as f64 / (POINTS - 1) as f64;
+        let (sin, cos) = (rate_rad_s * (time_s - passing_s)).sin_cos();
+        SkyPoint {
+            time_s,
+            direction: Direction::from_vector(centre.vector() * cos + ahead * sin),
+            range_km: PASSING_KM_S / rate_rad_s,
+            magnitude: Some(magnitude),
+        }
+    });
+    SkyTrack { points: points.collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn streaks(number: StreakNumber) -> RandomStreaks {
+        RandomStreaks { number, magnitude: [4.0, 8.0], rate_rad_s: [0.2f64.to_radians(), 1.0f64.to_radians()] }
+    }
+
+    fn place(drawn: [f64; 3]) -> Option<Direction<Gcrs>> {
+        Some(Direction::from_lon_lat_rad(1.0 + 0.01 * drawn[1], 0.5 + 0.01 * drawn[2]))
+    }
+
+    #[test]
+    fn verif_streaks_keep_to_their_ranges_and_their_seed() {
+        let asked = streaks(StreakNumber::Exactly(200));
+        asked.check().unwrap();
+        let tracks = asked.tracks(7, 30.0, 0.02, place);
+        assert_eq!(tracks.len(), 200);
+        assert_eq!(tracks, asked.tracks(7, 30.0, 0.02, place));
+        assert_ne!(tracks, asked.tracks(8, 30.0, 0.02, place));
+        let mut faint = 0;
+        for track in &tracks {
+            let [first, last] = [track.points[0], track.points[POINTS - 1]];
+            assert!(first.time_s >= 0.0 && last.time_s <= 30.0 && last.time_s > first.time_s);
+            let rate = first.direction.separation_rad(&last.direction) / (last.time_s - first.time_s);
+            assert!(
+                (0.2..=1.0).contains(&(rate.to_degrees() + 1e-9)) || (rate.to_degrees() - 1.0).abs() < 1e-6,
+                "{rate}"
+            );
+            assert!((first.range_km * rate / PASSING_KM_S - 1.0).abs() < 1e-6);
+            let magnitude = first.magnitude.unwrap();
+            assert!((4.0..=8.0).contains(&magnitude));
+            faint += usize::from(magnitude > 6.0);
+        }
+        // Half of 200, within four sigma of the binomial.
+        assert!((72..=128).contains(&faint), "{faint}");
+    }
+
+    #[test]
+    fn verif_numbers_on_average_are_of_poisson() {
+        let asked = streaks(StreakNumber::OnAverage(3.0));
+        let counts: Vec<f64> = (0..2000).map(|seed| asked.tracks(seed, 30.0, 0.02, place).len() as f64).collect();
+        let mean = counts.iter().sum::<f64>() / 2000.0;
+        let variance = counts.iter().map(|count| (count - mean).powi(2)).sum::<f64>() / 1999.0;
+        // √(3 / 2000) = 0.04 and 3 √(2 / 2000 (1 + 1 / 6)) = 0.1: five sigma each.
+        assert!((mean - 3.0).abs() < 0.2 && (variance - 3.0).abs() < 0.5, "{mean} {variance}");
+        assert!(streaks(StreakNumber::OnAverage(0.0)).tracks(1, 30.0, 0.02, place).is_empty());
+    }
+
+    #[test]
+    fn verif_impossible_ranges_are_refused() {
+        let mut asked = streaks(StreakNumber::Exactly(20_000));
+        assert!(asked.check().unwrap_err().to_string().contains("0 to 10000"));
+        asked = RandomStreaks { magnitude: [8.0, 4.0], ..streaks(StreakNumber::Exactly(1)) };
+        assert!(asked.check().unwrap_err().to_string().contains("the brighter first"));
+        asked = RandomStreaks { rate_rad_s: [0.0, 0.01], ..streaks(StreakNumber::Exactly(1)) };
+        assert!(asked.check().is_err());
+        assert!(streaks(StreakNumber::OnAverage(f64::NAN)).check().is_err());
+    }
+}
