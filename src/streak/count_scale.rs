@@ -58,6 +58,11 @@ impl CountScale {
         magnitude.map_or(0.0, |magnitude| 10f64.powf(-0.4 * (magnitude - self.zero_point_mag)) / self.exposure_s)
     }
 
+    /// Magnitude of a light that stands still and makes as much a second; `None` where it makes nothing.
+    pub fn magnitude(&self, rate: f64) -> Option<f64> {
+        (rate > 0.0).then(|| self.zero_point_mag - 2.5 * (rate * self.exposure_s).log10())
+    }
+
     /// Magnitude of a star that sums to 1 in the frame.
     pub fn zero_point_mag(&self) -> f64 {
         self.zero_point_mag
@@ -75,6 +80,8 @@ mod tests {
         let second = CountScale::of_a_second(25.0, 30.0).unwrap();
         assert!((second.rate(Some(20.0)) - 100.0).abs() < 1e-9);
         assert_eq!(frame.rate(None), 0.0);
+        assert!((frame.magnitude(frame.rate(Some(7.3))).unwrap() - 7.3).abs() < 1e-12);
+        assert_eq!(frame.magnitude(0.0), None);
         assert!(CountScale::of_frame(f64::NAN, 30.0).is_err() && CountScale::of_frame(25.0, 0.0).is_err());
         assert!(CountScale::of_a_second(25.0, -1.0).unwrap_err().to_string().contains("-1 s"));
     }

@@ -1,0 +1,228 @@
+//! A source drawn on a chip: its light in pixels, and the truth about it.
+
+use hifitime::Epoch;
+use thiserror::Error;
+
+use super::chip::{Chip, ChipPath};
+use super::optics::{Optics, OpticsError};
+use super::path::PathError;
+use super::render::draw;
+use super::source::{Source, SourcePart};
+use super::tracking::Tracking;
+use crate::camera::{Patch, PixelPosition};
+use crate::frames::{Direction, Gcrs, seconds_after};
+
+/// Why a source cannot be drawn.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum DrawError {
+    /// Its image has no form.
+    #[error(transparent)]
+    Optics(#[from] OpticsError),
+    /// Its way is none.
+    #[error("the way over HDU {hdu}: {source}")]
+    Path {
+        /// The chip's HDU.
+        hdu: usize,
+        /// What is wrong.
+        source: PathError,
+    },
+}
+
+/// What all chips of an exposure share.
+#[derive(Copy, Clone, Debug)]
+pub struct Shot<'a> {
+    /// When the shutter opened.
+    pub opened: Epoch,
+    /// For how long, seconds.
+    pub exposure_s: f64,
+    /// What the telescope points at.
+    pub centre: Direction<Gcrs>,
+    /// What it follows.
+    pub tracking: &'a Tracking,
+    /// What air and telescope do.
+    pub optics: &'a Optics,
+    /// Points of the truth along each streak, 2 or more.
+    pub truth_points: usize,
+}
+
+/// One streak on one chip.
+#[derive(Clone, Debug)]
+pub struct DrawnStreak<'a> {
+    /// Whose.
+    pub source: &'a Source,
+    /// Which of its lights.
+    pub part: &'static str,
+    /// Number of the chip's HDU.
+    pub hdu: usize,
+    /// Name of the chip.
+    pub chip: &'a str,
+    /// The light, in the frame's unit, before any detector.
+    pub patch: Patch,
+    /// Evenly spaced in time from the first to the last moment over the chip; empty where only the light's fringe touches it.
+    pub points: Vec<StreakPoint>,
+    /// Full width at half maximum of the light across the streak where it is brightest, arcsec and pixels.
+    pub width_arcsec: f64,
+    /// The same in pixels.
+    pub width_pix: f64,
+    /// Length between its ends on the chip, pixels.
+    pub length_pix: f64,
+    /// Speed half way, arcsec/s.
+    pub rate_arcsec_s: f64,
+    /// Counts of a star of magnitude 0 in the chip's frame, as -2.5 log10: the zero point that was used.
+    pub zero_point_mag: f64,
+}
+
+/// The truth at one moment.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct StreakPoint {
+    /// When.
+    pub epoch: Epoch,
+    /// Where in the frame.
+    pub at: PixelPosition,
+    /// Where on the sky: the place among the stars, whatever the telescope follows.
+    pub direction: Direction<Gcrs>,
+    /// Magnitude as if it stood still; `None` in the dark.
+    pub magnitude: Option<f64>,
+    /// Light per second, in the frame's unit.
+    pub rate: f64,
+}
+
+/// Everything that a source leaves on a chip, its lights apart. Empty where it leaves nothing.
+///
+/// The image of a light keeps one width along a chip: that at the distance half way.
+///
+/// # Errors
+/// [`DrawError`] where a width is out of range or the way is none.
+pub fn draw_on_chip<'a>(source: &'a Source, chip: &'a Chip, shot: &Shot<'_>) -> Result<Vec<DrawnStreak<'a>>, DrawError> {
+    let mut drawn = Vec::new();
+    for part in &source.parts {
+        let scale_arcsec = chip.pixel_scale_arcsec();
+        // How far the light reaches is known when its distance is; the nearest end of the track reaches farthest.
+        let nearest_km = part.track.points.iter().map(|point| point.range_km).fold(f64::INFINITY, f64::min);
+        if !nearest_km.is_finite() {
+            continue;
+        }
+        let margin_pix = shot.optics.profile(nearest_km, part.radius_m, scale_arcsec)?.pixel_reach_pix();
+        let paths = chip
+            .paths(&part.track, shot.tracking, &shot.centre, margin_pix)
+            .map_err(|source| DrawError::Path { hdu: chip.hdu, source })?;
+        for way in paths {
+            let patch = draw_way(&way, part, chip, shot, scale_arcsec)?;
+            drawn.extend(patch.filter(|(patch, _)| !patch.is_empty() && patch.sum() > 0.0).map(|(patch, width_pix)| {
+                told(source, part, chip, shot, &way, patch, width_pix)
+            }));
+        }
+    }
+    Ok(drawn)
+}
+
+fn draw_way(
+    way: &ChipPath,
+    part: &SourcePart,
+    chip: &Chip,
+    shot: &Shot<'_>,
+    scale_arcsec: f64,
+) -> Result<Option<(Patch, f64)>, DrawError> {
+    if way.path.total() <= 0.0 {
+        return Ok(None);
+    }
+    let nodes = way.path.nodes();
+    let [from_s, to_s] = way.inside_s.unwrap_or([nodes[0].time_s, nodes[nodes.len() - 1].time_s]);
+    let range_km = range_at(part, 0.5 * (from_s + to_s));
+    let profile = shot.optics.profile(range_km, part.radius_m, scale_arcsec)?;
+    Ok(Some((draw(&way.path, &profile, chip.rows, chip.columns), profile.fwhm_pix())))
+}
+
+/// Distance at a moment, km: the straight line between the two nearest points.
+fn range_at(part: &SourcePart, time_s: f64) -> f64 {
+    let points = &part.track.points;
+    let after = points.partition_point(|point| point.time_s <= time_s).clamp(1, points.len().max(2) - 1);
+    match (points.get(after - 1), points.get(after)) {
+        (Some(a), Some(b)) if b.time_s > a.time_s => {
+            a.range_km + (b.range_km - a.range_km) * (time_s - a.time_s) / (b.time_s - a.time_s)
+        }
+        (Some(only), _) => only.range_km,
+        _ => f64::NAN,
+    }
+}
+
+fn told<'a>(
+    source: &'a Source,
+    part: &SourcePart,
+    chip: &'a Chip,
+    shot: &Shot<'_>,
+    way: &ChipPath,
+    patch: Patch,
+    width_pix: f64,
+) -> DrawnStreak<'a> {
+    let path = &way.path;
+    let points: Vec<StreakPoint> = way.inside_s.map_or_else(Vec::new, |[from_s, to_s]| {
+        let last = shot.truth_points.max(2) - 1;
+        let times_s = (0..=last).map(|index| from_s + (to_s - from_s) * index as f64 / last as f64);
+        times_s.filter_map(|time_s| point(path.point_at(time_s), path.rate_at(time_s), time_s, chip, shot)).collect()
+    });
+    let ends = points.first().zip(points.last());
+    let seconds = way.inside_s.map_or(0.0, |[from_s, to_s]| to_s - from_s);
+    let arc_arcsec: f64 =
+        points.windows(2).map(|pair| pair[0].direction.separation_rad(&pair[1].direction).to_degrees() * 3600.0).sum();
+    DrawnStreak {
+        source,
+        part: part.label,
+        hdu: chip.hdu,
+        chip: &chip.name,
+        patch,
+        length_pix: ends.map_or(0.0, |_| points.windows(2).map(|pair| pair[0].at.distance(pair[1].at)).sum()),
+        width_arcsec: width_pix * chip.pixel_scale_arcsec(),
+        width_pix,
+        rate_arcsec_s: if seconds > 0.0 { arc_arcsec / seconds } else { 0.0 },
+        points,
+        zero_point_mag: chip.scale.zero_point_mag(),
+    }
+}
+
+fn point(at: PixelPosition, rate: f64, time_s: f64, chip: &Chip, shot: &Shot<'_>) -> Option<StreakPoint> {
+    let frame = chip.wcs.to_sky(at)?;
+    Some(StreakPoint {
+        epoch: seconds_after(shot.opened, time_s),
+        at,
+        direction: shot.tracking.stood(&frame, time_s, &shot.centre),
+        magnitude: chip.scale.magnitude(rate),
+        rate,
+    })
+}
+
+impl DrawnStreak<'_> {
+    /// The first and the last moment on the chip.
+    pub fn ends(&self) -> Option<[&StreakPoint; 2]> {
+        Some([self.points.first()?, self.points.last()?])
+    }
+
+    /// The moment half way.
+    pub fn middle(&self) -> Option<&StreakPoint> {
+        self.points.get(self.points.len() / 2)
+    }
+
+    /// The brightest of its points.
+    pub fn peak_magnitude(&self) -> Option<f64> {
+        self.points.iter().filter_map(|point| point.magnitude).min_by(f64::total_cmp)
+    }
+
+    /// Direction of motion in the frame, degrees from the x axis (columns growing) towards the y axis, [0, 360).
+    pub fn angle_deg(&self) -> Option<f64> {
+        let [from, to] = self.ends()?;
+        let (dx, dy) = (to.at.x - from.at.x, to.at.y - from.at.y);
+        (dx.hypot(dy) > 0.0).then(|| dy.atan2(dx).to_degrees().rem_euclid(360.0))
+    }
+
+    /// Direction of motion on the sky, degrees from north through east, [0, 360).
+    pub fn position_angle_deg(&self) -> Option<f64> {
+        let [from, to] = self.ends()?;
+        let moved = from.direction.separation_rad(&to.direction) > 0.0;
+        moved.then(|| from.direction.position_angle_rad(&to.direction).to_degrees())
+    }
+
+    /// Light of the whole streak in the frame, as the magnitude of a star of as many counts.
+    pub fn total_magnitude(&self) -> f64 {
+        self.zero_point_mag - 2.5 * self.patch.sum().log10()
+    }
+}
