@@ -46,6 +46,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("saphyr", &["schedule"]),
     ("tempfile", &["table"]),
     ("fitsio", &["maps"]),
+    ("fitsio_sys", &["camera"]),
     ("plotters", &["plot"]),
     ("image", &["plot"]),
     ("colorous", &["plot"]),
