@@ -43,6 +43,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("saphyr", &["schedule"]),
     ("tempfile", &["table"]),
     ("fitsio", &["maps"]),
+    ("fitsio_sys", &["camera"]),
     ("plotters", &["plot"]),
     ("image", &["camera", "plot"]),
     ("colorous", &["plot"]),

@@ -1,11 +1,21 @@
 //! The pixel plane: frames, their geometry on the sky, and what optics and detector make of light. It has never heard of satellites.
 
+mod card;
+#[cfg(feature = "fits")]
+mod fits;
+mod header;
 mod pixel;
 mod plane;
 #[cfg(feature = "plot")]
 mod preview;
+mod wcs;
 
+pub use card::{CARD_LENGTH, Card, CardValue};
+#[cfg(feature = "fits")]
+pub use fits::{Bitpix, FrameError, FrameFile, HduInfo, HduKind, ImageValues, PixelFormat, Pixels, Rice};
+pub use header::Header;
 pub use pixel::PixelPosition;
 pub use plane::{Plane, PlaneError};
 #[cfg(feature = "plot")]
 pub use preview::{Overlay, PreviewError, preview_png};
+pub use wcs::{Wcs, WcsError};

@@ -57,6 +57,11 @@ impl Plane {
         &self.values
     }
 
+    /// All values, row after row, out of the plane.
+    pub fn into_values(self) -> Vec<f32> {
+        self.values
+    }
+
     /// All values, row after row, to be changed.
     pub fn values_mut(&mut self) -> &mut [f32] {
         &mut self.values

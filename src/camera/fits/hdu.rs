@@ -1,0 +1,244 @@
+//! The parts of a FITS file: where each header and its data lie, and what they are.
+
+use std::fs::File;
+use std::io::{Read, Seek, SeekFrom};
+use std::path::Path;
+
+use super::super::card::{CARD_LENGTH, Card};
+use super::super::header::{Header, is_end};
+use super::error::FrameError;
+use super::pixel_format::{Bitpix, PixelFormat};
+
+/// FITS files are made of blocks of this many bytes.
+pub(super) const BLOCK: usize = 2880;
+
+/// A header longer than this is none, blocks.
+const LONGEST_HEADER: usize = 20_000;
+
+/// What an HDU holds.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum HduKind {
+    /// Nothing but its header.
+    Empty,
+    /// An image as it is.
+    Image,
+    /// An image in compressed tiles, with the name of the algorithm (ZCMPTYPE).
+    CompressedImage(String),
+    /// A table of bytes (BINTABLE).
+    Table,
+    /// A table of text (TABLE).
+    TextTable,
+    /// An extension of another kind, by its name.
+    Other(String),
+}
+
+/// One header-and-data unit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct HduInfo {
+    /// Its number, from 0.
+    pub index: usize,
+    /// EXTNAME, empty where it has none.
+    pub name: String,
+    /// What it holds.
+    pub kind: HduKind,
+    /// Lengths of the axes, NAXIS1 first; for compressed images those of the image.
+    pub shape: Vec<usize>,
+    /// How its pixels are to be read; for compressed images those of the image.
+    pub format: PixelFormat,
+    /// Where its header begins, bytes.
+    pub(super) header_at: u64,
+    /// Where its data begin, bytes.
+    pub(super) data_at: u64,
+    /// Bytes of data, without the padding behind them.
+    pub(super) data_length: u64,
+}
+
+impl HduInfo {
+    /// Rows and columns of an image of two axes (further axes of length 1 do not count); `None` for all else.
+    pub fn image_size(&self) -> Option<[usize; 2]> {
+        let is_image = matches!(self.kind, HduKind::Image | HduKind::CompressedImage(_));
+        match self.shape[..] {
+            [columns, rows, ref more @ ..] if is_image && more.iter().all(|length| *length == 1) => Some([rows, columns]),
+            _ => None,
+        }
+    }
+
+    /// What it is, in words.
+    pub(super) fn words(&self) -> String {
+        match &self.kind {
+            HduKind::Empty => "a header alone".to_owned(),
+            HduKind::Image => format!("an image of axes {:?}", self.shape),
+            HduKind::CompressedImage(algorithm) => format!("an image of axes {:?} compressed by {algorithm}", self.shape),
+            HduKind::Table => "a table".to_owned(),
+            HduKind::TextTable => "a table of text".to_owned(),
+            HduKind::Other(name) => format!("an extension {name:?}"),
+        }
+    }
+
+    /// Where the next HDU begins, bytes.
+    pub(super) fn end(&self) -> u64 {
+        self.data_at + padded(self.data_length)
+    }
+}
+
+/// A length with the padding behind it.
+pub(super) fn padded(length: u64) -> u64 {
+    length.div_ceil(BLOCK as u64) * BLOCK as u64
+}
+
+/// All HDUs of a file with their headers. Bytes behind the last one that are all zero or blank are let be.
+pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)>, FrameError> {
+    let io = FrameError::io(path);
+    let length = file.metadata().map_err(&io)?.len();
+    let mut found: Vec<(HduInfo, Header)> = Vec::new();
+    let mut at = 0;
+    while at < length || found.is_empty() {
+        let index = found.len();
+        file.seek(SeekFrom::Start(at)).map_err(&io)?;
+        let mut begin = vec![0; BLOCK.min((length - at) as usize)];
+        file.read_exact(&mut begin).map_err(&io)?;
+        if index == 0 {
+            check_begin(path, &begin)?;
+        } else if !begin.starts_with(b"XTENSION") {
+            if is_padding(file, begin).map_err(&io)? {
+                break;
+            }
+            file.seek(SeekFrom::Start(at)).map_err(&io)?;
+            let mut shown = [0; 16];
+            let count = file.read(&mut shown).map_err(&io)?;
+            return Err(FrameError::NoHeader { path: path.to_owned(), hdu: index - 1, at, begin: readable(&shown[..count]) });
+        }
+        let header = read_header(path, file, index, at, length)?;
+        let data_at = file.stream_position().map_err(&io)?;
+        let info = describe(path, index, &header, at, data_at)?;
+        if data_at + info.data_length > length {
+            let needed = data_at + info.data_length;
+            return Err(FrameError::Truncated { path: path.to_owned(), hdu: index, what: "its data", needed, length });
+        }
+        at = info.end();
+        found.push((info, header));
+    }
+    Ok(found)
+}
+
+fn check_begin(path: &Path, begin: &[u8]) -> Result<(), FrameError> {
+    let packers: [(&[u8], &str); 5] =
+        [(b"\x1f\x8b", "gzip"), (b"BZh", "bzip2"), (b"\xfd7zXZ", "xz"), (b"PK\x03\x04", "zip"), (b"\x1f\x9d", "compress")];
+    if let Some((_, packer)) = packers.iter().find(|(magic, _)| begin.starts_with(magic)) {
+        return Err(FrameError::Packed { path: path.to_owned(), packer });
+    }
+    if begin.starts_with(b"SIMPLE  =") {
+        return Ok(());
+    }
+    Err(FrameError::NotFits { path: path.to_owned(), begin: readable(&begin[..begin.len().min(16)]) })
+}
+
+fn readable(bytes: &[u8]) -> String {
+    String::from_utf8_lossy(bytes).into_owned()
+}
+
+/// Whether nothing but zeros or blanks follows.
+fn is_padding(file: &mut File, mut chunk: Vec<u8>) -> std::io::Result<bool> {
+    loop {
+        if chunk.iter().any(|byte| !matches!(byte, 0 | b' ')) {
+            return Ok(false);
+        }
+        chunk.resize(BLOCK, 0);
+        let count = file.read(&mut chunk)?;
+        if count == 0 {
+            return Ok(true);
+        }
+        chunk.truncate(count);
+    }
+}
+
+fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -> Result<Header, FrameError> {
+    let io = FrameError::io(path);
+    file.seek(SeekFrom::Start(at)).map_err(&io)?;
+    let mut cards = Vec::new();
+    let mut block = vec![0; BLOCK];
+    for number in 1..=LONGEST_HEADER as u64 {
+        let needed = at + number * BLOCK as u64;
+        if needed > length {
+            return Err(FrameError::Truncated { path: path.to_owned(), hdu, what: "its header", needed, length });
+        }
+        file.read_exact(&mut block).map_err(&io)?;
+        for bytes in block.chunks(CARD_LENGTH) {
+            let card = Card::from_bytes(bytes);
+            if is_end(&card) {
+                return Ok(Header::from_cards(cards));
+            }
+            cards.push(card);
+        }
+    }
+    let value = "missing".to_owned();
+    Err(FrameError::Keyword { path: path.to_owned(), hdu, keyword: "END".to_owned(), value, allowed: "a header has its END" })
+}
+
+fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at: u64) -> Result<HduInfo, FrameError> {
+    let count = |keyword: &str, default: Option<u64>, allowed: &'static str| -> Result<u64, FrameError> {
+        let given = header.integer(keyword);
+        given.and_then(|number| u64::try_from(number).ok()).or(default.filter(|_| !header.contains(keyword))).ok_or_else(|| {
+            let value = given.map_or_else(|| "missing or no number".to_owned(), |number| number.to_string());
+            FrameError::Keyword { path: path.to_owned(), hdu: index, keyword: keyword.to_owned(), value, allowed }
+        })
+    };
+    let bitpix = |keyword: &str| -> Result<Bitpix, FrameError> {
+        header.integer(keyword).and_then(Bitpix::from_number).ok_or_else(|| FrameError::Keyword {
+            path: path.to_owned(),
+            hdu: index,
+            keyword: keyword.to_owned(),
+            value: header.integer(keyword).map_or_else(|| "missing or no number".to_owned(), |number| number.to_string()),
+            allowed: "8, 16, 32, 64, -32 or -64",
+        })
+    };
+    let axes = |stem: &str| -> Result<Vec<usize>, FrameError> {
+        let number = count(stem, None, "a number of axes from 0 to 999")?.min(999);
+        (1..=number).map(|axis| count(&format!("{stem}{axis}"), None, "a length of 0 or more").map(|n| n as usize)).collect()
+    };
+    let stored = bitpix("BITPIX")?;
+    let mut shape = axes("NAXIS")?;
+    let (parameters, groups) = (count("PCOUNT", Some(0), "0 or more")?, count("GCOUNT", Some(1), "0 or more")?);
+    // Random groups have a first axis of 0, which does not count.
+    let sides = if shape.first() == Some(&0) && header.logical("GROUPS") == Some(true) { &shape[1..] } else { &shape[..] };
+    let pixels = sides.iter().try_fold(1u64, |product, side| product.checked_mul(*side as u64));
+    let pixels = if shape.is_empty() { Some(0) } else { pixels };
+    // (|BITPIX| / 8) · GCOUNT · (PCOUNT + NAXIS1 · NAXIS2 · ...)             FITS standard 4.0, eq. 2
+    let data_length = pixels
+        .and_then(|pixels| pixels.checked_add(if shape.is_empty() { 0 } else { parameters }))
+        .and_then(|elements| elements.checked_mul(groups)?.checked_mul(stored.bytes() as u64))
+        .filter(|length| *length < 1 << 56)
+        .ok_or_else(|| FrameError::Keyword {
+            path: path.to_owned(),
+            hdu: index,
+            keyword: "NAXISn".to_owned(),
+            value: format!("{shape:?}"),
+            allowed: "lengths whose product is a size that a file can have",
+        })?;
+    let extension = header.text("XTENSION").unwrap_or_default();
+    let is_compressed = extension == "BINTABLE" && header.logical("ZIMAGE") == Some(true);
+    let kind = match extension.as_str() {
+        _ if is_compressed => HduKind::CompressedImage(header.text("ZCMPTYPE").unwrap_or_default()),
+        "BINTABLE" | "A3DTABLE" => HduKind::Table,
+        "TABLE" => HduKind::TextTable,
+        _ if data_length == 0 => HduKind::Empty,
+        "" | "IMAGE" | "IUEIMAGE" if groups == 1 => HduKind::Image,
+        _ => HduKind::Other(extension),
+    };
+    let mut format = PixelFormat {
+        bitpix: stored,
+        scale: header.number("BSCALE").filter(|scale| *scale != 0.0).unwrap_or(1.0),
+        zero: header.number("BZERO").unwrap_or(0.0),
+        blank: header.integer("BLANK"),
+    };
+    if is_compressed {
+        format.bitpix = bitpix("ZBITPIX")?;
+        format.blank = format.blank.or(header.integer("ZBLANK"));
+        shape = axes("ZNAXIS")?;
+    }
+    if !format.bitpix.is_integer() {
+        format.blank = None;
+    }
+    let name = header.text("EXTNAME").unwrap_or_default();
+    Ok(HduInfo { index, name, kind, shape, format, header_at, data_at, data_length })
+}

@@ -1,0 +1,217 @@
+//! Pixels as a file holds them and what they mean.
+
+/// What a number in a file is: BITPIX.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Bitpix {
+    /// Unsigned, one byte (8).
+    U8,
+    /// Signed, two bytes (16).
+    I16,
+    /// Signed, four bytes (32).
+    I32,
+    /// Signed, eight bytes (64).
+    I64,
+    /// Single precision (-32).
+    F32,
+    /// Double precision (-64).
+    F64,
+}
+
+impl Bitpix {
+    /// From the number of the header.
+    pub fn from_number(number: i64) -> Option<Self> {
+        Some(match number {
+            8 => Self::U8,
+            16 => Self::I16,
+            32 => Self::I32,
+            64 => Self::I64,
+            -32 => Self::F32,
+            -64 => Self::F64,
+            _ => return None,
+        })
+    }
+
+    /// The number of the header.
+    pub fn number(self) -> i64 {
+        match self {
+            Self::U8 => 8,
+            Self::I16 => 16,
+            Self::I32 => 32,
+            Self::I64 => 64,
+            Self::F32 => -32,
+            Self::F64 => -64,
+        }
+    }
+
+    /// Bytes of one pixel.
+    pub fn bytes(self) -> usize {
+        match self {
+            Self::U8 => 1,
+            Self::I16 => 2,
+            Self::I32 | Self::F32 => 4,
+            Self::I64 | Self::F64 => 8,
+        }
+    }
+
+    /// Whether pixels are whole numbers.
+    pub fn is_integer(self) -> bool {
+        !matches!(self, Self::F32 | Self::F64)
+    }
+
+    /// Smallest and largest whole number; infinite for others.
+    fn range(self) -> (f64, f64) {
+        match self {
+            Self::U8 => (0.0, 255.0),
+            Self::I16 => (f64::from(i16::MIN), f64::from(i16::MAX)),
+            Self::I32 => (f64::from(i32::MIN), f64::from(i32::MAX)),
+            Self::I64 => (i64::MIN as f64, i64::MAX as f64),
+            Self::F32 | Self::F64 => (f64::NEG_INFINITY, f64::INFINITY),
+        }
+    }
+}
+
+/// How numbers in a file become physical values: physical = BZERO + BSCALE · stored.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PixelFormat {
+    /// What is stored.
+    pub bitpix: Bitpix,
+    /// BSCALE.
+    pub scale: f64,
+    /// BZERO; 32768 with 16 bits makes them unsigned.
+    pub zero: f64,
+    /// BLANK: the whole number that stands for no value.
+    pub blank: Option<i64>,
+}
+
+/// What came of a value that was to be stored.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub(super) enum Stored {
+    /// It is there, rounded for whole numbers.
+    Exact(f64),
+    /// It was beyond the range of its type: the nearest end is there.
+    Clipped(f64),
+}
+
+impl PixelFormat {
+    /// The physical value of a stored number; NaN for BLANK.
+    pub fn physical(&self, stored: f64) -> f64 {
+        if self.blank.is_some_and(|blank| self.bitpix.is_integer() && stored == blank as f64) {
+            return f64::NAN;
+        }
+        self.zero + self.scale * stored
+    }
+
+    /// The number to be stored for a physical value: rounded half to even and held within its type, beside BLANK.
+    pub(super) fn stored(&self, physical: f64) -> Stored {
+        let number = (physical - self.zero) / self.scale;
+        if !self.bitpix.is_integer() {
+            return Stored::Exact(number);
+        }
+        let (mut low, mut high) = self.bitpix.range();
+        let blank = self.blank.map(|blank| blank as f64);
+        // A value must not turn into "no value".
+        if blank == Some(low) {
+            low += 1.0;
+        } else if blank == Some(high) {
+            high -= 1.0;
+        }
+        let rounded = number.round_ties_even();
+        if rounded < low || rounded > high {
+            return Stored::Clipped(rounded.clamp(low, high));
+        }
+        if blank == Some(rounded) {
+            return Stored::Exact(if number < rounded { rounded - 1.0 } else { rounded + 1.0 });
+        }
+        Stored::Exact(rounded)
+    }
+
+    /// Stored numbers of big-endian bytes, as physical values appended to `values`.
+    pub(super) fn decode(&self, bytes: &[u8], values: &mut Vec<f64>) {
+        values.extend((0..bytes.len() / self.bitpix.bytes()).map(|index| self.physical(self.raw(bytes, index))));
+    }
+
+    /// The same in single precision; a fast way where nothing is scaled.
+    pub(super) fn decode_single(&self, bytes: &[u8], values: &mut [f32]) {
+        let is_plain = self.scale == 1.0 && self.zero == 0.0;
+        match (self.bitpix, self.blank) {
+            (Bitpix::F32, _) if is_plain => {
+                for (value, chunk) in values.iter_mut().zip(bytes.chunks_exact(4)) {
+                    *value = f32::from_be_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
+                }
+            }
+            (Bitpix::I16, None) => {
+                let (scale, zero) = (self.scale, self.zero);
+                for (value, chunk) in values.iter_mut().zip(bytes.chunks_exact(2)) {
+                    *value = (zero + scale * f64::from(i16::from_be_bytes([chunk[0], chunk[1]]))) as f32;
+                }
+            }
+            _ => {
+                for (index, value) in values.iter_mut().enumerate() {
+                    *value = self.physical(self.raw(bytes, index)) as f32;
+                }
+            }
+        }
+    }
+
+    /// The stored number at a place. Whole numbers of 64 bits beyond 2^53 lose their last digits.
+    pub(super) fn raw(&self, bytes: &[u8], index: usize) -> f64 {
+        let size = self.bitpix.bytes();
+        let at = |k: usize| bytes[index * size + k];
+        match self.bitpix {
+            Bitpix::U8 => f64::from(at(0)),
+            Bitpix::I16 => f64::from(i16::from_be_bytes([at(0), at(1)])),
+            Bitpix::I32 => f64::from(i32::from_be_bytes([at(0), at(1), at(2), at(3)])),
+            Bitpix::I64 => i64::from_be_bytes(std::array::from_fn(at)) as f64,
+            Bitpix::F32 => f64::from(f32::from_be_bytes([at(0), at(1), at(2), at(3)])),
+            Bitpix::F64 => f64::from_be_bytes(std::array::from_fn(at)),
+        }
+    }
+
+    /// Puts a stored number at a place.
+    pub(super) fn put_raw(&self, bytes: &mut [u8], index: usize, number: f64) {
+        let size = self.bitpix.bytes();
+        let place = &mut bytes[index * size..(index + 1) * size];
+        match self.bitpix {
+            Bitpix::U8 => place[0] = number as u8,
+            Bitpix::I16 => place.copy_from_slice(&(number as i16).to_be_bytes()),
+            Bitpix::I32 => place.copy_from_slice(&(number as i32).to_be_bytes()),
+            Bitpix::I64 => place.copy_from_slice(&(number as i64).to_be_bytes()),
+            Bitpix::F32 => place.copy_from_slice(&(number as f32).to_be_bytes()),
+            Bitpix::F64 => place.copy_from_slice(&number.to_be_bytes()),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_unsigned_and_blank() {
+        let format = PixelFormat { bitpix: Bitpix::I16, scale: 1.0, zero: 32_768.0, blank: Some(-32_768) };
+        assert_eq!(format.physical(-32_767.0), 1.0);
+        assert!(format.physical(-32_768.0).is_nan());
+        assert_eq!(format.stored(2.5), Stored::Exact(-32_766.0));
+        assert_eq!(format.stored(3.5), Stored::Exact(-32_764.0));
+        assert_eq!(format.stored(70_000.0), Stored::Clipped(32_767.0));
+        // 0 would be BLANK.
+        assert_eq!(format.stored(0.2), Stored::Clipped(-32_767.0));
+    }
+
+    #[test]
+    fn verif_every_type_comes_back() {
+        for bitpix in [Bitpix::U8, Bitpix::I16, Bitpix::I32, Bitpix::I64, Bitpix::F32, Bitpix::F64] {
+            assert_eq!(Bitpix::from_number(bitpix.number()), Some(bitpix));
+            let format = PixelFormat { bitpix, scale: 0.5, zero: 10.0, blank: None };
+            let mut bytes = vec![0; 3 * bitpix.bytes()];
+            let Stored::Exact(number) = format.stored(42.0) else { panic!("{bitpix:?}") };
+            format.put_raw(&mut bytes, 1, number);
+            let mut values = Vec::new();
+            format.decode(&bytes, &mut values);
+            assert_eq!(values, [10.0, 42.0, 10.0], "{bitpix:?}");
+            let mut single = [0f32; 3];
+            format.decode_single(&bytes, &mut single);
+            assert_eq!(single, [10.0, 42.0, 10.0]);
+        }
+    }
+}

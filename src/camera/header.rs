@@ -1,0 +1,216 @@
+//! A FITS header: its cards in order.
+
+use std::ops::Range;
+
+use super::card::{CARD_LENGTH, Card, CardValue, parse_real};
+
+/// The cards of one header in their order, without END. Everything is kept, also what is not understood.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Header {
+    cards: Vec<Card>,
+}
+
+impl Header {
+    /// From cards.
+    pub fn from_cards(cards: Vec<Card>) -> Self {
+        Self { cards }
+    }
+
+    /// From text: either cards of 80 characters one behind the other, as in a file, or one card a line. Reading ends at END.
+    pub fn from_text(text: &str) -> Self {
+        let cards: Vec<Card> = if text.contains('\n') {
+            text.lines().map(|line| Card::from_bytes(line.trim_end_matches('\r').as_bytes())).collect()
+        } else {
+            text.as_bytes().chunks(CARD_LENGTH).map(Card::from_bytes).collect()
+        };
+        let end = cards.iter().position(is_end).unwrap_or(cards.len());
+        Self { cards: cards.into_iter().take(end).collect() }
+    }
+
+    /// The cards, in order.
+    pub fn cards(&self) -> &[Card] {
+        &self.cards
+    }
+
+    /// Number of cards.
+    pub fn len(&self) -> usize {
+        self.cards.len()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.cards.is_empty()
+    }
+
+    /// Place of the first card of a keyword that holds a value.
+    pub fn position(&self, keyword: &str) -> Option<usize> {
+        self.cards.iter().position(|card| names(card, keyword))
+    }
+
+    /// The first card of a keyword.
+    pub fn card(&self, keyword: &str) -> Option<&Card> {
+        self.position(keyword).map(|place| &self.cards[place])
+    }
+
+    /// Whether a keyword is there.
+    pub fn contains(&self, keyword: &str) -> bool {
+        self.position(keyword).is_some()
+    }
+
+    /// The value of a keyword; long texts are put together over their CONTINUE cards.
+    pub fn value(&self, keyword: &str) -> Option<CardValue> {
+        let place = self.position(keyword)?;
+        let value = self.cards[place].value()?;
+        let CardValue::Text(mut text) = value else { return Some(value) };
+        let mut rest = self.cards[place + 1..].iter();
+        while text.ends_with('&') {
+            let Some(CardValue::Text(more)) = rest.next().filter(|card| card.keyword() == "CONTINUE").and_then(Card::value)
+            else {
+                break;
+            };
+            text.pop();
+            text.push_str(&more);
+        }
+        Some(CardValue::Text(text))
+    }
+
+    /// Text, blanks at both ends left out; `None` where the value is no text or there is nothing in it.
+    pub fn text(&self, keyword: &str) -> Option<String> {
+        match self.value(keyword)? {
+            CardValue::Text(text) => Some(text.trim().to_owned()).filter(|text| !text.is_empty()),
+            _ => None,
+        }
+    }
+
+    /// A number; also one that stands in quotation marks, as some observatories write them.
+    pub fn number(&self, keyword: &str) -> Option<f64> {
+        match self.value(keyword)? {
+            CardValue::Real(number) => Some(number),
+            CardValue::Integer(number) => Some(number as f64),
+            CardValue::Text(text) => parse_real(&text),
+            CardValue::Logical(_) | CardValue::Undefined => None,
+        }
+    }
+
+    /// A whole number; one written with a point counts where nothing stands behind it.
+    pub fn integer(&self, keyword: &str) -> Option<i64> {
+        match self.value(keyword)? {
+            CardValue::Integer(number) => Some(number),
+            CardValue::Real(number) if number.fract() == 0.0 && number.abs() < 9e15 => Some(number as i64),
+            _ => None,
+        }
+    }
+
+    /// True or false.
+    pub fn logical(&self, keyword: &str) -> Option<bool> {
+        match self.value(keyword)? {
+            CardValue::Logical(value) => Some(value),
+            _ => None,
+        }
+    }
+
+    /// The comment of a keyword; empty where there is none.
+    pub fn comment(&self, keyword: &str) -> String {
+        // That of a long text stands on its last card.
+        self.span(keyword).and_then(|span| self.cards[span].last().map(Card::comment)).unwrap_or_default()
+    }
+
+    /// Sets a keyword: in its place where it is there (a comment of nothing keeps the old one), else behind all others.
+    pub fn set(&mut self, keyword: &str, value: &CardValue, comment: &str) {
+        let Some(span) = self.span(keyword) else {
+            self.cards.extend(Card::with_value(keyword, value, comment));
+            return;
+        };
+        let kept = self.comment(keyword);
+        let comment = if comment.is_empty() { kept.as_str() } else { comment };
+        self.cards.splice(span, Card::with_value(keyword, value, comment));
+    }
+
+    /// Takes a keyword out, with its CONTINUE cards.
+    pub fn remove(&mut self, keyword: &str) {
+        while let Some(span) = self.span(keyword) {
+            self.cards.drain(span);
+        }
+    }
+
+    /// Puts cards behind all others.
+    pub fn extend(&mut self, cards: impl IntoIterator<Item = Card>) {
+        self.cards.extend(cards);
+    }
+
+    /// Puts a remark behind the last one of its kind, or behind all cards.
+    pub fn add_remark(&mut self, keyword: &str, text: &str) {
+        let last = self.cards.iter().rposition(|card| card.keyword() == keyword);
+        let place = last.map_or(self.cards.len(), |place| place + 1);
+        self.cards.splice(place..place, Card::remark(keyword, text));
+    }
+
+    /// The places of a keyword's first card and of its CONTINUE cards.
+    fn span(&self, keyword: &str) -> Option<Range<usize>> {
+        let place = self.position(keyword)?;
+        let continued = self.cards[place + 1..].iter().take_while(|card| card.keyword() == "CONTINUE").count();
+        Some(place..place + 1 + continued)
+    }
+
+    /// All text of a keyword that goes on under numbers, blanks within kept (`WAT1_001`, `WAT1_002`, ...).
+    pub(super) fn numbered_text(&self, stem: &str) -> String {
+        (1..).map_while(|number| self.card(&format!("{stem}{number:03}")).and_then(Card::padded_text)).collect()
+    }
+}
+
+/// Whether a card is the last of a header.
+pub(super) fn is_end(card: &Card) -> bool {
+    card.bytes().starts_with(b"END     ")
+}
+
+/// Whether a card is of this keyword and holds a value.
+fn names(card: &Card, keyword: &str) -> bool {
+    let bytes = card.bytes();
+    if keyword.len() <= 8 {
+        let (name, rest) = bytes.split_at(8);
+        let is_same = name[..keyword.len()].eq_ignore_ascii_case(keyword.as_bytes())
+            && name[keyword.len()..].iter().all(|byte| *byte == b' ');
+        if is_same {
+            return rest[0] == b'=';
+        }
+    }
+    bytes.starts_with(b"HIERARCH ") && card.keyword().eq_ignore_ascii_case(keyword)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_long_texts_go_on_over_cards() {
+        let mut header = Header::default();
+        let long = "it's ".repeat(60);
+        header.set("LONG", &CardValue::Text(long.clone()), "long");
+        header.set("NEXT", &1_i64.into(), "");
+        assert!(header.len() > 5);
+        assert_eq!(header.text("LONG").as_deref(), Some(long.trim()));
+        header.set("LONG", &"short".into(), "");
+        assert_eq!(header.len(), 2);
+        assert_eq!(header.card("LONG").map(Card::text).unwrap_or_default().trim_end(), "LONG    = 'short   '           / long");
+        header.remove("LONG");
+        assert_eq!((header.len(), header.integer("NEXT")), (1, Some(1)));
+    }
+
+    #[test]
+    fn verif_text_ends_at_end() {
+        let header = Header::from_text("A       = '20.5'\nB       = 3.0\nEND\nC       = 1\n");
+        assert_eq!(header.len(), 2);
+        assert_eq!((header.number("A"), header.integer("B"), header.number("C")), (Some(20.5), Some(3), None));
+        let block: String = header.cards().iter().map(Card::text).collect();
+        assert_eq!(Header::from_text(&block), header);
+    }
+
+    #[test]
+    fn verif_remarks_stand_together() {
+        let mut header = Header::from_text("A       = 1\nHISTORY one\nB       = 2\n");
+        header.add_remark("HISTORY", "two");
+        header.add_remark("COMMENT", "three");
+        let keywords: Vec<String> = header.cards().iter().map(Card::keyword).collect();
+        assert_eq!(keywords, ["A", "HISTORY", "HISTORY", "B", "COMMENT"]);
+    }
+}

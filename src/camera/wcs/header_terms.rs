@@ -1,0 +1,230 @@
+//! What a header says of its world coordinates, with the sins that occur.
+
+use super::super::header::Header;
+use super::distortion::{Distortion, attribute};
+use super::error::WcsError;
+use super::projection::{Projection, Zpn};
+use super::sphere::NativePole;
+
+/// Codes of projections that are read.
+pub(super) const KNOWN_PROJECTIONS: &str = "TAN (with SIP or PVi_m), TPV, TNX, ZPX, SIN, STG, ARC, ZEA, ZPN, CAR";
+
+/// Equinoxes within this of 2000 are 2000, years.
+const EQUINOX_SLACK: f64 = 1e-3;
+
+/// All that places pixels on the sky.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct HeaderTerms {
+    /// Number of the axis with right ascension, 0 or 1.
+    pub longitude_axis: usize,
+    /// CRPIX, counted from 1.
+    pub reference_pixel: [f64; 2],
+    /// Pixels to degrees of the plane, (along right ascension, along declination).
+    pub matrix_deg: [[f64; 2]; 2],
+    /// Added to pixels from the reference pixel.
+    pub pixel_distortion: Option<Distortion>,
+    /// In degrees of the plane.
+    pub plane_distortion: Option<Distortion>,
+    /// The projection.
+    pub projection: Projection,
+    /// How it lies on the sky.
+    pub pole: NativePole,
+    /// Columns and rows, where the header knows them.
+    pub size: Option<[usize; 2]>,
+}
+
+impl HeaderTerms {
+    /// Reads them.
+    pub fn from_header(header: &Header) -> Result<Self, WcsError> {
+        let types: Vec<String> = (1..=2).map(|axis| header.text(&format!("CTYPE{axis}")).unwrap_or_default()).collect();
+        let longitude_axis = match (types[0].split('-').next(), types[1].split('-').next()) {
+            (Some("RA"), Some("DEC")) => 0,
+            (Some("DEC"), Some("RA")) => 1,
+            _ => return Err(WcsError::NoCelestialAxes { ctype1: types[0].clone(), ctype2: types[1].clone() }),
+        };
+        check_system(header)?;
+        let latitude_axis = 1 - longitude_axis;
+        let code = |axis: usize| types[axis].trim_start_matches(|c: char| c != '-').trim_start_matches('-').to_ascii_uppercase();
+        let (code, other) = (code(longitude_axis), code(latitude_axis));
+        if code != other {
+            return Err(WcsError::Value {
+                keyword: format!("CTYPE{}", latitude_axis + 1),
+                value: format!("{:?}", types[latitude_axis]),
+                allowed: "the projection of the other axis",
+            });
+        }
+        let projection_code = code.split('-').next().unwrap_or_default();
+        let units = [unit_deg(header, 1)?, unit_deg(header, 2)?];
+        let reference_pixel = [required(header, "CRPIX1")?, required(header, "CRPIX2")?];
+        let values = [required(header, "CRVAL1")? * units[0], required(header, "CRVAL2")? * units[1]];
+        let declination_deg = values[latitude_axis];
+        if declination_deg.abs() > 90.0 {
+            return Err(WcsError::Value {
+                keyword: format!("CRVAL{}", latitude_axis + 1),
+                value: format!("{declination_deg} degrees"),
+                allowed: "a declination from -90 to 90 degrees",
+            });
+        }
+        let by_axis = matrix(header, units, latitude_axis);
+        let matrix_deg = [by_axis[longitude_axis], by_axis[latitude_axis]];
+        let pv = |axis: usize, m: usize| header.number(&format!("PV{}_{m}", axis + 1));
+        let wat = |axis: usize| header.numbered_text(&format!("WAT{}_", axis + 1));
+        let (wat_longitude, wat_latitude) = (wat(longitude_axis), wat(latitude_axis));
+        let pixel_distortion = Distortion::sip(header)?;
+        let has_pv = (0..40).any(|m| pv(latitude_axis, m).is_some() || (m > 4 && pv(longitude_axis, m).is_some()));
+        let mut plane_distortion = None;
+        let projection = match projection_code {
+            // SCAMP's PVi_m beside SIP say the same again.
+            "TAN" if has_pv && pixel_distortion.is_none() => {
+                plane_distortion = Some(Distortion::tpv(header, longitude_axis));
+                Projection::Tan
+            }
+            "TAN" => Projection::Tan,
+            "TPV" => {
+                plane_distortion = Some(Distortion::tpv(header, longitude_axis));
+                Projection::Tan
+            }
+            "TNX" => {
+                plane_distortion = Distortion::iraf(&wat_longitude, &wat_latitude, "TNX")?;
+                Projection::Tan
+            }
+            "ZPX" => {
+                plane_distortion = Distortion::iraf(&wat_longitude, &wat_latitude, "ZPX")?;
+                let named = |m: usize| {
+                    let word = attribute(&wat_latitude, &format!("projp{m}")).or_else(|| attribute(&wat_longitude, &format!("projp{m}")));
+                    word.and_then(|word| word.parse().ok())
+                };
+                zpn(&named)?
+            }
+            "ZPN" => zpn(&|m| pv(latitude_axis, m))?,
+            "SIN" if (1..=2).any(|m| pv(latitude_axis, m).is_some_and(|slant| slant != 0.0)) => {
+                return Err(WcsError::Projection { keyword: format!("PV{}_1", latitude_axis + 1), code: "slant SIN".to_owned() });
+            }
+            "SIN" => Projection::Sin,
+            "STG" => Projection::Stg,
+            "ARC" => Projection::Arc,
+            "ZEA" => Projection::Zea,
+            "CAR" => Projection::Car,
+            _ => return Err(WcsError::Projection { keyword: format!("CTYPE{}", longitude_axis + 1), code }),
+        };
+        let pole = NativePole {
+            right_ascension_deg: values[longitude_axis],
+            declination_deg,
+            lonpole_deg: header.number("LONPOLE"),
+            latpole_deg: header.number("LATPOLE"),
+            is_zenithal: projection.is_zenithal(),
+        };
+        Ok(Self {
+            longitude_axis,
+            reference_pixel,
+            matrix_deg,
+            pixel_distortion,
+            plane_distortion,
+            projection,
+            pole,
+            size: size(header),
+        })
+    }
+}
+
+fn required(header: &Header, keyword: &str) -> Result<f64, WcsError> {
+    if let Some(number) = header.number(keyword) {
+        return Ok(number);
+    }
+    match header.card(keyword) {
+        None => Err(WcsError::Missing { keyword: keyword.to_owned() }),
+        Some(card) => Err(WcsError::Value {
+            keyword: keyword.to_owned(),
+            value: format!("{:?}", card.text()[9..].trim()),
+            allowed: "a number",
+        }),
+    }
+}
+
+/// Degrees in the unit of an axis; without CUNIT, degrees.
+fn unit_deg(header: &Header, axis: usize) -> Result<f64, WcsError> {
+    let keyword = format!("CUNIT{axis}");
+    let unit = header.text(&keyword).unwrap_or_default();
+    match unit.to_ascii_lowercase().as_str() {
+        "" | "deg" | "degree" | "degrees" | "degs" => Ok(1.0),
+        "arcmin" | "arcminute" | "arcminutes" => Ok(1.0 / 60.0),
+        "arcsec" | "arcsecond" | "arcseconds" | "asec" => Ok(1.0 / 3600.0),
+        "mas" => Ok(1.0 / 3.6e6),
+        "rad" | "radian" | "radians" => Ok(1f64.to_degrees()),
+        _ => Err(WcsError::Value {
+            keyword,
+            value: format!("{unit:?}"),
+            allowed: "deg, arcmin, arcsec, mas or rad (or one of these spelt out)",
+        }),
+    }
+}
+
+/// CDi_j where there is one; else CDELTi with PCi_j, or with the old CROTA of the axis of declination.
+fn matrix(header: &Header, units: [f64; 2], latitude_axis: usize) -> [[f64; 2]; 2] {
+    let entry = |stem: &str, i: usize, j: usize| header.number(&format!("{stem}{}_{}", i + 1, j + 1));
+    let places = [(0, 0), (0, 1), (1, 0), (1, 1)];
+    let mut matrix = [[0.0; 2]; 2];
+    if places.iter().any(|(i, j)| entry("CD", *i, *j).is_some()) {
+        for (i, j) in places {
+            matrix[i][j] = entry("CD", i, j).unwrap_or(0.0) * units[i];
+        }
+        return matrix;
+    }
+    let steps = [0, 1].map(|axis| header.number(&format!("CDELT{}", axis + 1)).unwrap_or(1.0) * units[axis]);
+    let old_name = |i: usize, j: usize| header.number(&format!("PC{:03}{:03}", i + 1, j + 1));
+    let turn = |i: usize, j: usize| entry("PC", i, j).or_else(|| old_name(i, j));
+    let is_turned = places.iter().any(|(i, j)| turn(*i, *j).is_some());
+    let rotation = header.number(&format!("CROTA{}", latitude_axis + 1)).filter(|_| !is_turned).unwrap_or(0.0);
+    let (sine, cosine) = rotation.to_radians().sin_cos();
+    for (i, j) in places {
+        let unturned = if i == j { 1.0 } else { 0.0 };
+        // Paper II, eq. 191: PC = [[cos ρ, -sin ρ s₂/s₁], [sin ρ s₁/s₂, cos ρ]]; times CDELTi the other axis' step remains.
+        matrix[i][j] = if rotation == 0.0 {
+            steps[i] * turn(i, j).unwrap_or(unturned)
+        } else if i == j {
+            steps[i] * cosine
+        } else {
+            let sign = if i == latitude_axis { 1.0 } else { -1.0 };
+            sign * steps[j] * sine
+        };
+    }
+    matrix
+}
+
+fn zpn(named: &dyn Fn(usize) -> Option<f64>) -> Result<Projection, WcsError> {
+    let mut coefficients: Vec<f64> = (0..30).map(|m| named(m).unwrap_or(0.0)).collect();
+    let used = coefficients.iter().rposition(|c| *c != 0.0).map_or(0, |last| last + 1);
+    coefficients.truncate(used);
+    let shown = format!("{coefficients:?}");
+    Zpn::new(coefficients).map(Projection::Zpn).ok_or_else(|| WcsError::Value {
+        keyword: "PV2_m (or projpm)".to_owned(),
+        value: shown,
+        allowed: "a polynomial that grows from the centre on",
+    })
+}
+
+/// ICRS, or FK5 of equinox 2000; what a header without RADESYS means is said by its equinox (paper II, section 3.1).
+fn check_system(header: &Header) -> Result<(), WcsError> {
+    let equinox = header.number("EQUINOX").or_else(|| header.number("EPOCH"));
+    let named = header.text("RADESYS").or_else(|| header.text("RADECSYS")).map(|name| name.to_ascii_uppercase());
+    let is_2000 = equinox.is_none_or(|year| (year - 2000.0).abs() < EQUINOX_SLACK);
+    let is_known = match named.as_deref() {
+        Some("ICRS" | "GCRS") => true,
+        Some("FK5" | "J2000" | "FK5J2000") | None => is_2000,
+        Some(_) => false,
+    };
+    if is_known {
+        return Ok(());
+    }
+    let name = named.unwrap_or_else(|| "a system without RADESYS".to_owned());
+    let system = equinox.map_or(name.clone(), |year| format!("{name}, equinox {year}"));
+    Err(WcsError::ReferenceSystem { system })
+}
+
+/// Columns and rows: of the image within a compressed one, of the image, or as astrometry.net notes them.
+fn size(header: &Header) -> Option<[usize; 2]> {
+    [["ZNAXIS1", "ZNAXIS2"], ["NAXIS1", "NAXIS2"], ["IMAGEW", "IMAGEH"]].iter().find_map(|[columns, rows]| {
+        let count = |keyword: &str| header.integer(keyword).and_then(|count| usize::try_from(count).ok()).filter(|count| *count > 0);
+        Some([count(columns)?, count(rows)?])
+    })
+}
