@@ -1,7 +1,11 @@
 //! The pixel plane: frames, their geometry on the sky, and what optics and detector make of light. It has never heard of satellites.
 
+mod patch;
 mod pixel;
 mod plane;
+mod psf;
 
+pub use patch::{Patch, PatchRows, PatchSpan};
 pub use pixel::PixelPosition;
 pub use plane::{Plane, PlaneError};
+pub use psf::{Blur, BlurError, Lanes, RadialProfile, Seeing, draw_point};
