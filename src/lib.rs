@@ -31,6 +31,7 @@ pub mod passes;
 pub mod photometry;
 #[cfg(feature = "plot")]
 pub mod plot;
+mod quadrature;
 mod quantile;
 pub mod schedule;
 pub mod setup;

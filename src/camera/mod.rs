@@ -4,18 +4,22 @@ mod card;
 #[cfg(feature = "fits")]
 mod fits;
 mod header;
+mod patch;
 mod pixel;
 mod plane;
 #[cfg(feature = "plot")]
 mod preview;
+mod psf;
 mod wcs;
 
 pub use card::{CARD_LENGTH, Card, CardValue};
 #[cfg(feature = "fits")]
 pub use fits::{Bitpix, FrameError, FrameFile, HduInfo, HduKind, ImageValues, PixelFormat, Pixels, Rice};
 pub use header::Header;
+pub use patch::{Patch, PatchRows, PatchSpan};
 pub use pixel::PixelPosition;
 pub use plane::{Plane, PlaneError};
 #[cfg(feature = "plot")]
 pub use preview::{Overlay, PreviewError, preview_png};
+pub use psf::{Blur, BlurError, Lanes, RadialProfile, Seeing, draw_point};
 pub use wcs::{Wcs, WcsError};

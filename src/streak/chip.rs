@@ -171,7 +171,8 @@ fn stretch(points: &[SkyPoint], from: usize, to: usize) -> SkyTrack {
 fn comes_near(from: &SkyPoint, to: &SkyPoint, place: &Direction<Gcrs>, reach_rad: f64) -> bool {
     let (start, end, place) = (from.direction.vector(), to.direction.vector(), place.vector());
     let way = end - start;
-    let share = if way.norm_squared() > 0.0 { ((place - start).dot(&way) / way.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
+    let share =
+        if way.norm_squared() > 0.0 { ((place - start).dot(&way) / way.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
     // Half the way squared is more than any track on the sky bends between two points, and than the arc lies above its chord.
     let slack = 0.5 * way.norm_squared();
     ((start + way * share) - place).norm() <= reach_rad + slack
@@ -242,7 +243,8 @@ mod tests {
     fn verif_tracks_that_miss_the_chip_have_no_way_and_the_edge_is_told() {
         let chip = chip(1000, 1.0);
         let (centre, _) = chip.circle().unwrap();
-        let paths = |east_arcsec: f64| chip.paths(&southwards(east_arcsec), &Tracking::Sidereal, &centre, 30.0).unwrap();
+        let paths =
+            |east_arcsec: f64| chip.paths(&southwards(east_arcsec), &Tracking::Sidereal, &centre, 30.0).unwrap();
         assert!(paths(2000.0).is_empty());
         assert!(paths(520.0).iter().all(|path| path.inside_s.is_none()));
         assert!(paths(490.0)[0].inside_s.is_some());

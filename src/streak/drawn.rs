@@ -93,7 +93,11 @@ pub struct StreakPoint {
 ///
 /// # Errors
 /// [`DrawError`] where a width is out of range or the way is none.
-pub fn draw_on_chip<'a>(source: &'a Source, chip: &'a Chip, shot: &Shot<'_>) -> Result<Vec<DrawnStreak<'a>>, DrawError> {
+pub fn draw_on_chip<'a>(
+    source: &'a Source,
+    chip: &'a Chip,
+    shot: &Shot<'_>,
+) -> Result<Vec<DrawnStreak<'a>>, DrawError> {
     let mut drawn = Vec::new();
     for part in &source.parts {
         let scale_arcsec = chip.pixel_scale_arcsec();
@@ -108,9 +112,11 @@ pub fn draw_on_chip<'a>(source: &'a Source, chip: &'a Chip, shot: &Shot<'_>) -> 
             .map_err(|source| DrawError::Path { hdu: chip.hdu, source })?;
         for way in paths {
             let patch = draw_way(&way, part, chip, shot, scale_arcsec)?;
-            drawn.extend(patch.filter(|(patch, _)| !patch.is_empty() && patch.sum() > 0.0).map(|(patch, width_pix)| {
-                told(source, part, chip, shot, &way, patch, width_pix)
-            }));
+            drawn.extend(
+                patch
+                    .filter(|(patch, _)| !patch.is_empty() && patch.sum() > 0.0)
+                    .map(|(patch, width_pix)| told(source, part, chip, shot, &way, patch, width_pix)),
+            );
         }
     }
     Ok(drawn)

@@ -96,7 +96,8 @@ mod tests {
 
     #[test]
     fn verif_the_image_has_the_width_of_seeing_ring_and_body() {
-        let optics = Optics { form: SeeingForm::Gaussian, seeing_arcsec: 0.7, outer_radius_m: 4.18, inner_radius_m: 2.558 };
+        let optics =
+            Optics { form: SeeingForm::Gaussian, seeing_arcsec: 0.7, outer_radius_m: 4.18, inner_radius_m: 2.558 };
         let blur = *optics.profile(550.0, 2.0, 0.2).unwrap().blur();
         assert_eq!(blur.seeing, Seeing::Gaussian { fwhm_pix: 0.7 / 0.2 });
         // Rubin's ring is 3.14" across at 550 km (science 11).

@@ -35,7 +35,13 @@ impl Tracking {
     }
 
     /// Carried along with the telescope (1) or against it (-1).
-    fn carried(&self, direction: &Direction<Gcrs>, sense: f64, time_s: f64, centre: &Direction<Gcrs>) -> Direction<Gcrs> {
+    fn carried(
+        &self,
+        direction: &Direction<Gcrs>,
+        sense: f64,
+        time_s: f64,
+        centre: &Direction<Gcrs>,
+    ) -> Direction<Gcrs> {
         let Self::Rate { east_rad_s, north_rad_s, reference_s } = *self else { return *direction };
         let (east, north) = centre.east_north();
         let motion = east * east_rad_s + north * north_rad_s;

@@ -32,12 +32,13 @@ static FIELDS: &[Field] = &[
     field(Column::new("streak", Kind::Integer, "Number of the streak in this file, from 1."), |row| row.number.into()),
     field(Column::new("hdu", Kind::Integer, "HDU of the chip, the first being 0."), |row| row.streak.hdu.into()),
     field(Column::new("chip", Kind::Text, "Name of the HDU."), |row| row.streak.chip.into()),
-    field(Column::new("norad_id", Kind::Integer, "NORAD catalogue number; empty for a random streak."), |row| {
-        match &row.streak.source.name {
+    field(
+        Column::new("norad_id", Kind::Integer, "NORAD catalogue number; empty for a random streak."),
+        |row| match &row.streak.source.name {
             SourceName::Satellite { norad_id, .. } => i64::from(norad_id.0).into(),
             SourceName::Random(_) => Value::Null,
-        }
-    }),
+        },
+    ),
     field(Column::new("name", Kind::Text, "Name in the element set, or the number of the random streak."), |row| {
         row.streak.source.name.to_string().into()
     }),
@@ -53,12 +54,19 @@ static FIELDS: &[Field] = &[
     field(Column::real("x1_pix", "pix", 3, "Column of the first end; the first pixel's centre is 1."), |row| {
         end(row, 0, |point| point.at.fits()[0].into())
     }),
-    field(Column::real("y1_pix", "pix", 3, "Row of the first end."), |row| end(row, 0, |point| point.at.fits()[1].into())),
-    field(Column::real("x2_pix", "pix", 3, "Column of the last end."), |row| end(row, 1, |point| point.at.fits()[0].into())),
-    field(Column::real("y2_pix", "pix", 3, "Row of the last end."), |row| end(row, 1, |point| point.at.fits()[1].into())),
-    field(Column::real("ra1_deg", "deg", 7, "Right ascension of the first end, ICRS astrometric topocentric."), |row| {
-        end(row, 0, ra_deg)
+    field(Column::real("y1_pix", "pix", 3, "Row of the first end."), |row| {
+        end(row, 0, |point| point.at.fits()[1].into())
     }),
+    field(Column::real("x2_pix", "pix", 3, "Column of the last end."), |row| {
+        end(row, 1, |point| point.at.fits()[0].into())
+    }),
+    field(Column::real("y2_pix", "pix", 3, "Row of the last end."), |row| {
+        end(row, 1, |point| point.at.fits()[1].into())
+    }),
+    field(
+        Column::real("ra1_deg", "deg", 7, "Right ascension of the first end, ICRS astrometric topocentric."),
+        |row| end(row, 0, ra_deg),
+    ),
     field(Column::real("dec1_deg", "deg", 7, "Declination of the first end."), |row| end(row, 0, dec_deg)),
     field(Column::real("ra2_deg", "deg", 7, "Right ascension of the last end."), |row| end(row, 1, ra_deg)),
     field(Column::real("dec2_deg", "deg", 7, "Declination of the last end."), |row| end(row, 1, dec_deg)),
@@ -72,9 +80,10 @@ static FIELDS: &[Field] = &[
     field(Column::real("angular_rate_deg_s", "deg / s", 6, "Mean speed among the stars."), |row| {
         (row.streak.rate_arcsec_s / 3600.0).into()
     }),
-    field(Column::real("width_pix", "pix", 3, "Full width at half maximum of a point's image: seeing, defocus, size."), |row| {
-        row.streak.width_pix.into()
-    }),
+    field(
+        Column::real("width_pix", "pix", 3, "Full width at half maximum of a point's image: seeing, defocus, size."),
+        |row| row.streak.width_pix.into(),
+    ),
     field(Column::real("width_arcsec", "arcsec", 3, "The same."), |row| row.streak.width_arcsec.into()),
     field(Column::real("magnitude", "mag", 3, "Half way, as if it stood still; empty in the dark."), |row| {
         row.streak.middle().and_then(|point| point.magnitude).into()
@@ -83,20 +92,31 @@ static FIELDS: &[Field] = &[
         row.streak.peak_magnitude().into()
     }),
     field(
-        Column::real("effective_magnitude", "mag", 3, "Of a star as bright per area as the streak half way, same exposure."),
+        Column::real(
+            "effective_magnitude",
+            "mag",
+            3,
+            "Of a star as bright per area as the streak half way, same exposure.",
+        ),
         |row| spread(row, effective_magnitude),
     ),
     field(
-        Column::real("surface_brightness_mag_arcsec2", "mag / arcsec2", 3, "Of the streak half way, over the exposure."),
+        Column::real(
+            "surface_brightness_mag_arcsec2",
+            "mag / arcsec2",
+            3,
+            "Of the streak half way, over the exposure.",
+        ),
         |row| {
             spread(row, |magnitude, width, rate, exposure_s| {
                 surface_brightness_mag_arcsec2(magnitude, width, rate, exposure_s)
             })
         },
     ),
-    field(Column::real("counts", "", 3, "Sum of the light on the chip in the frame's unit, before noise and detector."), |row| {
-        row.streak.patch.sum().into()
-    }),
+    field(
+        Column::real("counts", "", 3, "Sum of the light on the chip in the frame's unit, before noise and detector."),
+        |row| row.streak.patch.sum().into(),
+    ),
     field(Column::real("total_magnitude", "mag", 3, "Of a star of as many counts."), |row| {
         row.streak.total_magnitude().into()
     }),
@@ -123,7 +143,9 @@ fn dec_deg(point: &StreakPoint) -> Value {
 /// A function of magnitude, width, rate and exposure half way.
 fn spread(row: &TruthRow<'_>, function: impl Fn(f64, f64, f64, f64) -> f64) -> Value {
     let magnitude = row.streak.middle().and_then(|point| point.magnitude);
-    magnitude.map(|magnitude| function(magnitude, row.streak.width_arcsec, row.streak.rate_arcsec_s, row.exposure_s)).into()
+    magnitude
+        .map(|magnitude| function(magnitude, row.streak.width_arcsec, row.streak.rate_arcsec_s, row.exposure_s))
+        .into()
 }
 
 /// One row a streak.

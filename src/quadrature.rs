@@ -3,7 +3,7 @@
 use std::f64::consts::PI;
 
 /// Nodes on (0, 1) and weights that sum to 1, `(n_node)`: exact for polynomials up to degree 2n - 1.
-pub(super) fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
+pub fn gauss_legendre(count: usize) -> Vec<(f64, f64)> {
     let n = count as f64;
     (0..count)
         .map(|node| {

@@ -1,0 +1,19 @@
+//! How a point's light spreads: `seeing` (what the air makes of it), `blur` (with defocus and size), `radii` and `curve` (functions of
+//! a radius), `disk` (blurring by a uniform disk), `integrals` (along a line, over a pixel), `profile` (all together), `lanes` (read
+//! many at a time), `point` (drawn).
+
+mod blur;
+mod curve;
+mod disk;
+mod integrals;
+mod lanes;
+mod point;
+mod profile;
+mod radii;
+mod seeing;
+
+pub use blur::{Blur, BlurError};
+pub use lanes::Lanes;
+pub use point::draw_point;
+pub use profile::RadialProfile;
+pub use seeing::Seeing;

@@ -1,0 +1,128 @@
+//! What the air makes of a point: a Gaussian, a Moffat profile, or two Gaussians.
+
+use std::f64::consts::{LN_2, PI};
+
+use serde::Deserialize;
+
+use super::blur::BlurError;
+
+/// Narrowest profile that is allowed, full width at half maximum, pixels: narrower ones are not described by their pixel averages' angular
+/// harmonics up to the twelfth.
+const LEAST_FWHM_PIX: f64 = 1.0;
+const GREATEST_FWHM_PIX: f64 = 100.0;
+/// Below 2 a Moffat profile has a hundredth of its light beyond 50 widths, where no camera has measured it.
+const LEAST_BETA: f64 = 2.0;
+const GREATEST_BETA: f64 = 100.0;
+
+/// Surface brightness of a star's image, normalised to unit flux over the whole plane. Widths are full widths at half maximum, pixels.
+#[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Seeing {
+    /// exp(-r²/2σ²), FWHM = 2.3548 σ.
+    Gaussian {
+        /// Width, \[1, 100\] pixels.
+        fwhm_pix: f64,
+    },
+    /// (1 + r²/α²)^-β, FWHM = 2 α √(2^(1/β) - 1) (Moffat 1969, A&A 3, 455).
+    Moffat {
+        /// Width, \[1, 100\] pixels.
+        fwhm_pix: f64,
+        /// Steepness of the wings, \[2, 100\]; 4.765 is turbulence (Trujillo et al. 2001), telescopes have 2.5 to 4.
+        beta: f64,
+    },
+    /// A narrow and a wide Gaussian about the same centre.
+    DoubleGaussian {
+        /// Width of the narrow one, \[1, 100\] pixels.
+        fwhm_pix: f64,
+        /// Width of the wide one, from that of the narrow one to 100 pixels.
+        wide_fwhm_pix: f64,
+        /// What the wide one has of the flux, \[0, 1\].
+        wide_share: f64,
+    },
+}
+
+impl Seeing {
+    /// Width of the narrowest part, full width at half maximum, pixels.
+    pub fn narrowest_fwhm_pix(&self) -> f64 {
+        match *self {
+            Self::Gaussian { fwhm_pix } | Self::Moffat { fwhm_pix, .. } | Self::DoubleGaussian { fwhm_pix, .. } => {
+                fwhm_pix
+            }
+        }
+    }
+
+    /// # Errors
+    /// [`BlurError::OutOfRange`] for a number outside its range or not finite.
+    pub(super) fn validate(&self) -> Result<(), BlurError> {
+        BlurError::hold("fwhm_pix", self.narrowest_fwhm_pix(), LEAST_FWHM_PIX, GREATEST_FWHM_PIX)?;
+        match *self {
+            Self::Gaussian { .. } => Ok(()),
+            Self::Moffat { beta, .. } => BlurError::hold("beta", beta, LEAST_BETA, GREATEST_BETA),
+            Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, wide_share } => {
+                BlurError::hold("wide_fwhm_pix", wide_fwhm_pix, fwhm_pix, GREATEST_FWHM_PIX)?;
+                BlurError::hold("wide_share", wide_share, 0.0, 1.0)
+            }
+        }
+    }
+
+    /// Surface brightness at a radius, per square pixel.
+    pub(super) fn at(&self, r_pix: f64) -> f64 {
+        let gaussian = |sigma: f64| (-0.5 * (r_pix / sigma).powi(2)).exp() / (2.0 * PI * sigma * sigma);
+        match *self {
+            Self::Gaussian { fwhm_pix } => gaussian(sigma_of(fwhm_pix)),
+            Self::Moffat { fwhm_pix, beta } => {
+                let alpha = alpha_of(fwhm_pix, beta);
+                (beta - 1.0) / (PI * alpha * alpha) * (1.0 + (r_pix / alpha).powi(2)).powf(-beta)
+            }
+            Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, wide_share } => {
+                (1.0 - wide_share) * gaussian(sigma_of(fwhm_pix)) + wide_share * gaussian(sigma_of(wide_fwhm_pix))
+            }
+        }
+    }
+
+    /// Share of the flux that lies beyond a radius.
+    fn beyond(&self, r_pix: f64) -> f64 {
+        let gaussian = |sigma: f64| (-0.5 * (r_pix / sigma).powi(2)).exp();
+        match *self {
+            Self::Gaussian { fwhm_pix } => gaussian(sigma_of(fwhm_pix)),
+            Self::Moffat { fwhm_pix, beta } => (1.0 + (r_pix / alpha_of(fwhm_pix, beta)).powi(2)).powf(1.0 - beta),
+            Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, wide_share } => {
+                (1.0 - wide_share) * gaussian(sigma_of(fwhm_pix)) + wide_share * gaussian(sigma_of(wide_fwhm_pix))
+            }
+        }
+    }
+
+    /// The radius beyond which lies this share of the flux, pixels.
+    pub(super) fn radius_leaving(&self, share: f64) -> f64 {
+        let mut bounds = [0.0, self.narrowest_fwhm_pix()];
+        while self.beyond(bounds[1]) > share {
+            bounds = [bounds[1], 2.0 * bounds[1]];
+        }
+        for _ in 0..60 {
+            let middle = 0.5 * (bounds[0] + bounds[1]);
+            bounds[usize::from(self.beyond(middle) <= share)] = middle;
+        }
+        bounds[1]
+    }
+
+    /// Longest stretch over which eight nodes of Gauss's rule sum the light of what passes at least half as far away, pixels.
+    ///
+    /// The wings of a Moffat profile become smoother with distance; a Gaussian stays what it is.
+    pub(super) fn longest_panel_pix(&self) -> f64 {
+        match *self {
+            Self::Gaussian { fwhm_pix } => 1.5 * fwhm_pix,
+            Self::Moffat { .. } => f64::INFINITY,
+            Self::DoubleGaussian { wide_fwhm_pix, .. } => 1.5 * wide_fwhm_pix,
+        }
+    }
+}
+
+/// σ = FWHM / √(8 ln 2).
+fn sigma_of(fwhm_pix: f64) -> f64 {
+    fwhm_pix / (8.0 * LN_2).sqrt()
+}
+
+/// α = FWHM / (2 √(2^(1/β) - 1)).
+fn alpha_of(fwhm_pix: f64, beta: f64) -> f64 {
+    0.5 * fwhm_pix / ((LN_2 / beta).exp_m1()).sqrt()
+}

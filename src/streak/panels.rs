@@ -1,0 +1,139 @@
+//! Light of a path by sums over points of it: for ends, jumps, tight curves and what hardly moves; and what the fast way is held against.
+//!
+//! A stretch of path is a panel of eight nodes of Gauss's rule in time. Near by, panels are short against the profile; farther out, where its
+//! wings are smooth, a panel of twice the length does as well, so panels form a tree and each pixel uses the longest that are good enough.
+
+use crate::camera::RadialProfile;
+use crate::quadrature::gauss_legendre;
+
+use super::chords::{Cutter, Stretch};
+
+/// Nodes of a panel.
+const NODES: usize = 8;
+
+/// Eight points of a path with their light.
+#[derive(Clone, Debug)]
+struct Panel {
+    centre: [f64; 2],
+    /// All of its path lies as near to the centre.
+    radius_pix: f64,
+    /// Pixels at this distance from its path, or farther, may use it.
+    from_pix: f64,
+    x: [f64; NODES],
+    y: [f64; NODES],
+    light: [f32; NODES],
+    /// Two shorter ones in its place.
+    halves: Option<[u32; 2]>,
+}
+
+/// Panels over a stretch of a path.
+#[derive(Clone, Debug)]
+pub(super) struct PanelTree {
+    /// The last one is the whole.
+    panels: Vec<Panel>,
+}
+
+impl PanelTree {
+    pub fn of(cutter: &Cutter<'_>, stretch: Stretch, profile: &RadialProfile) -> Self {
+        let rule = gauss_legendre(NODES);
+        let mut panels = Vec::new();
+        grow(cutter, stretch, profile, &rule, &mut panels);
+        Self { panels }
+    }
+
+    /// Discs that hold short parts of the stretch each.
+    pub fn discs(&self) -> impl Iterator<Item = ([f64; 2], f64)> {
+        self.panels.iter().filter(|panel| panel.halves.is_none()).map(|panel| (panel.centre, panel.radius_pix))
+    }
+
+    /// Light in the pixel at `[x, y]`.
+    #[inline(always)]
+    pub fn light_at(&self, pixel: [f64; 2], profile: &RadialProfile) -> f32 {
+        let reach = profile.pixel_reach_pix();
+        let mut sum = 0.0;
+        // A path of 2^32 panels would be needed to fill it.
+        let mut open = [0_u32; 64];
+        let mut count = 1;
+        open[0] = (self.panels.len() - 1) as u32;
+        while count > 0 {
+            count -= 1;
+            let panel = &self.panels[open[count & 63] as usize];
+            let distance = (pixel[0] - panel.centre[0]).hypot(pixel[1] - panel.centre[1]) - panel.radius_pix;
+            if distance > reach {
+                continue;
+            }
+            match panel.halves {
+                Some([first, second]) if distance < panel.from_pix => {
+                    open[count & 63] = first;
+                    open[(count + 1) & 63] = second;
+                    count += 2;
+                }
+                _ => sum += panel.light_at(pixel, profile, distance < profile.round_from_pix()),
+            }
+        }
+        sum
+    }
+}
+
+impl Panel {
+    #[inline(always)]
+    fn light_at(&self, pixel: [f64; 2], profile: &RadialProfile, is_square: bool) -> f32 {
+        let [round, fourth, eighth, twelfth] = profile.pixel_lanes();
+        let (mut x2, mut y2, mut r) = ([0.0_f32; NODES], [0.0_f32; NODES], [0.0_f32; NODES]);
+        for node in 0..NODES {
+            let (dx, dy) = ((pixel[0] - self.x[node]) as f32, (pixel[1] - self.y[node]) as f32);
+            x2[node] = dx * dx;
+            y2[node] = dy * dy;
+            r[node] = (x2[node] + y2[node]).sqrt();
+        }
+        let mut share = round.at(&r);
+        if is_square {
+            let (f4, f8, f12) = (fourth.at(&r), eighth.at(&r), twelfth.at(&r));
+            for node in 0..NODES {
+                // cos 4φ = 1 - 8 x²y² / r⁴
+                let r2 = (x2[node] + y2[node]).max(1e-12);
+                let c = 1.0 - 8.0 * (x2[node] / r2) * (y2[node] / r2);
+                share[node] += c * f4[node] + (2.0 * c * c - 1.0) * f8[node] + (4.0 * c * c - 3.0) * c * f12[node];
+            }
+        }
+        let mut sum = 0.0;
+        for node in 0..NODES {
+            sum += share[node] * self.light[node];
+        }
+        sum
+    }
+}
+
+/// Adds the panel of a stretch after those of its halves, and says where it stands.
+fn grow(
+    cutter: &Cutter<'_>,
+    stretch: Stretch,
+    profile: &RadialProfile,
+    rule: &[(f64, f64)],
+    panels: &mut Vec<Panel>,
+) -> u32 {
+    let length = cutter.length_pix(stretch);
+    let halves = (length > profile.panel_pix()).then(|| {
+        let middle = 0.5 * (stretch.from_s + stretch.to_s);
+        let first = grow(cutter, Stretch { to_s: middle, ..stretch }, profile, rule, panels);
+        let second = grow(cutter, Stretch { from_s: middle, ..stretch }, profile, rule, panels);
+        [first, second]
+    });
+    let piece = &cutter.pieces[stretch.piece];
+    let duration_s = stretch.to_s - stretch.from_s;
+    let (mut x, mut y, mut light) = ([0.0; NODES], [0.0; NODES], [0.0; NODES]);
+    for (node, (share, weight)) in rule.iter().enumerate().take(NODES) {
+        let since_s = stretch.from_s + share * duration_s;
+        [x[node], y[node]] = piece.at(since_s);
+        light[node] = (weight * duration_s * piece.rate.at(since_s)) as f32;
+    }
+    let centre = piece.at(stretch.from_s + 0.5 * duration_s);
+    // Nothing of a stretch is farther from its middle in time than the longer of its halves is long.
+    let middle = 0.5 * (stretch.from_s + stretch.to_s);
+    let radius_pix = cutter
+        .length_pix(Stretch { to_s: middle, ..stretch })
+        .max(cutter.length_pix(Stretch { from_s: middle, ..stretch }));
+    let from_pix = if halves.is_some() { profile.panel_from_pix(length) } else { 0.0 };
+    panels.push(Panel { centre, radius_pix, from_pix, x, y, light, halves });
+    (panels.len() - 1) as u32
+}

@@ -1,0 +1,219 @@
+//! A path drawn: its light in the pixels of a frame.
+
+use std::ops::Range;
+
+use crate::camera::{Lanes, Patch, PatchRows, PixelPosition, RadialProfile};
+
+use super::chords::{Chord, Cutter, Stretch};
+use super::panels::PanelTree;
+use super::path::StreakPath;
+use super::runs::{Run, Source, beside, beyond};
+use super::strokes::{Strokes, draw as draw_strokes};
+
+/// Curvature times the profile's radius above which light is summed; what first order leaves out is 10⁻⁵ below it.
+const GREATEST_CURVATURE: f64 = 0.01;
+/// The same for the second moment times λ''/2λ.
+const GREATEST_BEND: f64 = 0.002;
+/// Curvature times the profile's reach above which normals come too near to one another for chords.
+const GREATEST_FAN: f64 = 0.25;
+/// A path that turns by more may come back to its own pixels, radians.
+const GREATEST_TURNING_RAD: f64 = 1.2;
+/// Tables across the path are made anew where the fourth harmonic has turned by so much, radians of φ.
+const TABLE_STEP_RAD: f64 = 0.02;
+/// And where the second moment's share has changed by so much.
+const TABLE_BEND_STEP: f64 = 1e-5;
+
+/// The light of a path in a frame of `rows` by `columns`, in the unit of the path's rates times seconds.
+///
+/// Each pixel has the profile's average over its square, integrated along the path. The sum over the frame is the light of that part of
+/// the path whose profile lies on the frame to 10⁻⁴, a pixel's value is good to 10⁻⁴ of the peak, ends and jumps of brightness included.
+/// Where the path and its brightness are smooth, a pixel's light is that at its foot times the profile's integral along a line, with first-order
+/// corrections for curvature and second-order ones for brightness; elsewhere it is summed over points of the path. Both go over into one
+/// another without a seam: whatever is within the profile's reach of an end, a jump or a tight curve is summed.
+///
+/// The profile is the same along the whole path: take that of the middle of what is on the frame.
+pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
+    let cutter = Cutter::new(path, rows, columns, profile.pixel_reach_pix());
+    match cutter.chords().and_then(|chords| prepared(&cutter, chords, profile)) {
+        Some(chords) => draw_along(&cutter, &chords, profile, rows, columns),
+        None => draw_summed_by(&cutter, profile, rows, columns),
+    }
+}
+
+/// The same by sums over points of the path throughout: slow, and what [`draw`] is held against.
+pub fn draw_summed(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
+    draw_summed_by(&Cutter::new(path, rows, columns, profile.pixel_reach_pix()), profile, rows, columns)
+}
+
+/// Chords with a mark whether their pixels are summed, cut where that changes; none where chords will not do.
+fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &RadialProfile) -> Option<Vec<(Chord, bool)>> {
+    let reach = profile.pixel_reach_pix();
+    let radius = 0.5 * profile.fwhm_pix() + profile.variance_pix2().sqrt().min(profile.half_light_pix());
+    let turning: f64 = chords.iter().map(Chord::turning_rad).sum();
+    let is_fanned = |chord: &Chord| chord.curvature().abs() * reach > GREATEST_FAN;
+    if turning > GREATEST_TURNING_RAD || chords.iter().any(is_fanned) {
+        return None;
+    }
+    let is_hard = |chord: &Chord| {
+        let bend = chord.bend().abs() * profile.variance_pix2();
+        chord.is_rough || chord.curvature().abs() * radius > GREATEST_CURVATURE || bend > GREATEST_BEND
+    };
+    // Ways along the path near which light is summed.
+    let mut hard: Vec<[f64; 2]> = chords.iter().filter(|chord| is_hard(chord)).map(|chord| chord.way_pix).collect();
+    for chord in &chords {
+        let piece = &cutter.pieces[chord.stretch.piece];
+        if chord.stretch.from_s == 0.0 && chord.stretch.piece == 0 {
+            hard.push([chord.way_pix[0]; 2]);
+        }
+        let is_last = chord.stretch.piece + 1 == cutter.pieces.len();
+        if chord.stretch.to_s == piece.duration_s && (is_last || piece.ends_in_jump) {
+            hard.push([chord.way_pix[1]; 2]);
+        }
+    }
+    let mut open: Vec<Chord> = chords.into_iter().rev().collect();
+    let mut done = Vec::with_capacity(open.len());
+    while let Some(chord) = open.pop() {
+        let [from, to] = chord.way_pix;
+        let near = |margin: f64| hard.iter().any(|[start, end]| from < end + margin && to > start - margin);
+        let is_within = || hard.iter().any(|[start, end]| from >= start - reach && to <= end + reach);
+        if !near(reach) {
+            done.push((chord, false));
+        } else if is_within() || to - from < (0.25 * reach).max(4.0) {
+            done.push((chord, true));
+        } else {
+            let [first, second] = cutter.halve(&chord)?;
+            open.push(second);
+            open.push(first);
+        }
+    }
+    Some(done)
+}
+
+fn draw_along(
+    cutter: &Cutter<'_>,
+    marked: &[(Chord, bool)],
+    profile: &RadialProfile,
+    rows: usize,
+    columns: usize,
+) -> Patch {
+    let reach = profile.pixel_reach_pix();
+    let mut extents = PatchRows::new(rows, columns);
+    let mut runs: Vec<Run> = Vec::new();
+    for (number, (chord, is_summed)) in marked.iter().enumerate() {
+        let source = if *is_summed { Source::Summed(number) } else { Source::Smooth(number) };
+        beside(chord, reach, source, &extents, &mut runs);
+        let stretch = chord.stretch;
+        if stretch.piece == 0 && stretch.from_s == 0.0 {
+            beyond(&chord.start, true, reach, source, &extents, &mut runs);
+        }
+        let is_last = stretch.piece + 1 == cutter.pieces.len();
+        if is_last && stretch.to_s == cutter.pieces[stretch.piece].duration_s {
+            beyond(&chord.end, false, reach, source, &extents, &mut runs);
+        }
+    }
+    for run in &runs {
+        extents.add(run.row, run.columns.clone());
+    }
+    let mut patch = extents.into_patch();
+    let (trees, trees_of) = trees(cutter, marked, profile);
+    let (tables, table_of) = tables(marked, profile);
+    let chords: Vec<Chord> = marked.iter().map(|(chord, _)| *chord).collect();
+    draw_strokes(Strokes {
+        chords: &chords,
+        tables: &tables,
+        table_of: &table_of,
+        trees: &trees,
+        trees_of: &trees_of,
+        profile,
+        runs: &runs,
+        patch: &mut patch,
+    });
+    patch
+}
+
+/// Panels of all chords within reach of one that is summed, and which of them each needs.
+fn trees(
+    cutter: &Cutter<'_>,
+    marked: &[(Chord, bool)],
+    profile: &RadialProfile,
+) -> (Vec<PanelTree>, Vec<Range<usize>>) {
+    // A path that turns by at most 1.2 rad is at most 1.07 times as long as the distance between its ends.
+    let reach = 1.1 * profile.pixel_reach_pix();
+    let near = |number: usize| {
+        let [from, to] = marked[number].0.way_pix;
+        let start = marked.partition_point(|(chord, _)| chord.way_pix[1] < from - reach);
+        start..marked.partition_point(|(chord, _)| chord.way_pix[0] <= to + reach)
+    };
+    let mut is_wanted = vec![false; marked.len()];
+    for number in (0..marked.len()).filter(|number| marked[*number].1) {
+        is_wanted[near(number)].fill(true);
+    }
+    // Neighbours of one piece become one tree: the longer the panels that distant pixels use, the fewer.
+    let mut trees: Vec<(Stretch, [f64; 2])> = Vec::new();
+    for ((chord, _), _) in marked.iter().zip(&is_wanted).filter(|(_, is_wanted)| **is_wanted) {
+        match trees.last_mut() {
+            Some((last, way)) if last.piece == chord.stretch.piece && last.to_s == chord.stretch.from_s => {
+                last.to_s = chord.stretch.to_s;
+                way[1] = chord.way_pix[1];
+            }
+            _ => trees.push((chord.stretch, chord.way_pix)),
+        }
+    }
+    let trees_of = |(number, (_, is_summed)): (usize, &(Chord, bool))| {
+        let chords = if *is_summed { near(number) } else { return 0..0 };
+        let [from, to] = [marked[chords.start].0.way_pix[0], marked[chords.end - 1].0.way_pix[1]];
+        let start = trees.partition_point(|(_, way)| way[1] <= from);
+        start..trees.partition_point(|(_, way)| way[0] < to)
+    };
+    let trees_of = marked.iter().enumerate().map(trees_of).collect();
+    (trees.iter().map(|(stretch, _)| PanelTree::of(cutter, *stretch, profile)).collect(), trees_of)
+}
+
+/// Tables across the path for all chords that need one, and which of them each uses.
+fn tables(marked: &[(Chord, bool)], profile: &RadialProfile) -> (Vec<Lanes>, Vec<usize>) {
+    let mut tables = Vec::new();
+    let mut table_of = vec![0; marked.len()];
+    let mut last: Option<[f64; 2]> = None;
+    for (number, (chord, is_summed)) in marked.iter().enumerate() {
+        if *is_summed {
+            continue;
+        }
+        let (angle, bend) = (chord.along[1].atan2(chord.along[0]), chord.bend());
+        let is_good = last.is_some_and(|[last_angle, last_bend]| {
+            let change = (bend - last_bend).abs() * profile.variance_pix2();
+            (angle - last_angle).abs() < TABLE_STEP_RAD && change < TABLE_BEND_STEP
+        });
+        if !is_good {
+            tables.push(profile.line_lanes(angle, bend));
+            last = Some([angle, bend]);
+        }
+        table_of[number] = tables.len() - 1;
+    }
+    (tables, table_of)
+}
+
+fn draw_summed_by(cutter: &Cutter<'_>, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
+    let reach = profile.pixel_reach_pix();
+    let mut extents = PatchRows::new(rows, columns);
+    let stretches = cutter.stretches();
+    let trees: Vec<PanelTree> = stretches.iter().map(|(stretch, _)| PanelTree::of(cutter, *stretch, profile)).collect();
+    for ([x, y], radius) in trees.iter().flat_map(PanelTree::discs) {
+        extents.add_disc(PixelPosition { x, y }, reach + radius);
+    }
+    let mut patch = extents.into_patch();
+    let mut runs = Vec::new();
+    patch.fill(|row, first, values| {
+        runs.push(Run { row, columns: first..first + values.len(), source: Source::Summed(0) });
+    });
+    draw_strokes(Strokes {
+        chords: &[],
+        tables: &[],
+        table_of: &[],
+        trees: &trees,
+        trees_of: &[0..trees.len()],
+        profile,
+        runs: &runs,
+        patch: &mut patch,
+    });
+    patch
+}

@@ -1,0 +1,104 @@
+//! Which pixels get their light from which chord: stretches of rows, each pixel in one of them.
+
+use std::ops::Range;
+
+use crate::camera::PatchRows;
+
+use super::chords::{Border, Chord};
+
+/// Where the light of some pixels comes from.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub(super) enum Source {
+    /// The chord of this number, whose light at each pixel's foot is all that counts.
+    Smooth(usize),
+    /// All panels near the chord of this number, summed.
+    Summed(usize),
+}
+
+/// Neighbouring pixels of a row.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Run {
+    pub row: usize,
+    pub columns: Range<usize>,
+    pub source: Source,
+}
+
+/// Columns of a row that lie past a border, among `count`.
+fn past(border: &Border, row: f64, count: usize) -> Range<usize> {
+    let [tx, ty] = border.along;
+    let dy = row - border.at[1];
+    if tx.abs() < 1e-12 {
+        return if dy * ty >= 0.0 { 0..count } else { 0..0 };
+    }
+    let bound = border.at[0] - dy * ty / tx;
+    if tx > 0.0 { column(bound.ceil(), count)..count } else { 0..column(bound.floor() + 1.0, count) }
+}
+
+/// All others.
+fn before(border: &Border, row: f64, count: usize) -> Range<usize> {
+    let past = past(border, row, count);
+    if past.is_empty() {
+        0..count
+    } else if past.start > 0 {
+        0..past.start
+    } else {
+        past.end..count
+    }
+}
+
+fn column(place: f64, count: usize) -> usize {
+    // A cast of what is too large or too small ends at a border.
+    (place.max(0.0) as usize).min(count)
+}
+
+fn both(a: Range<usize>, b: Range<usize>) -> Range<usize> {
+    let start = a.start.max(b.start);
+    start..a.end.min(b.end).max(start)
+}
+
+/// Pixels between the normals at both ends of a chord, within `reach_pix` of it.
+pub(super) fn beside(chord: &Chord, reach_pix: f64, source: Source, frame: &PatchRows, runs: &mut Vec<Run>) {
+    let count = frame.columns();
+    let [ux, uy] = chord.along;
+    let sagitta = chord.sagitta_pix();
+    let (lowest, highest) = (sagitta.min(0.0) - reach_pix, sagitta.max(0.0) + reach_pix);
+    let margin = reach_pix + sagitta.abs();
+    let (y0, y1) = (chord.start.at[1], chord.end.at[1]);
+    for row in frame.rows_within(y0.min(y1) - margin, y0.max(y1) + margin) {
+        let y = row as f64;
+        let mut columns = both(past(&chord.start, y, count), before(&chord.end, y, count));
+        // b = (y - y₀) u_x - (x - x₀) u_y lies from lowest to highest.
+        let dy = (y - chord.middle[1]) * ux;
+        if uy.abs() > 1e-9 {
+            let (p, q) = (chord.middle[0] + (dy - lowest) / uy, chord.middle[0] + (dy - highest) / uy);
+            columns = both(columns, frame.columns_within(p.min(q), p.max(q)));
+        } else if dy < lowest || dy > highest {
+            continue;
+        }
+        if !columns.is_empty() {
+            runs.push(Run { row, columns, source });
+        }
+    }
+}
+
+/// Pixels before the start of a path (`is_start`) or past its end, within `reach_pix` of it.
+pub(super) fn beyond(
+    border: &Border,
+    is_start: bool,
+    reach_pix: f64,
+    source: Source,
+    frame: &PatchRows,
+    runs: &mut Vec<Run>,
+) {
+    let count = frame.columns();
+    for row in frame.rows_within(border.at[1] - reach_pix, border.at[1] + reach_pix) {
+        let y = row as f64;
+        let half = (reach_pix.powi(2) - (y - border.at[1]).powi(2)).max(0.0).sqrt();
+        let disc = frame.columns_within(border.at[0] - half, border.at[0] + half);
+        let side = if is_start { before(border, y, count) } else { past(border, y, count) };
+        let columns = both(disc, side);
+        if !columns.is_empty() {
+            runs.push(Run { row, columns, source });
+        }
+    }
+}

@@ -1,0 +1,131 @@
+//! Curves through nodes in time: places by a smooth spline, brightness by one that never overshoots.
+
+/// Slopes at the nodes of the cubic spline with continuous second derivatives; ends as in the cubic through the first (last) four nodes, a
+/// parabola through three nodes, a line through two.
+///
+/// `times` increase; both have the same length of at least 2.
+pub(super) fn smooth_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
+    let count = times.len();
+    let step = |i: usize| times[i + 1] - times[i];
+    let rise = |i: usize| (values[i + 1] - values[i]) / step(i);
+    if count == 2 {
+        return vec![rise(0); 2];
+    }
+    let parabola = |i: usize| (rise(i) * step(i + 1) + rise(i + 1) * step(i)) / (step(i) + step(i + 1));
+    if count == 3 {
+        let middle = parabola(0);
+        return vec![2.0 * rise(0) - middle, middle, 2.0 * rise(1) - middle];
+    }
+    let first = end_slope(&times[..4], &values[..4], times[0]);
+    let last = end_slope(&times[count - 4..], &values[count - 4..], times[count - 1]);
+    // h_i s_(i-1) + 2 (h_(i-1) + h_i) s_i + h_(i-1) s_(i+1) = 3 (h_i r_(i-1) + h_(i-1) r_i)          de Boor (1978), eq. IV(7)
+    let mut slopes = vec![first; count];
+    slopes[count - 1] = last;
+    let mut upper = vec![0.0; count];
+    for i in 1..count - 1 {
+        let (before, after) = (step(i - 1), step(i));
+        let mut right = 3.0 * (after * rise(i - 1) + before * rise(i));
+        if i == count - 2 {
+            right -= before * last;
+        }
+        let pivot = 2.0 * (before + after) - after * upper[i - 1];
+        upper[i] = before / pivot;
+        slopes[i] = (right - after * slopes[i - 1]) / pivot;
+    }
+    for i in (1..count - 2).rev() {
+        slopes[i] -= upper[i] * slopes[i + 1];
+    }
+    slopes
+}
+
+/// Slope at `time` of the cubic through four nodes.
+fn end_slope(times: &[f64], values: &[f64], time: f64) -> f64 {
+    let mut sum = 0.0;
+    for (j, value) in values.iter().enumerate() {
+        let mut slope = 0.0;
+        for skipped in (0..4).filter(|skipped| *skipped != j) {
+            let others = (0..4).filter(|k| *k != j && *k != skipped);
+            let product: f64 = others.map(|k| (time - times[k]) / (times[j] - times[k])).product();
+            slope += product / (times[j] - times[skipped]);
+        }
+        sum += value * slope;
+    }
+    sum
+}
+
+/// Slopes of a cubic that is monotone wherever its nodes are, so never below the least of them (Fritsch & Butland 1984, SIAM J. Sci. Stat.
+/// Comput. 5, 300).
+///
+/// `times` increase; both have the same length of at least 2.
+pub(super) fn monotone_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
+    let count = times.len();
+    let step = |i: usize| times[i + 1] - times[i];
+    let rise = |i: usize| (values[i + 1] - values[i]) / step(i);
+    if count == 2 {
+        return vec![rise(0); 2];
+    }
+    let mut slopes = vec![0.0; count];
+    for i in 1..count - 1 {
+        let (before, after) = (rise(i - 1), rise(i));
+        if before * after > 0.0 {
+            let (a, b) = (step(i - 1) + 2.0 * step(i), 2.0 * step(i - 1) + step(i));
+            slopes[i] = (a + b) / (a / after + b / before);
+        }
+    }
+    let end = |near: f64, near_step: f64, far: f64, far_step: f64| {
+        let slope = ((2.0 * near_step + far_step) * near - near_step * far) / (near_step + far_step);
+        if slope * near <= 0.0 {
+            0.0
+        } else if near * far <= 0.0 && slope.abs() > 3.0 * near.abs() {
+            3.0 * near
+        } else {
+            slope
+        }
+    };
+    slopes[0] = end(rise(0), step(0), rise(1), step(1));
+    slopes[count - 1] = end(rise(count - 2), step(count - 2), rise(count - 3), step(count - 3));
+    slopes
+}
+
+/// A cubic between two nodes.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub(super) struct Cubic {
+    /// Powers of the time since the first node.
+    powers: [f64; 4],
+}
+
+impl Cubic {
+    /// From values and slopes at two nodes `step` apart.
+    pub fn between(values: [f64; 2], slopes: [f64; 2], step: f64) -> Self {
+        let rise = (values[1] - values[0]) / step;
+        let second = (3.0 * rise - 2.0 * slopes[0] - slopes[1]) / step;
+        let third = (slopes[0] + slopes[1] - 2.0 * rise) / (step * step);
+        Self { powers: [values[0], slopes[0], second, third] }
+    }
+
+    #[inline]
+    pub fn at(&self, time: f64) -> f64 {
+        let [a, b, c, d] = self.powers;
+        a + time * (b + time * (c + time * d))
+    }
+
+    #[inline]
+    pub fn slope(&self, time: f64) -> f64 {
+        let [_, b, c, d] = self.powers;
+        b + time * (2.0 * c + time * 3.0 * d)
+    }
+
+    /// ∫ from 0 to `time`.
+    pub fn integral(&self, time: f64) -> f64 {
+        let [a, b, c, d] = self.powers;
+        time * (a + time * (b / 2.0 + time * (c / 3.0 + time * d / 4.0)))
+    }
+
+    /// Bounds of the values between two times: those of its Bézier points.
+    pub fn bounds(&self, from: f64, to: f64) -> [f64; 2] {
+        let third = (to - from) / 3.0;
+        let (first, last) = (self.at(from), self.at(to));
+        let points = [first, first + third * self.slope(from), last - third * self.slope(to), last];
+        [points.into_iter().fold(f64::INFINITY, f64::min), points.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+    }
+}
