@@ -1,6 +1,7 @@
 //! What draws a streak: a satellite, or a light from a seed.
 
 use std::fmt;
+use std::sync::Arc;
 
 use super::modulation::Modulation;
 use super::resolved::ResolvedPanels;
@@ -14,8 +15,8 @@ pub enum SourceName {
     Satellite {
         /// Number in the catalogue.
         norad_id: NoradId,
-        /// Name in the element set, where it has one.
-        name: Option<String>,
+        /// Name in the element set; empty where it has none.
+        name: Arc<str>,
     },
     /// Drawn from a seed: its number among those of its frame, from 1.
     Random(usize),
@@ -24,8 +25,8 @@ pub enum SourceName {
 impl fmt::Display for SourceName {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            Self::Satellite { name: Some(name), .. } => f.write_str(name),
-            Self::Satellite { norad_id, .. } => write!(f, "{}", norad_id.0),
+            Self::Satellite { norad_id, name } if name.is_empty() => write!(f, "{}", norad_id.0),
+            Self::Satellite { name, .. } => f.write_str(name),
             Self::Random(number) => write!(f, "random {number}"),
         }
     }
