@@ -10,7 +10,10 @@ mod wcs;
 
 pub use card::{CARD_LENGTH, Card, CardValue};
 #[cfg(feature = "fits")]
-pub use fits::{Bitpix, FrameError, FrameFile, HduInfo, HduKind, ImageValues, PixelFormat, Pixels, Rice};
+pub use fits::{
+    Bitpix, Cells, Changed, FrameCopy, FrameError, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat, Pixels, Rice, TableColumn,
+    write_frame,
+};
 pub use header::Header;
 pub use pixel::PixelPosition;
 pub use plane::{Plane, PlaneError};
