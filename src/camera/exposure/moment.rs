@@ -1,0 +1,100 @@
+//! Dates and times of headers as moments.
+
+use hifitime::{Epoch, TimeScale};
+
+use crate::frames::seconds_after;
+
+/// What a text that should be a date turned out to be.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) enum DateText {
+    /// A date with a time.
+    Moment(Epoch),
+    /// A date alone: year, month, day.
+    Day([u32; 3]),
+    /// A year of two digits, or numbers in an order that is not said.
+    Unclear,
+    /// Nothing of that.
+    Unreadable,
+}
+
+/// Reads `2020-03-06`, `2020-03-06T00:04:15.41`, with a blank for the T and slashes for the hyphens.
+pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
+    let text = text.trim().trim_end_matches('Z').trim_end_matches("+00:00");
+    let (day, time) = match text.split_once(['T', ' ']) {
+        Some((day, time)) => (day, Some(time.trim())),
+        None => (text, None),
+    };
+    let parts: Vec<&str> = day.split(['-', '/']).collect();
+    let is_number = |part: &&str| !part.is_empty() && part.len() <= 4 && part.bytes().all(|byte| byte.is_ascii_digit());
+    if parts.len() != 3 || !parts.iter().all(|part| is_number(&part)) {
+        return DateText::Unreadable;
+    }
+    if parts[0].len() != 4 {
+        return DateText::Unclear;
+    }
+    let numbers: Vec<u32> = parts.iter().filter_map(|part| part.parse().ok()).collect();
+    let [year, month, day] = numbers[..] else { return DateText::Unreadable };
+    match time {
+        None if at([year, month, day], [0, 0], 0.0, scale).is_some() => DateText::Day([year, month, day]),
+        None => DateText::Unreadable,
+        Some(time) => match parse_time(time).and_then(|(clock, seconds)| at([year, month, day], clock, seconds, scale)) {
+            Some(epoch) => DateText::Moment(epoch),
+            None => DateText::Unreadable,
+        },
+    }
+}
+
+/// Hours and minutes, and seconds with their fraction, of `hh:mm:ss.sss`.
+pub(super) fn parse_time(text: &str) -> Option<([u32; 2], f64)> {
+    let parts: Vec<&str> = text.trim().trim_end_matches('Z').split(':').collect();
+    let [hours, minutes, ref rest @ ..] = parts[..] else { return None };
+    let seconds = match rest {
+        [] => 0.0,
+        [seconds] => seconds.parse::<f64>().ok()?,
+        _ => return None,
+    };
+    let clock = [hours.parse().ok()?, minutes.parse().ok()?];
+    (clock[0] < 24 && clock[1] < 60 && (0.0..61.0).contains(&seconds)).then_some((clock, seconds))
+}
+
+/// The moment of a day and a time; `None` where the calendar has no such day.
+pub(super) fn at(day: [u32; 3], clock: [u32; 2], seconds: f64, scale: TimeScale) -> Option<Epoch> {
+    let [year, month, day] = day;
+    let whole = |number: u32| u8::try_from(number).ok();
+    let minute = Epoch::maybe_from_gregorian(
+        i32::try_from(year).ok().filter(|year| (1900..2200).contains(year))?,
+        whole(month)?,
+        whole(day)?,
+        whole(clock[0])?,
+        whole(clock[1])?,
+        0,
+        0,
+        scale,
+    )
+    .ok()?;
+    Some(seconds_after(minute, seconds))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_dates() {
+        let at = |text: &str| parse_date(text, TimeScale::UTC);
+        let expected = DateText::Moment(Epoch::from_gregorian_utc(2020, 3, 6, 0, 4, 15, 410_235_000));
+        for text in ["2020-03-06T00:04:15.410235", " 2020-03-06 00:04:15.410235", "2020/03/06T00:04:15.410235Z"] {
+            assert_eq!(at(text), expected, "{text}");
+        }
+        assert_eq!(at("        2020-12-09"), DateText::Day([2020, 12, 9]));
+        for text in ["26/07/102", "26/10/92", "06/03/2020", "20-12-09"] {
+            assert_eq!(at(text), DateText::Unclear, "{text}");
+        }
+        for text in ["", "yesterday", "2020-13-01", "2020-02-30", "2020-03-06T25:00:00", "2020-03-06T00:61:00", "2020-03"] {
+            assert_eq!(at(text), DateText::Unreadable, "{text}");
+        }
+        assert_eq!(parse_time("19:36:37.5"), Some(([19, 36], 37.5)));
+        assert_eq!(parse_time("19:36"), Some(([19, 36], 0.0)));
+        assert_eq!(parse_time("70577.1"), None);
+    }
+}
