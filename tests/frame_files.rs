@@ -7,8 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use streakcast::camera::{
-    Bitpix, Card, CardValue, Cells, FrameCopy, FrameError, FrameFile, HduKind, Header, ImageValues, NewImage, Pixels, Plane, Rice,
-    TableColumn, write_frame,
+    Bitpix, Card, CardValue, Cells, FrameCopy, FrameError, FrameFile, HduKind, Header, ImageValues, NewImage, Pixels,
+    Plane, Rice, TableColumn, write_frame,
 };
 
 /// A frame of numbers that differ everywhere, in every type.
@@ -49,7 +49,11 @@ fn verif_every_type_is_written_and_read() {
     for kind in KINDS {
         let file = FrameFile::open(&simple(folder.path(), kind, None, "FILTER  = 'r'\n")).expect(kind);
         let info = &file.hdus()[0];
-        assert_eq!((info.name.as_str(), &info.kind, info.image_size()), ("SCI", &HduKind::Image, Some([20, 30])), "{kind}");
+        assert_eq!(
+            (info.name.as_str(), &info.kind, info.image_size()),
+            ("SCI", &HduKind::Image, Some([20, 30])),
+            "{kind}"
+        );
         assert_eq!(file.header(0).expect("a header").text("FILTER").as_deref(), Some("r"));
         let plane = file.read_plane(0).expect(kind);
         let rows = file.read_rows(0, 0..20).expect(kind);
@@ -133,14 +137,36 @@ fn verif_new_extensions_are_behind_the_old_ones() {
     let source = FrameFile::open(&simple(folder.path(), "f32", None, "HISTORY made\n")).expect("a file");
     let target = folder.path().join("out.fits");
     let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
-    copy.add_history(0, "streaks were added to this frame, and this text is so long that it goes on on another card").expect("history");
+    copy.add_history(0, "streaks were added to this frame, and this text is so long that it goes on on another card")
+        .expect("history");
     copy.set_card(0, "MJD-OBS", &CardValue::Real(60_000.123_456_789_01), "start").expect("a card");
-    copy.append_image("MASK", &ImageValues::new(30, Pixels::I32(vec![3; 600])).expect("rows"), &cards("MP_STREAK= 1\n"), None).expect("an image");
+    copy.append_image(
+        "MASK",
+        &ImageValues::new(30, Pixels::I32(vec![3; 600])).expect("rows"),
+        &cards("MP_STREAK= 1\n"),
+        None,
+    )
+    .expect("an image");
     copy.append_image("TRUTH", &Plane::zeros(20, 30).into(), &[], Some(Rice::default())).expect("an image");
     let columns = [
-        TableColumn { name: "ra_deg".into(), unit: "deg".into(), meaning: "right ascension".into(), cells: Cells::Real(vec![1.5, f64::NAN]) },
-        TableColumn { name: "norad_id".into(), unit: String::new(), meaning: String::new(), cells: Cells::Integer(vec![44_238, -1]) },
-        TableColumn { name: "name".into(), unit: String::new(), meaning: String::new(), cells: Cells::Text(vec!["ISS".into(), "Ørsted".into()]) },
+        TableColumn {
+            name: "ra_deg".into(),
+            unit: "deg".into(),
+            meaning: "right ascension".into(),
+            cells: Cells::Real(vec![1.5, f64::NAN]),
+        },
+        TableColumn {
+            name: "norad_id".into(),
+            unit: String::new(),
+            meaning: String::new(),
+            cells: Cells::Integer(vec![44_238, -1]),
+        },
+        TableColumn {
+            name: "name".into(),
+            unit: String::new(),
+            meaning: String::new(),
+            cells: Cells::Text(vec!["ISS".into(), "Ørsted".into()]),
+        },
     ];
     copy.append_table("STREAKS", &columns, &[]).expect("a table");
     let uneven = [columns[0].clone(), TableColumn { cells: Cells::Integer(vec![1]), ..columns[1].clone() }];
@@ -155,7 +181,8 @@ fn verif_new_extensions_are_behind_the_old_ones() {
     assert_eq!(file.read_plane(1).expect("a plane").values()[0], 3.0);
     let header = file.header(0).expect("a header");
     assert_eq!(header.number("MJD-OBS"), Some(60_000.123_456_789_01));
-    let history: Vec<String> = header.cards().iter().filter(|card| card.keyword() == "HISTORY").map(Card::remark_text).collect();
+    let history: Vec<String> =
+        header.cards().iter().filter(|card| card.keyword() == "HISTORY").map(Card::remark_text).collect();
     assert_eq!(history.len(), 3);
     assert_eq!(history[0], "made");
     assert_eq!(source.read_plane(0).expect("a plane"), file.read_plane(0).expect("a plane"));
@@ -165,7 +192,8 @@ fn verif_new_extensions_are_behind_the_old_ones() {
 fn verif_rice_out_and_in() {
     let folder = folder();
     for kind in KINDS {
-        let plain = FrameFile::open(&simple(folder.path(), kind, None, "")).expect(kind).read_rows(0, 0..20).expect(kind);
+        let plain =
+            FrameFile::open(&simple(folder.path(), kind, None, "")).expect(kind).read_rows(0, 0..20).expect(kind);
         let rice = Rice { steps_per_sigma: 16.0, dither_seed: 7 };
         let file = FrameFile::open(&simple(folder.path(), kind, Some(rice), "")).expect(kind);
         assert_eq!(file.hdus()[1].kind, HduKind::CompressedImage("RICE_1".into()));
@@ -199,20 +227,28 @@ fn verif_what_is_no_frame_is_refused() {
         let text = String::from_utf8_lossy(&good[..2880]).replace(from, to);
         [text.as_bytes(), &good[2880..]].concat()
     };
-    assert!(with("text.fits", b"hello, this is a text").contains("is no FITS file (it begins with \"hello, this is a\""));
+    assert!(
+        with("text.fits", b"hello, this is a text").contains("is no FITS file (it begins with \"hello, this is a\"")
+    );
     assert!(with("empty.fits", b"").contains("is no FITS file (it begins with \"\""));
     assert!(with("a.fits.gz", b"\x1f\x8b\x08\x00").contains("packed with gzip; unpack it first"));
     assert!(with("cut.fits", &good[..3000]).contains("HDU 0 is cut off: its data needs 4080 bytes, the file has 3000"));
-    assert!(with("cut-header.fits", &good[..1000]).contains("HDU 0 is cut off: its header needs 2880 bytes, the file has 1000"));
+    assert!(
+        with("cut-header.fits", &good[..1000])
+            .contains("HDU 0 is cut off: its header needs 2880 bytes, the file has 1000")
+    );
     let more = with("naxis-more.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                 2000"));
     assert!(more.contains("its data needs 122880 bytes"), "{more}");
     // Too few rows leave data where a header should be.
     let large = ImageValues::new(100, Pixels::I16((0..10_000).map(|n| n as i16 | 1).collect())).expect("rows");
     write_frame(&at("large.fits"), &[NewImage { name: "", values: &large, cards: &[], rice: None }]).expect("written");
-    let text = String::from_utf8_lossy(&fs::read(at("large.fits")).expect("bytes")[..2880]).replace("NAXIS2  =                  100", "NAXIS2  =                   50");
-    let fewer = with("naxis-fewer.fits", &[text.as_bytes(), &fs::read(at("large.fits")).expect("bytes")[2880..]].concat());
+    let text = String::from_utf8_lossy(&fs::read(at("large.fits")).expect("bytes")[..2880])
+        .replace("NAXIS2  =                  100", "NAXIS2  =                   50");
+    let fewer =
+        with("naxis-fewer.fits", &[text.as_bytes(), &fs::read(at("large.fits")).expect("bytes")[2880..]].concat());
     assert!(fewer.contains("behind HDU 0, no header begins") && fewer.contains("are its NAXISn right?"), "{fewer}");
-    let negative = with("naxis-negative.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                  -20"));
+    let negative =
+        with("naxis-negative.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                  -20"));
     assert!(negative.contains("HDU 0: NAXIS2 is -20: a length of 0 or more"), "{negative}");
     let missing = with("naxis-missing.fits", &replaced("NAXIS2  =", "NOXIS2  ="));
     assert!(missing.contains("NAXIS2 is missing or no number"), "{missing}");

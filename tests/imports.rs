@@ -63,7 +63,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("image", &["camera", "plot"]),
     ("colorous", &["plot"]),
     ("base64", &["plot"]),
-    ("pulp", &["fit", "photometry", "streak"]),
+    ("pulp", &["camera", "fit", "photometry", "streak"]),
     ("statrs", &["fit"]),
     ("npyz", &["fit"]),
     ("zip", &["fit"]),

@@ -49,19 +49,34 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_it_was_seen() {
         pointing: seen[0],
         rotation_rad: 0.0,
     };
-    for (file, most_arcmin) in [("supgp/starlink_supgp_2020-02-23.tle", 15.0), ("supgp/starlink_supgp_2020-02-25.tle", 15.0)] {
+    for (file, most_arcmin) in
+        [("supgp/starlink_supgp_2020-02-23.tle", 15.0), ("supgp/starlink_supgp_2020-02-25.tle", 15.0)]
+    {
         let catalogue = Catalogue::read(&[folder.join("tle").join(file)], &ReadOptions::default()).unwrap();
         let elements = catalogue.element_sets.iter().find(|one| one.norad_id.0 == NORAD).unwrap();
         let track = track(elements, &exposure);
         println!("{file} {:?}", track.as_ref().map(|t| t.points.len()));
         let Some(track) = track else { continue };
         // The pole of the great circle through the two points of the track nearest to the streak.
-        let near = track.points.windows(2).min_by(|a, b| a[0].direction.separation_rad(&seen[0]).total_cmp(&b[0].direction.separation_rad(&seen[0]))).unwrap();
+        let near = track
+            .points
+            .windows(2)
+            .min_by(|a, b| a[0].direction.separation_rad(&seen[0]).total_cmp(&b[0].direction.separation_rad(&seen[0])))
+            .unwrap();
         let pole: Vector3<f64> = near[0].direction.vector().cross(near[1].direction.vector()).normalize();
         let off = |d: &Direction<Gcrs>| d.vector().dot(&pole).asin().to_degrees() * 60.0;
-        println!("{file}: off {:.3}' {:.3}' time {:.2} s PA seen {:.3} predicted {:.3} mag {:?} rate {:.1}\"/s range {}", off(&seen[0]), off(&seen[1]), near[0].time_s,
-            seen[0].position_angle_rad(&seen[1]).to_degrees(), near[0].direction.position_angle_rad(&near[1].direction).to_degrees(), near[0].magnitude,
-            near[0].direction.separation_rad(&near[1].direction).to_degrees()*3600.0/(near[1].time_s-near[0].time_s), near[0].range_km);
+        println!(
+            "{file}: off {:.3}' {:.3}' time {:.2} s PA seen {:.3} predicted {:.3} mag {:?} rate {:.1}\"/s range {}",
+            off(&seen[0]),
+            off(&seen[1]),
+            near[0].time_s,
+            seen[0].position_angle_rad(&seen[1]).to_degrees(),
+            near[0].direction.position_angle_rad(&near[1].direction).to_degrees(),
+            near[0].magnitude,
+            near[0].direction.separation_rad(&near[1].direction).to_degrees() * 3600.0
+                / (near[1].time_s - near[0].time_s),
+            near[0].range_km
+        );
         let _ = most_arcmin;
     }
 }

@@ -1,6 +1,8 @@
 //! The pixel plane: frames, their geometry on the sky, and what optics and detector make of light. It has never heard of satellites.
 
+mod background;
 mod card;
+mod detector;
 mod exposure;
 #[cfg(feature = "fits")]
 mod fits;
@@ -13,12 +15,17 @@ mod preview;
 mod psf;
 mod wcs;
 
+pub use background::{BackgroundError, RandomStars, Star, background};
 pub use card::{CARD_LENGTH, Card, CardValue};
+pub use detector::{
+    Amplifier, Bleeding, Crosstalk, Detector, DetectorError, NonLinearity, Quantisation, ReadoutCorner, Saturated,
+    Saturation, Vignetting,
+};
 pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, Stated, ZeroPoint};
 #[cfg(feature = "fits")]
 pub use fits::{
-    Bitpix, Cells, Changed, FrameCopy, FrameError, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat, Pixels, Rice, TableColumn,
-    write_frame,
+    Bitpix, Cells, Changed, FrameCopy, FrameError, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat,
+    Pixels, Rice, TableColumn, write_frame,
 };
 pub use header::Header;
 pub use patch::{Patch, PatchRows, PatchSpan};

@@ -94,6 +94,7 @@ impl Patch {
     }
 
     /// Sets values row after row: `(row, first_column, values)`.
+    #[inline(always)]
     pub fn fill(&mut self, mut set: impl FnMut(usize, usize, &mut [f32])) {
         for (number, (columns, at)) in self.spans.iter().enumerate() {
             set(self.first_row + number, columns.start, &mut self.values[*at..*at + columns.len()]);

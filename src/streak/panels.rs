@@ -68,7 +68,7 @@ impl PanelTree {
                     open[(count + 1) & 63] = second;
                     count += 2;
                 }
-                _ => sum += panel.light_at(pixel, profile, distance < profile.round_from_pix()),
+                _ => sum += panel.light_at(pixel, profile, distance > profile.round_from_pix()),
             }
         }
         sum
@@ -77,28 +77,16 @@ impl PanelTree {
 
 impl Panel {
     #[inline(always)]
-    fn light_at(&self, pixel: [f64; 2], profile: &RadialProfile, is_square: bool) -> f32 {
-        let [round, fourth, eighth, twelfth] = profile.pixel_lanes();
-        let (mut x2, mut y2, mut r) = ([0.0_f32; NODES], [0.0_f32; NODES], [0.0_f32; NODES]);
+    fn light_at(&self, pixel: [f64; 2], profile: &RadialProfile, is_round: bool) -> f32 {
+        let (mut dx, mut dy) = ([0.0_f32; NODES], [0.0_f32; NODES]);
         for node in 0..NODES {
-            let (dx, dy) = ((pixel[0] - self.x[node]) as f32, (pixel[1] - self.y[node]) as f32);
-            x2[node] = dx * dx;
-            y2[node] = dy * dy;
-            r[node] = (x2[node] + y2[node]).sqrt();
+            dx[node] = (pixel[0] - self.x[node]) as f32;
+            dy[node] = (pixel[1] - self.y[node]) as f32;
         }
-        let mut share = round.at(&r);
-        if is_square {
-            let (f4, f8, f12) = (fourth.at(&r), eighth.at(&r), twelfth.at(&r));
-            for node in 0..NODES {
-                // cos 4φ = 1 - 8 x²y² / r⁴
-                let r2 = (x2[node] + y2[node]).max(1e-12);
-                let c = 1.0 - 8.0 * (x2[node] / r2) * (y2[node] / r2);
-                share[node] += c * f4[node] + (2.0 * c * c - 1.0) * f8[node] + (4.0 * c * c - 3.0) * c * f12[node];
-            }
-        }
+        let shares = profile.pixels(&dx, &dy, is_round);
         let mut sum = 0.0;
         for node in 0..NODES {
-            sum += share[node] * self.light[node];
+            sum += shares[node] * self.light[node];
         }
         sum
     }

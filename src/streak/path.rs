@@ -5,7 +5,7 @@ use thiserror::Error;
 use crate::camera::PixelPosition;
 use crate::quadrature::gauss_legendre;
 
-use super::spline::{Cubic, monotone_slopes, smooth_slopes};
+use super::spline::{Cubic, held_slopes, smooth_slopes};
 
 /// Places farther out than this are refused, pixels: there is no frame of such a size.
 const FARTHEST_PIX: f64 = 1e9;
@@ -74,8 +74,8 @@ impl PathNode {
 
 /// A light's track over a frame and its brightness along it, smooth between nodes.
 ///
-/// Places follow the cubic spline through the nodes, with continuous speed and curvature: 2 nodes make a line, 3 a parabola. Rates follow a
-/// cubic that is monotone wherever the nodes are, never below 0, broken at jumps. The path begins with the first node and ends with the
+/// Places follow the cubic spline through the nodes, with continuous speed and curvature: 2 nodes make a line, 3 a parabola. Rates follow the
+/// same kind of spline, held back where it would swing between steps of brightness, never below 0, broken at jumps. The path begins with the first node and ends with the
 /// last: nothing is drawn beyond.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StreakPath {
@@ -219,7 +219,7 @@ fn rates(nodes: &[PathNode], times: &[f64]) -> Vec<Cubic> {
         let end = jump.unwrap_or(nodes.len() - 1);
         let mut values: Vec<f64> = nodes[start..=end].iter().map(|node| node.rate).collect();
         values[0] = nodes[start].rate_after.unwrap_or(values[0]);
-        let slopes = monotone_slopes(&times[start..=end], &values);
+        let slopes = held_slopes(&times[start..=end], &values);
         cubics.extend((0..end - start).map(|i| {
             let step = times[start + i + 1] - times[start + i];
             Cubic::between([values[i], values[i + 1]], [slopes[i], slopes[i + 1]], step)

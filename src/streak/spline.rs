@@ -1,4 +1,4 @@
-//! Curves through nodes in time: places by a smooth spline, brightness by one that never overshoots.
+//! Curves through nodes in time: places by a smooth spline, brightness by one that is held back from swinging.
 
 /// Slopes at the nodes of the cubic spline with continuous second derivatives; ends as in the cubic through the first (last) four nodes, a
 /// parabola through three nodes, a line through two.
@@ -53,37 +53,30 @@ fn end_slope(times: &[f64], values: &[f64], time: f64) -> f64 {
     sum
 }
 
-/// Slopes of a cubic that is monotone wherever its nodes are, so never below the least of them (Fritsch & Butland 1984, SIAM J. Sci. Stat.
-/// Comput. 5, 300).
+/// Slopes of the smooth spline, held back where it would swing: at most three times the smaller of the rises on both sides (Hyman 1983, SIAM J.
+/// Sci. Stat. Comput. 4, 645, eq. 2.3), and never so steep that a cubic between values of at least 0 falls below 0.
 ///
 /// `times` increase; both have the same length of at least 2.
-pub(super) fn monotone_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
+pub(super) fn held_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     let count = times.len();
     let step = |i: usize| times[i + 1] - times[i];
     let rise = |i: usize| (values[i + 1] - values[i]) / step(i);
-    if count == 2 {
-        return vec![rise(0); 2];
-    }
-    let mut slopes = vec![0.0; count];
-    for i in 1..count - 1 {
-        let (before, after) = (rise(i - 1), rise(i));
+    let mut slopes = smooth_slopes(times, values);
+    for (i, slope) in slopes.iter_mut().enumerate() {
+        let (before, after) = (rise(i.max(1) - 1), rise(i.min(count - 2)));
+        let most = 3.0 * before.abs().min(after.abs());
+        *slope = slope.clamp(-most, most);
         if before * after > 0.0 {
-            let (a, b) = (step(i - 1) + 2.0 * step(i), 2.0 * step(i - 1) + step(i));
-            slopes[i] = (a + b) / (a / after + b / before);
+            *slope = if before > 0.0 { slope.max(0.0) } else { slope.min(0.0) };
+        }
+        // The Bézier points next to the node: f + h s / 3 and f - h s / 3.
+        if i + 1 < count {
+            *slope = slope.max(-3.0 * values[i] / step(i));
+        }
+        if i > 0 {
+            *slope = slope.min(3.0 * values[i] / step(i - 1));
         }
     }
-    let end = |near: f64, near_step: f64, far: f64, far_step: f64| {
-        let slope = ((2.0 * near_step + far_step) * near - near_step * far) / (near_step + far_step);
-        if slope * near <= 0.0 {
-            0.0
-        } else if near * far <= 0.0 && slope.abs() > 3.0 * near.abs() {
-            3.0 * near
-        } else {
-            slope
-        }
-    };
-    slopes[0] = end(rise(0), step(0), rise(1), step(1));
-    slopes[count - 1] = end(rise(count - 2), step(count - 2), rise(count - 3), step(count - 3));
     slopes
 }
 

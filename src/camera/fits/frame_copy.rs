@@ -121,7 +121,11 @@ impl FrameCopy {
             });
         }
         if let HduKind::CompressedImage(algorithm) = &info.kind {
-            return Err(FrameError::Tiles { path: self.source.path().to_owned(), hdu, why: format!("pixels compressed by {algorithm} are not changed yet") });
+            return Err(FrameError::Tiles {
+                path: self.source.path().to_owned(),
+                hdu,
+                why: format!("pixels compressed by {algorithm} are not changed yet"),
+            });
         }
         let (info, size) = (info.clone(), info.format.bitpix.bytes());
         let source = &self.source;
@@ -157,7 +161,13 @@ impl FrameCopy {
     ///
     /// # Errors
     /// What CFITSIO and the system report for compressed ones.
-    pub fn append_image(&mut self, name: &str, image: &ImageValues, cards: &[Card], rice: Option<Rice>) -> Result<(), FrameError> {
+    pub fn append_image(
+        &mut self,
+        name: &str,
+        image: &ImageValues,
+        cards: &[Card],
+        rice: Option<Rice>,
+    ) -> Result<(), FrameError> {
         let hdu = match rice {
             Some(rice) => new_hdu::rice_image(name, image, cards, rice, folder_of(&self.target))?,
             None => new_hdu::image(Place::Extension, name, image, cards),
@@ -256,7 +266,11 @@ pub struct NewImage<'a> {
     pub rice: Option<Rice>,
 }
 
-fn edit_of<'a>(edits: &'a mut BTreeMap<usize, HduEdit>, source: &FrameFile, hdu: usize) -> Result<&'a mut HduEdit, FrameError> {
+fn edit_of<'a>(
+    edits: &'a mut BTreeMap<usize, HduEdit>,
+    source: &FrameFile,
+    hdu: usize,
+) -> Result<&'a mut HduEdit, FrameError> {
     let header = source.header(hdu)?;
     Ok(edits.entry(hdu).or_insert_with(|| HduEdit { header: header.clone(), pixels: None }))
 }

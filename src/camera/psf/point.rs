@@ -1,5 +1,7 @@
 //! A point of light, drawn: a star, or a satellite that stands still.
 
+use pulp::{Arch, NullaryFnOnce};
+
 use crate::camera::{Patch, PatchRows, PixelPosition};
 
 use super::profile::RadialProfile;
@@ -15,12 +17,50 @@ pub fn draw_point(profile: &RadialProfile, at: PixelPosition, flux: f64, rows: u
         extents.add_disc(at, reach);
     }
     let mut patch = extents.into_patch();
-    patch.fill(|row, first_column, values| {
-        let dy = row as f64 - at.y;
-        for (column, value) in values.iter_mut().enumerate() {
-            let dx = (first_column + column) as f64 - at.x;
-            *value = (flux * profile.pixel(dx, dy)) as f32;
-        }
-    });
+    dispatch(Point { profile, at, flux, patch: &mut patch });
     patch
+}
+
+/// Pixels at a time.
+const LANES: usize = 16;
+
+struct Point<'a> {
+    profile: &'a RadialProfile,
+    at: PixelPosition,
+    flux: f64,
+    patch: &'a mut Patch,
+}
+
+fn dispatch(point: Point<'_>) {
+    match Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(simd) => simd.vectorize(point),
+        #[cfg(target_arch = "x86_64")]
+        Arch::V3(simd) => simd.vectorize(point),
+        _ => point.call(),
+    }
+}
+
+impl NullaryFnOnce for Point<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        let Self { profile, at, flux, patch } = self;
+        patch.fill(
+            #[inline(always)]
+            |row, first_column, values| {
+                let dy = [(row as f64 - at.y) as f32; LANES];
+                let is_round = f64::from(dy[0].abs()) > profile.round_from_pix();
+                for (block, out) in values.chunks_mut(LANES).enumerate() {
+                    let first = ((first_column + block * LANES) as f64 - at.x) as f32;
+                    let dx: [f32; LANES] = std::array::from_fn(|lane| first + lane as f32);
+                    let shares = profile.pixels(&dx, &dy, is_round);
+                    for (value, share) in out.iter_mut().zip(shares) {
+                        *value = share * flux as f32;
+                    }
+                }
+            },
+        );
+    }
 }

@@ -30,7 +30,6 @@ pub struct RadialProfile {
     profile: Curve,
     pixel: [Curve; HARMONICS],
     pixel_lanes: [Lanes; HARMONICS],
-    /// Beyond it the average over a pixel is the same in all directions.
     round_from_pix: f64,
     line: [Curve; HARMONICS],
     line_second_moment: Curve,
@@ -154,12 +153,31 @@ impl RadialProfile {
         Lanes::of(&Curve::sum(&parts))
     }
 
-    /// Amplitudes of 1, cos 4φ, cos 8φ and cos 12φ of [`RadialProfile::pixel`] as tables for loops.
-    pub fn pixel_lanes(&self) -> &[Lanes; HARMONICS] {
-        &self.pixel_lanes
+    /// [`RadialProfile::pixel`] for `N` pixels at once, in single precision; `is_round` where all are farther than
+    /// [`RadialProfile::round_from_pix`] from the centre.
+    #[inline(always)]
+    pub fn pixels<const N: usize>(&self, dx_pix: &[f32; N], dy_pix: &[f32; N], is_round: bool) -> [f32; N] {
+        let [round, fourth, eighth, twelfth] = &self.pixel_lanes;
+        let (mut x2, mut y2, mut r) = ([0.0_f32; N], [0.0_f32; N], [0.0_f32; N]);
+        for lane in 0..N {
+            x2[lane] = dx_pix[lane] * dx_pix[lane];
+            y2[lane] = dy_pix[lane] * dy_pix[lane];
+            r[lane] = (x2[lane] + y2[lane]).sqrt();
+        }
+        let mut share = round.at(&r);
+        if !is_round {
+            let (f4, f8, f12) = (fourth.at(&r), eighth.at(&r), twelfth.at(&r));
+            for lane in 0..N {
+                // cos 4φ = 1 - 8 x²y² / r⁴
+                let r2 = (x2[lane] + y2[lane]).max(1e-12);
+                let c = 1.0 - 8.0 * (x2[lane] / r2) * (y2[lane] / r2);
+                share[lane] += c * f4[lane] + (2.0 * c * c - 1.0) * f8[lane] + (4.0 * c * c - 3.0) * c * f12[lane];
+            }
+        }
+        share
     }
 
-    /// Beyond this distance the first table of [`RadialProfile::pixel_lanes`] is enough, pixels.
+    /// Beyond this distance from the centre a pixel's share is the same in all directions, to 10⁻⁶ of the peak, pixels.
     pub fn round_from_pix(&self) -> f64 {
         self.round_from_pix
     }

@@ -1,0 +1,38 @@
+//! From electrons to the numbers of a file.
+
+use serde::Deserialize;
+
+use super::error::DetectorError;
+
+/// Whole counts within the converter's range.
+#[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Quantisation {
+    /// Least count, \[-1e6, 1e6\]; 0 unless said otherwise.
+    #[serde(default)]
+    pub least_adu: f64,
+    /// Greatest count, above the least, up to 16777216 (2²⁴: above it single precision leaves out numbers); 65535 unless said otherwise.
+    #[serde(default = "sixteen_bits")]
+    pub greatest_adu: f64,
+}
+
+fn sixteen_bits() -> f64 {
+    65_535.0
+}
+
+impl Default for Quantisation {
+    fn default() -> Self {
+        Self { least_adu: 0.0, greatest_adu: sixteen_bits() }
+    }
+}
+
+impl Quantisation {
+    pub(super) fn validate(&self) -> Result<(), DetectorError> {
+        DetectorError::hold("quantisation.least_adu", self.least_adu, -1e6, 1e6)?;
+        DetectorError::hold("quantisation.greatest_adu", self.greatest_adu, self.least_adu + 1.0, 16_777_216.0)
+    }
+
+    pub(super) fn apply(&self, count: f32) -> f32 {
+        count.round().clamp(self.least_adu as f32, self.greatest_adu as f32)
+    }
+}

@@ -1,0 +1,21 @@
+//! What a detector makes of light: `vignetting`, `noise`, `saturation` with bleeding, `non_linearity`, `crosstalk`, `conversion` (gain,
+//! bias, whole numbers); `settings` (which of them there are), `expose` (a synthetic frame), `add` (light added to a frame that exists).
+
+mod add;
+mod conversion;
+mod crosstalk;
+mod error;
+mod expose;
+mod noise;
+mod non_linearity;
+mod saturation;
+mod settings;
+mod vignetting;
+
+pub use conversion::Quantisation;
+pub use crosstalk::{Amplifier, Crosstalk, ReadoutCorner};
+pub use error::DetectorError;
+pub use non_linearity::NonLinearity;
+pub use saturation::{Bleeding, Saturated, Saturation};
+pub use settings::Detector;
+pub use vignetting::Vignetting;

@@ -1,0 +1,92 @@
+//! Light lost towards the corners.
+
+use serde::Deserialize;
+
+use super::error::DetectorError;
+
+/// Transmission against the distance from a centre, 1 where nothing is lost.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case", deny_unknown_fields)]
+pub enum Vignetting {
+    /// 1 + c₀ ρ² + c₁ ρ⁴ + ... with ρ in units of a radius; never below 0.
+    Polynomial {
+        /// Place of the centre, `[x, y]` in pixels from 0; the middle of the frame where it is left out.
+        #[serde(default)]
+        centre_pix: Option<[f64; 2]>,
+        /// Where ρ is 1, pixels, above 0.
+        radius_pix: f64,
+        /// c₀, c₁, ..., at least one, each \[-10, 10\].
+        coefficients: Vec<f64>,
+    },
+    /// Linear between given radii, level beyond the last.
+    Table {
+        /// Place of the centre, `[x, y]` in pixels from 0; the middle of the frame where it is left out.
+        #[serde(default)]
+        centre_pix: Option<[f64; 2]>,
+        /// From 0 outwards, pixels.
+        radii_pix: Vec<f64>,
+        /// Transmission at each, \[0, 2\].
+        transmission: Vec<f64>,
+    },
+}
+
+impl Vignetting {
+    pub(super) fn validate(&self) -> Result<(), DetectorError> {
+        let centre = match self {
+            Self::Polynomial { centre_pix, .. } | Self::Table { centre_pix, .. } => centre_pix,
+        };
+        for place in centre.iter().flatten() {
+            DetectorError::hold("vignetting.centre_pix", *place, -1e6, 1e6)?;
+        }
+        let list = |message: &str| DetectorError::List { key: "vignetting", message: message.to_owned() };
+        match self {
+            Self::Polynomial { radius_pix, coefficients, .. } => {
+                DetectorError::hold("vignetting.radius_pix", *radius_pix, 1.0, 1e6)?;
+                if coefficients.is_empty() {
+                    return Err(list("a polynomial needs at least one coefficient"));
+                }
+                coefficients.iter().try_for_each(|c| DetectorError::hold("vignetting.coefficients", *c, -10.0, 10.0))
+            }
+            Self::Table { radii_pix, transmission, .. } => {
+                if radii_pix.len() != transmission.len() || radii_pix.first() != Some(&0.0) {
+                    return Err(list(
+                        "radii_pix and transmission must be as long as one another and begin at radius 0",
+                    ));
+                }
+                if radii_pix.windows(2).any(|pair| !(pair[1] > pair[0] && pair[1].is_finite())) {
+                    return Err(list("radii_pix must increase"));
+                }
+                transmission.iter().try_for_each(|t| DetectorError::hold("vignetting.transmission", *t, 0.0, 2.0))
+            }
+        }
+    }
+
+    /// Transmission of pixels of one row, from `first_column` on, in a frame of `rows` by `columns`.
+    pub(super) fn apply(&self, rows: usize, columns: usize, row: usize, first_column: usize, light: &mut [f32]) {
+        let middle = [0.5 * (columns as f64 - 1.0), 0.5 * (rows as f64 - 1.0)];
+        let (Self::Polynomial { centre_pix, .. } | Self::Table { centre_pix, .. }) = self;
+        let [x, y] = centre_pix.unwrap_or(middle);
+        for (column, light) in (first_column..).zip(light) {
+            let r_pix = (column as f64 - x).hypot(row as f64 - y);
+            *light *= self.transmission(r_pix) as f32;
+        }
+    }
+
+    fn transmission(&self, r_pix: f64) -> f64 {
+        match self {
+            Self::Polynomial { radius_pix, coefficients, .. } => {
+                let square = (r_pix / radius_pix).powi(2);
+                let sum = coefficients.iter().rev().fold(0.0, |sum, coefficient| (sum + coefficient) * square);
+                (1.0 + sum).max(0.0)
+            }
+            Self::Table { radii_pix, transmission, .. } => {
+                let after = radii_pix.partition_point(|radius| *radius <= r_pix);
+                if after == radii_pix.len() {
+                    return transmission[after - 1];
+                }
+                let share = (r_pix - radii_pix[after - 1]) / (radii_pix[after] - radii_pix[after - 1]);
+                transmission[after - 1] + share * (transmission[after] - transmission[after - 1])
+            }
+        }
+    }
+}
