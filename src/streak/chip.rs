@@ -23,6 +23,8 @@ pub struct Chip {
     pub columns: usize,
     /// Pixels to sky.
     pub wcs: Wcs,
+    /// False where the frame says nothing of the sky and `wcs` is a stand-in of the right scale: places on the sky are then not told.
+    pub is_on_sky: bool,
     /// Magnitudes to counts.
     pub scale: CountScale,
 }
@@ -203,6 +205,7 @@ mod tests {
             rows: side,
             columns: side,
             wcs: Wcs::tangent(centre, scale_arcsec, 0.0, side, side).unwrap(),
+            is_on_sky: true,
             scale: CountScale::of_frame(25.0, 30.0).unwrap(),
         }
     }

@@ -56,6 +56,8 @@ pub struct DrawnStreak<'a> {
     pub hdu: usize,
     /// Name of the chip.
     pub chip: &'a str,
+    /// False where the frame says nothing of the sky.
+    pub is_on_sky: bool,
     /// The light, in the frame's unit, before any detector.
     pub patch: Patch,
     /// Evenly spaced in time from the first to the last moment over the chip; empty where only the light's fringe touches it.
@@ -79,7 +81,7 @@ pub struct StreakPoint {
     pub epoch: Epoch,
     /// Where in the frame.
     pub at: PixelPosition,
-    /// Where on the sky: the place among the stars, whatever the telescope follows.
+    /// Where on the sky: the place among the stars, whatever the telescope follows. In the stand-in's sky where the frame has none.
     pub direction: Direction<Gcrs>,
     /// Magnitude as if it stood still; `None` in the dark.
     pub magnitude: Option<f64>,
@@ -176,6 +178,7 @@ fn told<'a>(
         part: part.label,
         hdu: chip.hdu,
         chip: &chip.name,
+        is_on_sky: chip.is_on_sky,
         patch,
         length_pix: ends.map_or(0.0, |_| points.windows(2).map(|pair| pair[0].at.distance(pair[1].at)).sum()),
         width_arcsec: width_pix * chip.pixel_scale_arcsec(),
@@ -222,7 +225,7 @@ impl DrawnStreak<'_> {
 
     /// Direction of motion on the sky, degrees from north through east, [0, 360).
     pub fn position_angle_deg(&self) -> Option<f64> {
-        let [from, to] = self.ends()?;
+        let [from, to] = self.ends().filter(|_| self.is_on_sky)?;
         let moved = from.direction.separation_rad(&to.direction) > 0.0;
         moved.then(|| from.direction.position_angle_rad(&to.direction).to_degrees())
     }

@@ -96,6 +96,7 @@ mod tests {
             part: "whole",
             hdu: 0,
             chip: "",
+            is_on_sky: true,
             patch: draw_point(&profile, PixelPosition { x, y: 20.0 }, 1000.0, 40, 60),
             points: vec![],
             width_arcsec: 3.0,

@@ -19,8 +19,12 @@ mod sky_track;
 mod source;
 mod spline;
 mod strokes;
+#[cfg(feature = "fits")]
+mod target_frame;
 mod tracking;
 mod truth;
+#[cfg(feature = "fits")]
+mod write;
 
 pub use chip::{Chip, ChipPath};
 pub use count_scale::{CountScale, CountScaleError};
@@ -36,5 +40,9 @@ pub use resolved::ResolvedPanels;
 pub use satellites::{SatelliteError, SatelliteLight, Satellites, satellites};
 pub use sky_track::{SkyPoint, SkyTrack};
 pub use source::{Source, SourceName, SourcePart};
+#[cfg(feature = "fits")]
+pub use target_frame::{FrameSaid, TargetChip, TargetError, TargetFrame, circle_of, direction_on};
 pub use tracking::Tracking;
 pub use truth::{TruthRow, points_table, trail_table, truth_table};
+#[cfg(feature = "fits")]
+pub use write::{InjectError, InjectOptions, Injected, inject, truth_rows};

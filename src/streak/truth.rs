@@ -65,11 +65,17 @@ static FIELDS: &[Field] = &[
     }),
     field(
         Column::real("ra1_deg", "deg", 7, "Right ascension of the first end, ICRS astrometric topocentric."),
-        |row| end(row, 0, ra_deg),
+        |row| end(row, 0, |point| ra_deg(row, point)),
     ),
-    field(Column::real("dec1_deg", "deg", 7, "Declination of the first end."), |row| end(row, 0, dec_deg)),
-    field(Column::real("ra2_deg", "deg", 7, "Right ascension of the last end."), |row| end(row, 1, ra_deg)),
-    field(Column::real("dec2_deg", "deg", 7, "Declination of the last end."), |row| end(row, 1, dec_deg)),
+    field(Column::real("dec1_deg", "deg", 7, "Declination of the first end."), |row| {
+        end(row, 0, |point| dec_deg(row, point))
+    }),
+    field(Column::real("ra2_deg", "deg", 7, "Right ascension of the last end."), |row| {
+        end(row, 1, |point| ra_deg(row, point))
+    }),
+    field(Column::real("dec2_deg", "deg", 7, "Declination of the last end."), |row| {
+        end(row, 1, |point| dec_deg(row, point))
+    }),
     field(Column::real("length_pix", "pix", 3, "Length over the chip."), |row| row.streak.length_pix.into()),
     field(Column::real("angle_deg", "deg", 4, "Direction of motion from the x axis towards the y axis."), |row| {
         row.streak.angle_deg().into()
@@ -132,12 +138,12 @@ fn end(row: &TruthRow<'_>, which: usize, value: impl Fn(&StreakPoint) -> Value) 
     row.streak.ends().map_or(Value::Null, |ends| value(ends[which]))
 }
 
-fn ra_deg(point: &StreakPoint) -> Value {
-    point.direction.longitude_rad().to_degrees().into()
+fn ra_deg(row: &TruthRow<'_>, point: &StreakPoint) -> Value {
+    row.streak.is_on_sky.then(|| point.direction.longitude_rad().to_degrees()).into()
 }
 
-fn dec_deg(point: &StreakPoint) -> Value {
-    point.direction.latitude_rad().to_degrees().into()
+fn dec_deg(row: &TruthRow<'_>, point: &StreakPoint) -> Value {
+    row.streak.is_on_sky.then(|| point.direction.latitude_rad().to_degrees()).into()
 }
 
 /// A function of magnitude, width, rate and exposure half way.
@@ -175,8 +181,8 @@ pub fn points_table(rows: &[TruthRow<'_>]) -> Table {
             point.epoch.into(),
             x.into(),
             y.into(),
-            ra_deg(point),
-            dec_deg(point),
+            ra_deg(row, point),
+            dec_deg(row, point),
             point.magnitude.into(),
             point.rate.into(),
         ]
@@ -204,8 +210,8 @@ pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
         let mag = streak.zero_point_mag - 2.5 * (streak.patch.sum() / streak.length_pix).log10();
         Some(vec![
             row.number.into(),
-            ra_deg(middle),
-            dec_deg(middle),
+            ra_deg(row, middle),
+            dec_deg(row, middle),
             "Trail".into(),
             mag.into(),
             streak.length_pix.into(),

@@ -158,6 +158,22 @@ impl ExposureTime {
         let start = start(keywords, duration_s)?;
         Ok(Self { start: start.epoch, duration_s, start_from: start.from, duration_from })
     }
+
+    /// The length alone, s: for frames whose start is known from elsewhere.
+    ///
+    /// # Errors
+    /// As [`from_headers`](ExposureTime::from_headers), of the length.
+    pub fn duration_from_headers(headers: &[&Header]) -> Result<f64, ExposureError> {
+        duration(Keywords(headers)).map(|(seconds, _)| seconds)
+    }
+
+    /// The start alone, of an exposure of a length known from elsewhere, s (a header may give the middle or the end alone).
+    ///
+    /// # Errors
+    /// As [`from_headers`](ExposureTime::from_headers), of the start.
+    pub fn start_from_headers(headers: &[&Header], duration_s: f64) -> Result<Epoch, ExposureError> {
+        start(Keywords(headers), duration_s).map(|start| start.epoch)
+    }
 }
 
 /// The length and its keyword.

@@ -71,6 +71,14 @@ impl FrameFile {
         self.hdu(hdu).map(|info| &self.headers[info.index])
     }
 
+    /// Rows and columns of an image of two axes.
+    ///
+    /// # Errors
+    /// [`FrameError::NoHdu`], [`FrameError::NoImage`].
+    pub fn image_size(&self, hdu: usize) -> Result<[usize; 2], FrameError> {
+        self.image(hdu).map(|(_, size)| size)
+    }
+
     /// Rows and columns of an image, with its part.
     pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), FrameError> {
         let info = self.hdu(hdu)?;

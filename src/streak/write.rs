@@ -1,0 +1,243 @@
+//! Streaks put into a copy of a frame: pixels, masks, tables of truth, and cards that say what was done.
+
+use std::path::Path;
+
+use thiserror::Error;
+
+use super::drawn::DrawnStreak;
+use super::mask::{mask_spans, noise_of};
+use super::mask_planes::MaskPlanes;
+use super::target_frame::{TargetChip, TargetFrame};
+use super::truth::{TruthRow, points_table, truth_table};
+use crate::camera::{
+    Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, ImageValues, Patch,
+    Pixels, Plane, Saturation, TableColumn,
+};
+use crate::table::{Column, Kind, Table, Value};
+
+/// Why nothing was written.
+#[derive(Debug, Error)]
+pub enum InjectError {
+    /// The files.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// The detector.
+    #[error("HDU {hdu}: {source}")]
+    Detector {
+        /// The chip's HDU.
+        hdu: usize,
+        /// What is wrong.
+        source: DetectorError,
+    },
+}
+
+/// How light becomes counts, and what is told of it.
+#[derive(Clone, Debug)]
+pub struct InjectOptions {
+    /// False adds the light alone; true adds the noise of its own electrons where the gain is known, and holds pixels below their saturation where that is
+    /// known.
+    pub noise: bool,
+    /// A detector of one's own: its stages count instead, its gain being that of the frame.
+    pub detector: Option<Detector>,
+    /// The same seed gives the same frame.
+    pub seed: u64,
+    /// Bits of the masks.
+    pub planes: MaskPlanes,
+    /// Masks and tables of truth in the file.
+    pub tell: bool,
+    /// Lines of HISTORY: what was injected, from what.
+    pub history: Vec<String>,
+}
+
+/// What was done to a frame.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Injected {
+    /// Pixels, all chips together.
+    pub changed: Changed,
+    /// HDUs whose gain is not known: their light has no noise.
+    pub without_gain: Vec<usize>,
+}
+
+/// Writes a copy of the frame with streaks in it: every card, extension and table that was there is still there, and what was not touched is the same to the
+/// last bit.
+///
+/// Behind the frame's own HDUs come, if they are wanted, one mask for each chip with streaks (`MASK`, or `MASK_<chip>` where there are several chips or a mask
+/// of that name is there already) and the tables `STREAKS` and `STREAK_POINTS`. Chips without streaks stay untouched. Streaks are those of
+/// [`super::draw_on_chip`], in any order.
+///
+/// # Errors
+/// [`InjectError`]; a file that stood at `output` is then still there.
+pub fn inject(
+    frame: &TargetFrame,
+    streaks: &[DrawnStreak<'_>],
+    options: &InjectOptions,
+    output: &Path,
+) -> Result<Injected, InjectError> {
+    let mut copy = FrameCopy::begin(&frame.file, output)?;
+    let mut report = Injected::default();
+    let mut masks = Vec::new();
+    for target in &frame.chips {
+        let own: Vec<&DrawnStreak<'_>> = streaks.iter().filter(|streak| streak.hdu == target.chip.hdu).collect();
+        if own.is_empty() {
+            continue;
+        }
+        let detector = detector(target, options);
+        if options.noise && detector.is_none() {
+            report.without_gain.push(target.chip.hdu);
+        }
+        // The whole chip is read only where its values matter: full wells, and the noise that a mask is held against.
+        let plane = (detector.is_some() || options.tell).then(|| frame.file.read_plane(target.chip.hdu)).transpose()?;
+        let noise = plane.as_ref().map_or(0.0, |plane| noise_of(plane.values()));
+        report.changed += match (detector, plane) {
+            (Some(detector), Some(plane)) => expose(&mut copy, target, &own, &detector, plane, options.seed)?,
+            _ => add(&mut copy, target, &own)?,
+        };
+        for line in &options.history {
+            copy.add_history(target.chip.hdu, line)?;
+        }
+        if options.tell {
+            masks.extend(mask(&own, target, &options.planes, noise).map(|mask| (target, mask)));
+        }
+    }
+    if options.tell {
+        append_masks(&mut copy, frame, masks, &options.planes)?;
+        let rows: Vec<TruthRow<'_>> = truth_rows(streaks, frame.exposure_s, options.seed);
+        let cards: Vec<Card> = options.history.iter().flat_map(|line| Card::remark("HISTORY", line)).collect();
+        copy.append_table("STREAKS", &fits_columns(&truth_table(&rows)), &cards)?;
+        copy.append_table("STREAK_POINTS", &fits_columns(&points_table(&rows)), &[])?;
+    }
+    copy.finish()?;
+    Ok(report)
+}
+
+/// The rows of the truth, numbered from 1 in the order of the streaks.
+pub fn truth_rows<'a>(streaks: &'a [DrawnStreak<'a>], exposure_s: f64, seed: u64) -> Vec<TruthRow<'a>> {
+    streaks.iter().zip(1..).map(|(streak, number)| TruthRow { number, streak, exposure_s, seed }).collect()
+}
+
+/// What turns the light of a chip into counts; `None` adds the light as it is.
+fn detector(target: &TargetChip, options: &InjectOptions) -> Option<Detector> {
+    match &options.detector {
+        Some(detector) => Some(Detector { shot_noise: detector.shot_noise && options.noise, ..detector.clone() }),
+        None if options.noise => {
+            let gain_e_adu = target.electrons_a_unit?;
+            let saturation =
+                target.saturation.map(|level| Saturation { full_well_e: level * gain_e_adu, bleeding: Bleeding::Off });
+            Some(Detector { gain_e_adu, saturation, ..Detector::default() })
+        }
+        None => None,
+    }
+}
+
+/// Light alone.
+fn add(copy: &mut FrameCopy, target: &TargetChip, streaks: &[&DrawnStreak<'_>]) -> Result<Changed, FrameError> {
+    let mut changed = Changed::default();
+    for span in streaks.iter().flat_map(|streak| streak.patch.iter()) {
+        changed += copy.add(target.chip.hdu, span.row, span.first_column, span.values)?;
+    }
+    Ok(changed)
+}
+
+/// Light through a detector.
+fn expose(
+    copy: &mut FrameCopy,
+    target: &TargetChip,
+    streaks: &[&DrawnStreak<'_>],
+    detector: &Detector,
+    before: Plane,
+    seed: u64,
+) -> Result<Changed, InjectError> {
+    let hdu = target.chip.hdu;
+    let electrons = |patch: &Patch| {
+        let mut patch = patch.clone();
+        patch.scale(detector.gain_e_adu as f32);
+        patch
+    };
+    let patches: Vec<Patch> = streaks.iter().map(|streak| electrons(&streak.patch)).collect();
+    let mut after = before.clone();
+    // Every chip has random numbers of its own.
+    let seed = seed ^ (hdu as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    detector.add_light(&mut after, &patches, seed).map_err(|source| InjectError::Detector { hdu, source })?;
+    let mut changed = Changed::default();
+    for row in 0..before.rows() {
+        let (old, new) = (before.row(row), after.row(row));
+        // Not a number is not equal to itself, and stays.
+        let differs = |column: &usize| old[*column] != new[*column] && !old[*column].is_nan();
+        let Some(first) = (0..old.len()).find(differs) else { continue };
+        let end = (0..old.len()).rev().find(differs).map_or(first, |last| last) + 1;
+        changed += copy.change(hdu, row, first..end, |pixels| {
+            for (pixel, (old, new)) in pixels.iter_mut().zip(old[first..end].iter().zip(&new[first..end])) {
+                // The difference: values of 32 bits and more have digits that single precision does not hold.
+                *pixel += f64::from(*new) - f64::from(*old);
+            }
+        })?;
+    }
+    Ok(changed)
+}
+
+fn mask(streaks: &[&DrawnStreak<'_>], target: &TargetChip, planes: &MaskPlanes, noise: f32) -> Option<ImageValues> {
+    let (rows, columns) = (target.chip.rows, target.chip.columns);
+    let spans = mask_spans(streaks, columns, planes, noise);
+    let pixels = if planes.streak_bit.max(planes.injected_bit) < 8 {
+        let mut values = vec![0u8; rows * columns];
+        for span in &spans {
+            let start = span.row * columns + span.first_column;
+            for (pixel, value) in values[start..].iter_mut().zip(&span.values) {
+                *pixel = *value as u8;
+            }
+        }
+        Pixels::U8(values)
+    } else {
+        let mut values = vec![0i32; rows * columns];
+        for span in &spans {
+            let start = span.row * columns + span.first_column;
+            values[start..start + span.values.len()].copy_from_slice(&span.values);
+        }
+        Pixels::I32(values)
+    };
+    ImageValues::new(columns, pixels)
+}
+
+fn append_masks(
+    copy: &mut FrameCopy,
+    frame: &TargetFrame,
+    masks: Vec<(&TargetChip, ImageValues)>,
+    planes: &MaskPlanes,
+) -> Result<(), FrameError> {
+    let taken = |name: &str| frame.file.hdus().iter().any(|hdu| hdu.name.eq_ignore_ascii_case(name));
+    let one = frame.chips.len() == 1 && !taken("MASK");
+    for (target, image) in masks {
+        let chip = if target.chip.name.is_empty() { target.chip.hdu.to_string() } else { target.chip.name.clone() };
+        let name = if one { "MASK".to_owned() } else { format!("MASK_{chip}") };
+        let card =
+            |keyword: &str, value: i64, comment: &str| Card::with_value(keyword, &CardValue::Integer(value), comment);
+        let mut cards = card("MP_STREAK", i64::from(planes.streak_bit), "bit: a streak stands out");
+        cards.extend(card("MP_INJECTED", i64::from(planes.injected_bit), "bit: holds injected light"));
+        cards.extend(card("IMAGEHDU", target.chip.hdu as i64, "HDU that it masks, the first being 0"));
+        copy.append_image(&name, &image, &cards, None)?;
+    }
+    Ok(())
+}
+
+/// A table as columns of a FITS file. Whole numbers that are not known are -1, moments and lists are text.
+fn fits_columns(table: &Table) -> Vec<TableColumn> {
+    let column = |(index, column): (usize, &Column)| {
+        let cells = table.rows.iter().map(|row| &row[index]);
+        let cells = match column.kind {
+            Kind::Real { .. } => {
+                Cells::Real(cells.map(|cell| if let Value::Real(number) = cell { *number } else { f64::NAN }).collect())
+            }
+            Kind::Integer => {
+                Cells::Integer(cells.map(|cell| if let Value::Integer(number) = cell { *number } else { -1 }).collect())
+            }
+            _ => Cells::Text(cells.map(|cell| column.text(cell)).collect()),
+        };
+        TableColumn {
+            name: column.name.to_owned(),
+            unit: column.unit.to_owned(),
+            meaning: column.description.to_owned(),
+            cells,
+        }
+    };
+    table.columns.iter().enumerate().map(column).collect()
+}
