@@ -20,6 +20,8 @@ mod source;
 mod spline;
 mod strokes;
 #[cfg(feature = "fits")]
+mod synthetic;
+#[cfg(feature = "fits")]
 mod target_frame;
 mod tracking;
 mod truth;
@@ -40,6 +42,8 @@ pub use resolved::ResolvedPanels;
 pub use satellites::{SatelliteError, SatelliteLight, Satellites, satellites};
 pub use sky_track::{SkyPoint, SkyTrack};
 pub use source::{Source, SourceName, SourcePart};
+#[cfg(feature = "fits")]
+pub use synthetic::{StarField, SyntheticError, SyntheticFrame, SyntheticShot};
 #[cfg(feature = "fits")]
 pub use target_frame::{FrameSaid, TargetChip, TargetError, TargetFrame, circle_of, direction_on};
 pub use tracking::Tracking;

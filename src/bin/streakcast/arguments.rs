@@ -7,6 +7,8 @@ use streakcast::schedule::MagnitudeLimit;
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
 use crate::fit_arguments::FitArguments;
+#[cfg(feature = "fits")]
+use crate::inject_arguments::InjectArguments;
 use crate::map_arguments::MapArguments;
 use crate::output::Output;
 
@@ -28,6 +30,9 @@ pub enum Verb {
     Annotate(Box<AnnotateArguments>),
     /// Maps of magnitude over a satellite's own sky and over that of a site
     Map(MapArguments),
+    /// Streaks of satellites, or random ones, put into frames, with masks and their truth
+    #[cfg(feature = "fits")]
+    Inject(Box<InjectArguments>),
     /// From photometry to a brightness model
     Fit(Box<FitArguments>),
     /// The brightness models: list, show, check

@@ -54,6 +54,9 @@ pub struct ExposureArguments {
     /// Declination of a synthetic frame's centre (ICRS)
     #[arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "synthetic")]
     pub dec: Option<String>,
+    /// Side of a pixel with its unit, for random streaks in a frame that says nothing of the sky
+    #[arg(long, value_name = "ANGLE")]
+    pub pixel_scale: Option<String>,
     /// Only these HDUs, counted from 0; all images with world coordinates where unsaid
     #[arg(long, value_name = "N", num_args = 1.., value_delimiter = ',')]
     pub hdu: Vec<usize>,

@@ -3,6 +3,8 @@
 mod arguments;
 mod failure;
 mod fit_arguments;
+#[cfg(feature = "fits")]
+mod inject_arguments;
 mod map_arguments;
 mod map_output;
 mod notices;
@@ -27,6 +29,8 @@ fn main() -> ExitCode {
         Verb::Flag(typed) => verbs::flag::run(*typed),
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
+        #[cfg(feature = "fits")]
+        Verb::Inject(typed) => verbs::inject::run(*typed),
         Verb::Fit(typed) => verbs::fit::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),

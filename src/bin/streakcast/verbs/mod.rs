@@ -3,6 +3,8 @@
 pub mod annotate;
 pub mod fit;
 pub mod flag;
+#[cfg(feature = "fits")]
+pub mod inject;
 mod judged;
 pub mod map;
 pub mod model;

@@ -1,0 +1,246 @@
+//! From what was typed to what it means: frames, exposures, streaks, optics.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context, anyhow};
+use hifitime::Epoch;
+use streakcast::camera::{CountBasis, Detector};
+use streakcast::passes::Exposure;
+use streakcast::schedule::Schedule;
+use streakcast::setup::{Setup, parse_angle_deg, parse_duration_s, parse_moment};
+use streakcast::streak::{
+    FrameSaid, Glint, LightCurve, MaskPreset, Modulation, Optics, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, Tracking, Tumbling,
+};
+use streakcast::telescope::Telescope;
+
+use crate::inject_arguments::{CountArguments, ExposureArguments, InjectArguments, StreakArguments};
+
+/// β of the Moffat profile where none is said: what telescopes have.
+const USUAL_BETA: f64 = 3.5;
+/// The wide Gaussian of the double one: twice as wide, with a tenth of the light (Bosch & Armstrong 2013 take it so for images of SDSS).
+const USUAL_WIDENING: f64 = 2.0;
+const USUAL_WIDE_SHARE: f64 = 0.1;
+/// Speeds of random streaks where none are said, deg/s: satellites of 550 km low in the sky and overhead.
+const USUAL_RATES_DEG_S: [f64; 2] = [0.2, 0.8];
+
+/// What is to be done with every frame.
+pub struct Asked {
+    pub said: FrameSaid,
+    /// The schedule's exposure, whose pointing synthetic frames take.
+    pub scheduled: Option<Exposure>,
+    pub tracking_arcsec_s: Option<[f64; 2]>,
+    pub random: Option<Random>,
+    pub modulation: Modulation,
+    pub optics: Optics,
+    pub telescope: Option<Telescope>,
+    pub detector: Option<Detector>,
+    pub preset: MaskPreset,
+    pub synthetic: Option<SyntheticFrame>,
+}
+
+/// Random streaks: their number, or how many a square degree.
+pub struct Random {
+    pub streaks: RandomStreaks,
+    pub a_square_degree: bool,
+}
+
+impl Asked {
+    pub fn new(typed: &InjectArguments, setup: &Setup) -> anyhow::Result<Self> {
+        let telescope = setup.telescope()?;
+        let scheduled = scheduled(&typed.exposure, setup)?;
+        let (start, duration_s) = times(&typed.exposure, setup, scheduled.as_ref())?;
+        let modulation = modulation(&typed.streaks)?;
+        modulation.check()?;
+        let random = random(&typed.streaks)?;
+        if let Some(random) = &random {
+            random.streaks.check()?;
+        }
+        let detector = typed.counts.detector.as_deref().map(detector).transpose()?;
+        let synthetic = typed.synthetic.as_deref().map(synthetic).transpose()?;
+        if synthetic.is_some() && detector.is_some() {
+            return Err(anyhow!("--detector and --synthetic: the file of a synthetic frame has its own table [detector]"));
+        }
+        let pixel_scale_arcsec = typed.exposure.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
+        if pixel_scale_arcsec.is_some() && random.is_none() {
+            return Err(anyhow!("--pixel-scale is for random streaks in frames that say nothing of the sky; satellites need world coordinates"));
+        }
+        Ok(Self {
+            said: FrameSaid {
+                start,
+                duration_s,
+                hdus: typed.exposure.hdu.clone(),
+                zero_point: zero_point(&typed.counts),
+                gain_e_adu: positive("gain", typed.counts.gain)?,
+                pixel_scale_arcsec,
+            },
+            scheduled,
+            tracking_arcsec_s: match typed.exposure.track_rate[..] {
+                [east, north] if east.is_finite() && north.is_finite() => Some([east, north]),
+                [] => None,
+                _ => return Err(anyhow!("--track-rate needs two numbers, arcsec/s towards east and north: 12.5,-3.0")),
+            },
+            random,
+            modulation,
+            optics: optics(&typed.streaks, telescope.as_ref())?,
+            detector,
+            preset: MaskPreset::by_name(&typed.truth.mask_bits)?,
+            synthetic,
+            telescope,
+        })
+    }
+
+    /// What the telescope follows in an exposure of this length.
+    pub fn tracking(&self, exposure_s: f64) -> Tracking {
+        self.tracking_arcsec_s.map_or(Tracking::Sidereal, |[east, north]| Tracking::Rate {
+            east_rad_s: (east / 3600.0).to_radians(),
+            north_rad_s: (north / 3600.0).to_radians(),
+            reference_s: 0.5 * exposure_s,
+        })
+    }
+}
+
+fn scheduled(typed: &ExposureArguments, setup: &Setup) -> anyhow::Result<Option<Exposure>> {
+    let (Some(path), Some(row)) = (&typed.schedule, &typed.row) else { return Ok(None) };
+    let schedule = Schedule::read(path, &setup.schedule_options()?)?;
+    let found = schedule.exposures.iter().find(|exposure| exposure.id == *row);
+    let found = found.ok_or_else(|| anyhow!("{}: no exposure_id {row:?}", path.display()))?;
+    match &found.exposure {
+        Ok(exposure) => Ok(Some(exposure.clone())),
+        Err(reason) => Err(anyhow!("{}: exposure {row}: {reason}", path.display())),
+    }
+}
+
+fn times(typed: &ExposureArguments, setup: &Setup, scheduled: Option<&Exposure>) -> anyhow::Result<(Option<Epoch>, Option<f64>)> {
+    if let Some(exposure) = scheduled {
+        return Ok((Some(exposure.start), Some(exposure.duration_s)));
+    }
+    let scale = setup.time_scale()?;
+    let start = typed.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
+    let duration_s = typed.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
+    if duration_s.is_some_and(|seconds| seconds <= 0.0) {
+        return Err(anyhow!("exposure of 0 s; allowed: above 0 s"));
+    }
+    Ok((start, duration_s))
+}
+
+fn modulation(typed: &StreakArguments) -> anyhow::Result<Modulation> {
+    let tumbling = match typed.tumbling[..] {
+        [period_s, amplitude_mag] => Some(Tumbling { period_s, amplitude_mag, phase: 0.0 }),
+        [period_s, amplitude_mag, phase] => Some(Tumbling { period_s, amplitude_mag, phase }),
+        _ => None,
+    };
+    let glint = |&[magnitude, offset_s, duration_s]: &[f64; 3]| Glint { magnitude, offset_s, duration_s };
+    Ok(Modulation {
+        tumbling,
+        glints: typed.glint.iter().map(glint).collect(),
+        curve: typed.light_curve.as_deref().map(light_curve).transpose()?,
+    })
+}
+
+fn light_curve(path: &Path) -> anyhow::Result<LightCurve> {
+    let shown = path.display();
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_path(path)
+        .map_err(|error| anyhow!("light curve {shown}: {error}"))?;
+    let headers = reader.headers().map_err(|error| anyhow!("light curve {shown}: {error}"))?.clone();
+    let column = |name: &str| {
+        headers.iter().position(|header| header == name).ok_or_else(|| anyhow!("light curve {shown}: no column {name} (needed: time_s, delta_mag)"))
+    };
+    let (time, delta) = (column("time_s")?, column("delta_mag")?);
+    let mut points = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| anyhow!("light curve {shown}: {error}"))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let number = |index: usize| {
+            let text = record.get(index).unwrap_or_default();
+            text.parse::<f64>().map_err(|_| anyhow!("light curve {shown}, line {line}: {text:?} is no number"))
+        };
+        points.push((number(time)?, number(delta)?));
+    }
+    LightCurve::new(points).map_err(|error| anyhow!("{shown}: {error}"))
+}
+
+fn random(typed: &StreakArguments) -> anyhow::Result<Option<Random>> {
+    let number = match (typed.random_streaks, typed.streak_density) {
+        (Some(number), _) => StreakNumber::Exactly(number),
+        (None, Some(mean)) => StreakNumber::OnAverage(mean),
+        (None, None) if typed.magnitude.is_empty() && typed.streak_rate_deg_s.is_empty() => return Ok(None),
+        (None, None) => {
+            return Err(anyhow!("--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own"));
+        }
+    };
+    let range = |given: &[f64], usual: [f64; 2]| match *given {
+        [one] => [one, one],
+        [from, to] => [from, to],
+        _ => usual,
+    };
+    let streaks = RandomStreaks {
+        number,
+        magnitude: range(&typed.magnitude, [f64::NAN; 2]),
+        rate_rad_s: range(&typed.streak_rate_deg_s, USUAL_RATES_DEG_S).map(f64::to_radians),
+    };
+    Ok(Some(Random { streaks, a_square_degree: typed.streak_density.is_some() }))
+}
+
+fn optics(typed: &StreakArguments, telescope: Option<&Telescope>) -> anyhow::Result<Optics> {
+    let seeing_arcsec = match (&typed.seeing, telescope) {
+        (Some(text), _) => arcsec("seeing", text)?,
+        (None, Some(telescope)) => telescope.seeing_arcsec,
+        (None, None) => return Err(anyhow!("no width of a star's image; say --seeing 1.2arcsec, or --telescope NAME, which brings the defocus too")),
+    };
+    Ok(Optics {
+        form: form(&typed.psf)?,
+        seeing_arcsec,
+        outer_radius_m: telescope.map_or(0.0, |telescope| telescope.outer_radius_m),
+        inner_radius_m: telescope.map_or(0.0, |telescope| telescope.inner_radius_m),
+    })
+}
+
+fn form(text: &str) -> anyhow::Result<SeeingForm> {
+    let (name, number) = text.split_once(':').map_or((text, None), |(name, number)| (name, Some(number)));
+    match (name.to_ascii_lowercase().as_str(), number) {
+        ("gaussian", None) => Ok(SeeingForm::Gaussian),
+        ("moffat", None) => Ok(SeeingForm::Moffat { beta: USUAL_BETA }),
+        ("moffat", Some(number)) => match number.parse::<f64>() {
+            Ok(beta) if (2.0..=100.0).contains(&beta) => Ok(SeeingForm::Moffat { beta }),
+            _ => Err(anyhow!("psf {text:?}: β of a Moffat profile; allowed: 2 to 100")),
+        },
+        ("double", None) => Ok(SeeingForm::DoubleGaussian { widening: USUAL_WIDENING, wide_share: USUAL_WIDE_SHARE }),
+        _ => Err(anyhow!("psf {text:?} is not known; allowed: gaussian, moffat, moffat:BETA, double")),
+    }
+}
+
+fn arcsec(what: &'static str, text: &str) -> anyhow::Result<f64> {
+    Ok(parse_angle_deg(what, text)? * 3600.0)
+}
+
+fn positive(what: &str, given: Option<f64>) -> anyhow::Result<Option<f64>> {
+    match given {
+        Some(number) if !(number > 0.0 && number.is_finite()) => Err(anyhow!("{what} {number}; allowed: above 0")),
+        given => Ok(given),
+    }
+}
+
+fn zero_point(typed: &CountArguments) -> Option<(f64, CountBasis)> {
+    let frame = typed.zero_point.map(|mag| (mag, CountBasis::Frame));
+    frame.or(typed.zero_point_1s.map(|mag| (mag, CountBasis::Second)))
+}
+
+fn text_of(what: &str, path: &Path) -> anyhow::Result<String> {
+    fs::read_to_string(path).with_context(|| format!("{what} {}", path.display())).map_err(|error| anyhow!("{error:#}"))
+}
+
+fn detector(path: &Path) -> anyhow::Result<Detector> {
+    Detector::from_toml(&text_of("detector", path)?).map_err(|error| anyhow!("detector {}: {error}", path.display()))
+}
+
+fn synthetic(path: &Path) -> anyhow::Result<SyntheticFrame> {
+    let mut frame = SyntheticFrame::from_toml(&text_of("synthetic frame", path)?, &path.display().to_string())?;
+    // Paths in a file start from its folder.
+    let folder: PathBuf = path.parent().unwrap_or(Path::new("")).to_owned();
+    frame.star_list = frame.star_list.map(|list| folder.join(list));
+    Ok(frame)
+}

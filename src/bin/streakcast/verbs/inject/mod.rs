@@ -1,0 +1,8 @@
+//! `inject`: streaks of satellites, or random ones, put into frames.
+
+mod asked;
+mod light;
+mod outputs;
+mod run;
+
+pub use run::run;
