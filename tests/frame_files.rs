@@ -317,3 +317,75 @@ fn verif_the_input_stays_and_no_half_output_appears() {
     assert!(error.contains("the input became shorter"), "{error}");
     assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
 }
+
+/// What is not touched in a compressed image is the same to the bit; what is, to half a step of its quantisation.
+#[track_caller]
+fn change_compressed(path: &Path, hdu: usize, step: f64) {
+    let folder = folder();
+    let name = path.display().to_string();
+    let source = FrameFile::open(path).expect("a file");
+    let [rows, columns] = source.hdus()[hdu].image_size().expect("an image");
+    let before = source.read_rows(hdu, 0..rows).expect("rows");
+    let target = folder.path().join("out.fits");
+    let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
+    let touched = |row: usize, column: usize| row % 3 == 1 && (5..15).contains(&column);
+    let mut count = 0;
+    for row in (0..rows).filter(|row| row % 3 == 1) {
+        let changed = copy.add(hdu, row, 5, &[100.0; 10]).expect("a change");
+        count += changed.pixels;
+        assert_eq!(changed.clipped, 0);
+    }
+    assert!(count > 10, "{name}");
+    copy.finish().expect("finished");
+    let after = FrameFile::open(&target).expect("a file");
+    assert_eq!(after.hdus().len(), source.hdus().len());
+    let values = after.read_rows(hdu, 0..rows).expect("rows");
+    for row in 0..rows {
+        for column in 0..columns {
+            let (old, new) = (before[row * columns + column], values[row * columns + column]);
+            if old.is_nan() {
+                assert!(new.is_nan(), "{name} {row} {column}");
+            } else if touched(row, column) {
+                assert!((new - old - 100.0).abs() <= step, "{name} {row} {column}: {old} {new}");
+            } else {
+                assert_eq!(new, old, "{name} {row} {column}");
+            }
+        }
+    }
+    // The other HDUs are there, byte for byte.
+    for other in (0..source.hdus().len()).filter(|other| *other != hdu) {
+        assert_eq!(source.header(other).expect("a header"), after.header(other).expect("a header"), "{name}[{other}]");
+    }
+}
+
+#[test]
+fn verif_compressed_images_change_where_they_are_touched() {
+    let folder = folder();
+    for kind in ["i16", "u16", "i32", "f32", "f64"] {
+        let path = simple(folder.path(), kind, Some(Rice { steps_per_sigma: 4.0, dither_seed: 33 }), "");
+        change_compressed(&path, 1, if kind.starts_with('f') { 1e-4 } else { 0.0 });
+    }
+}
+
+#[test]
+fn verif_noisy_floats_keep_their_steps() {
+    let folder = folder();
+    let path = folder.path().join("noise.fits");
+    let mut random = common::random::Random(5);
+    let mut values: Vec<f32> = (0..200 * 60).map(|_| 1000.0 + 10.0 * (0..12).map(|_| random.uniform() as f32 - 0.5).sum::<f32>()).collect();
+    values[777] = f32::NAN;
+    let values = ImageValues::new(200, Pixels::F32(values)).expect("rows");
+    let rice = Rice { steps_per_sigma: 4.0, dither_seed: 9_999 };
+    write_frame(&path, &[NewImage { name: "", values: &values, cards: &[], rice: Some(rice) }]).expect("written");
+    // A quarter of the noise of 10 is a step, half of that the error; CFITSIO's measure of the noise varies from row to row.
+    change_compressed(&path, 1, 2.0);
+}
+
+#[test]
+fn verif_real_compressed_frames() {
+    let Some(data) = common::data_dir() else { return };
+    let frames = data.join("frames/trailblazer");
+    change_compressed(&frames.join("cutout_c4d_200306_000415_ori.fits.fz"), 7, 0.0);
+    change_compressed(&frames.join("cutout_calexp-0941420_23.fits"), 1, 1.5);
+    change_compressed(&frames.join("cutout_calexp-0941420_23.fits"), 2, 0.0);
+}

@@ -18,7 +18,8 @@ use super::hdu::{BLOCK, HduInfo, HduKind, padded};
 use super::image_values::ImageValues;
 use super::new_hdu::{self, NewHdu, Place, TableColumn};
 use super::overlay::Overlay;
-use super::pixel_format::{PixelFormat, Stored};
+use super::pixel_format::{Outcome, PixelFormat, Stored};
+use super::tiles::TileImage;
 
 /// What a change did to pixels.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -57,7 +58,14 @@ pub struct FrameCopy {
 #[derive(Debug)]
 struct HduEdit {
     header: Header,
-    pixels: Option<Overlay>,
+    pixels: Option<ChangedPixels>,
+}
+
+/// Pixels that were changed.
+#[derive(Debug)]
+enum ChangedPixels {
+    Plain(Overlay),
+    Tiles(Box<TileImage>),
 }
 
 impl FrameCopy {
@@ -97,10 +105,12 @@ impl FrameCopy {
     /// Changes pixels of one row: `change` is given their physical values as they are now, NaN where there is none, and sets new ones.
     ///
     /// Whole numbers are rounded half to even and held within their type; a pixel without a value stays so, whatever is set, and one that is given no
-    /// finite value stays as it was; a value that is not changed keeps its very bytes.
+    /// finite value stays as it was; a value that is not changed keeps its very bytes. In compressed images the touched tiles are packed again as they were
+    /// (algorithm, scale and dither): pixels that are not changed keep their exact numbers, in lossy tiles too, and those that are get the nearest step.
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], [`FrameError::Outside`], and whatever the system reports.
+    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], [`FrameError::Outside`], [`FrameError::Tiles`] where an algorithm is not known or tiles are broken,
+    /// and whatever the system reports.
     pub fn change(
         &mut self,
         hdu: usize,
@@ -120,23 +130,40 @@ impl FrameCopy {
                 last: columns.end.max(1) - 1,
             });
         }
-        if let HduKind::CompressedImage(algorithm) = &info.kind {
-            return Err(FrameError::Tiles {
-                path: self.source.path().to_owned(),
-                hdu,
-                why: format!("pixels compressed by {algorithm} are not changed yet"),
-            });
+        let path = self.source.path();
+        let io = FrameError::io(path);
+        let of_tiles = |why: String| FrameError::Tiles { path: path.to_owned(), hdu, why };
+        let edit = edit_of(&mut self.edits, &self.source, hdu)?;
+        let pixels = match &mut edit.pixels {
+            Some(pixels) => pixels,
+            None if info.kind == HduKind::Image => {
+                edit.pixels.insert(ChangedPixels::Plain(Overlay::new(info.data_at, info.data_length, info.format.bitpix.bytes())))
+            }
+            None => {
+                let mut bytes = vec![0; info.data_length as usize];
+                self.input.seek(SeekFrom::Start(info.data_at)).map_err(&io)?;
+                self.input.read_exact(&mut bytes).map_err(&io)?;
+                let tiles = TileImage::new(info, self.source.header(hdu)?, bytes).map_err(of_tiles)?;
+                edit.pixels.insert(ChangedPixels::Tiles(Box::new(tiles)))
+            }
+        };
+        match pixels {
+            ChangedPixels::Plain(overlay) => {
+                let size = info.format.bitpix.bytes();
+                let start = row * column_count;
+                let range = (start + columns.start) * size..(start + columns.end) * size;
+                let mut bytes = overlay.read(&mut self.input, range.clone()).map_err(&io)?;
+                let mut values = Vec::with_capacity(columns.len());
+                info.format.decode(&bytes, &mut values);
+                let changed = apply(&mut values, change, |index, value| set_stored(&info.format, &mut bytes, index, value));
+                overlay.write(range, &bytes);
+                Ok(changed)
+            }
+            ChangedPixels::Tiles(tiles) => {
+                let mut values = tiles.read(row, columns.clone()).map_err(of_tiles)?;
+                Ok(apply(&mut values, change, |index, value| tiles.set(row, columns.start + index, value)))
+            }
         }
-        let (info, size) = (info.clone(), info.format.bitpix.bytes());
-        let source = &self.source;
-        let edit = edit_of(&mut self.edits, source, hdu)?;
-        let overlay = edit.pixels.get_or_insert_with(|| Overlay::new(info.data_at, info.data_length, size));
-        let start = row * column_count;
-        let range = (start + columns.start) * size..(start + columns.end) * size;
-        let mut bytes = overlay.read(&mut self.input, range.clone()).map_err(FrameError::io(source.path()))?;
-        let changed = change_bytes(&info.format, &mut bytes, change);
-        overlay.write(range, &bytes);
-        Ok(changed)
     }
 
     /// Sets a keyword in the header of an HDU: in its place where it is there, else behind all others. A comment of nothing keeps the old one.
@@ -161,13 +188,7 @@ impl FrameCopy {
     ///
     /// # Errors
     /// What CFITSIO and the system report for compressed ones.
-    pub fn append_image(
-        &mut self,
-        name: &str,
-        image: &ImageValues,
-        cards: &[Card],
-        rice: Option<Rice>,
-    ) -> Result<(), FrameError> {
+    pub fn append_image(&mut self, name: &str, image: &ImageValues, cards: &[Card], rice: Option<Rice>) -> Result<(), FrameError> {
         let hdu = match rice {
             Some(rice) => new_hdu::rice_image(name, image, cards, rice, folder_of(&self.target))?,
             None => new_hdu::image(Place::Extension, name, image, cards),
@@ -190,13 +211,33 @@ impl FrameCopy {
     /// # Errors
     /// Whatever the system reports; a file that stood at the target is then still there, and nothing else.
     pub fn finish(mut self) -> Result<(), FrameError> {
-        let written = self.write();
+        let rebuilt = self.rebuilt_tiles()?;
+        let written = self.write(&rebuilt);
         let io = FrameError::io(&self.target);
         written.map_err(&io)?;
         self.output.finish().map_err(&io)
     }
 
-    fn write(&mut self) -> io::Result<()> {
+    /// The data of compressed images that changed, packed again, with what their headers must say.
+    fn rebuilt_tiles(&mut self) -> Result<BTreeMap<usize, Vec<u8>>, FrameError> {
+        let mut found = BTreeMap::new();
+        for (hdu, edit) in &mut self.edits {
+            let Some(ChangedPixels::Tiles(tiles)) = &edit.pixels else { continue };
+            let rebuilt =
+                tiles.rebuilt().map_err(|why| FrameError::Tiles { path: self.source.path().to_owned(), hdu: *hdu, why })?;
+            edit.header.set("PCOUNT", &(rebuilt.heap_length as i64).into(), "");
+            if edit.header.contains("THEAP") {
+                edit.header.set("THEAP", &((rebuilt.bytes.len() - rebuilt.heap_length) as i64).into(), "");
+            }
+            for (keyword, form) in &rebuilt.forms {
+                edit.header.set(keyword, &form.as_str().into(), "");
+            }
+            found.insert(*hdu, rebuilt.bytes);
+        }
+        Ok(found)
+    }
+
+    fn write(&mut self, rebuilt: &BTreeMap<usize, Vec<u8>>) -> io::Result<()> {
         let mut output = self.output.file();
         let mut at = 0;
         for info in self.source.hdus() {
@@ -209,9 +250,16 @@ impl FrameCopy {
             let mut header = header_bytes(&edit.header);
             let data_at = at + header.len() as u64;
             output.write_all(&header)?;
-            copy_range(&mut self.input, output, info.data_at..info.data_at + info.data_length)?;
-            let end = pad(output, data_at + info.data_length, pad_byte(info))?;
-            if let Some(overlay) = &edit.pixels {
+            let mut length = info.data_length;
+            match rebuilt.get(&info.index) {
+                Some(bytes) => {
+                    output.write_all(bytes)?;
+                    length = bytes.len() as u64;
+                }
+                None => copy_range(&mut self.input, output, info.data_at..info.data_at + info.data_length)?,
+            }
+            let end = pad(output, data_at + length, pad_byte(info))?;
+            if let Some(ChangedPixels::Plain(overlay)) = &edit.pixels {
                 overlay.flush(&mut output, data_at)?;
             }
             if edit.header.contains("CHECKSUM") || edit.header.contains("DATASUM") {
@@ -266,11 +314,7 @@ pub struct NewImage<'a> {
     pub rice: Option<Rice>,
 }
 
-fn edit_of<'a>(
-    edits: &'a mut BTreeMap<usize, HduEdit>,
-    source: &FrameFile,
-    hdu: usize,
-) -> Result<&'a mut HduEdit, FrameError> {
+fn edit_of<'a>(edits: &'a mut BTreeMap<usize, HduEdit>, source: &FrameFile, hdu: usize) -> Result<&'a mut HduEdit, FrameError> {
     let header = source.header(hdu)?;
     Ok(edits.entry(hdu).or_insert_with(|| HduEdit { header: header.clone(), pixels: None }))
 }
@@ -280,34 +324,34 @@ fn folder_of(target: &Path) -> &Path {
     target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
 }
 
-/// Lets `change` set physical values, and stores what is another number now.
-fn change_bytes(format: &PixelFormat, bytes: &mut [u8], change: impl FnOnce(&mut [f64])) -> Changed {
-    let mut values = Vec::with_capacity(bytes.len() / format.bitpix.bytes());
-    format.decode(bytes, &mut values);
-    let before = values.clone();
-    change(&mut values);
+/// Lets `change` set physical values, and `store`s those that are others now.
+fn apply(values: &mut [f64], change: impl FnOnce(&mut [f64]), mut store: impl FnMut(usize, f64) -> Outcome) -> Changed {
+    let before = values.to_vec();
+    change(values);
     let mut changed = Changed::default();
     for (index, (new, old)) in values.iter().zip(&before).enumerate() {
         if old.is_nan() {
             changed.without_value += 1;
-            continue;
-        }
-        if new == old || !new.is_finite() {
-            continue;
-        }
-        let number = match format.stored(*new) {
-            Stored::Exact(number) => number,
-            Stored::Clipped(number) => {
-                changed.clipped += 1;
-                number
-            }
-        };
-        if number != format.raw(bytes, index) {
-            changed.pixels += 1;
-            format.put_raw(bytes, index, number);
+        } else if new != old && new.is_finite() {
+            let outcome = store(index, *new);
+            changed.pixels += usize::from(outcome.is_other);
+            changed.clipped += usize::from(outcome.is_clipped);
         }
     }
     changed
+}
+
+/// Stores a physical value among bytes of a file.
+fn set_stored(format: &PixelFormat, bytes: &mut [u8], index: usize, value: f64) -> Outcome {
+    let (number, is_clipped) = match format.stored(value) {
+        Stored::Exact(number) => (number, false),
+        Stored::Clipped(number) => (number, true),
+    };
+    let is_other = number != format.raw(bytes, index);
+    if is_other {
+        format.put_raw(bytes, index, number);
+    }
+    Outcome { is_other, is_clipped }
 }
 
 /// Copies a range of a file to where another one stands; by the kernel where it can.

@@ -1,7 +1,7 @@
 //! Frames in FITS files: read, and copied with changes.
 //!
 //! `hdu` knows where headers and data lie, `pixel_format` what numbers mean, `frame_file` reads, `cfitsio` unpacks and packs tiles. `frame_copy` copies
-//! with changes (`overlay` holds the touched pixels, `checksum` keeps the sums right) and makes new files, of `new_hdu`s with `image_values`.
+//! with changes (`overlay` holds the touched pixels, `checksum` keeps the sums right, `tiles` changes compressed images) and makes new files, of `new_hdu`s with `image_values`.
 
 mod cfitsio;
 mod checksum;
@@ -13,6 +13,7 @@ mod image_values;
 mod new_hdu;
 mod overlay;
 mod pixel_format;
+mod tiles;
 
 pub use cfitsio::Rice;
 pub use error::FrameError;

@@ -92,6 +92,15 @@ pub(super) enum Stored {
     Clipped(f64),
 }
 
+/// What became of a pixel that was set.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub(super) struct Outcome {
+    /// Its stored number is another one.
+    pub is_other: bool,
+    /// It was held within the range.
+    pub is_clipped: bool,
+}
+
 impl PixelFormat {
     /// The physical value of a stored number; NaN for BLANK.
     pub fn physical(&self, stored: f64) -> f64 {

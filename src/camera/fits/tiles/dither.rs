@@ -1,0 +1,64 @@
+//! The random numbers of subtractive dithering.
+//!
+//! FITS standard 4.0, appendix I: a table of 10000 numbers by the minimal standard generator of Park and Miller (1988, Comm. ACM 31, 1192).
+
+/// How many numbers there are.
+const COUNT: usize = 10_000;
+
+/// The table, made once for an image.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Dither {
+    numbers: Vec<f32>,
+}
+
+impl Dither {
+    pub fn new() -> Self {
+        // seed ← 16807 seed mod (2³¹ - 1), from 1
+        let mut seed: u64 = 1;
+        let numbers = (0..COUNT)
+            .map(|_| {
+                seed = seed * 16_807 % 2_147_483_647;
+                (seed as f64 / 2_147_483_647.0) as f32
+            })
+            .collect();
+        Self { numbers }
+    }
+
+    /// The numbers for the pixels of a tile, the tile counted from 1 and the seed (ZDITHER0) added less 1.
+    pub fn of_tile(&self, tile_and_seed: usize) -> impl Iterator<Item = f64> + '_ {
+        let mut start = (tile_and_seed + COUNT - 1) % COUNT;
+        let first_of = |start: usize| (self.numbers[start] * 500.0) as usize;
+        let mut next = first_of(start);
+        std::iter::repeat_with(move || {
+            let number = self.numbers[next];
+            next += 1;
+            if next == COUNT {
+                start = (start + 1) % COUNT;
+                next = first_of(start);
+            }
+            f64::from(number)
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn valid_the_last_seed_of_the_standard() {
+        // FITS standard 4.0, appendix I: the 10000th seed is 1043618065.
+        let dither = Dither::new();
+        assert_eq!(dither.numbers[COUNT - 1], (1_043_618_065f64 / 2_147_483_647.0) as f32);
+        assert_eq!(dither.of_tile(1).nth(0), Some(f64::from(dither.numbers[(dither.numbers[0] * 500.0) as usize])));
+        // After the end of the table the next start is taken.
+        assert_eq!(dither.of_tile(3).count_up_to(20_000), 20_000);
+    }
+
+    trait CountUpTo: Iterator + Sized {
+        fn count_up_to(self, limit: usize) -> usize {
+            self.take(limit).count()
+        }
+    }
+    impl<T: Iterator> CountUpTo for T {}
+}
