@@ -104,3 +104,253 @@ fn valid_streaks_against_galsim() {
         }
     }
 }
+
+fn gaussian(fwhm_pix: f64) -> RadialProfile {
+    RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix })).expect("a profile")
+}
+
+fn ring() -> RadialProfile {
+    let seeing = Seeing::Moffat { fwhm_pix: 3.0, beta: 4.0 };
+    let blur = Blur { seeing, outer_radius_pix: 6.0, inner_radius_pix: 3.5, body_radius_pix: 0.8 };
+    RadialProfile::of(&blur).expect("a profile")
+}
+
+fn node(time_s: f64, x: f64, y: f64, rate: f64) -> PathNode {
+    PathNode::new(time_s, PixelPosition { x, y }, rate)
+}
+
+fn path(nodes: Vec<PathNode>) -> StreakPath {
+    StreakPath::new(nodes).expect("a path")
+}
+
+/// Greatest difference of two ways of drawing, of the peak.
+fn difference(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> f64 {
+    let (fast, summed) = (draw(path, profile, rows, columns), draw_summed(path, profile, rows, columns));
+    let mut planes = [Plane::zeros(rows, columns), Plane::zeros(rows, columns)];
+    fast.add_to(&mut planes[0]);
+    summed.add_to(&mut planes[1]);
+    let peak = planes[1].values().iter().copied().fold(0.0_f32, f32::max);
+    let pairs = planes[0].values().iter().zip(planes[1].values());
+    let worst = pairs.map(|(a, b)| (a - b).abs()).fold(0.0_f32, f32::max);
+    // Where only wings reach the frame, of the mean brightness of the streak's middle line.
+    let mean = path.total() * profile.line(0.0, 0.0) / path.length_pix().max(4.0 * profile.fwhm_pix());
+    f64::from(worst) / f64::from(peak).max(mean)
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(60))]
+
+    /// Any straight or bent path, brighter and fainter along it, with a jump, partly off the frame.
+    #[test]
+    fn verif_fast_and_summed_ways_agree(
+        x in -60.0..260.0_f64, y in -60.0..260.0_f64, length in 1.0..400.0_f64, angle in 0.0..(2.0 * PI),
+        bend in -0.15..0.15_f64, rates in prop::array::uniform5(0.2..3.0_f64), jump in proptest::option::of(0.0..3.0_f64),
+        is_ring in any::<bool>(),
+    ) {
+        let nodes = (0..5).map(|i| {
+            let t = f64::from(i) / 4.0;
+            // A circle's arc that turns by `bend` times two.
+            let phi = angle + bend * (2.0 * t - 1.0);
+            let sinc = if bend.abs() < 1e-6 { 1.0 } else { bend.sin() / bend };
+            let (u, v) = (length * t * sinc, 0.0);
+            let at = PixelPosition { x: x + u * phi.cos() - v * phi.sin(), y: y + u * phi.sin() + v * phi.cos() };
+            let rate_after = jump.filter(|_| i == 2);
+            PathNode { time_s: t, at, rate: rates[i as usize], rate_after }
+        });
+        let path = path(nodes.collect());
+        let profile = if is_ring { ring() } else { gaussian(3.0) };
+        let found = difference(&path, &profile, 200, 210);
+        prop_assert!(found < WAYS_TOLERANCE, "{found}");
+    }
+
+    /// Light that lies on the frame is all there, and where it should be.
+    #[test]
+    fn verif_flux_and_centroid(
+        x in 60.0..140.0_f64, y in 60.0..140.0_f64, length in 0.0..70.0_f64, angle in 0.0..(2.0 * PI), duration_s in 0.01..30.0_f64,
+        is_ring in any::<bool>(),
+    ) {
+        let (dx, dy) = (0.5 * length * angle.cos(), 0.5 * length * angle.sin());
+        let path = path(vec![node(1.0, x - dx, y - dy, 7.0), node(1.0 + duration_s, x + dx, y + dy, 7.0)]);
+        let profile = if is_ring { ring() } else { gaussian(2.0) };
+        let patch = draw(&path, &profile, 200, 200);
+        prop_assert!((path.total() - 7.0 * duration_s).abs() < 1e-12 * path.total());
+        prop_assert!((patch.sum() / path.total() - 1.0).abs() < FLUX_TOLERANCE, "{}", patch.sum() / path.total());
+        let centroid = patch.centroid().expect("light");
+        // Asked for: 0.02 pixels.
+        prop_assert!(centroid.distance(PixelPosition { x, y }) < 0.001, "{centroid:?} of {x} {y}");
+    }
+}
+
+#[test]
+fn verif_flux_of_profiles_is_one() {
+    for fwhm_pix in [1.0, 2.3, 3.5, 20.0] {
+        for (beta, outer) in [(2.5, 0.0), (4.765, 0.0), (3.5, 9.0)] {
+            let seeing = Seeing::Moffat { fwhm_pix, beta };
+            let blur =
+                Blur { seeing, outer_radius_pix: outer, inner_radius_pix: 0.6 * outer, body_radius_pix: 0.1 * outer };
+            let profile = RadialProfile::of(&blur).expect("a profile");
+            let size = 2 * profile.pixel_reach_pix().ceil() as usize + 3;
+            let at = PixelPosition { x: size as f64 / 2.0 + 0.2, y: size as f64 / 2.0 - 0.4 };
+            let patch = draw_point(&profile, at, 1000.0, size, size);
+            assert!((patch.sum() / 1000.0 - 1.0).abs() < 1e-5, "{fwhm_pix} {beta} {outer}: {}", patch.sum());
+            // The pixels themselves move what is narrower than two of them: by exp(-2π²σ²)/π.
+            let allowed = if fwhm_pix < 2.0 { 0.015 } else { 0.001 };
+            assert!(patch.centroid().expect("light").distance(at) < allowed);
+            if outer == 0.0 {
+                assert!((profile.fwhm_pix() / fwhm_pix - 1.0).abs() < 1e-4, "{}", profile.fwhm_pix());
+            }
+        }
+    }
+    // Half of a Gaussian's light lies within half its full width; a line's light across it is 1.
+    let profile = gaussian(4.0);
+    assert!((profile.half_light_pix() - 2.0).abs() < 1e-3);
+    for angle in [0.0, 0.3, PI / 4.0] {
+        let across: f64 = (-400..=400).map(|i| 0.05 * profile.line(0.05 * f64::from(i), angle)).sum();
+        assert!((across - 1.0).abs() < 1e-5, "{across}");
+    }
+}
+
+#[test]
+fn verif_a_long_streak_is_even_along_itself_and_cheap_outside() {
+    // The frame sees a thousandth of it, in the middle of its brightness.
+    let path = path(vec![node(0.0, -2e6, -1e6, 3.0), node(1.0, 2e6, 1e6, 3.0)]);
+    let profile = gaussian(3.5);
+    let patch = draw(&path, &profile, 1000, 1000);
+    let per_pixel = 3.0 / 4e6_f64.hypot(2e6);
+    let expected = per_pixel * profile.line(0.0, 0.5_f64.atan());
+    for column in [0_usize, 400, 600, 998] {
+        let value = f64::from(patch.at(column / 2, column));
+        assert!((value / expected - 1.0).abs() < 1e-4, "{column}: {value} {expected}");
+    }
+    // 1000 px wide, 500 px high, 7.9 px to each side.
+    assert!(patch.len() < 25_000, "{}", patch.len());
+    // In a frame that it does not touch there is nothing.
+    assert!(draw(&path, &profile, 1000, 1).len() < 30);
+    let beside = StreakPath::new(vec![node(0.0, -50.0, 500.0, 1.0), node(1.0, -20.0, 2000.0, 1.0)]).expect("a path");
+    assert!(draw(&beside, &profile, 1000, 1000).is_empty());
+}
+
+#[test]
+fn verif_what_hardly_moves_is_a_point() {
+    let profile = ring();
+    let at = PixelPosition { x: 50.3, y: 49.6 };
+    let star = draw_point(&profile, at, 30.0, 100, 100);
+    for drift in [0.0, 1e-7, 1e-3] {
+        let path = path(vec![node(0.0, at.x - drift, at.y, 2.0), node(15.0, at.x + drift, at.y, 2.0)]);
+        let patch = draw(&path, &profile, 100, 100);
+        let worst = star.iter().flat_map(|span| {
+            (span.first_column..).zip(span.values).map(move |(column, value)| (span.row, column, *value))
+        });
+        let worst = worst.map(|(row, column, value)| (patch.at(row, column) - value).abs()).fold(0.0_f32, f32::max);
+        assert!(worst < 1e-5 * star.at(50, 47), "{drift}: {worst}");
+    }
+    // Back and forth over the same pixels: turning round is no trouble.
+    let there = path(vec![node(0.0, 20.0, 50.0, 1.0), node(1.0, 80.0, 50.0, 1.0), node(2.0, 20.0, 50.3, 1.0)]);
+    assert!((draw(&there, &gaussian(3.0), 100, 100).sum() / 2.0 - 1.0).abs() < FLUX_TOLERANCE);
+}
+
+#[test]
+fn verif_jumps_and_dark_stretches() {
+    let mut nodes = vec![
+        node(0.0, 20.0, 30.0, 0.0),
+        node(1.0, 60.0, 50.0, 0.0),
+        node(2.0, 100.0, 70.0, 5.0),
+        node(3.0, 140.0, 90.0, 5.0),
+    ];
+    nodes[1].rate_after = Some(5.0);
+    nodes[3].rate_after = Some(9.0);
+    let path = path(nodes);
+    assert!((path.total() - 10.0).abs() < 1e-12, "{}", path.total());
+    assert_eq!((path.rate_at(0.5), path.rate_at(1.5), path.rate_at(-0.1), path.rate_at(3.1)), (0.0, 5.0, 0.0, 0.0));
+    assert!((path.length_pix() - 120.0_f64.hypot(60.0)).abs() < 1e-9);
+    let profile = gaussian(3.5);
+    assert!(difference(&path, &profile, 120, 160) < 1e-5);
+    // As if it began where the light comes on.
+    let patch = draw(&path, &profile, 120, 160);
+    let shorter = StreakPath::new(vec![node(1.0, 60.0, 50.0, 5.0), node(3.0, 140.0, 90.0, 5.0)]).expect("a path");
+    let shorter = draw(&shorter, &profile, 120, 160);
+    assert!((patch.sum() / shorter.sum() - 1.0).abs() < 1e-6);
+    assert!((patch.at(50, 60) / shorter.at(50, 60) - 1.0).abs() < 1e-4);
+    assert_eq!(patch.at(30, 20), 0.0);
+    // Without any light there is none.
+    let dark = StreakPath::new(vec![node(0.0, 10.0, 10.0, 0.0), node(1.0, 90.0, 70.0, 0.0)]).expect("a path");
+    assert_eq!(draw(&dark, &profile, 100, 100).sum(), 0.0);
+    assert!(draw(&dark, &profile, 0, 0).is_empty());
+}
+
+#[test]
+fn verif_rates_between_nodes() {
+    // A glint between dark nodes does not swing below 0, a smooth curve is followed to two thousandths.
+    let times: Vec<f64> = (0..11).map(f64::from).collect();
+    let spike = path(times.iter().map(|t| node(*t, 10.0 * t, 0.0, if *t == 5.0 { 100.0 } else { 1.0 })).collect());
+    let wave = path(times.iter().map(|t| node(*t, 10.0 * t, 0.0, 2.0 + (0.6 * t).sin())).collect());
+    for i in 0..=1000 {
+        let t = f64::from(i) / 100.0;
+        assert!((0.0..=100.0 + 1e-9).contains(&spike.rate_at(t)), "{t}: {}", spike.rate_at(t));
+        assert!((wave.rate_at(t) - 2.0 - (0.6 * t).sin()).abs() < 0.005, "{t}: {}", wave.rate_at(t));
+        assert!((wave.point_at(t).x - 10.0 * t).abs() < 1e-9);
+    }
+}
+
+#[test]
+fn verif_nodes_that_make_no_path_are_named() {
+    let error = |nodes: Vec<PathNode>| StreakPath::new(nodes).expect_err("an error");
+    assert_eq!(error(vec![node(0.0, 1.0, 1.0, 1.0)]), PathError::TooFew { given: 1 });
+    let twice = error(vec![node(0.5, 1.0, 1.0, 1.0), node(0.5, 2.0, 1.0, 1.0)]);
+    assert_eq!(twice, PathError::Order { node: 1, time_s: 0.5, before_s: 0.5 });
+    assert!(matches!(
+        error(vec![node(0.0, f64::NAN, 1.0, 1.0), node(1.0, 1.0, 1.0, 1.0)]),
+        PathError::NotFinite { node: 0, name: "x", .. }
+    ));
+    assert!(matches!(
+        error(vec![node(0.0, 1.0, 1.0, 1.0), node(1.0, 1.0, 1.0, f64::INFINITY)]),
+        PathError::NotFinite { name: "rate", .. }
+    ));
+    assert!(matches!(
+        error(vec![node(0.0, 1.0, 1e10, 1.0), node(1.0, 1.0, 1.0, 1.0)]),
+        PathError::NotFinite { name: "y", .. }
+    ));
+    assert!(
+        matches!(error(vec![node(0.0, 1.0, 1.0, -1.0), node(1.0, 1.0, 1.0, 1.0)]), PathError::Negative { node: 0, given } if given == -1.0)
+    );
+}
+
+#[test]
+fn verif_blurs_outside_their_ranges_are_refused() {
+    let gaussian = |fwhm_pix: f64| Seeing::Gaussian { fwhm_pix };
+    let plain = Blur::seeing(gaussian(3.0));
+    for blur in [
+        Blur::seeing(gaussian(f64::NAN)),
+        Blur::seeing(gaussian(0.5)),
+        Blur::seeing(gaussian(1e3)),
+        Blur::seeing(Seeing::Moffat { fwhm_pix: 3.0, beta: 1.5 }),
+        Blur::seeing(Seeing::DoubleGaussian { fwhm_pix: 3.0, wide_fwhm_pix: 2.0, wide_share: 0.1 }),
+        Blur::seeing(Seeing::DoubleGaussian { fwhm_pix: 3.0, wide_fwhm_pix: 6.0, wide_share: 1.5 }),
+        Blur { outer_radius_pix: 500.0, ..plain },
+        Blur { outer_radius_pix: 5.0, inner_radius_pix: 5.0, ..plain },
+        Blur { body_radius_pix: -1.0, ..plain },
+        Blur::seeing(Seeing::Moffat { fwhm_pix: 90.0, beta: 2.0 }),
+    ] {
+        assert!(RadialProfile::of(&blur).is_err(), "{blur:?}");
+    }
+}
+
+#[test]
+fn verif_patches_know_their_pixels() {
+    let profile = gaussian(3.0);
+    let patch = draw(&path(vec![node(0.0, -5.0, 20.0, 100.0), node(1.0, 30.0, 41.0, 100.0)]), &profile, 50, 60);
+    let mut plane = Plane::zeros(50, 60);
+    plane.values_mut().fill(10.0);
+    patch.add_to(&mut plane);
+    let added: f64 = plane.values().iter().map(|value| f64::from(*value) - 10.0).sum();
+    assert!((added / patch.sum() - 1.0).abs() < 1e-4);
+    let mask = patch.footprint(0.5);
+    let in_mask: usize = mask.iter().map(|(_, columns)| columns.len()).sum();
+    let above = patch.iter().flat_map(|span| span.values).filter(|value| **value >= 0.5).count();
+    assert!(in_mask == above && above > 20, "{in_mask} {above}");
+    for (row, columns) in mask {
+        assert!(columns.clone().all(|column| patch.at(row, column) >= 0.5));
+        assert!(columns.start == 0 || patch.at(row, columns.start - 1) < 0.5);
+    }
+    assert_eq!((patch.at(49, 0), patch.row(7_000).values.len()), (0.0, 0));
+}

@@ -11,7 +11,7 @@ const SHORTEST_PIX: f64 = 2.0;
 /// How far a path may lie from its parabola, pixels: 5·10⁻⁵ of the peak for a width of 2 pixels.
 const BOW_ERROR_PIX: f64 = 5e-5;
 /// How far light per pixel may lie from its parabola, of itself.
-const LIGHT_ERROR: f64 = 1e-5;
+const LIGHT_ERROR: f64 = 3e-6;
 
 /// A place on a path, and where the path goes.
 #[derive(Copy, Clone, Debug, PartialEq)]

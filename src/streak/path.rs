@@ -176,6 +176,12 @@ impl Piece {
         [self.x.slope(since_s), self.y.slope(since_s)]
     }
 
+    /// Second derivative of the rate by the way along the path, of the rate, per square pixel.
+    pub fn bend(&self, since_s: f64) -> f64 {
+        let [u, v] = self.motion(since_s);
+        self.rate.bend(since_s) / (self.rate.at(since_s) * (u * u + v * v))
+    }
+
     /// Way between two of its times, pixels; the `rule` is Gauss's.
     pub fn length_pix(&self, from_s: f64, to_s: f64, rule: &[(f64, f64)]) -> f64 {
         let speed = |(x, weight): &(f64, f64)| {

@@ -12,16 +12,16 @@ use super::strokes::{Strokes, draw as draw_strokes};
 
 /// Curvature times the profile's radius above which light is summed; what first order leaves out is 10⁻⁵ below it.
 const GREATEST_CURVATURE: f64 = 0.01;
-/// The same for the second moment times λ''/2λ.
-const GREATEST_BEND: f64 = 0.002;
+/// The same for the variance times λ''/2λ.
+const GREATEST_BEND: f64 = 0.003;
+/// And for its change at a node; half of it is seen at the node itself.
+const GREATEST_BEND_CHANGE: f64 = 1e-5;
 /// Curvature times the profile's reach above which normals come too near to one another for chords.
 const GREATEST_FAN: f64 = 0.25;
 /// A path that turns by more may come back to its own pixels, radians.
 const GREATEST_TURNING_RAD: f64 = 1.2;
 /// Tables across the path are made anew where the fourth harmonic has turned by so much, radians of φ.
 const TABLE_STEP_RAD: f64 = 0.02;
-/// And where the second moment's share has changed by so much.
-const TABLE_BEND_STEP: f64 = 1e-5;
 
 /// The light of a path in a frame of `rows` by `columns`, in the unit of the path's rates times seconds.
 ///
@@ -68,6 +68,14 @@ fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &RadialProfile) ->
         let is_last = chord.stretch.piece + 1 == cutter.pieces.len();
         if chord.stretch.to_s == piece.duration_s && (is_last || piece.ends_in_jump) {
             hard.push([chord.way_pix[1]; 2]);
+        }
+    }
+    // Where splines meet, brightness may begin to bend otherwise from one pixel to the next.
+    for pair in chords.windows(2) {
+        let [before, after] = [&cutter.pieces[pair[0].stretch.piece], &cutter.pieces[pair[1].stretch.piece]];
+        let change = 0.5 * (after.bend(0.0) - before.bend(before.duration_s)).abs() * profile.variance_pix2();
+        if pair[0].stretch.piece != pair[1].stretch.piece && change > GREATEST_BEND_CHANGE {
+            hard.push([pair[0].way_pix[1]; 2]);
         }
     }
     let mut open: Vec<Chord> = chords.into_iter().rev().collect();
@@ -173,19 +181,15 @@ fn trees(
 fn tables(marked: &[(Chord, bool)], profile: &RadialProfile) -> (Vec<Lanes>, Vec<usize>) {
     let mut tables = Vec::new();
     let mut table_of = vec![0; marked.len()];
-    let mut last: Option<[f64; 2]> = None;
+    let mut last: Option<f64> = None;
     for (number, (chord, is_summed)) in marked.iter().enumerate() {
         if *is_summed {
             continue;
         }
-        let (angle, bend) = (chord.along[1].atan2(chord.along[0]), chord.bend());
-        let is_good = last.is_some_and(|[last_angle, last_bend]| {
-            let change = (bend - last_bend).abs() * profile.variance_pix2();
-            (angle - last_angle).abs() < TABLE_STEP_RAD && change < TABLE_BEND_STEP
-        });
-        if !is_good {
-            tables.push(profile.line_lanes(angle, bend));
-            last = Some([angle, bend]);
+        let angle = chord.along[1].atan2(chord.along[0]);
+        if last.is_none_or(|last| (angle - last).abs() > TABLE_STEP_RAD) {
+            tables.push(profile.line_lanes(angle));
+            last = Some(angle);
         }
         table_of[number] = tables.len() - 1;
     }

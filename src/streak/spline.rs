@@ -53,21 +53,27 @@ fn end_slope(times: &[f64], values: &[f64], time: f64) -> f64 {
     sum
 }
 
-/// Slopes of the smooth spline, held back where it would swing: at most three times the smaller of the rises on both sides (Hyman 1983, SIAM J.
-/// Sci. Stat. Comput. 4, 645, eq. 2.3), and never so steep that a cubic between values of at least 0 falls below 0.
+/// Slopes of the smooth spline, held back where it would swing (Huynh 1993, SIAM J. Numer. Anal. 30, 57, eq. 3.29: as Hyman's rule, but that
+/// smooth extremes keep their shape), and never so steep that a cubic between values of at least 0 falls below 0.
 ///
 /// `times` increase; both have the same length of at least 2.
 pub(super) fn held_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     let count = times.len();
     let step = |i: usize| times[i + 1] - times[i];
     let rise = |i: usize| (values[i + 1] - values[i]) / step(i);
+    // Second divided differences, those of the ends from their neighbours.
+    let bend = |i: usize| {
+        let i = i.clamp(1, count - 2);
+        (rise(i) - rise(i - 1)) / (step(i - 1) + step(i))
+    };
     let mut slopes = smooth_slopes(times, values);
     for (i, slope) in slopes.iter_mut().enumerate() {
-        let (before, after) = (rise(i.max(1) - 1), rise(i.min(count - 2)));
-        let most = 3.0 * before.abs().min(after.abs());
-        *slope = slope.clamp(-most, most);
-        if before * after > 0.0 {
-            *slope = if before > 0.0 { slope.max(0.0) } else { slope.min(0.0) };
+        if count > 2 && i > 0 && i + 1 < count {
+            let from_left = rise(i - 1) + lesser(bend(i - 1), bend(i)) * step(i - 1);
+            let from_right = rise(i) - lesser(bend(i), bend(i + 1)) * step(i);
+            let (monotone, smooth) = (lesser(rise(i - 1), rise(i)), lesser(from_left, from_right));
+            let most = (3.0 * monotone.abs()).max(1.5 * smooth.abs());
+            *slope = lesser(*slope, most.copysign(if monotone == 0.0 { smooth } else { monotone }));
         }
         // The Bézier points next to the node: f + h s / 3 and f - h s / 3.
         if i + 1 < count {
@@ -78,6 +84,17 @@ pub(super) fn held_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
         }
     }
     slopes
+}
+
+/// The smaller of two numbers of one sign, 0 of two signs.
+fn lesser(a: f64, b: f64) -> f64 {
+    if a * b <= 0.0 {
+        0.0
+    } else if a.abs() < b.abs() {
+        a
+    } else {
+        b
+    }
 }
 
 /// A cubic between two nodes.
@@ -106,6 +123,12 @@ impl Cubic {
     pub fn slope(&self, time: f64) -> f64 {
         let [_, b, c, d] = self.powers;
         b + time * (2.0 * c + time * 3.0 * d)
+    }
+
+    /// Second derivative.
+    pub fn bend(&self, time: f64) -> f64 {
+        let [_, _, c, d] = self.powers;
+        2.0 * c + 6.0 * time * d
     }
 
     /// ∫ from 0 to `time`.

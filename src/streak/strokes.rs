@@ -10,6 +10,8 @@ use super::runs::{Run, Source};
 
 /// Pixels at a time.
 const LANES: usize = 16;
+/// λ''/2λ times the variance from which on it is felt.
+const LEAST_BEND: f64 = 2e-6;
 
 /// All that the loops need.
 pub(super) struct Strokes<'a> {
@@ -47,7 +49,7 @@ impl NullaryFnOnce for Strokes<'_> {
             match run.source {
                 Source::Smooth(number) => {
                     let table = &self.tables[self.table_of[number]];
-                    smooth(&self.chords[number], table, run.row, first_column, pixels);
+                    smooth(&self.chords[number], table, self.profile, run.row, first_column, pixels);
                 }
                 Source::Summed(number) => {
                     let trees = &self.trees[self.trees_of[number].clone()];
@@ -66,13 +68,14 @@ impl NullaryFnOnce for Strokes<'_> {
 /// A pixel at (a, b) has its foot at a₀ = a + d g and lies v = d (1 - g²/2) to the left of the path, where d = b - f(a), g = f'(a). Of a path of
 /// curvature κ, points at a way u from the foot are at distance r² = v² + u² (1 - κv) from the pixel, to first order in κ, so that
 ///
-/// I = λ(a₀) (1 + κv/2) L(v).
+/// I = λ(a₀) (1 + κv/2) L(v) + λ''/2 M₂(v).
 #[inline(always)]
-fn smooth(chord: &Chord, table: &Lanes, row: usize, first_column: usize, pixels: &mut [f32]) {
+fn smooth(chord: &Chord, table: &Lanes, profile: &RadialProfile, row: usize, first_column: usize, pixels: &mut [f32]) {
     let [ux, uy] = chord.along;
     let (bow, half2) = (chord.bow as f32, (chord.half_pix * chord.half_pix) as f32);
     let curvature = chord.curvature() as f32;
     let light = chord.light.map(|power| power as f32);
+    let is_bent = chord.bend().abs() * profile.variance_pix2() > LEAST_BEND;
     let dy = row as f64 - chord.middle[1];
     for (block, out) in pixels.chunks_mut(LANES).enumerate() {
         let dx = (first_column + block * LANES) as f64 - chord.middle[0];
@@ -92,6 +95,12 @@ fn smooth(chord: &Chord, table: &Lanes, row: usize, first_column: usize, pixels:
         let shares = table.at(&across);
         for lane in 0..LANES {
             brightness[lane] *= shares[lane];
+        }
+        if is_bent {
+            let moments = profile.line_second_moment().at(&across);
+            for lane in 0..LANES {
+                brightness[lane] += light[2] * moments[lane];
+            }
         }
         if let Ok(whole) = <&mut [f32; LANES]>::try_from(&mut *out) {
             for lane in 0..LANES {

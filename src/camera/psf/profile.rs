@@ -32,7 +32,7 @@ pub struct RadialProfile {
     pixel_lanes: [Lanes; HARMONICS],
     round_from_pix: f64,
     line: [Curve; HARMONICS],
-    line_second_moment: Curve,
+    line_second_moment: Lanes,
     half_light_pix: f64,
     fwhm_pix: f64,
     variance_pix2: f64,
@@ -73,9 +73,8 @@ impl RadialProfile {
             nodes.iter().map(|([x, y], weight)| weight * line_alone.at((v + x * sin - y * cos).abs())).sum()
         });
         // Second moments of profile and pixel add up; the pixel's is 1/12 along each axis.
-        let line_second_moment = Curve::of(averaged, |v| {
-            along_line(&profile, v, 2, grain, &panels) + along_line(&profile, v, 0, grain, &panels) / 12.0
-        });
+        let line_second_moment =
+            Lanes::of(&Curve::of(averaged, |v| along_line(&profile, v, 2, grain, &panels) + line_alone.at(v) / 12.0));
         let (half_light_pix, fwhm_pix) = (half_light(&profile, grain, &panels), full_width(&profile));
         let variance_pix2 = PI * panels.integrate(0.0, reach, 0.5 * fwhm, |r| r.powi(3) * profile.at(r));
         let round_from_pix = round_from(&pixel);
@@ -143,14 +142,17 @@ impl RadialProfile {
         self.variance_pix2
     }
 
-    /// [`RadialProfile::line`] at one angle, plus `bend` times the second moment along the line, as a table for loops.
-    ///
-    /// A line whose light per pixel is λ at the foot of a pixel and bends by λ'' puts λ L(v) + λ''/2 M₂(v) there: `bend` is λ''/2λ.
-    pub fn line_lanes(&self, angle_rad: f64, bend: f64) -> Lanes {
-        let mut parts: Vec<(f64, &Curve)> =
-            (0..HARMONICS).map(|m| ((4.0 * m as f64 * angle_rad).cos(), &self.line[m])).collect();
-        parts.push((bend, &self.line_second_moment));
+    /// [`RadialProfile::line`] at one angle, as a table for loops.
+    pub fn line_lanes(&self, angle_rad: f64) -> Lanes {
+        let parts: [(f64, &Curve); HARMONICS] =
+            std::array::from_fn(|m| ((4.0 * m as f64 * angle_rad).cos(), &self.line[m]));
         Lanes::of(&Curve::sum(&parts))
+    }
+
+    /// Second moment along a line of unit light, M₂(v) = ∫ u² P(u, v) du, square pixels: a line whose light per pixel is λ at the foot of a pixel
+    /// and bends by λ'' puts λ L(v) + λ''/2 M₂(v) there.
+    pub fn line_second_moment(&self) -> &Lanes {
+        &self.line_second_moment
     }
 
     /// [`RadialProfile::pixel`] for `N` pixels at once, in single precision; `is_round` where all are farther than
