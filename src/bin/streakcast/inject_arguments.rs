@@ -61,8 +61,8 @@ pub struct ExposureArguments {
     #[arg(long, value_name = "N", num_args = 1.., value_delimiter = ',')]
     pub hdu: Vec<usize>,
     /// The telescope follows something that moves: arcsec/s towards east and north on the sky; the frame's coordinates hold half way
-    #[arg(long, value_name = "EAST,NORTH", num_args = 2, value_delimiter = ',', allow_hyphen_values = true)]
-    pub track_rate: Vec<f64>,
+    #[arg(long, value_name = "EAST,NORTH", value_parser = numbers::<2, 2>, allow_hyphen_values = true)]
+    pub track_rate: Option<Numbers>,
 }
 
 /// Which streaks, and how their light changes.
@@ -76,17 +76,17 @@ pub struct StreakArguments {
     #[arg(long, value_name = "N", requires = "magnitude", conflicts_with_all = ["elements", "shells"])]
     pub streak_density: Option<f64>,
     /// Magnitude of random streaks, as if they stood still: one, or from the brightest to the faintest, as 4,8
-    #[arg(long, value_name = "MAG", num_args = 1..=2, value_delimiter = ',', allow_hyphen_values = true)]
-    pub magnitude: Vec<f64>,
+    #[arg(long, value_name = "MAG[,MAG]", value_parser = numbers::<1, 2>, allow_hyphen_values = true)]
+    pub magnitude: Option<Numbers>,
     /// Speed of random streaks, deg/s, the slower first; it sets their distance too. 0.2,0.8 where unsaid: low satellites
-    #[arg(long, value_name = "RATE", num_args = 1..=2, value_delimiter = ',', allow_hyphen_values = true)]
-    pub streak_rate_deg_s: Vec<f64>,
+    #[arg(long, value_name = "RATE[,RATE]", value_parser = numbers::<1, 2>, allow_hyphen_values = true)]
+    pub streak_rate_deg_s: Option<Numbers>,
     /// A tumbling body: period s, amplitude mag from faintest to brightest, and where in the period (turns) the shutter opens
-    #[arg(long, value_name = "S,MAG[,TURNS]", num_args = 2..=3, value_delimiter = ',', allow_hyphen_values = true)]
-    pub tumbling: Vec<f64>,
+    #[arg(long, value_name = "S,MAG[,TURNS]", value_parser = numbers::<2, 3>, allow_hyphen_values = true)]
+    pub tumbling: Option<Numbers>,
     /// A flash: its magnitude, seconds after the middle of the track, full width s; may be said several times
-    #[arg(long, value_name = "MAG,S,S", value_parser = glint, allow_hyphen_values = true)]
-    pub glint: Vec<[f64; 3]>,
+    #[arg(long, value_name = "MAG,S,S", value_parser = numbers::<3, 3>, allow_hyphen_values = true)]
+    pub glint: Vec<Numbers>,
     /// A light curve of one's own: CSV of time_s after the shutter opened and delta_mag
     #[arg(long, value_name = "FILE")]
     pub light_curve: Option<PathBuf>,
@@ -154,8 +154,17 @@ pub struct TruthArguments {
     pub preview_marked: Option<PathBuf>,
 }
 
-/// Three numbers with commas between.
-fn glint(text: &str) -> Result<[f64; 3], String> {
-    let numbers: Vec<f64> = text.split(',').map_while(|number| number.trim().parse().ok()).collect();
-    <[f64; 3]>::try_from(numbers).map_err(|_| "three numbers are needed: magnitude, seconds after the middle, full width in seconds".to_owned())
+/// Numbers with commas between.
+#[derive(Clone, Debug)]
+pub struct Numbers(pub Vec<f64>);
+
+/// From `LEAST` to `MOST` numbers.
+fn numbers<const LEAST: usize, const MOST: usize>(text: &str) -> Result<Numbers, String> {
+    let numbers: Option<Vec<f64>> =
+        text.split(',').map(|number| number.trim().parse().ok().filter(|number: &f64| number.is_finite())).collect();
+    let count = if LEAST == MOST { LEAST.to_string() } else { format!("{LEAST} to {MOST}") };
+    match numbers {
+        Some(numbers) if (LEAST..=MOST).contains(&numbers.len()) => Ok(Numbers(numbers)),
+        _ => Err(format!("allowed: {count} numbers with commas between and no blanks")),
+    }
 }

@@ -14,7 +14,7 @@ use streakcast::streak::{
 };
 use streakcast::telescope::Telescope;
 
-use crate::inject_arguments::{CountArguments, ExposureArguments, InjectArguments, StreakArguments};
+use crate::inject_arguments::{CountArguments, ExposureArguments, InjectArguments, Numbers, StreakArguments};
 
 /// β of the Moffat profile where none is said: what telescopes have.
 const USUAL_BETA: f64 = 3.5;
@@ -75,11 +75,7 @@ impl Asked {
                 pixel_scale_arcsec,
             },
             scheduled,
-            tracking_arcsec_s: match typed.exposure.track_rate[..] {
-                [east, north] if east.is_finite() && north.is_finite() => Some([east, north]),
-                [] => None,
-                _ => return Err(anyhow!("--track-rate needs two numbers, arcsec/s towards east and north: 12.5,-3.0")),
-            },
+            tracking_arcsec_s: said(&typed.exposure.track_rate).try_into().ok(),
             random,
             modulation,
             optics: optics(&typed.streaks, telescope.as_ref())?,
@@ -98,6 +94,11 @@ impl Asked {
             reference_s: 0.5 * exposure_s,
         })
     }
+}
+
+/// The numbers said, none where nothing was.
+fn said(numbers: &Option<Numbers>) -> &[f64] {
+    numbers.as_ref().map_or(&[], |numbers| &numbers.0)
 }
 
 fn scheduled(typed: &ExposureArguments, setup: &Setup) -> anyhow::Result<Option<Exposure>> {
@@ -125,15 +126,18 @@ fn times(typed: &ExposureArguments, setup: &Setup, scheduled: Option<&Exposure>)
 }
 
 fn modulation(typed: &StreakArguments) -> anyhow::Result<Modulation> {
-    let tumbling = match typed.tumbling[..] {
+    let tumbling = match *said(&typed.tumbling) {
         [period_s, amplitude_mag] => Some(Tumbling { period_s, amplitude_mag, phase: 0.0 }),
         [period_s, amplitude_mag, phase] => Some(Tumbling { period_s, amplitude_mag, phase }),
         _ => None,
     };
-    let glint = |&[magnitude, offset_s, duration_s]: &[f64; 3]| Glint { magnitude, offset_s, duration_s };
+    let glint = |numbers: &Numbers| match numbers.0[..] {
+        [magnitude, offset_s, duration_s] => Some(Glint { magnitude, offset_s, duration_s }),
+        _ => None,
+    };
     Ok(Modulation {
         tumbling,
-        glints: typed.glint.iter().map(glint).collect(),
+        glints: typed.glint.iter().filter_map(glint).collect(),
         curve: typed.light_curve.as_deref().map(light_curve).transpose()?,
     })
 }
@@ -167,7 +171,7 @@ fn random(typed: &StreakArguments) -> anyhow::Result<Option<Random>> {
     let number = match (typed.random_streaks, typed.streak_density) {
         (Some(number), _) => StreakNumber::Exactly(number),
         (None, Some(mean)) => StreakNumber::OnAverage(mean),
-        (None, None) if typed.magnitude.is_empty() && typed.streak_rate_deg_s.is_empty() => return Ok(None),
+        (None, None) if typed.magnitude.is_none() && typed.streak_rate_deg_s.is_none() => return Ok(None),
         (None, None) => {
             return Err(anyhow!("--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own"));
         }
@@ -179,8 +183,8 @@ fn random(typed: &StreakArguments) -> anyhow::Result<Option<Random>> {
     };
     let streaks = RandomStreaks {
         number,
-        magnitude: range(&typed.magnitude, [f64::NAN; 2]),
-        rate_rad_s: range(&typed.streak_rate_deg_s, USUAL_RATES_DEG_S).map(f64::to_radians),
+        magnitude: range(said(&typed.magnitude), [f64::NAN; 2]),
+        rate_rad_s: range(said(&typed.streak_rate_deg_s), USUAL_RATES_DEG_S).map(f64::to_radians),
     };
     Ok(Some(Random { streaks, a_square_degree: typed.streak_density.is_some() }))
 }
