@@ -2,7 +2,7 @@
 //!
 //! `point` is what a fit sees of a measurement, `form` what a law must answer (`two_panel` the paper's, `phase` those that it
 //! has to beat), `objective` a form held against points under a `loss`, `solve` its least squares from several starts with
-//! their `covariance` (of pixels by `jackknife` over the tracks behind them), `posterior` the walkers' draws (kept by
+//! their `covariance` (of pixels by `jackknife` over the `tracks` behind them), `posterior` the walkers' draws (kept by
 //! `chain_file`), `comparison` and `cross_validation` which form explains more. `inference` knows functions of a vector and nothing of satellites.
 
 mod chain_file;
@@ -31,13 +31,14 @@ mod solve;
 mod soundness;
 mod statistics;
 mod tables;
+mod tracks;
 mod two_panel;
 
 pub use chain_file::{ChainAbout, read_chain, write_chain};
 pub use comparison::{PairedTest, aic, paired_t_test, rms};
 pub use contest::{Entrant, Standing, baselines, contest};
 pub use covariance::{Certainty, CovarianceKind};
-pub use cross_validation::{HeldOut, cross_validate, folds_by_group, predict};
+pub use cross_validation::{Folds, HeldOut, cross_validate, predict};
 pub use error::FitError;
 pub use form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
 pub use inference::Chain;

@@ -71,10 +71,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     entrants.extend(baselines(two_panels.as_ref()));
     let folds = typed.form.folds;
     provenance.state("folds", folds);
-    if placed.reduction.is_some() {
-        placed.notices.say(super::run::PIXELS_ARE_SEEN);
-    }
-    let (_, standings) = contest(&entrants, &placed.points, &chosen.settings, folds)?;
+    let standings = contest(&entrants, &placed.points, placed.tracks(), &chosen.settings, folds)?;
     let standings = standing_table(&standings);
     let (offsets, rivals) = match &tests {
         Some(tests) => (offset_table(&tests.offsets), rival_table(&[&tests.sail_glossy, &tests.earthshine])),

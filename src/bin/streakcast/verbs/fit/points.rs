@@ -35,6 +35,13 @@ pub struct Placed {
     pub notices: Notices,
 }
 
+impl Placed {
+    /// The measurements behind pixels, and how these are made of them: what is held out of fits to pixels.
+    pub fn tracks(&self) -> Option<(&Measurements, ReduceOptions)> {
+        self.reduction.as_ref().map(|reduction| (&self.measurements, reduction.options))
+    }
+}
+
 pub fn read(
     typed: &PhotometryArguments,
     reduction: &ReductionArguments,

@@ -90,7 +90,7 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
         report.section("On unseen points");
         report.say(match &told.placed.reduction {
             None => "Each form fitted without one fold of tracks or nights at a time, and held against it.",
-            Some(_) => "Each form fitted without one fold of pixels at a time, and held against it. Tracks cross many pixels, so these have seen the same tracks.",
+            Some(_) => "Each form fitted to the pixels of all tracks but those of one fold at a time, and held against the pixels that these make alone.",
         });
         report.table(&standing_table(told.standings));
     }

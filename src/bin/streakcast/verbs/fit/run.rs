@@ -130,9 +130,6 @@ fn place_of(path: &Path) -> PathBuf {
     folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default())
 }
 
-/// Folds of pixels hold points of the same tracks.
-pub const PIXELS_ARE_SEEN: &str = "warning: folds are of pixels, and tracks cross many: what is called unseen has seen the same tracks; --raw-points holds out whole tracks";
-
 /// The form and those that it has to beat, on the same unseen folds.
 fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyhow::Result<Vec<Standing>> {
     if typed.form.folds == 0 {
@@ -141,9 +138,13 @@ fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyho
     let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
     entrants.extend(baselines(chosen.form.as_two_panels().as_ref()));
-    let standings = match contest(&entrants, &placed.points, &chosen.settings, typed.form.folds) {
-        Ok((_, standings)) => standings,
-        // A fit of one night is a fit all the same.
+    let standings = match contest(&entrants, &placed.points, placed.tracks(), &chosen.settings, typed.form.folds) {
+        Ok(standings) => standings,
+        // A fit of one night, or of few pixels, is a fit all the same.
+        Err(problem @ (FitError::NoneUnseen { .. } | FitError::TooFew { .. })) => {
+            placed.notices.say(&format!("warning: nothing is said of unseen points: {problem}"));
+            return Ok(Vec::new());
+        }
         Err(FitError::Folds { groups, folds }) => {
             let words = format!(
                 "warning: {groups} tracks or nights cannot be held out in {folds} folds (--folds): nothing is said of unseen points"
@@ -153,9 +154,6 @@ fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyho
         }
         Err(error) => return Err(error.into()),
     };
-    if placed.reduction.is_some() {
-        placed.notices.say(PIXELS_ARE_SEEN);
-    }
     for one in &standings {
         placed.notices.say(&format!(
             "  unseen: {:<22} k {} RMS {:.3} core {:.3} mag, {:.0} % within one sigma",
