@@ -1,7 +1,7 @@
 //! Reports of fits: what was read, what was fitted, what is wrong with it, with pictures.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use streakcast::fit::{Report, Spread, marginal_table, parameter_table, points_behind, standing_table};
@@ -30,11 +30,24 @@ fn ends_in(path: &Path, ends: &[&str]) -> bool {
     end.is_some_and(|end| ends.contains(&end.as_str()))
 }
 
+/// Ends of the names of all pictures that a report may have.
+const PICTURES: [&str; 6] = ["histogram", "residuals", "phase", "maps", "pixels", "corner"];
+
+/// Every file that a report may write: itself, and the pictures beside it.
+pub fn files(path: &Path) -> Vec<PathBuf> {
+    let beside = PICTURES.iter().filter(|_| !is_html(path) && cfg!(feature = "plot"));
+    std::iter::once(path.to_owned()).chain(beside.map(|end| path.with_file_name(picture_name(path, end)))).collect()
+}
+
+fn picture_name(report: &Path, end: &str) -> String {
+    let stem = report.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    format!("{stem}-{end}.png")
+}
+
 /// Writes the report: pictures beside a `.md`, within a `.html`.
 pub fn write(path: &Path, told: &Told, file: &ModelFile) -> anyhow::Result<()> {
     let drawn = pictures(told, file)?;
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (format!("{stem}-{}.png", one.0), one)).collect();
+    let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (picture_name(path, one.0), one)).collect();
     let report = text(told, file, &names);
     if is_html(path) {
         let page = report.to_html(|name| names.get(name).map(|one| data_url(&one.2)));
@@ -67,6 +80,9 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
         fit.kept.len(),
         told.placed.points.len() - fit.kept.len()
     ));
+    if let Some(doubt) = told.placed.band_doubt(told.chosen.band) {
+        report.say(&format!("**Band:** {doubt}."));
+    }
     if measurements.dropped.total() > 0 {
         report.table(&measurements.dropped.table());
     }
