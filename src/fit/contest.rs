@@ -3,7 +3,7 @@
 use crate::measured::{Measurements, ReduceOptions};
 use crate::photometry::{Coefficients, Earthshine};
 
-use super::comparison::aic;
+use super::comparison::aic_under;
 use super::cross_validation::{Folds, HeldOut, common, cross_validate_all};
 use super::error::FitError;
 use super::form::Form;
@@ -36,7 +36,7 @@ pub struct Standing {
     pub held_out: Spread,
     /// The same, point by point, fold by fold.
     pub held_out_mag: Vec<f64>,
-    /// Akaike's criterion in sample.
+    /// Akaike's criterion in sample ([`aic_under`]).
     pub aic: f64,
     /// Sigma that held 68.3 % of the points held out.
     pub honest_sigma_mag: f64,
@@ -72,6 +72,7 @@ pub fn contest(
         None => Folds::of_points(&points, folds)?,
     };
     let held = cross_validate_all(&forms, &dealt)?;
+    let sigmas_mag: Vec<f64> = points.iter().map(|point| point.sigma_mag).collect();
     let standing = |((entrant, (form, settings)), held): ((&Entrant, &(&dyn Form, FitSettings)), HeldOut)| {
         let fit = Problem::new(*form, &points, settings)?.solve()?;
         let empty = || FitError::Empty { given: points.len(), unexplained: points.len(), form: entrant.name.clone() };
@@ -81,7 +82,7 @@ pub fn contest(
             parameters: entrant.free.len(),
             in_sample,
             held_out: Spread::of(&held.residuals_mag).ok_or(FitError::NoneUnseen { folds })?,
-            aic: aic(in_sample.rms_mag, in_sample.n, entrant.free.len()),
+            aic: aic_under(settings.loss, &fit.residuals_mag, &sigmas_mag, entrant.free.len()),
             honest_sigma_mag: honest_sigma_mag(&held.residuals_mag),
             within_one_sigma: within_of_others(&held.residuals_mag, &held.folds),
             held_out_mag: held.residuals_mag,

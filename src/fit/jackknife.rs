@@ -181,7 +181,6 @@ mod tests {
         for (mode, alike) in ALIKE {
             for offset_mag in [0.0, 0.3] {
                 let [scatter, _, by_sets] = sigmas(offset_mag, coarse(mode));
-                println!("{mode:?} {offset_mag}: {:.2}", by_sets / scatter);
                 assert!(alike.contains(&(by_sets / scatter)), "{by_sets} {scatter}");
             }
         }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use streakcast::fit::{Report, Spread, marginal_table, parameter_table, points_behind, standing_table};
+use streakcast::fit::{Loss, Report, Spread, marginal_table, parameter_table, points_behind, standing_table};
 use streakcast::photometry::ModelFile;
 
 use super::run::Told;
@@ -30,6 +30,11 @@ fn ends_in(path: &Path, ends: &[&str]) -> bool {
     end.is_some_and(|end| ends.contains(&end.as_str()))
 }
 
+/// Of fits that are not by squares.
+const ROBUST: &str = "The fit is robust: it does not stand where the RMS is least, and points far off count little. The core says how the others scatter; \
+Akaike's criterion below is that of the loss (sum of losses + 2k), not of the RMS.";
+/// Errors of a fit so many times those of the draws are not alike.
+const MUCH_LARGER: f64 = 1.2;
 /// Ends of the names of all pictures that a report may have.
 const PICTURES: [&str; 6] = ["histogram", "residuals", "phase", "maps", "pixels", "corner"];
 
@@ -102,6 +107,9 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
     report.list(
         spread("Fitted points", &fit.residuals_mag).into_iter().chain(spread("Single measurements", told.single_mag)),
     );
+    if told.chosen.settings.loss != Loss::Squares {
+        report.say(ROBUST);
+    }
     if !told.standings.is_empty() {
         report.section("On unseen points");
         report.say(match &told.placed.reduction {
@@ -119,10 +127,17 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
             100.0 * posterior.acceptance,
             told.typed.seed
         ));
-        report.say(
-            "Points are taken as independent here: where tracks or nights share their faults, the errors of the table above are the larger and the honest ones.",
-        );
-        report.table(&marginal_table(posterior));
+        let narrow = posterior.overconfident(fit, MUCH_LARGER);
+        let words: Vec<String> = narrow.iter().map(|(name, times)| format!("{name} {times:.1}")).collect();
+        report.say(&match words.is_empty() {
+            true => "Points are taken as independent here. The errors of the fit (fit_sigma) are alike: either may be used.".to_owned(),
+            false => format!(
+                "Points are taken as independent here, and tracks or nights share their faults: the errors of the fit (fit_sigma) are larger ({} times). \
+                 Use those; of the draws, the shape.",
+                words.join(", ")
+            ),
+        });
+        report.table(&marginal_table(posterior, fit));
     }
     if !pictures.is_empty() {
         report.section("Pictures");
@@ -227,12 +242,20 @@ mod drawn {
             let names: Vec<String> = posterior.marginals.iter().map(|marginal| marginal.name.clone()).collect();
             let burn_in = chain.steps() - posterior.steps;
             let samples: Vec<Vec<f64>> = (0..names.len()).map(|i| chain.column(i, burn_in)).collect();
+            let bounds: Vec<[f64; 2]> =
+                fit.free.iter().map(|&i| [fit.parameters[i].least, fit.parameters[i].greatest]).collect();
             if (2..=9).contains(&names.len()) {
                 let title = format!("Posterior of {name}");
                 add(
                     "corner",
                     "Posterior",
-                    corner(&Corner { title: &title, names: &names, samples: &samples, truths: None })?,
+                    corner(&Corner {
+                        title: &title,
+                        names: &names,
+                        samples: &samples,
+                        truths: None,
+                        bounds: Some(&bounds),
+                    })?,
                 )?;
             }
         }
