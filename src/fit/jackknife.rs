@@ -13,7 +13,7 @@
 //!
 //! What is not smooth asks for large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not smooth: they jump where a few of many
 //! points are left out. Where a pixel has points of many tracks, the sigma is too large: in the tests below, with 70 points of as many
-//! tracks, by 1.4 to 1.7 (kernel) and 1.8 to 2.4 (half-sample modes). It errs on the safe side.
+//! tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample modes). It errs on the safe side.
 
 use rayon::prelude::*;
 

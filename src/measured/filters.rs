@@ -49,7 +49,7 @@ impl fmt::Display for BandDoubt {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let words = self.seen.iter().map(|(filter, rows)| match filter {
             Some(name) => format!("{name} ({rows} rows)"),
-            None => format!("no filter that is named ({rows} rows)"),
+            None => format!("a filter that nothing names ({rows} rows)"),
         });
         let words = words.collect::<Vec<_>>().join(", ");
         let mixed = if self.seen.counts.len() > 1 { "mixed filters: " } else { "" };
@@ -73,7 +73,7 @@ mod tests {
         assert_eq!(counts(&[]), None);
         for (rows, parts) in [
             (vec![(Some("Clear"), 3), (Some("Clear"), 4)], ["photometry through Clear (7 rows)", "taken as V"]),
-            (vec![(None, 5)], ["no filter that is named (5 rows)", "taken as V"]),
+            (vec![(None, 5)], ["a filter that nothing names (5 rows)", "taken as V"]),
             (vec![(Some("V"), 5), (Some("B"), 1)], ["mixed filters", "V (5 rows), B (1 rows)"]),
             (vec![(Some("v"), 5)], ["v (5 rows)", "taken as V"]),
         ] {
