@@ -43,7 +43,8 @@ fn main() -> Result<(), Box<dyn Error>> {
         samples[4].push(0.0812 * (0.04 * spread.normal()).exp());
         samples[5].push(0.3 + 0.01 * (spread.normal() + 0.5 * common));
     }
-    let posterior = corner(&Corner { title: "", names: &names, samples: &samples, truths: Some(&truths) })?;
+    let posterior =
+        corner(&Corner { title: "", names: &names, samples: &samples, truths: Some(&truths), bounds: None })?;
 
     // Cells of a satellite's sky: bright towards the Sun, fewer samples near the rim.
     let nside = 32;

@@ -63,7 +63,8 @@ fn posterior(parameters: usize, samples: usize) -> (Vec<String>, Vec<Vec<f64>>) 
 #[test]
 fn verif_a_corner_plot_says_quantiles_and_names() {
     let (names, samples) = posterior(3, 20_000);
-    let picture = corner(&Corner { title: "A model", names: &names, samples: &samples, truths: None }).unwrap();
+    let picture =
+        corner(&Corner { title: "A model", names: &names, samples: &samples, truths: None, bounds: None }).unwrap();
     // One sigma is 0.00035, and quantiles 0.16 and 0.84 lie 0.9945 of it away.
     has(&picture, &["A model", "c1 = 0.0123 +0.0003 −0.0003", "c3 = 0.0123 +0.0003 −0.0003", "c1", "c2", "c3"]);
     let image = pixels(&picture);
@@ -71,8 +72,30 @@ fn verif_a_corner_plot_says_quantiles_and_names() {
     let orange = |image: &RgbImage| image.pixels().filter(|pixel| pixel.0 == [213, 94, 0]).count();
     assert_eq!(orange(&image), 0);
     let truths = [0.0124, 0.0122, 0.0123];
-    let with_truths = corner(&Corner { title: "", names: &names, samples: &samples, truths: Some(&truths) }).unwrap();
+    let with_truths =
+        corner(&Corner { title: "", names: &names, samples: &samples, truths: Some(&truths), bounds: None }).unwrap();
     assert!(orange(&pixels(&with_truths)) > 1000);
+}
+
+/// Samples that pile up at a bound of 0: no tick of their axis stands below it, as one does without the bound.
+#[test]
+fn verif_corner_plots_end_at_bounds() {
+    let (names, mut samples) = posterior(2, 4_000);
+    let middle = samples[0].iter().sum::<f64>() / 4_000.0;
+    samples[0].iter_mut().for_each(|sample| *sample = (*sample - middle).abs());
+    let most = samples[0].iter().copied().fold(0.0, f64::max);
+    let bounds = [[0.0, 10.0 * most], [f64::NEG_INFINITY, f64::INFINITY]];
+    let drawn = |bounds: Option<&[[f64; 2]]>| {
+        pixels(&corner(&Corner { title: "", names: &names, samples: &samples, truths: None, bounds }).unwrap())
+    };
+    let (free, bound) = (drawn(None), drawn(Some(&bounds)));
+    // The bars of the first panel begin at its left side.
+    let first_bar = |picture: &RgbImage| {
+        picture.enumerate_pixels().filter(|(.., colour)| colour.0 == [158, 202, 225]).map(|(x, ..)| x).min().unwrap()
+    };
+    assert!(first_bar(&bound) + 10 < first_bar(&free), "{} {}", first_bar(&bound), first_bar(&free));
+    let wrong = Corner { title: "", names: &names, samples: &samples, truths: None, bounds: Some(&bounds[..1]) };
+    assert!(corner(&wrong).map(|_| ()).unwrap_err().to_string().contains("bounds of parameters"));
 }
 
 #[test]
@@ -80,7 +103,7 @@ fn verif_corner_plots_of_two_to_nine_parameters_stay_in_their_size() {
     for parameters in 2..=9 {
         let (names, samples) = posterior(parameters, 2_000);
         let names: Vec<String> = names.iter().map(|name| format!("{name}_of_a_long_name")).collect();
-        pixels(&corner(&Corner { title: "", names: &names, samples: &samples, truths: None }).unwrap());
+        pixels(&corner(&Corner { title: "", names: &names, samples: &samples, truths: None, bounds: None }).unwrap());
     }
 }
 
@@ -88,7 +111,9 @@ fn verif_corner_plots_of_two_to_nine_parameters_stay_in_their_size() {
 fn verif_a_corner_plot_refuses_what_it_cannot_draw() {
     let (names, mut samples) = posterior(2, 100);
     let drawn = |names: &[String], samples: &[Vec<f64>], truths: Option<&[f64]>| {
-        corner(&Corner { title: "", names, samples, truths }).map(|_| ()).map_err(|error| error.to_string())
+        corner(&Corner { title: "", names, samples, truths, bounds: None })
+            .map(|_| ())
+            .map_err(|error| error.to_string())
     };
     assert!(drawn(&names[..1], &samples[..1], None).unwrap_err().contains("is 1, allowed: 2 to 9"));
     assert!(drawn(&names[..1], &samples, None).unwrap_err().contains("names of parameters: 1 values"));
@@ -252,6 +277,18 @@ fn verif_points_stand_beside_their_model_and_over_their_angles() {
     pixels(&alone);
     let one = PhaseCurve { phase_angle_rad: &[1.0], measured_mag: &[6.0], model_mag: &[6.0], ..curve.clone() };
     pixels(&phase_curve(&one).unwrap());
+    // One of 300 magnitudes lies far off, and then two of them.
+    for (off, expected) in [(1, "; 1 magnitude beyond the axis"), (2, "; 2 magnitudes beyond the axis")] {
+        let far: Vec<f64> = (0..2_000).map(|n| if n < off { 60.0 } else { 6.0 + n as f64 * 1e-4 }).collect();
+        let picture = phase_curve(&PhaseCurve {
+            phase_angle_rad: &phase[..2_000],
+            measured_mag: &far,
+            model_mag: &[],
+            ..curve.clone()
+        });
+        let said = words(&picture.unwrap()).join(" ");
+        assert!(said.contains(expected), "{said}");
+    }
     let wrong = phase_curve(&PhaseCurve { phase_angle_rad: &[4.0], ..one.clone() }).map(|_| ()).unwrap_err();
     assert!(wrong.to_string().contains("allowed: 0 to 180°"), "{wrong}");
 

@@ -2,6 +2,7 @@
 
 mod common;
 
+use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
@@ -41,8 +42,11 @@ fn folder() -> TempDir {
 }
 
 fn run(folder: &Path, arguments: &str) -> (i32, String, String) {
-    let output =
-        Command::new(STREAKCAST).args(arguments.split_whitespace()).current_dir(folder).output().expect("a run");
+    run_words(folder, &arguments.split_whitespace().collect::<Vec<_>>())
+}
+
+fn run_words(folder: &Path, arguments: &[&str]) -> (i32, String, String) {
+    let output = Command::new(STREAKCAST).args(arguments).current_dir(folder).output().expect("a run");
     let text = |bytes: Vec<u8>| String::from_utf8(bytes).expect("text");
     (output.status.code().expect("a code"), text(output.stdout), text(output.stderr))
 }
@@ -171,6 +175,19 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
         (format!("{FIT} -o m.json --scatter-mag 0"), vec!["scatter-mag 0"]),
         (format!("{FIT} -o m.json --mcmc 100 --burn-in 100"), vec!["burn-in 100", "100 steps"]),
         (format!("{FIT} -o m.json --mcmc 100 --burn-in 5 --walkers 9"), vec!["9 walkers", "even"]),
+        (format!("{FIT} -o m.json --mcmc 100 --burn-in 5 --walkers 12"), vec!["12 walkers", "at least 14"]),
+        (format!("{FIT} -o m.json --date banana"), vec!["date banana", "2026-11"]),
+        (format!("{FIT} -o m.json --date 2026-13"), vec!["date 2026-13"]),
+        (format!("{FIT} -o m.json --date 2026-02-30"), vec!["date 2026-02-30"]),
+        (format!("{FIT} -o m.json --date 26-1"), vec!["date 26-1"]),
+        (format!("{FIT} -o m.json --name My_Model"), vec!["My_Model", "lower-case"]),
+        (format!("{FIT} -o m.json --folds 1"), vec!["folds 1", "0, or 2 or more"]),
+        (FIT.replace("--raw-points", "--jackknife 7") + " -o m.json", vec!["jackknife 7", "7 free parameters"]),
+        (FIT.replace("--raw-points", "--nside 0") + " -o m.json", vec!["nside", "1 to 1024"]),
+        (format!("{FIT} -o m.json --report -"), vec!["report -"]),
+        (format!("{FIT} -o m.json --report m.md --chains m-phase.png --mcmc 9 --burn-in 1"), vec!["named twice"]),
+        (format!("{FIT} -o m.json --max-range-difference-km=-1"), vec!["max_range_difference_km", "0 or more"]),
+        (format!("{FIT} -o m.json --elements-radius"), vec!["--elements"]),
         (format!("{FIT} -o m.json --report ./m.json"), vec!["m.json is named twice"]),
         (format!("{FIT} -o m.json --mcmc 9 --burn-in 1 --chains ./m.json"), vec!["named twice"]),
         (format!("{FIT} -o mmt.csv"), vec!["mmt.csv is named twice"]),
@@ -198,6 +215,85 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
         }
         assert!(!at("m.json").exists(), "{arguments}");
     }
+}
+
+/// What is not as the model has it is said on the way, in the report and in the model file; and names may hold blanks.
+#[test]
+fn verif_bands_are_compared_and_names_hold_blanks() {
+    let folder = folder();
+    let report = folder.path().join("my fit.md");
+    let mut words: Vec<&str> = FIT.split_whitespace().collect();
+    words.extend(["--folds", "0", "-o", "-", "--report", "my fit.md"]);
+    let (code, json, said) = run_words(folder.path(), &words);
+    assert!(code < 2 && said.contains("warning: photometry through Clear ("), "{said}");
+    let model = BrightnessModel::from_json(&json, "standard output").expect("a model");
+    let notes = &model.file().expect("a file").provenance.notes;
+    assert!(notes.iter().any(|note| note.contains("taken as V")), "{notes:?}");
+    assert!(!folder.path().join("-").exists());
+    let text = fs::read_to_string(report).expect("a report");
+    assert!(text.contains("**Band:** photometry through Clear"), "{text}");
+    #[cfg(feature = "plot")]
+    assert!(text.contains("](<my fit-phase.png>)") && folder.path().join("my fit-phase.png").is_file());
+    // Two files through different filters are mixed, and counted apart.
+    let table = fs::read_to_string(folder.path().join("mmt.csv")).expect("a table");
+    fs::write(folder.path().join("v.csv"), table.replace(",Clear,", ",V,")).expect("a file");
+    let two = FIT.replace("mmt.csv", "mmt.csv v.csv --filter Clear V --keep-duplicates") + " --folds 0 -o m.json";
+    let (_, _, said) = run(folder.path(), &two);
+    assert!(said.contains("warning: mixed filters: photometry through Clear (") && said.contains("V ("), "{said}");
+    let (_, _, said) = run(folder.path(), &(FIT.replace("mmt.csv", "v.csv --filter V") + " --folds 0 -o m.json"));
+    assert!(!said.contains("taken as"), "{said}");
+}
+
+/// Thresholds of the selection as they are typed, and what an answer says of them.
+#[test]
+fn verif_thresholds_are_options_and_are_told() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let reduce = |more: &str| {
+        let (code, json, said) = run(
+            folder.path(),
+            &format!("fit reduce --photometry mmt.csv --height-km 550 --raw-points --format json {more}"),
+        );
+        assert_eq!(code, 0, "{said}");
+        serde_json::from_str::<serde_json::Value>(&json).expect("JSON")
+    };
+    let count = |answer: &serde_json::Value| answer["measurements"].as_array().expect("rows").len();
+    let (plain, high) = (reduce(""), reduce("--least-altitude-deg 45"));
+    assert!(count(&high) < count(&plain), "{} {}", count(&high), count(&plain));
+    let told = &high["provenance"];
+    assert_eq!(told["least_altitude_deg"], 45.0);
+    assert!(told["left_out_below_horizon"].as_u64() >= Some((count(&plain) - count(&high)) as u64), "{told}");
+    let rows = told["rows_through_Clear"].as_u64().expect("a number");
+    assert_eq!(told["rows_left_out"].as_u64(), Some(rows - count(&high) as u64), "{told}");
+    // Rows that the survey flags.
+    let table = fs::read_to_string(at("mmt.csv")).expect("a table");
+    fs::write(at("mmt.csv"), table.replace(",Clear,0,", ",Clear,1,")).expect("a file");
+    assert_eq!(count(&reduce("--keep-penumbra-flag")), count(&plain));
+    let (code, _, said) = run(folder.path(), "fit reduce --photometry mmt.csv --height-km 550 --raw-points");
+    assert!(code == 2 && said.contains("penumbra flag"), "{said}");
+    fs::write(at("mmt.csv"), table).expect("a file");
+    // The Sun is 1.0119 au away on 20 May 2023: its light is fainter by 5 log10 of it.
+    let magnitudes = |answer: &serde_json::Value| {
+        let rows = answer["measurements"].as_array().expect("rows");
+        rows.iter().filter_map(|row| row["standard_magnitude"].as_f64()).collect::<Vec<f64>>()
+    };
+    /// Over five days, and of printed digits, mag.
+    const WITHIN: f64 = 0.003;
+    for (with, without) in magnitudes(&reduce("--sun-distance")).iter().zip(magnitudes(&plain)) {
+        assert!((without - with - 0.0257).abs() < WITHIN, "{without} {with}");
+    }
+    // Every threshold of a comparison is told, and every row left out.
+    let compare = FIT.replace("fit run", "fit compare") + " --layer-deg 30 --max-phase-difference-deg 2 --format json";
+    let (code, json, said) = run(folder.path(), &compare);
+    assert_eq!(code, 0, "{said}");
+    let answer: serde_json::Value = serde_json::from_str(&json).expect("JSON");
+    let told = &answer["provenance"];
+    for name in
+        ["least_grazing_km", "max_range_difference_km", "max_phase_difference_deg", "rows_left_out", "free", "band"]
+    {
+        assert!(!told[name].is_null(), "{name} is not in {told}");
+    }
+    assert!(answer["dropped"].is_array());
 }
 
 /// Every parameter ends at a bound, or there are fewer nights than folds: an answer all the same.
@@ -245,6 +341,33 @@ fn valid_identified_tracks_are_placed_by_elements() {
         .skip(1)
         .filter(|line| !line.split(',').nth(1).unwrap_or("").is_empty());
     assert!(named.count() > 5_000, "{said}");
+    // The same tracks without anybody's help: the satellites that were found independently, none of them wrong.
+    let identify =
+        format!("fit identify --photometry {table} --elements {} --format csv -o found.csv", elements.join(" "));
+    let (code, _, said) = run(folder.path(), &identify);
+    assert!(code == 0 && said.contains("tracks identified"), "{said}");
+    let found: HashMap<String, String> = fs::read_to_string(folder.path().join("found.csv"))
+        .expect("a table")
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .filter_map(|line| line.split_once(','))
+        .map(|(track, rest)| (track.to_owned(), rest.split(',').next().unwrap_or("").to_owned()))
+        .collect();
+    let known = fs::read_to_string(&tracks).expect("a table");
+    let (mut same, mut sure) = (0, 0);
+    for cells in known.lines().skip(1).map(|line| line.split(',').collect::<Vec<_>>()) {
+        let Some(norad) = found.get(cells[0]).filter(|norad| !norad.is_empty() && cells[10] == "sure") else {
+            continue;
+        };
+        sure += 1;
+        same += usize::from(norad == cells[3]);
+    }
+    assert!(same == sure && sure > 15, "{same} of {sure}");
+    let (code, rows, said) = run(folder.path(), &arguments.replace(&tracks, "found.csv"));
+    assert!(code == 0 && rows.lines().count() > 3_000, "{said}");
+    let radius = arguments.replace("--fit-offset-s 90", "--elements-radius --max-element-age-days 50");
+    let (code, on_radius, said) = run(folder.path(), &radius);
+    assert!(code == 0 && on_radius.lines().count() > 5_000 && on_radius != rows, "{said}");
     // A table without the columns, and a number that is none.
     fs::write(folder.path().join("bad.csv"), "track,norad\n18903315,many\n").expect("a file");
     let (code, _, said) = run(folder.path(), &arguments.replace(&tracks, "bad.csv"));

@@ -4,10 +4,13 @@ use std::fs;
 
 use streakcast::fit::inference::{Chain, LogProbability, NormalEquations, autocorrelation_times};
 use streakcast::fit::{
-    FitPoint, FitSettings, Form, Loss, PosteriorSettings, Problem, TwoPanelForm, draw, posterior, predict,
+    FitPoint, FitSettings, Form, Loss, ModelWords, PosteriorSettings, Problem, TwoPanelForm, draw, model_file,
+    posterior, predict,
 };
 use streakcast::geometry::ViewingGeometry;
-use streakcast::photometry::{Coefficients, Earthshine, SatelliteModel, SatelliteShape, StandardMagnitude};
+use streakcast::photometry::{
+    BrightnessModel, Coefficients, Earthshine, ModelLibrary, SatelliteModel, SatelliteShape, StandardMagnitude,
+};
 
 const SEVEN: [&str; 7] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"];
 const SUN: f64 = -26.76;
@@ -252,4 +255,74 @@ fn verif_a_chain_is_the_same_at_any_number_of_threads_and_when_resumed() {
     let mut outside = whole.at(29, 0).to_vec();
     outside[0] = 1.5;
     assert_eq!(objective.of_many(&[outside]), [f64::NEG_INFINITY]);
+}
+
+/// A panel offset that was fitted is in the file's covariance, and what it does to magnitudes in their sigma.
+#[test]
+fn verif_a_fitted_panel_offset_is_in_the_covariance() {
+    let mut form = form(Earthshine::Off);
+    form.shape.panel_offset_deg = 3.0;
+    let values: Vec<f64> = form.parameters().iter().map(|parameter| parameter.value).collect();
+    let mut points = many(&[-21.0, -12.0, -3.0]);
+    let predicted = predict(&form, &points, &values);
+    for (i, (point, magnitude)) in points.iter_mut().zip(predicted).enumerate() {
+        point.magnitude = if magnitude.is_finite() { magnitude + 0.05 * (i as f64 * 0.7).sin() } else { 6.0 };
+    }
+    let library = ModelLibrary::embedded();
+    let base = library.get("starlink-v1.5").and_then(|model| model.file().cloned()).expect("a model");
+    let words = ModelWords {
+        name: "mine".into(),
+        title: "A fit".into(),
+        source: "a test".into(),
+        data: "made up".into(),
+        date: "2026-11".into(),
+        provisional: false,
+        notes: Vec::new(),
+        sigma_origin: "made up".into(),
+    };
+    let fitted = |names: &[&str]| {
+        let problem = Problem::new(&form, &points, &FitSettings::free(names)).expect("a problem");
+        let fit = problem.solve().expect("a fit");
+        let file = model_file(&base, &fit, problem.points(), 0.05, 0.3, &words).expect("a model file");
+        (fit, file)
+    };
+    let (_, without) = fitted(&SEVEN);
+    assert_eq!(without.covariance.as_ref().map(Vec::len), Some(7));
+    let mut names = SEVEN.to_vec();
+    names.push("panel_offset_deg");
+    let (fit, file) = fitted(&names);
+    let covariance = file.covariance.clone().expect("a covariance");
+    let variance = fit.certainty.sigma(7).expect("a sigma").powi(2);
+    assert!(covariance.len() == 8 && (covariance[7][7] / variance - 1.0).abs() < 1e-12, "{covariance:?}");
+    assert_eq!(file.parameters()[7], ("panel_offset_deg", file.shape.expect("a shape").panel_offset_deg));
+    assert!((file.parameters()[7].1 - 3.0).abs() < 0.5, "{:?}", file.parameters());
+    // The same file read again, with an offset that alone is uncertain: sigma is the slope of the magnitude by it.
+    let only = |variance: f64| {
+        let mut file = file.clone();
+        let mut covariance = vec![vec![0.0; 8]; 8];
+        covariance[7][7] = variance;
+        file.covariance = Some(covariance);
+        BrightnessModel::from_json(&file.to_json(), "again").expect("a model")
+    };
+    let at_offset = |by: f64| {
+        let mut file = file.clone();
+        file.covariance = None;
+        file.shape = file.shape.map(|shape| SatelliteShape { panel_offset_deg: shape.panel_offset_deg + by, ..shape });
+        BrightnessModel::from_file(file, "moved").expect("a model")
+    };
+    /// Of differences over 0.02 deg, share; and where the offset matters at all, mag.
+    const DIFFERENCES: (f64, f64) = (1e-2, 1e-3);
+    let (model, up, down) = (only(0.04), at_offset(0.01), at_offset(-0.01));
+    let mut compared = 0;
+    for point in &points {
+        let (sun, eye) = (point.geometry.to_sun(), point.geometry.to_observer());
+        let Some(sigma) = model.parameter_sigma_mag(&sun, &eye, 0.0) else { continue };
+        let magnitude =
+            |model: &BrightnessModel| model.standard_magnitude(&point.geometry).map(|magnitude| magnitude.0);
+        let (Some(up), Some(down)) = (magnitude(&up), magnitude(&down)) else { continue };
+        let expected = 0.2 * ((up - down) / 0.02).abs();
+        assert!((sigma - expected).abs() < DIFFERENCES.0 * expected + DIFFERENCES.1, "{sigma} {expected} {point:?}");
+        compared += usize::from(expected > 0.01);
+    }
+    assert!(compared > 50, "{compared}");
 }

@@ -17,7 +17,7 @@ use streakcast::measured::{
     ReadOptions, RecordReader, RecordSource, Records, ReduceOptions, Selection, Simulation, SimulationOptions,
     half_sample_mode, kernel_mode, kernel_sigma, measure, quantile, reduce, simulate, write_mmt_csv,
 };
-use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, StandardMagnitude};
+use streakcast::photometry::{Band, BrightnessModel, Earthshine, ModelLibrary, StandardMagnitude};
 
 fn golden(name: &str) -> csv::Reader<std::fs::File> {
     csv::ReaderBuilder::new().comment(Some(b'#')).from_path(common::golden_dir().join(name)).unwrap()
@@ -279,6 +279,11 @@ fn verif_mixed_filters_are_refused_unless_named() {
     assert_eq!((records.records.len(), records.dropped.count(DropReason::WrongFilter)), (2, 1));
     let both = ReadOptions { filters: vec!["V".into(), "b".into()], ..options };
     assert_eq!(read(text, &both).unwrap().records.len(), 3);
+    let mut reader = RecordReader::from_reader("t.csv", Box::new(Cursor::new(text.to_owned())), &both).unwrap();
+    Records::collect(&mut reader).unwrap();
+    let filters: Vec<(Option<&str>, u64)> = reader.filters().iter().collect();
+    assert_eq!(filters, [(Some("V"), 1), (Some("B"), 1), (Some("v"), 1)]);
+    assert!(reader.filters().doubt(Band::V).unwrap().to_string().starts_with("mixed filters: "));
     // MMT-9 has a filter of its own; the polarised rows come only where they are named.
     let polarised = format!("{HEADER}{GOOD}{}", GOOD.replace("Clear", "Pol"));
     assert_eq!(read(&polarised, &ReadOptions::default()).unwrap().dropped.count(DropReason::WrongFilter), 1);
@@ -288,6 +293,22 @@ fn verif_mixed_filters_are_refused_unless_named() {
     let map = ColumnMap::from_text("magnitude=m,distance=d,phase=p").unwrap();
     let options = ReadOptions { columns: Some(map), filters: vec!["V".into()], ..ReadOptions::default() };
     assert!(read(text, &options).unwrap_err().to_string().contains("no column of filters"));
+}
+
+/// Spreadsheets write the hour of an upload to SCORE without its zero.
+#[test]
+fn verif_hours_of_one_digit_are_hours() {
+    let head = "satellite_name,norad_cat_id,observation_time_utc,apparent_magnitude,apparent_magnitude_uncertainty,\
+                observer_latitude_deg,observer_longitude_deg,observer_altitude_m,observing_filter";
+    let row = |time: &str| format!("S,46056,{time},6.1,0.1,43.65,41.43,2030,V\n");
+    let times = ["2024-01-02 05:03:04.5", "2024-01-02 5:03:04.5", "2024-01-02T5:03:04.5Z", "2024-01-02  5:03:04.5"];
+    let text = format!("{head}\n{}", times.map(row).concat());
+    let records = read(&text, &ReadOptions { keep_duplicates: true, ..ReadOptions::default() }).unwrap();
+    assert_eq!(records.records.len(), 4, "{:?}", records.dropped);
+    assert!(records.records.iter().all(|record| record.epoch == records.records[0].epoch));
+    let wrong = ["2024-01-02 :03:04", "2024-01-02 5-03-04", "2024-01-02 25:03:04", "5:03:04"].map(row).concat();
+    let records = read(&format!("{head}\n{wrong}"), &ReadOptions::default()).unwrap();
+    assert_eq!(records.dropped.count(DropReason::Unparsable), 4);
 }
 
 #[test]

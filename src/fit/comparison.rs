@@ -3,6 +3,8 @@
 use statrs::stats_tests::ttest_onesample::ttest_onesample;
 use statrs::stats_tests::{Alternative, NaNPolicy};
 
+use super::loss::Loss;
+
 /// Root mean square, mag; not a number of none.
 pub fn rms(residuals_mag: &[f64]) -> f64 {
     (residuals_mag.iter().map(|r| r * r).sum::<f64>() / residuals_mag.len() as f64).sqrt()
@@ -11,6 +13,20 @@ pub fn rms(residuals_mag: &[f64]) -> f64 {
 /// Akaike's information criterion of `n` normal residuals with `k` fitted parameters: n ln(RMSE²) + 2k, up to a constant (Lu 2024, section 4.2).
 pub fn aic(rms_mag: f64, n: usize, k: usize) -> f64 {
     n as f64 * (rms_mag * rms_mag).ln() + 2.0 * k as f64
+}
+
+/// Akaike's criterion of residuals as they were fitted, to be compared with those of other forms on the same points under the same loss.
+///
+/// Of squares that of [`aic`], as the paper has it. A robust fit does not stand where the RMS is least, so that there n ln(RMSE²) would say
+/// nothing of it; its likelihood is exp(-½ Σ ρ(r²/σ²)), and the criterion -2 ln L + 2k = Σ ρ + 2k, up to a constant of the points alone.
+pub fn aic_under(loss: Loss, residuals_mag: &[f64], sigmas_mag: &[f64], k: usize) -> f64 {
+    match loss {
+        Loss::Squares => aic(rms(residuals_mag), residuals_mag.len(), k),
+        robust => {
+            let losses = residuals_mag.iter().zip(sigmas_mag).map(|(r, sigma)| robust.of((r / sigma).powi(2)));
+            losses.sum::<f64>() + 2.0 * k as f64
+        }
+    }
 }
 
 /// A paired t-test.
@@ -51,6 +67,20 @@ mod tests {
             let (least, greatest) = printed(rmse, k);
             assert!(least - ROUNDING < expected && expected < greatest + ROUNDING, "{least} {greatest}");
         }
+    }
+
+    /// Under a robust loss one bad point is no reason to leave a better form, and a parameter costs 2.
+    #[test]
+    fn verif_a_robust_criterion_is_that_of_its_likelihood() {
+        let (close, far) = ([0.1, -0.1, 0.1, 4.0], [0.5, -0.5, 0.5, 3.5]);
+        let sigmas = [0.2; 4];
+        let student = |residuals: &[f64], k| aic_under(Loss::Student(4.0), residuals, &sigmas, k);
+        assert!(student(&close, 3) < student(&far, 2) && rms(&close) > rms(&far));
+        assert!((student(&close, 5) - student(&close, 3) - 4.0).abs() < 1e-12);
+        // -2 ln of Student's density t(r/σ; ν), less that at 0.
+        let expected: f64 = close.iter().map(|r: &f64| 5.0 * (1.0 + (r / 0.2).powi(2) / 4.0).ln()).sum();
+        assert!((student(&close, 0) - expected).abs() < 1e-12);
+        assert_eq!(aic_under(Loss::Squares, &close, &sigmas, 2), aic(rms(&close), 4, 2));
     }
 
     /// scipy.stats.ttest_rel([1.1, 2.3, 2.9, 4.2, 5.0], [1.0, 2.0, 3.1, 3.9, 4.6]), SciPy 1.17.1.

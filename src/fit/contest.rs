@@ -1,9 +1,10 @@
 //! Forms of law against one another on the same points and the same unseen folds.
 
+use crate::measured::{Measurements, ReduceOptions};
 use crate::photometry::{Coefficients, Earthshine};
 
-use super::comparison::aic;
-use super::cross_validation::cross_validate;
+use super::comparison::aic_under;
+use super::cross_validation::{Folds, HeldOut, common, cross_validate_all};
 use super::error::FitError;
 use super::form::Form;
 use super::phase::{PhaseForm, SphereForm};
@@ -33,9 +34,9 @@ pub struct Standing {
     pub in_sample: Spread,
     /// Residuals of points that were held out.
     pub held_out: Spread,
-    /// The same, point by point, in the order of the points; not a number where it says nothing of one.
+    /// The same, point by point, fold by fold.
     pub held_out_mag: Vec<f64>,
-    /// Akaike's criterion in sample.
+    /// Akaike's criterion in sample ([`aic_under`]).
     pub aic: f64,
     /// Sigma that held 68.3 % of the points held out.
     pub honest_sigma_mag: f64,
@@ -45,40 +46,49 @@ pub struct Standing {
 
 /// Every entrant fitted and held out; points that any of them says nothing of are left to none, so that all answer for the same.
 ///
+/// `points` are fitted in sample; where they are pixels, `tracks` are the measurements behind them and how these are reduced, and whole
+/// tracks are held out.
+///
 /// # Errors
-/// Those of [`Problem`] and [`cross_validate`]; [`FitError::Empty`] where no point is common to all.
+/// Those of [`Problem`] and [`Folds`]; [`FitError::Empty`] and [`FitError::NoneUnseen`] where no point is common to all.
 pub fn contest(
     entrants: &[Entrant],
     points: &[FitPoint],
+    tracks: Option<(&Measurements, ReduceOptions)>,
     settings: &FitSettings,
     folds: usize,
-) -> Result<(Vec<FitPoint>, Vec<Standing>), FitError> {
-    let prepared: Vec<_> = entrants.iter().map(|entrant| entrant.form.prepare(points)).collect();
-    let common: Vec<FitPoint> =
-        (0..points.len()).filter(|&i| prepared.iter().all(|form| form.explains(i))).map(|i| points[i]).collect();
-    drop(prepared);
-    let standing = |entrant: &Entrant| {
+) -> Result<Vec<Standing>, FitError> {
+    let points = common(entrants.iter().map(|entrant| &*entrant.form), points.to_vec());
+    let with_settings = |entrant: &Entrant| {
         // What is held of one form may be unknown to another.
         let names: Vec<String> = entrant.form.parameters().into_iter().map(|parameter| parameter.name).collect();
         let held = settings.held.iter().filter(|(name, _)| names.contains(name) && !entrant.free.contains(name));
-        let settings = FitSettings { free: entrant.free.clone(), held: held.cloned().collect(), ..settings.clone() };
-        let fit = Problem::new(&*entrant.form, &common, &settings)?.solve()?;
-        let held = cross_validate(&*entrant.form, &common, &settings, folds)?;
-        let empty = || FitError::Empty { given: common.len(), unexplained: common.len(), form: entrant.name.clone() };
+        FitSettings { free: entrant.free.clone(), held: held.cloned().collect(), ..settings.clone() }
+    };
+    let forms: Vec<(&dyn Form, FitSettings)> =
+        entrants.iter().map(|entrant| (&*entrant.form, with_settings(entrant))).collect();
+    let dealt = match tracks {
+        Some((measurements, options)) => Folds::of_tracks(measurements, options, folds)?,
+        None => Folds::of_points(&points, folds)?,
+    };
+    let held = cross_validate_all(&forms, &dealt)?;
+    let sigmas_mag: Vec<f64> = points.iter().map(|point| point.sigma_mag).collect();
+    let standing = |((entrant, (form, settings)), held): ((&Entrant, &(&dyn Form, FitSettings)), HeldOut)| {
+        let fit = Problem::new(*form, &points, settings)?.solve()?;
+        let empty = || FitError::Empty { given: points.len(), unexplained: points.len(), form: entrant.name.clone() };
         let in_sample = Spread::of(&fit.residuals_mag).ok_or_else(empty)?;
         Ok(Standing {
             name: entrant.name.clone(),
             parameters: entrant.free.len(),
             in_sample,
-            held_out: Spread::of(&held.residuals_mag).ok_or_else(empty)?,
-            aic: aic(in_sample.rms_mag, in_sample.n, entrant.free.len()),
+            held_out: Spread::of(&held.residuals_mag).ok_or(FitError::NoneUnseen { folds })?,
+            aic: aic_under(settings.loss, &fit.residuals_mag, &sigmas_mag, entrant.free.len()),
             honest_sigma_mag: honest_sigma_mag(&held.residuals_mag),
             within_one_sigma: within_of_others(&held.residuals_mag, &held.folds),
             held_out_mag: held.residuals_mag,
         })
     };
-    let standings = entrants.iter().map(standing).collect::<Result<_, FitError>>()?;
-    Ok((common, standings))
+    entrants.iter().zip(&forms).zip(held).map(standing).collect()
 }
 
 /// The share of points within the honest sigma that the other folds announce.

@@ -69,6 +69,14 @@ pub enum FitError {
         /// Folds asked for.
         folds: usize,
     },
+    /// No point of any fold can be judged.
+    #[error(
+        "no point is left of those held out in {folds} folds: the pixels of so few tracks hold too few points, or no form says anything of them"
+    )]
+    NoneUnseen {
+        /// Folds asked for.
+        folds: usize,
+    },
     /// Sets of groups for the jackknife.
     #[error(
         "{groups} groups of points (tracks, nights) in {sets} sets: allowed are more sets than the {free} free parameters, and no more than groups"

@@ -54,15 +54,7 @@ pub trait Prepared: Sync + Send {
     fn starts(&self, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>>;
     /// With parameters put in, ready to tell derivatives by those of `free`; by central differences unless a form knows better.
     fn with_slopes<'a>(&'a self, x: &[f64], free: &[usize], parameters: &[Parameter]) -> Box<dyn Sloped + 'a> {
-        let moved = |&i: &usize| {
-            // Both places lie between the bounds, so that no law is asked where it means nothing.
-            let parameter = &parameters[i];
-            let (mut up, mut down) = (x.to_vec(), x.to_vec());
-            up[i] = (x[i] + parameter.step).min(parameter.greatest);
-            down[i] = (x[i] - parameter.step).max(parameter.least);
-            let per_step = 1.0 / (up[i] - down[i]).max(f64::MIN_POSITIVE);
-            Moved { up: self.at(&up), down: self.at(&down), per_step }
-        };
+        let moved = |&i: &usize| Moved::new(x, i, &parameters[i], |x| self.at(x));
         Box::new(Differences { middle: self.at(x), moved: free.iter().map(moved).collect() })
     }
 }
@@ -82,26 +74,48 @@ pub trait Sloped: Sync + Send {
 /// Derivatives by central differences.
 struct Differences<'a> {
     middle: Box<dyn Evaluated + 'a>,
-    moved: Vec<Moved<'a>>,
+    moved: Vec<Moved<Box<dyn Evaluated + 'a>>>,
 }
 
 /// A form with one parameter moved both ways, and one over the way between.
-struct Moved<'a> {
-    up: Box<dyn Evaluated + 'a>,
-    down: Box<dyn Evaluated + 'a>,
+pub(super) struct Moved<E> {
+    up: E,
+    down: E,
     per_step: f64,
+}
+
+impl<E: Evaluated> Moved<E> {
+    /// `parameter`, the one of this index, a step up and a step down from `x`, as far as its bounds allow: no law is asked where it means nothing.
+    pub fn new(x: &[f64], index: usize, parameter: &Parameter, at: impl Fn(&[f64]) -> E) -> Self {
+        let (mut up, mut down) = (x.to_vec(), x.to_vec());
+        up[index] = (x[index] + parameter.step).min(parameter.greatest);
+        down[index] = (x[index] - parameter.step).max(parameter.least);
+        let per_step = 1.0 / (up[index] - down[index]).max(f64::MIN_POSITIVE);
+        Self { up: at(&up), down: at(&down), per_step }
+    }
+
+    /// The derivative of the magnitudes of one block, by central differences.
+    pub fn slope(&self, block: usize, slope: &mut [f64; BLOCK]) {
+        let mut down_mag = [0.0; BLOCK];
+        self.up.magnitudes(block, slope);
+        self.down.magnitudes(block, &mut down_mag);
+        for (slope, down) in slope.iter_mut().zip(&down_mag) {
+            *slope = (*slope - down) * self.per_step;
+        }
+    }
+}
+
+impl<E: Evaluated + ?Sized> Evaluated for Box<E> {
+    fn magnitudes(&self, block: usize, out: &mut [f64; BLOCK]) {
+        (**self).magnitudes(block, out);
+    }
 }
 
 impl Sloped for Differences<'_> {
     fn magnitudes_and_slopes(&self, block: usize, out: &mut [f64; BLOCK], slopes: &mut [[f64; BLOCK]]) {
         self.middle.magnitudes(block, out);
-        let mut down_mag = [0.0; BLOCK];
-        for (Moved { up, down, per_step }, slope) in self.moved.iter().zip(slopes) {
-            up.magnitudes(block, slope);
-            down.magnitudes(block, &mut down_mag);
-            for (slope, down) in slope.iter_mut().zip(&down_mag) {
-                *slope = (*slope - down) * per_step;
-            }
+        for (moved, slope) in self.moved.iter().zip(slopes) {
+            moved.slope(block, slope);
         }
     }
 }

@@ -13,23 +13,17 @@
 //!
 //! What is not smooth asks for large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not smooth: they jump where a few of many
 //! points are left out. Where a pixel has points of many tracks, the sigma is too large: in the tests below, with 70 points of as many
-//! tracks, by 1.4 to 1.7 (kernel) and 1.8 to 2.4 (half-sample modes). It errs on the safe side.
+//! tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample modes). It errs on the safe side.
 
-use rand_chacha::ChaCha8Rng;
-use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
-use crate::measured::{Measurement, Measurements, ReduceOptions, Reducer};
+use crate::measured::{Measurements, ReduceOptions};
 
 use super::error::FitError;
 use super::form::Form;
 use super::observed::points_of_pixels;
 use super::solve::{Fit, FitSettings, Problem};
-
-/// Tracks are dealt in an order drawn with this seed: neighbours in a file share a night and its geometry.
-const SEED: u64 = 1;
-/// Measurements that go to a reducer at a time: the few that stay out of a set need no copy of all others.
-const CHUNK: usize = 1 << 16;
+use super::tracks::Dealt;
 
 /// Covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, 0 for those that were held or stand at a bound.
 ///
@@ -48,19 +42,15 @@ pub fn jackknife(
     settings: &FitSettings,
     sets: usize,
 ) -> Result<Vec<Vec<f64>>, FitError> {
-    let (set_of_group, groups) = dealt(&measurements.points, sets);
-    if sets <= fit.free.len() || groups < sets {
-        return Err(FitError::Sets { sets, groups, free: fit.free.len() });
+    let dealt = Dealt::new(measurements, sets);
+    if sets <= fit.free.len() || dealt.groups < sets {
+        return Err(FitError::Sets { sets, groups: dealt.groups, free: fit.free.len() });
     }
     let values = fit.values();
     let start: Vec<f64> = fit.free.iter().map(|&i| values[i]).collect();
     let without = |set: usize| {
-        let mut reducer = Reducer::new(options)?;
-        for chunk in measurements.points.chunks(CHUNK) {
-            let stays = |point: &&Measurement| set_of_group[point.group as usize] != set;
-            reducer.add(&chunk.iter().filter(stays).copied().collect::<Vec<_>>());
-        }
-        let problem = Problem::new(form, &points_of_pixels(&reducer.finish()), settings)?;
+        let pixels = dealt.reduced(options, |other| other != set)?;
+        let problem = Problem::new(form, &points_of_pixels(&pixels), settings)?;
         let minimum = problem.descend(&start);
         if minimum.cost.is_finite() { Ok(minimum.x) } else { Err(FitError::NoMinimum { starts: 1 }) }
     };
@@ -81,30 +71,17 @@ pub fn jackknife(
     Ok(covariance)
 }
 
-/// The set of each group that has a point, by its number, and how many such groups there are.
-fn dealt(points: &[Measurement], sets: usize) -> (Vec<usize>, usize) {
-    let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
-    groups.sort_unstable();
-    groups.dedup();
-    let mut random = ChaCha8Rng::seed_from_u64(SEED);
-    let mut drawn: Vec<(u64, u32)> = groups.iter().map(|&group| (random.next_u64(), group)).collect();
-    drawn.sort_unstable();
-    let mut set_of_group = vec![0; groups.last().map_or(0, |&last| last as usize + 1)];
-    for (place, (_, group)) in drawn.into_iter().enumerate() {
-        set_of_group[group as usize] = place % sets.max(1);
-    }
-    (set_of_group, groups.len())
-}
-
 #[cfg(test)]
 mod tests {
     use rand::RngExt;
+    use rand_chacha::ChaCha8Rng;
+    use rand_chacha::rand_core::SeedableRng;
     use rand_distr::StandardNormal;
 
     use super::*;
     use crate::fit::{CovarianceKind, SphereForm};
     use crate::geometry::ViewingGeometry;
-    use crate::measured::{DensityMode, reduce};
+    use crate::measured::{DensityMode, Measurement, reduce};
     use crate::photometry::{DiffuseSphere, StandardMagnitude};
 
     const SETS: usize = 24;
@@ -123,7 +100,7 @@ mod tests {
         ReduceOptions { nside: 1024, least_count: 1, ..coarse(DensityMode::HalfSample) }
     }
 
-    /// A diffuse sphere, seen in 240 groups of 30 points; each group has an offset.
+    /// A diffuse sphere, seen in 240 groups of 10 points; each group has an offset.
     fn seen(seed: u64, offset_mag: f64) -> Measurements {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let sphere = DiffuseSphere { half_lit: StandardMagnitude(HALF_LIT_MAG) };
@@ -131,10 +108,10 @@ mod tests {
         for group in 0..240 {
             seen.groups.push(group.to_string());
             let offset = offset_mag * random.sample::<f64, _>(StandardNormal);
-            for _ in 0..30 {
+            for _ in 0..10 {
                 let between =
                     |least: f64, most: f64, random: &mut ChaCha8Rng| least + (most - least) * random.random::<f64>();
-                let longitude = between(0.0, 3.1, &mut random);
+                let longitude = between(0.0, 1.0, &mut random);
                 let latitude = between(-1.4, -0.6, &mut random);
                 let geometry =
                     ViewingGeometry::from_angles(-0.3, longitude, latitude, 1000.0, 550.0).expect("a geometry");

@@ -2,13 +2,14 @@
 //!
 //! `point` is what a fit sees of a measurement, `form` what a law must answer (`two_panel` the paper's, `phase` those that it
 //! has to beat), `objective` a form held against points under a `loss`, `solve` its least squares from several starts with
-//! their `covariance` (of pixels by `jackknife` over the tracks behind them), `posterior` the walkers' draws (kept by
+//! their `covariance` (of pixels by `jackknife` over the `tracks` behind them), `posterior` the walkers' draws (kept by
 //! `chain_file`), `comparison` and `cross_validation` which form explains more. `inference` knows functions of a vector and nothing of satellites.
 
 mod chain_file;
 mod comparison;
 mod contest;
 mod covariance;
+mod coverage;
 mod cross_validation;
 mod error;
 mod form;
@@ -31,13 +32,16 @@ mod solve;
 mod soundness;
 mod statistics;
 mod tables;
+mod tracks;
 mod two_panel;
 
+pub use crate::photometry::PANEL_OFFSET;
 pub use chain_file::{ChainAbout, read_chain, write_chain};
-pub use comparison::{PairedTest, aic, paired_t_test, rms};
+pub use comparison::{PairedTest, aic, aic_under, paired_t_test, rms};
 pub use contest::{Entrant, Standing, baselines, contest};
 pub use covariance::{Certainty, CovarianceKind};
-pub use cross_validation::{HeldOut, cross_validate, folds_by_group, predict};
+pub use coverage::PoorAxis;
+pub use cross_validation::{Folds, HeldOut, cross_validate, predict};
 pub use error::FitError;
 pub use form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
 pub use inference::Chain;
@@ -48,7 +52,7 @@ pub use model_of_fit::{ModelWords, model_file, range_of};
 pub use objective::Objective;
 pub use observed::{RawWeights, points_of_measurements, points_of_pixels};
 pub use panels_form::PanelsForm;
-pub use paper::{COEFFICIENTS, LayerOffset, PANEL_OFFSET, PaperTests, Rivals, paper_tests};
+pub use paper::{COEFFICIENTS, LayerOffset, PaperTests, Rivals, paper_tests};
 pub use phase::{PhaseForm, SphereForm};
 pub use point::{FitPoint, group_error_factors};
 pub use posterior::{Marginal, Posterior, PosteriorSettings, draw, posterior, starting_places};

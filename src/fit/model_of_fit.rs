@@ -1,9 +1,9 @@
 //! A fit as a model file.
 
 use crate::geometry::ViewingGeometry;
-use crate::photometry::{GeometryRange, ModelFile, ModelFileError, Provenance};
+use crate::photometry::{GeometryRange, ModelFile, ModelFileError, PANEL_OFFSET, Provenance};
 
-use super::paper::{COEFFICIENTS, PANEL_OFFSET};
+use super::paper::COEFFICIENTS;
 use super::point::FitPoint;
 use super::solve::Fit;
 
@@ -46,11 +46,15 @@ pub fn model_file(
     sigma_mag: f64,
     words: &ModelWords,
 ) -> Result<ModelFile, ModelFileError> {
-    let order: Vec<usize> = base
+    let place = |name: &str| fit.parameters.iter().position(|parameter| parameter.name == name);
+    let mut order: Vec<usize> = base
         .parameters()
         .iter()
-        .filter_map(|(name, _)| fit.parameters.iter().position(|parameter| parameter.name == *name))
+        .filter(|(name, _)| *name != PANEL_OFFSET)
+        .filter_map(|(name, _)| place(name))
         .collect();
+    // The coefficients of chassis and sail are complete without their offset, unless it was fitted.
+    order.extend(place(PANEL_OFFSET).filter(|place| base.shape.is_some() && fit.free.contains(place)));
     let covariance = fit.certainty.covariance.as_ref();
     let value = |name: &str, otherwise: f64| fit.value(name).unwrap_or(otherwise);
     let mut fitted = base.clone();

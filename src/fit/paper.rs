@@ -1,18 +1,17 @@
 //! The three questions that Lu (2024, section 4) puts to the photometry before the final model: does the panel offset follow the Sun, is
 //! the sail's glossy lobe needed, is earthshine?
 
-use crate::photometry::Earthshine;
+use crate::photometry::{Earthshine, PANEL_OFFSET};
 
-use super::comparison::{PairedTest, aic, paired_t_test, rms};
+use super::comparison::{PairedTest, aic_under, paired_t_test, rms};
 use super::error::FitError;
+use super::loss::Loss;
 use super::point::FitPoint;
 use super::solve::{Fit, FitSettings, Problem};
 use super::two_panel::TwoPanelForm;
 
 /// The seven coefficients.
 pub const COEFFICIENTS: [&str; 7] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"];
-/// The panel offset, which may be fitted beside them.
-pub const PANEL_OFFSET: &str = "panel_offset_deg";
 /// Fewer points than this in a layer are no fit worth a row.
 const LEAST_IN_LAYER: usize = 100;
 
@@ -42,7 +41,7 @@ pub struct Rivals {
     pub parameters: [usize; 2],
     /// Root mean squares, mag.
     pub rms_mag: [f64; 2],
-    /// Akaike's criteria.
+    /// Akaike's criteria ([`aic_under`]).
     pub aic: [f64; 2],
     /// Of the means of their residuals.
     pub test: Option<PairedTest>,
@@ -123,25 +122,28 @@ pub fn paper_tests(
     Ok(PaperTests {
         offsets,
         left_out,
-        sail_glossy: rivals(["with the sail's glossy lobe", "without"], &whole, &dull),
-        earthshine: rivals(["with earthshine", "without"], lit, unlit),
+        sail_glossy: rivals(["with the sail's glossy lobe", "without"], &whole, &dull, points, settings.loss),
+        earthshine: rivals(["with earthshine", "without"], lit, unlit, points, settings.loss),
     })
 }
 
 /// Both on the points that both explain.
-fn rivals(names: [&'static str; 2], one: &Fit, other: &Fit) -> Rivals {
+fn rivals(names: [&'static str; 2], one: &Fit, other: &Fit, points: &[FitPoint], loss: Loss) -> Rivals {
     let of = |fit: &Fit| {
         fit.kept.iter().copied().zip(fit.residuals_mag.iter().copied()).collect::<std::collections::BTreeMap<_, _>>()
     };
     let (a, b) = (of(one), of(other));
-    let (a, b): (Vec<f64>, Vec<f64>) = a.iter().filter_map(|(i, a)| Some((*a, *b.get(i)?))).unzip();
-    let (rms_mag, parameters) = ([rms(&a), rms(&b)], [one.free.len(), other.free.len()]);
+    let both: Vec<(usize, f64, f64)> = a.iter().filter_map(|(i, a)| Some((*i, *a, *b.get(i)?))).collect();
+    let sigmas_mag: Vec<f64> = both.iter().map(|(i, ..)| points[*i].sigma_mag).collect();
+    let (a, b): (Vec<f64>, Vec<f64>) = both.iter().map(|(_, a, b)| (*a, *b)).unzip();
+    let parameters = [one.free.len(), other.free.len()];
+    let aic = |residuals: &[f64], k| aic_under(loss, residuals, &sigmas_mag, k);
     Rivals {
         names,
         n: a.len(),
         parameters,
-        rms_mag,
-        aic: [aic(rms_mag[0], a.len(), parameters[0]), aic(rms_mag[1], b.len(), parameters[1])],
+        rms_mag: [rms(&a), rms(&b)],
+        aic: [aic(&a, parameters[0]), aic(&b, parameters[1])],
         test: paired_t_test(&a, &b),
     }
 }

@@ -125,3 +125,15 @@ pub fn posterior(chain: &Chain, fit: &Fit, burn_in: usize) -> Posterior {
         .collect();
     Posterior { marginals, covariance, acceptance: chain.acceptance(), steps: chain.steps().saturating_sub(burn_in) }
 }
+
+impl Posterior {
+    /// Free parameters whose sigma of the fit, which knows what tracks share, is larger than that of the draws by more than `times`, each with
+    /// how many times as large it is. The draws take points as independent: these are known less well than they say.
+    pub fn overconfident(&self, fit: &Fit, times: f64) -> Vec<(String, f64)> {
+        let ratio = |(marginal, &i): (&Marginal, &usize)| {
+            let ratio = fit.certainty.sigma(i)? / marginal.sigma;
+            (ratio > times).then(|| (marginal.name.clone(), ratio))
+        };
+        self.marginals.iter().zip(&fit.free).filter_map(ratio).collect()
+    }
+}

@@ -2,9 +2,9 @@
 
 use std::fmt;
 
+use super::coverage::{PoorAxis, poor_axes};
 use super::form::BLOCK;
 use super::inference::Stop;
-use super::point::FitPoint;
 use super::solve::{Fit, Problem};
 
 /// Parameters more alike than this cannot be told apart by the points.
@@ -14,8 +14,6 @@ const MATTERS_MAG: f64 = 0.1;
 /// Fewer points than this (and this share of all) at which a parameter matters do not carry it.
 const LEAST_POINTS: usize = 20;
 const LEAST_SHARE: f64 = 0.005;
-/// Observer longitudes are looked at in sectors of this width, degrees.
-const SECTOR_DEG: usize = 30;
 
 /// One thing that is wrong.
 #[derive(Clone, Debug, PartialEq)]
@@ -59,11 +57,8 @@ pub enum Fault {
         /// How many.
         points: usize,
     },
-    /// Observers were never seen in these sectors of longitude from the Sun (folded to 0-180°), degrees.
-    Sectors {
-        /// Each as [from, to].
-        empty: Vec<[usize; 2]>,
-    },
+    /// An axis of the geometry that the points leave open, or see too little of.
+    Coverage(PoorAxis),
 }
 
 impl fmt::Display for Fault {
@@ -79,9 +74,11 @@ impl fmt::Display for Fault {
             }
             Self::Singular { names } => write!(f, "the points say nothing of {}", names.join(", ")),
             Self::FewPoints { name, points } => write!(f, "{name} matters at {points} points only"),
-            Self::Sectors { empty } => {
-                let words: Vec<String> = empty.iter().map(|[from, to]| format!("{from}-{to} deg")).collect();
-                write!(f, "poor coverage: no observer at longitudes of {} from the Sun", words.join(", "))
+            Self::Coverage(PoorAxis { name, thin, narrow }) => {
+                let narrow = narrow.map(|[from, to]| format!("only {from:.1} to {to:.1} deg"));
+                let thin = thin.iter().map(|([from, to], n)| format!("{n} points at {from} to {to} deg"));
+                let words: Vec<String> = narrow.into_iter().chain(thin).collect();
+                write!(f, "poor coverage of the {name}: {}", words.join(", "))
             }
         }
     }
@@ -118,10 +115,7 @@ pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
             faults.push(Fault::FewPoints { name: name(i), points });
         }
     }
-    let empty = empty_sectors(problem.points());
-    if !empty.is_empty() {
-        faults.push(Fault::Sectors { empty });
-    }
+    faults.extend(poor_axes(problem.points()).into_iter().map(Fault::Coverage));
     faults
 }
 
@@ -140,14 +134,4 @@ pub fn points_behind(problem: &Problem, fit: &Fit) -> Vec<usize> {
         }
     }
     counts
-}
-
-fn empty_sectors(points: &[FitPoint]) -> Vec<[usize; 2]> {
-    let mut counts = [0_usize; 180 / SECTOR_DEG];
-    for point in points {
-        let longitude_deg = point.geometry.folded().observer_longitude_rad.to_degrees();
-        counts[((longitude_deg / SECTOR_DEG as f64) as usize).min(counts.len() - 1)] += 1;
-    }
-    let empty = (0..counts.len()).filter(|&i| counts[i] == 0);
-    empty.map(|i| [i * SECTOR_DEG, (i + 1) * SECTOR_DEG]).collect()
 }

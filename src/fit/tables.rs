@@ -46,7 +46,7 @@ const STANDINGS: [Column; 10] = [
     Column::new("n", Kind::Integer, "Points."),
     Column::real("rms_mag", "mag", 4, "Root mean square of the residuals, in sample."),
     Column::real("core_mag", "mag", 4, "1.4826 times their median absolute deviation, in sample."),
-    Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k."),
+    Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k of squares, sum of losses + 2k of a robust loss."),
     Column::real("held_out_rms_mag", "mag", 4, "Root mean square of points that were held out."),
     Column::real("held_out_core_mag", "mag", 4, "Core of points that were held out."),
     Column::real("sigma_mag", "mag", 3, "Sigma that holds 68.3 % of the points held out."),
@@ -101,7 +101,7 @@ const RIVALS: [Column; 7] = [
     Column::new("n", Kind::Integer, "Points of both."),
     Column::new("parameters", Kind::Integer, "Free parameters."),
     Column::real("rms_mag", "mag", 4, "Root mean square of the residuals."),
-    Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k."),
+    Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k of squares, sum of losses + 2k of a robust loss."),
     Column::real("t", "", 3, "Student's t of the difference of the mean residuals (paired)."),
     Column::real("p", "", 6, "Probability of such a t if both means are the same."),
 ];
@@ -124,20 +124,22 @@ pub fn rival_table(pairs: &[&Rivals]) -> Table {
     Table { columns: RIVALS.to_vec(), rows: rows.collect() }
 }
 
-const MARGINALS: [Column; 8] = [
+const MARGINALS: [Column; 10] = [
     Column::new("parameter", Kind::Text, "Name of the parameter."),
     Column::real("q16", "", 6, "Quantile 0.16 of the draws."),
     Column::real("median", "", 6, "Quantile 0.5."),
     Column::real("q84", "", 6, "Quantile 0.84."),
     Column::real("mean", "", 6, "Mean."),
     Column::real("sigma", "", 6, "Standard deviation."),
+    Column::real("fit_value", "", 6, "Value of the fit."),
+    Column::real("fit_sigma", "", 6, "One sigma of the fit, with what tracks share."),
     Column::real("autocorrelation_steps", "", 1, "Steps that make one independent draw."),
     Column::new("is_trusted", Kind::Boolean, "True where the chain is longer than 50 of them."),
 ];
 
-/// One row a free parameter.
-pub fn marginal_table(posterior: &Posterior) -> Table {
-    let row = |m: &super::posterior::Marginal| {
+/// One row a free parameter, beside what the fit that the walkers set out from says of it.
+pub fn marginal_table(posterior: &Posterior, fit: &Fit) -> Table {
+    let row = |(m, &i): (&super::posterior::Marginal, &usize)| {
         vec![
             m.name.as_str().into(),
             m.quantiles[0].into(),
@@ -145,9 +147,11 @@ pub fn marginal_table(posterior: &Posterior) -> Table {
             m.quantiles[2].into(),
             m.mean.into(),
             m.sigma.into(),
+            fit.parameters[i].value.into(),
+            fit.certainty.sigma(i).into(),
             m.autocorrelation.steps.into(),
             Value::Boolean(m.autocorrelation.is_trusted),
         ]
     };
-    Table { columns: MARGINALS.to_vec(), rows: posterior.marginals.iter().map(row).collect() }
+    Table { columns: MARGINALS.to_vec(), rows: posterior.marginals.iter().zip(&fit.free).map(row).collect() }
 }

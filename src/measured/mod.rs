@@ -5,11 +5,13 @@
 //!         blocks, rows              elements, or what the rows say           layers, HEALPix, mode
 //! ```
 //!
-//! `format` knows the published tables, `column_map` any other; `blocks` cuts files into whole rows, `rows` makes `record`s of them,
-//! `reader` does so on all threads in bounded memory. `placement` finds the geometry (`triangle` from distance and phase, `offset` how
-//! late a satellite passes, `ephemeris` Sun and Earth over years), `associate` which satellite a track is of. `station` tells when a
-//! satellite was on station, `selection` what is used, `dropped` counts what is not; `measure` does all of it. `reduce` makes pixels,
-//! `density_mode` their magnitudes, `tables` both. `simulate` makes photometry of which the truth is known, `mmt_csv` writes it.
+//! `format` knows the published tables, `column_map` any other; `blocks` cuts files into whole rows, `rows` makes `record`s of their
+//! `cells`, `filters` counts through what they were seen, `reader` does so on all threads in bounded memory. `placement` finds the geometry
+//! (`nearest_orbit` by element sets, `triangle` from distance and phase, `offset` how late a satellite passes, `ephemeris` Sun and Earth
+//! over years), `associate` which satellites a track may be of, `identify` which it
+//! is. `station` tells when a satellite was on station, `selection` what is used,
+//! `dropped` counts what is not; `measure` does all of it. `reduce` makes pixels, `density_mode` their magnitudes, `tables` both.
+//! `simulate` makes photometry of which the truth is known, one `night` after the other; `mmt_csv` writes it.
 //!
 //! ```
 //! use streakcast::measured::{Placement, ReadOptions, RecordReader, ReduceOptions, Reducer, Selection, measure_each};
@@ -29,15 +31,20 @@
 
 mod associate;
 mod blocks;
+mod cells;
 mod column_map;
 mod density_mode;
 mod dropped;
 mod ephemeris;
 mod error;
+mod filters;
 mod format;
+mod identify;
 mod measure;
 mod measurement;
 mod mmt_csv;
+mod nearest_orbit;
+mod night;
 mod offset;
 mod placement;
 mod reader;
@@ -56,7 +63,9 @@ pub use column_map::ColumnMap;
 pub use density_mode::{DensityMode, half_sample_mode, interquartile_range, kernel_mode, kernel_sigma};
 pub use dropped::{DropCounts, DropExample, DropReason};
 pub use error::MeasuredError;
+pub use filters::{BandDoubt, FilterCounts};
 pub use format::Format;
+pub use identify::{Credible, Identification, identification_table, identify};
 pub use measure::{measure, measure_each};
 pub use measurement::{Measurement, Measurements};
 pub use mmt_csv::write_mmt_csv;

@@ -13,6 +13,7 @@ use super::blocks::{Blocks, Head};
 use super::column_map::ColumnMap;
 use super::dropped::{DropCounts, DropExample, DropReason};
 use super::error::MeasuredError;
+use super::filters::FilterCounts;
 use super::format::Format;
 use super::record::{Record, RecordSource};
 use super::rows::{Layout, Parsed};
@@ -80,6 +81,7 @@ pub struct RecordReader {
     sites: Vec<Site>,
     seen: HashSet<u64, BuildHasherDefault<AsItIs>>,
     dropped: DropCounts,
+    filters: FilterCounts,
 }
 
 impl RecordReader {
@@ -117,7 +119,13 @@ impl RecordReader {
             sites: Vec::new(),
             seen: HashSet::default(),
             dropped: DropCounts::default(),
+            filters: FilterCounts::default(),
         }
+    }
+
+    /// Filters of the rows read so far, duplicates among them.
+    pub fn filters(&self) -> &FilterCounts {
+        &self.filters
     }
 
     fn begin(&mut self, name: String, head: &Head, blocks: Blocks) -> Result<(), MeasuredError> {
@@ -197,6 +205,7 @@ impl RecordReader {
                 }
             })
             .collect();
+        self.filters.append(&parsed.filters);
         let mut dropped = parsed.dropped;
         dropped.shift_rows(&name, open.rows);
         for (mut record, hash) in parsed.records.into_iter().zip(parsed.hashes) {

@@ -28,7 +28,8 @@ pub use library::ModelLibrary;
 pub use magnitude::{Magnitude, StandardMagnitude, airmass};
 pub use model::{BrightnessModel, FittedRange};
 pub use model_file::{
-    Coefficients, GeometryRange, ModelFile, ModelFileError, ModelKind, PhasePolynomial, Provenance, SatelliteShape,
+    Coefficients, GeometryRange, ModelFile, ModelFileError, ModelKind, PANEL_OFFSET, PhasePolynomial, Provenance,
+    SatelliteShape,
 };
 pub use panel::{Incidence, Panel};
 pub use phase::PhaseFunction;

@@ -11,7 +11,7 @@ use super::band::{Band, MagSystem};
 use super::batch::{BodyAngles, Columns, Places, standard_magnitudes};
 use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 use super::magnitude::{StandardMagnitude, airmass};
-use super::model_file::{GeometryRange, ModelFile, ModelFileError, ModelKind};
+use super::model_file::{GeometryRange, ModelFile, ModelFileError, ModelKind, PANEL_OFFSET, SatelliteShape};
 use super::panels::PanelAssembly;
 use super::parameter_sigma::ParameterSigmas;
 use super::phase::PhaseFunction;
@@ -79,13 +79,16 @@ enum Law {
     Mean(StandardMagnitude),
 }
 
+/// Panel offsets are moved by this for a derivative, degrees.
+const OFFSET_STEP_DEG: f64 = 1e-3;
+
 /// What the covariance of the parameters is asked through.
 #[derive(Clone, Debug, PartialEq)]
 enum Doubt {
     /// Nothing is known of it.
     None,
-    /// The two-panel form has derivatives.
-    Gradient(ParameterSigmas),
+    /// The two-panel form has derivatives by its coefficients; where its panel offset was fitted too, that is moved both ways.
+    Gradient(ParameterSigmas, Option<Box<[SatelliteModel; 2]>>),
     /// Assemblies with their parameters moved a little both ways along each axis of the covariance.
     Pairs(Vec<[PanelAssembly; 2]>),
 }
@@ -141,7 +144,15 @@ impl BrightnessModel {
                 let shape = file.shape.as_ref().ok_or_else(|| needs("shape"))?;
                 let coefficients = file.coefficients.as_ref().ok_or_else(|| needs("coefficients"))?;
                 let model = SatelliteModel::new(shape, coefficients).ok_or_else(|| needs("shape"))?;
-                doubt = sigmas.map_or(Doubt::None, Doubt::Gradient);
+                if let Some(sigmas) = sigmas {
+                    let moved = |by: f64| {
+                        let panel_offset_deg = shape.panel_offset_deg + by;
+                        SatelliteModel::new(&SatelliteShape { panel_offset_deg, ..*shape }, coefficients)
+                    };
+                    let is_fitted = file.parameters().iter().any(|(name, _)| *name == PANEL_OFFSET);
+                    let both = moved(OFFSET_STEP_DEG).zip(moved(-OFFSET_STEP_DEG)).filter(|_| is_fitted);
+                    doubt = Doubt::Gradient(sigmas, both.map(|(up, down)| Box::new([up, down])));
+                }
                 (Law::TwoPanel(Box::new(model)), MagnitudeSource::Brdf(name))
             }
             ModelKind::PhaseFunction => {
@@ -336,9 +347,15 @@ impl BrightnessModel {
     ) -> Option<f64> {
         let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());
         let (variance, b_total) = match (&self.doubt, &self.law) {
-            (Doubt::Gradient(sigmas), Law::TwoPanel(model)) => {
+            (Doubt::Gradient(sigmas, moved), Law::TwoPanel(model)) => {
                 let (gradient, b_total) = model.gradient(to_sun, to_observer);
-                (sigmas.variance_of_gradient(&gradient), b_total)
+                let mut all = [0.0; 8];
+                all[..7].copy_from_slice(&gradient);
+                if let Some(moved) = moved {
+                    let [up, down] = moved.each_ref().map(|model| model.gradient(to_sun, to_observer).1);
+                    all[7] = (up - down) / (2.0 * OFFSET_STEP_DEG);
+                }
+                (sigmas.variance_of_gradient(&all), b_total)
             }
             (Doubt::Pairs(pairs), Law::Panels(assembly)) => {
                 let values =

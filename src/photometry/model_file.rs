@@ -13,6 +13,9 @@ use super::panels::PanelsSpec;
 /// The schema version that this code reads and writes.
 pub const SCHEMA_VERSION: u32 = 1;
 
+/// The panel offset of chassis and sail, which may be fitted beside the coefficients.
+pub const PANEL_OFFSET: &str = "panel_offset_deg";
+
 /// What a model computes with.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -59,8 +62,8 @@ pub struct ModelFile {
     /// Panels, their laws and attitudes (`panels`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panels: Option<PanelsSpec>,
-    /// Covariance of the coefficients: c1, c2, c3, c4, c5, n_sail, n_base, or the parameters of `panels` in their order;
-    /// null while none is known.
+    /// Covariance of the coefficients: c1, c2, c3, c4, c5, n_sail, n_base, and where it was fitted too panel_offset_deg as the eighth; or of the
+    /// parameters of `panels` in their order; null while none is known.
     #[serde(default)]
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Polynomial in the phase angle (`phase_function`).
@@ -284,7 +287,7 @@ impl ModelFile {
     /// Names and values of what was fitted, in the order of the covariance; none where nothing was.
     pub fn parameters(&self) -> Vec<(&str, f64)> {
         if let Some(c) = &self.coefficients {
-            return vec![
+            let mut parameters = vec![
                 ("c1", c.c1),
                 ("c2", c.c2),
                 ("c3", c.c3),
@@ -293,6 +296,9 @@ impl ModelFile {
                 ("n_sail", c.n_sail),
                 ("n_base", c.n_base),
             ];
+            let with_offset = self.covariance.as_ref().is_some_and(|rows| rows.len() > parameters.len());
+            parameters.extend(self.shape.filter(|_| with_offset).map(|shape| (PANEL_OFFSET, shape.panel_offset_deg)));
+            return parameters;
         }
         let panels = self.panels.iter().flat_map(|panels| &panels.parameters);
         panels.map(|parameter| (parameter.name.as_str(), parameter.value)).collect()

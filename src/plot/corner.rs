@@ -43,15 +43,17 @@ pub struct Corner<'a> {
     pub samples: &'a [Vec<f64>],
     /// `(n_param)` true values where they are known; orange lines.
     pub truths: Option<&'a [f64]>,
+    /// `(n_param)` least and greatest values that samples can have, where there are such bounds: no axis runs past them.
+    pub bounds: Option<&'a [[f64; 2]]>,
 }
 
 /// Draws histograms on the diagonal, with dashed lines at the quantiles 0.16, 0.5 and 0.84 and their numbers above, and below it each two
 /// parameters together: the darker the more samples, with lines around the densest 39.3 and 86.5 % of them.
 ///
-/// Axes hold at least 99.8 % of the samples, and the truths.
+/// Axes hold at least 99.8 % of the samples, and the truths; they and the lines end at bounds.
 ///
 /// # Errors
-/// Fewer than 2 or more than 9 parameters; columns, names or truths that do not belong together; samples that are missing or not finite.
+/// Fewer than 2 or more than 9 parameters; columns, names, truths or bounds that do not belong together; samples that are missing or not finite.
 pub fn corner(input: &Corner<'_>) -> Result<Picture, PlotError> {
     let axes = axes(input)?;
     let count = axes.len();
@@ -120,6 +122,9 @@ fn axes(input: &Corner<'_>) -> Result<Vec<Axis>, PlotError> {
         }
         check("true values of parameters", truths)?;
     }
+    if let Some(bounds) = input.bounds.filter(|bounds| bounds.len() != count) {
+        return Err(unequal("bounds of parameters", bounds.len()));
+    }
     let expected = input.samples[0].len();
     let axis = |(index, (name, samples)): (usize, (&String, &Vec<f64>))| {
         check_length(&format!("samples of {name}"), samples, expected)?;
@@ -128,7 +133,9 @@ fn axes(input: &Corner<'_>) -> Result<Vec<Axis>, PlotError> {
         let truth = input.truths.map(|truths| truths[index]);
         let (low, high) = (truth.map_or(low, |truth| low.min(truth)), truth.map_or(high, |truth| high.max(truth)));
         let room = ROOM * (high - low);
-        Ok(Axis::linear(low - room, high + room))
+        let [least, greatest] = input.bounds.map_or([f64::NEG_INFINITY, f64::INFINITY], |bounds| bounds[index]);
+        // What was drawn or is true is shown, wherever it lies.
+        Ok(Axis::linear((low - room).max(least.min(low)), (high + room).min(greatest.max(high))))
     };
     input.names.iter().zip(input.samples).enumerate().map(axis).collect()
 }
@@ -186,6 +193,9 @@ fn diagonal(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, index: usi
 
 fn together(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, [column, row]: [usize; 2], labels: [bool; 2]) {
     let (x, y) = (&input.samples[column], &input.samples[row]);
+    let is_end = |parameter: usize, end: f64| input.bounds.is_some_and(|bounds| bounds[parameter].contains(&end));
+    let walls = [frame.x.from, frame.x.to].map(|end| is_end(column, end));
+    let walls = [walls, [frame.y.from, frame.y.to].map(|end| is_end(row, end))];
     let density = Density::of(x, y, frame, bins(x.len()));
     let most = density.most();
     let colour = |count: f64| {
@@ -193,7 +203,7 @@ fn together(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, [column, r
         [colour.r, colour.g, colour.b]
     };
     picture.paint(density.pixels(frame, colour));
-    for line in density.lines_around(frame, &HELD) {
+    for line in density.lines_around(frame, &HELD, walls) {
         picture.line(&line, INK.to_rgba(), 1.4);
     }
     if let Some(truths) = input.truths {

@@ -47,9 +47,11 @@ impl Density {
     }
 
     /// Lines that enclose the densest cells with these shares of all points, in the picture's pixels; line by line, share by share.
-    pub fn lines_around(&self, frame: &Frame, shares: &[f64]) -> Vec<Vec<(f64, f64)>> {
+    ///
+    /// `walls`: true of the ends (left and right, lower and upper) beyond which no point can be; counts do not leak through these.
+    pub fn lines_around(&self, frame: &Frame, shares: &[f64], walls: [[bool; 2]; 2]) -> Vec<Vec<(f64, f64)>> {
         let side = self.bins + 2 * BORDER;
-        let smooth = self.smooth(side);
+        let smooth = self.smooth(side, walls);
         let mut falling = smooth.clone();
         falling.sort_unstable_by(|a, b| b.total_cmp(a));
         let all: f64 = falling.iter().sum();
@@ -75,17 +77,28 @@ impl Density {
             .collect()
     }
 
-    /// Counts with a border, each shared with its neighbours as 1 : 2 : 1 along both sides.
-    fn smooth(&self, side: usize) -> Vec<f64> {
+    /// Counts with a border, each shared with its neighbours as 1 : 2 : 1 along both sides; what would go through a wall stays.
+    fn smooth(&self, side: usize, walls: [[bool; 2]; 2]) -> Vec<f64> {
         let mut grid = vec![0.0; side * side];
         for (cell, count) in self.counts.iter().enumerate() {
             grid[(cell / self.bins + BORDER) * side + cell % self.bins + BORDER] = *count;
         }
-        for step in [1, side].into_iter().cycle().take(2 * SMOOTHINGS) {
+        let (first, last) = (BORDER, BORDER + self.bins - 1);
+        for axis in [0, 1].into_iter().cycle().take(2 * SMOOTHINGS) {
             let old = grid.clone();
-            let at = |index: Option<usize>| index.and_then(|index| old.get(index)).copied().unwrap_or(0.0);
+            let step = if axis == 0 { 1 } else { side };
             for (index, cell) in grid.iter_mut().enumerate() {
-                *cell = 0.5 * old[index] + 0.25 * (at(index.checked_sub(step)) + at(index.checked_add(step)));
+                let along = if axis == 0 { index % side } else { index / side };
+                let [before, after] =
+                    [along.checked_sub(1).map(|_| index - step), (along + 1 < side).then(|| index + step)];
+                let [lower, upper] = walls[axis];
+                let share = |neighbour: Option<usize>, is_wall: bool| match neighbour {
+                    _ if is_wall => old[index],
+                    neighbour => neighbour.map_or(0.0, |neighbour| old[neighbour]),
+                };
+                let before = share(before, (lower && along == first) || (upper && along == last + 1));
+                let after = share(after, (upper && along == last) || (lower && along + 1 == first));
+                *cell = 0.5 * old[index] + 0.25 * (before + after);
             }
         }
         grid
@@ -96,6 +109,34 @@ impl Density {
 mod tests {
     use super::super::axes::Axis;
     use super::*;
+
+    const OPEN: [[bool; 2]; 2] = [[false; 2]; 2];
+
+    /// Points that pile up at a bound: the line about them goes along it, and none of them leaks beyond.
+    #[test]
+    fn verif_counts_stay_within_walls() {
+        let (x, y): (Vec<f64>, Vec<f64>) = normal_points();
+        let x: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+        let frame = Frame { sides: [0.0, 0.0, 400.0, 400.0], x: Axis::linear(0.0, 4.0), y: Axis::linear(-4.0, 4.0) };
+        let density = Density::of(&x, &y, &frame, 40);
+        let walls = [[true, false], [false, false]];
+        let side = density.bins + 2 * BORDER;
+        let within = |walls: [[bool; 2]; 2]| {
+            let grid = density.smooth(side, walls);
+            grid.iter().enumerate().filter(|(index, _)| index % side >= BORDER).map(|(_, count)| count).sum::<f64>()
+        };
+        let all: f64 = density.counts.iter().sum();
+        assert!((within(walls) - all).abs() < 1e-9 * all && within(OPEN) < 0.99 * all);
+        /// Of the picture, pixels.
+        const CELL: f64 = 10.0;
+        // Half a circle of one sigma: 100 pixels wide, and as far up and down at the wall as it is without.
+        let highest_at_wall = |walls| {
+            let lines = density.lines_around(&frame, &[0.393], walls);
+            let at_wall = lines.iter().flatten().filter(|(x, _)| *x < 0.6 * CELL).map(|(_, y)| (y - 200.0).abs());
+            at_wall.fold(0.0, f64::max)
+        };
+        assert!((highest_at_wall(walls) - 50.0).abs() < CELL, "{}", highest_at_wall(walls));
+    }
 
     /// Evenly spread quantiles of a normal distribution on both sides: a grid of points with known density.
     fn normal_points() -> (Vec<f64>, Vec<f64>) {
@@ -120,7 +161,7 @@ mod tests {
         let density = Density::of(&x, &y, &frame, 40);
         // 39.3 % lie within one sigma, 86.5 % within two: 50 pixels a sigma. Smoothing widens by some 0.02.
         for (share, radius) in [(0.393, 50.0), (0.865, 100.0)] {
-            let lines = density.lines_around(&frame, &[share]);
+            let lines = density.lines_around(&frame, &[share], OPEN);
             let longest = lines.iter().max_by_key(|line| line.len()).unwrap();
             let mean = longest.iter().map(|(x, y)| (x - 200.0).hypot(y - 200.0)).sum::<f64>() / longest.len() as f64;
             assert!((mean / radius - 1.0).abs() < 0.06, "{share}: {mean}");
@@ -137,6 +178,6 @@ mod tests {
         let frame = Frame { sides: [10.0, 20.0, 30.0, 40.0], x: axis, y: axis };
         let pixels = Density::of(&[0.5], &[1.5], &frame, 2).pixels(&frame, |_| [1, 2, 3]);
         assert_eq!(pixels.colours, [Some([1, 2, 3]), None, None, None]);
-        assert!(Density::of(&[], &[], &frame, 2).lines_around(&frame, &[0.5]).is_empty());
+        assert!(Density::of(&[], &[], &frame, 2).lines_around(&frame, &[0.5], OPEN).is_empty());
     }
 }

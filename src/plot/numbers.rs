@@ -51,6 +51,11 @@ pub(super) fn per_cent(share: f64) -> String {
     format!("{} %", fixed(100.0 * share, 1))
 }
 
+/// So many of something, the last word of it in one of them or more.
+pub(super) fn many(number: usize, one: &str, more: &str) -> String {
+    format!("{} {}", count(number), if number == 1 { one } else { more })
+}
+
 /// Thousands set apart.
 pub(super) fn count(number: usize) -> String {
     let digits = number.to_string();

@@ -9,9 +9,9 @@ use crate::quantile::quantile;
 use super::axes::{Axis, Frame};
 use super::dots::dots;
 use super::error::PlotError;
-use super::numbers::count;
+use super::numbers::{count, many};
 use super::picture::Picture;
-use super::statistics::{check, check_length, running_band, sorted};
+use super::statistics::{Stretch, check, check_length, running_band, sorted};
 
 const MEASURED: RGBColor = RGBColor(0, 114, 178);
 const MODEL: RGBColor = RGBColor(213, 94, 0);
@@ -73,18 +73,15 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     let whole = 92.0 + panels.len() as f64 * (width + 20.0) + 8.0;
     let mut picture = Picture::new(whole as usize, 660);
     picture.text(input.title, (whole / 2.0, 28.0), 22.0, HPos::Center);
-    let medians: Vec<Vec<(f64, f64)>> = panels
-        .iter()
-        .map(|(_, _, magnitudes)| {
-            running_band(&phase, magnitudes, &x, BINS).into_iter().map(|(x, [_, median, _])| (x, median)).collect()
-        })
-        .collect();
+    let medians: Vec<Vec<Stretch>> =
+        panels.iter().map(|(_, _, magnitudes)| running_band(&phase, magnitudes, &x, BINS)).collect();
     for (index, (name, colour, magnitudes)) in panels.iter().enumerate() {
         let left = 92.0 + index as f64 * (width + 20.0);
         let frame = Frame { sides: [left, 84.0, left + width, 540.0], x, y };
         picture.paint(dots(&frame, &phase, magnitudes, mixed(*colour)));
-        for (other, median) in medians.iter().enumerate() {
-            let line: Vec<_> = median.iter().map(|(x, y)| frame.at(*x, *y)).collect();
+        let stretches = medians.iter().enumerate().flat_map(|(other, all)| all.iter().map(move |one| (other, one)));
+        for (other, stretch) in stretches {
+            let line: Vec<_> = stretch.iter().map(|(x, [_, median, _])| frame.at(*x, *median)).collect();
             // A light line below keeps it apart from the points.
             picture.line(&line, RGBColor(255, 255, 255).to_rgba(), 5.5);
             match other {
@@ -107,7 +104,7 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
     let out = |magnitudes: &[f64]| magnitudes.iter().filter(|magnitude| !y.holds(**magnitude)).count();
     let beyond = match panels.iter().map(|(_, _, magnitudes)| out(magnitudes)).sum() {
         0 => String::new(),
-        beyond => format!("; {} magnitudes beyond the axis", count(beyond)),
+        beyond => format!("; {} beyond the axis", many(beyond, "magnitude", "magnitudes")),
     };
     picture.paragraph(&format!("n = {}{beyond}.", count(phase.len())), [30.0, whole - 30.0], 640.0, 16.0);
     Ok(picture)

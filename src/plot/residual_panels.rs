@@ -11,7 +11,7 @@ use super::dots::dots;
 use super::error::PlotError;
 use super::numbers::count;
 use super::picture::{INK, Picture};
-use super::statistics::{check, check_length, running_band, sorted};
+use super::statistics::{Stretch, check, check_length, running_band, sorted};
 
 const DOT: RGBColor = RGBColor(120, 120, 120);
 const BAND: RGBColor = RGBColor(86, 180, 233);
@@ -41,7 +41,7 @@ pub struct ResidualPanels<'a> {
 /// Draws residuals against each of the four angles: points, running median, and the band from the quantile 0.16 to 0.84.
 ///
 /// The axis of residuals is as long on both sides of 0 and holds at least 98 % of them; how many lie beyond is said. Bins of fewer than eight
-/// points have no median.
+/// points have no median, and the line breaks there.
 ///
 /// # Errors
 /// No residual, columns of unequal length, a value that is not finite.
@@ -71,12 +71,17 @@ pub fn residual_panels(input: &ResidualPanels<'_>) -> Result<Picture, PlotError>
             Frame { sides: [left, top, left + 520.0, top + 320.0], x: Axis::linear(low - room, high + room), y };
         picture.paint(dots(&frame, &angles, residuals, DOT));
         let band = running_band(&angles, residuals, &Axis::linear(low, high), BINS);
-        let part = |k: usize| band.iter().map(move |(x, quantiles)| frame.at(*x, quantiles[k]));
-        if band.len() > 1 {
-            picture.patch(part(0).chain(part(2).rev()).collect(), BAND.mix(0.45));
+        let part = |stretch: &Stretch, k: usize| {
+            stretch.iter().map(|(x, quantiles)| frame.at(*x, quantiles[k])).collect::<Vec<_>>()
+        };
+        for stretch in band.iter().filter(|stretch| stretch.len() > 1) {
+            let back = part(stretch, 2).into_iter().rev();
+            picture.patch(part(stretch, 0).into_iter().chain(back).collect(), BAND.mix(0.45));
         }
         picture.line(&[frame.at(frame.x.from, 0.0), frame.at(frame.x.to, 0.0)], INK.mix(0.7), 1.2);
-        picture.line(&part(1).collect::<Vec<_>>(), MEDIAN.to_rgba(), 3.0);
+        for stretch in &band {
+            picture.line(&part(stretch, 1), MEDIAN.to_rgba(), 3.0);
+        }
         frame.draw(&mut picture, [true, index % 2 == 0]);
         frame.name_x(&mut picture, name);
         if index % 2 == 0 {

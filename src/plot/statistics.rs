@@ -63,20 +63,24 @@ pub(super) fn histogram(values: &[f64], axis: &Axis, bins: usize) -> Vec<usize> 
     counts
 }
 
-/// Median and band of `y` along `x`, bin by bin: mean of x, and the quantiles of [`ONE_SIGMA`]. Bins with few points are left out.
-pub(super) fn running_band(x: &[f64], y: &[f64], axis: &Axis, bins: usize) -> Vec<(f64, [f64; 3])> {
+/// Neighbouring bins of a running band: mean of x, and the quantiles of [`ONE_SIGMA`].
+pub(super) type Stretch = Vec<(f64, [f64; 3])>;
+
+/// Median and band of `y` along `x`, bin by bin. Bins with few points are left out: there one stretch ends and the next begins.
+pub(super) fn running_band(x: &[f64], y: &[f64], axis: &Axis, bins: usize) -> Vec<Stretch> {
     let mut parts: Vec<(f64, Vec<f64>)> = vec![(0.0, Vec::new()); bins];
     for (&x, &y) in x.iter().zip(y).filter(|(x, _)| axis.holds(**x)) {
         let part = &mut parts[((axis.share(x) * bins as f64) as usize).min(bins - 1)];
         part.0 += x;
         part.1.push(y);
     }
-    parts.retain(|(_, part)| part.len() >= LEAST_IN_BAND);
-    let band = |(sum, part): (f64, Vec<f64>)| {
-        let part_sorted = sorted(&part);
+    let band = |(sum, part): &(f64, Vec<f64>)| {
+        let part_sorted = sorted(part);
         (sum / part.len() as f64, ONE_SIGMA.map(|share| quantile(&part_sorted, share)))
     };
-    parts.into_iter().map(band).collect()
+    let is_full = |(_, part): &(f64, Vec<f64>)| part.len() >= LEAST_IN_BAND;
+    let runs = parts.chunk_by(|one, next| is_full(one) == is_full(next)).filter(|run| is_full(&run[0]));
+    runs.map(|run| run.iter().map(band).collect()).collect()
 }
 
 #[cfg(test)]
@@ -98,8 +102,14 @@ mod tests {
         let x: Vec<f64> = (0..1000).map(|n| f64::from(n) / 100.0).collect();
         let y: Vec<f64> = (0..1000).map(|n| f64::from(n) / 100.0 + f64::from(n % 3) - 1.0).collect();
         let band = running_band(&x, &y, &Axis::linear(0.0, 10.0), 10);
-        assert_eq!(band.len(), 10);
-        assert!(band.iter().all(|(x, [low, middle, high])| (middle - x).abs() < 0.3 && low < middle && middle < high));
+        assert_eq!(band.iter().map(Vec::len).collect::<Vec<_>>(), [10]);
+        assert!(
+            band[0].iter().all(|(x, [low, middle, high])| (middle - x).abs() < 0.3 && low < middle && middle < high)
+        );
+        // Nothing from 3 to 5: the line does not go across.
+        let (x_gap, y_gap): (Vec<f64>, Vec<f64>) = x.iter().zip(&y).filter(|(x, _)| !(3.0..5.0).contains(*x)).unzip();
+        let band = running_band(&x_gap, &y_gap, &Axis::linear(0.0, 10.0), 10);
+        assert_eq!(band.iter().map(Vec::len).collect::<Vec<_>>(), [3, 5]);
         assert!(running_band(&x[..7], &y[..7], &Axis::linear(0.0, 10.0), 10).is_empty());
     }
 

@@ -20,11 +20,13 @@ pub enum FitVerb {
     Compare(Box<FitCompareArguments>),
     /// Photometry placed, selected and reduced to pixels of the body frame, or point by point
     Reduce(Box<FitReduceArguments>),
+    /// Which satellite each track is of, by range, phase and lateness: what --identified reads
+    Identify(Box<FitIdentifyArguments>),
 }
 
-/// Which photometry, and how its geometry is found.
+/// Tables of photometry, and who observed.
 #[derive(Args)]
-pub struct PhotometryArguments {
+pub struct TableArguments {
     /// Tables of photometry, plain or gzipped
     #[arg(long, value_name = "FILE", num_args = 1.., required = true, help_heading = "Photometry")]
     pub photometry: Vec<PathBuf>,
@@ -40,6 +42,21 @@ pub struct PhotometryArguments {
     /// Keep rows that are the same as an earlier one
     #[arg(long, help_heading = "Photometry")]
     pub keep_duplicates: bool,
+    #[command(flatten)]
+    pub place: PlaceArguments,
+    /// Threads; all cores where unsaid
+    #[arg(long, value_name = "N", help_heading = "Run")]
+    pub threads: Option<usize>,
+    /// No warnings, no progress
+    #[arg(long, short, help_heading = "Run")]
+    pub quiet: bool,
+}
+
+/// Which photometry, how its geometry is found, and what is used of it.
+#[derive(Args)]
+pub struct PhotometryArguments {
+    #[command(flatten)]
+    pub tables: TableArguments,
     /// Element sets, with their history: satellites stand where the nearest one has them
     #[arg(long, value_name = "FILE", num_args = 1.., help_heading = "Geometry")]
     pub elements: Vec<PathBuf>,
@@ -49,14 +66,15 @@ pub struct PhotometryArguments {
     /// Shift each track along its orbit until its ranges fit, by at most so many seconds (with --elements)
     #[arg(long, value_name = "S", requires = "elements", help_heading = "Geometry")]
     pub fit_offset_s: Option<f64>,
+    /// Distance and phase of the rows, on the orbit's radius as the element sets have it: where satellites are minutes late (with --elements)
+    #[arg(long, requires = "elements", conflicts_with = "fit_offset_s", help_heading = "Geometry")]
+    pub elements_radius: bool,
     /// An element set farther away in time is not used, days
     #[arg(long, requires = "elements", value_name = "DAYS", default_value_t = 14.0, help_heading = "Geometry")]
     pub max_element_age_days: f64,
     /// Height of the orbits, km: for rows of distance and phase without element sets
     #[arg(long, value_name = "KM", help_heading = "Geometry")]
     pub height_km: Option<f64>,
-    #[command(flatten)]
-    pub place: PlaceArguments,
     /// Satellites on station only (needs --elements with a history)
     #[arg(long, requires = "elements", help_heading = "Selection")]
     pub on_station: bool,
@@ -69,15 +87,21 @@ pub struct PhotometryArguments {
     /// Sunlight that passes lower above the ground than this, km, is no full sunlight
     #[arg(long, value_name = "KM", default_value_t = 100.0, allow_hyphen_values = true, help_heading = "Selection")]
     pub least_grazing_km: f64,
+    /// What stands lower at the site was another satellite, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true, help_heading = "Selection")]
+    pub least_altitude_deg: f64,
+    /// Rows whose recorded range is farther off that of the named satellite are of another one, km
+    #[arg(long, value_name = "KM", default_value_t = 100.0, help_heading = "Selection")]
+    pub max_range_difference_km: f64,
+    /// The same of the recorded phase angle, degrees; no such limit where unsaid
+    #[arg(long, value_name = "DEG", help_heading = "Selection")]
+    pub max_phase_difference_deg: Option<f64>,
+    /// Keep rows that the survey flags as in the penumbra
+    #[arg(long, help_heading = "Selection")]
+    pub keep_penumbra_flag: bool,
     /// Magnitudes brought to the Sun's mean distance (the paper leaves up to 0.04 mag in)
     #[arg(long, help_heading = "Selection")]
     pub sun_distance: bool,
-    /// Threads; all cores where unsaid
-    #[arg(long, value_name = "N", help_heading = "Run")]
-    pub threads: Option<usize>,
-    /// No warnings, no progress
-    #[arg(long, short, help_heading = "Run")]
-    pub quiet: bool,
 }
 
 /// How points become pixels.
@@ -234,6 +258,32 @@ pub struct FitReduceArguments {
     #[cfg(feature = "plot")]
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub picture: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+#[derive(Args)]
+pub struct FitIdentifyArguments {
+    #[command(flatten)]
+    pub tables: TableArguments,
+    /// Element sets of all satellites that it may be
+    #[arg(long, value_name = "FILE", num_args = 1.., required = true, help_heading = "Association")]
+    pub elements: Vec<PathBuf>,
+    /// An element set farther away in time is not used, days
+    #[arg(long, value_name = "DAYS", default_value_t = 50.0, help_heading = "Association")]
+    pub max_element_age_days: f64,
+    /// Satellites may be early or late by so much, seconds
+    #[arg(long, value_name = "S", default_value_t = 120.0, help_heading = "Association")]
+    pub max_offset_s: f64,
+    /// A satellite whose ranges are farther off (root mean square, once its lateness is taken out) is not the one, km
+    #[arg(long, value_name = "KM", default_value_t = 10.0, help_heading = "Association")]
+    pub max_range_rms_km: f64,
+    /// A satellite whose phase angles are farther off is not the one, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 3.0, help_heading = "Association")]
+    pub max_phase_rms_deg: f64,
+    /// The next best must explain a track worse by so much (chi square)
+    #[arg(long, value_name = "N", default_value_t = 9.0, help_heading = "Association")]
+    pub least_lead: f64,
     #[command(flatten)]
     pub output: OutputArguments,
 }

@@ -11,6 +11,9 @@ use streakcast::table::{
 
 use crate::screen::{Shown, Style, render};
 
+/// Written for a path, as other programs have it.
+const STANDARD_OUTPUT: &str = "-";
+
 /// Format of the data.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Format {
@@ -63,8 +66,9 @@ pub struct Output {
 
 impl Output {
     /// The format said; else that of the file's name; else a table on a terminal and CSV anywhere else.
-    /// That a file can be made there is checked now, before any work.
+    /// That a file can be made there is checked now, before any work. A path of `-` is standard output.
     pub fn new(format: Option<&str>, path: Option<PathBuf>) -> anyhow::Result<Self> {
+        let path = path.filter(|path| path != Path::new(STANDARD_OUTPUT));
         let unsaid = || match &path {
             Some(path) => Format::by_extension(path).unwrap_or(Format::Csv),
             None if stdout().is_terminal() => Format::Table,
@@ -132,6 +136,11 @@ impl Output {
 
 /// That a file can be made there, asked before any work.
 pub fn check(path: &Path) -> anyhow::Result<()> {
+    if path == Path::new(STANDARD_OUTPUT) {
+        return Err(anyhow!(
+            "cannot write {STANDARD_OUTPUT}: standard output takes the main answer alone; allowed: a file's name"
+        ));
+    }
     check_target(path).map_err(|error| cannot_write(path, &error))
 }
 

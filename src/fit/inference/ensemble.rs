@@ -163,6 +163,18 @@ impl Chain {
     }
 }
 
+/// That so many walkers can draw from so many parameters: an even number of them, at least twice as many as parameters.
+///
+/// # Errors
+/// [`EnsembleError::Walkers`].
+pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), EnsembleError> {
+    let least = (2 * parameters).max(4);
+    if walkers < least || walkers % 2 == 1 {
+        return Err(EnsembleError::Walkers { walkers, parameters, least });
+    }
+    Ok(())
+}
+
 /// Walkers ready to go on.
 pub struct Ensemble<'a, P> {
     posterior: &'a P,
@@ -179,10 +191,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// [`EnsembleError`]: too few or an odd number of walkers, an impossible place, places that do not differ.
     pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, EnsembleError> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
-        let least = (2 * parameters).max(4);
-        if walkers < least || walkers % 2 == 1 {
-            return Err(EnsembleError::Walkers { walkers, parameters, least });
-        }
+        check_walkers(walkers, parameters)?;
         if let Some(parameter) = (0..parameters).find(|&i| starts.iter().all(|place| place[i] == starts[0][i])) {
             return Err(EnsembleError::Flat { parameter });
         }

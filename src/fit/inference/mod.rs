@@ -12,5 +12,5 @@ mod stretch;
 
 pub use autocorrelation::{AutocorrelationTime, autocorrelation_times};
 pub use box_quadratic::minimise_in_box;
-pub use ensemble::{Chain, Ensemble, EnsembleError, LogProbability};
+pub use ensemble::{Chain, Ensemble, EnsembleError, LogProbability, check_walkers};
 pub use least_squares::{LeastSquares, Minimum, NormalEquations, Stop, minimise};

@@ -2,7 +2,7 @@
 
 use rayon::prelude::*;
 
-use crate::fit::form::{BLOCK, Evaluated, Form, LEAST_LIT_M2, Parameter, Prepared, Sloped};
+use crate::fit::form::{BLOCK, Evaluated, Form, LEAST_LIT_M2, Moved, Parameter, Prepared, Sloped};
 use crate::fit::linear_starts::{self, Basis};
 use crate::fit::log_nodes::LogNodes;
 use crate::fit::point::FitPoint;
@@ -119,13 +119,9 @@ impl Prepared for Columns {
     }
 
     fn with_slopes<'a>(&'a self, x: &[f64], free: &[usize], parameters: &[Parameter]) -> Box<dyn Sloped + 'a> {
-        let slopes_by_offset = free.iter().position(|&i| i == OFFSET).map(|column| {
-            // The blocked shapes have corners: by differences.
-            let (mut up, mut down) = (x.to_vec(), x.to_vec());
-            up[OFFSET] = (x[OFFSET] + OFFSET_STEP_DEG).min(parameters[OFFSET].greatest);
-            down[OFFSET] = (x[OFFSET] - OFFSET_STEP_DEG).max(parameters[OFFSET].least);
-            (column, up[OFFSET] - down[OFFSET], self.with(&up), self.with(&down))
-        });
+        // The blocked shapes have corners: by differences.
+        let by_offset = |column| (column, Moved::new(x, OFFSET, &parameters[OFFSET], |x| self.with(x)));
+        let slopes_by_offset = free.iter().position(|&i| i == OFFSET).map(by_offset);
         Box::new(Slopes {
             at: self.with(x),
             slopes: self.exponents.slopes(x[6]),
@@ -159,15 +155,12 @@ impl Basis for Columns {
     }
 }
 
-/// Panel offsets are told apart to this, degrees.
-const OFFSET_STEP_DEG: f64 = 1e-4;
-
 struct Slopes<'a> {
     at: At<'a>,
     slopes: Vec<f64>,
     free: Vec<usize>,
-    /// Its column among the free, the way between, and the model at both ends.
-    slopes_by_offset: Option<(usize, f64, At<'a>, At<'a>)>,
+    /// Its column among the free, and the model on both sides.
+    slopes_by_offset: Option<(usize, Moved<At<'a>>)>,
 }
 
 impl Sloped for Slopes<'_> {
@@ -178,13 +171,8 @@ impl Sloped for Slopes<'_> {
                 *column = *slope;
             }
         }
-        if let Some((column, way, up, down)) = &self.slopes_by_offset {
-            let mut below = [0.0; BLOCK];
-            up.magnitudes(block, &mut slopes[*column]);
-            down.magnitudes(block, &mut below);
-            for (slope, below) in slopes[*column].iter_mut().zip(&below) {
-                *slope = (*slope - below) / way;
-            }
+        if let Some((column, moved)) = &self.slopes_by_offset {
+            moved.slope(block, &mut slopes[*column]);
         }
     }
 }

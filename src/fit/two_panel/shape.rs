@@ -15,6 +15,9 @@ pub(super) const EXPONENTS: [f64; 2] = [0.5, 200.0];
 /// Panel offsets, degrees.
 const OFFSETS_DEG: [f64; 2] = [-30.0, 30.0];
 
+/// Panel offsets are told apart to this, degrees.
+const OFFSET_STEP_DEG: f64 = 1e-4;
+
 /// Chassis and sail of given sizes. All eight parameters can be fitted; which are is chosen outside.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoPanelForm {
@@ -43,7 +46,10 @@ impl Form for TwoPanelForm {
             OFFSET => OFFSETS_DEG,
             _ => EXPONENTS,
         };
-        let parameter = |i: usize| Parameter::new(NAMES[i], values[i], bounds(i)[0], bounds(i)[1]);
+        let parameter = |i: usize| {
+            let parameter = Parameter::new(NAMES[i], values[i], bounds(i)[0], bounds(i)[1]);
+            if i == OFFSET { Parameter { step: OFFSET_STEP_DEG, ..parameter } } else { parameter }
+        };
         (0..NAMES.len()).map(parameter).collect()
     }
 

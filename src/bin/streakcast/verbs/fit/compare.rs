@@ -4,9 +4,10 @@ use anyhow::anyhow;
 use streakcast::fit::{
     COEFFICIENTS, Entrant, baselines, contest, offset_table, paper_tests, rival_table, standing_table,
 };
-use streakcast::table::{Provenance, Section};
+use streakcast::table::Section;
 
-use super::points::{FittedForm, form, read, weights};
+use super::form::{FittedForm, form};
+use super::points::{provenance, read, weights};
 use crate::failure::Outcome;
 use crate::fit_arguments::FitCompareArguments;
 use crate::output::{Answer, Output};
@@ -48,11 +49,22 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     }
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
     let placed = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
+    let doubt = placed.band_doubt(chosen.band);
+    placed.notices.warn(&doubt);
     let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
-    let mut provenance = Provenance::new();
-    for path in &typed.photometry.photometry {
-        provenance.state("photometry", path.display().to_string());
+    let mut provenance = provenance(&typed.photometry, &typed.reduction, &placed);
+    if let Some(doubt) = doubt {
+        provenance.state("band", doubt);
+    }
+    provenance.state("layer_deg", typed.reduction.layer_deg);
+    provenance.state("free", chosen.settings.free.join(", "));
+    for (name, value) in &chosen.settings.held {
+        provenance.state(&format!("held_{name}"), *value);
+    }
+    if typed.reduction.raw_points {
+        provenance.state("scatter_mag", typed.weights.scatter_mag);
+        provenance.state("equal_weights", typed.weights.equal_weights);
     }
     provenance.state("loss", format!("{:?}", chosen.settings.loss));
     provenance.state("model", chosen.file.name.as_str());
@@ -71,10 +83,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     entrants.extend(baselines(two_panels.as_ref()));
     let folds = typed.form.folds;
     provenance.state("folds", folds);
-    if placed.reduction.is_some() {
-        placed.notices.say(super::run::PIXELS_ARE_SEEN);
-    }
-    let (_, standings) = contest(&entrants, &placed.points, &chosen.settings, folds)?;
+    let standings = contest(&entrants, &placed.points, placed.tracks(), &chosen.settings, folds)?;
     let standings = standing_table(&standings);
     let (offsets, rivals) = match &tests {
         Some(tests) => (offset_table(&tests.offsets), rival_table(&[&tests.sail_glossy, &tests.earthshine])),
@@ -83,6 +92,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     for (span, n) in tests.iter().flat_map(|tests| &tests.left_out) {
         placed.notices.say(&format!("layer {} to {} deg left out: {n} points", span[0], span[1]));
     }
+    let dropped = placed.measurements.dropped.table();
     if output.is_table() {
         let parts = [(&offsets, OFFSETS_ON_SCREEN), (&rivals, RIVALS_ON_SCREEN), (&standings, STANDINGS_ON_SCREEN)];
         return output
@@ -94,6 +104,7 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
             Section { name: "panel_offsets", table: &offsets },
             Section { name: "rivals", table: &rivals },
             Section { name: "standings", table: &standings },
+            Section { name: "dropped", table: &dropped },
         ],
         main: &standings,
         provenance: &provenance,

@@ -1,33 +1,23 @@
 //! Photometry as typed, made into points of a fit.
 
-use std::collections::HashMap;
-use std::fs;
-use std::path::Path;
-
 use anyhow::anyhow;
-use streakcast::catalogue::{Catalogue, Keep, NoradId, ReadOptions as CatalogueOptions, StationRule};
-use streakcast::fit::{
-    FitPoint, FitSettings, Form, Loss, PANEL_OFFSET, PanelsForm, Parameter, RawWeights, TwoPanelForm,
-    points_of_measurements, points_of_pixels,
-};
-use streakcast::frames::EopTable;
+use streakcast::fit::{FitPoint, RawWeights, points_of_measurements, points_of_pixels};
 use streakcast::measured::{
-    ColumnMap, DensityMode, DropCounts, DropReason, Format, Measurements, Place, Placement, ReadOptions, RecordReader,
-    ReduceOptions, Reduction, Selection, measure, reduce,
+    DensityMode, DropCounts, DropReason, FilterCounts, Measurements, RecordReader, ReduceOptions, Reducer, Reduction,
+    measure, reduce,
 };
-use streakcast::photometry::{Earthshine, ModelFile, ModelLibrary};
-use streakcast::setup::Setup;
+use streakcast::photometry::Band;
+use streakcast::table::Provenance;
 
-use crate::fit_arguments::{
-    FormArguments, LossName, ModeName, PhotometryArguments, ReductionArguments, WeightArguments,
-};
+use super::photometry;
+use crate::fit_arguments::{ModeName, PhotometryArguments, ReductionArguments, WeightArguments};
 use crate::notices::Notices;
 use crate::verbs::judged::begin;
-use crate::verbs::map::{model_of, site_of};
 
 /// Photometry in its geometry.
 pub struct Placed {
     pub measurements: Measurements,
+    pub filters: FilterCounts,
     /// Pixels, unless single measurements were asked for.
     pub reduction: Option<Reduction>,
     /// Points to be fitted.
@@ -35,70 +25,40 @@ pub struct Placed {
     pub notices: Notices,
 }
 
+impl Placed {
+    /// What there is to say of photometry that is not in the model's band.
+    pub fn band_doubt(&self, band: Band) -> Option<String> {
+        self.filters.doubt(band).map(|doubt| doubt.to_string())
+    }
+
+    /// The measurements behind pixels, and how these are made of them: what is held out of fits to pixels.
+    pub fn tracks(&self) -> Option<(&Measurements, ReduceOptions)> {
+        self.reduction.as_ref().map(|reduction| (&self.measurements, reduction.options))
+    }
+}
+
 pub fn read(
     typed: &PhotometryArguments,
     reduction: &ReductionArguments,
     weights: &RawWeights,
 ) -> anyhow::Result<Placed> {
-    let setup = Setup { threads: typed.threads, quiet: Some(typed.quiet), ..typed.place.setup() };
+    let setup = photometry::setup(&typed.tables);
     let notices = begin(&setup)?;
     if !(0.01..=180.0).contains(&reduction.layer_deg) {
         return Err(anyhow!("layer-deg {}; allowed: 0.01 to 180", reduction.layer_deg));
     }
-    if typed.height_km.is_some() && !typed.elements.is_empty() {
-        return Err(anyhow!("--height-km and --elements: the geometry comes from one of them"));
-    }
-    let columns = typed.columns.as_ref().map(|said| {
-        // A file, or the pairs themselves.
-        let text = if said.contains('=') {
-            said.clone()
-        } else {
-            fs::read_to_string(said).map_err(|error| anyhow!("columns {said}: {error}"))?
-        };
-        Ok::<_, anyhow::Error>(ColumnMap::from_text(&text)?)
-    });
-    let options = ReadOptions {
-        format: typed.format_name.as_deref().map(Format::by_name).transpose()?,
-        columns: columns.transpose()?,
-        site: site_of(&setup)?,
-        filters: typed.filter.clone(),
-        keep_duplicates: typed.keep_duplicates,
-    };
-    let history = if typed.elements.is_empty() {
-        None
-    } else {
-        let catalogue =
-            Catalogue::read(&typed.elements, &CatalogueOptions { keep: Keep::All, ..CatalogueOptions::default() })?;
-        Some(catalogue.into_history())
-    };
-    let placement = match &history {
-        Some(history) => Placement {
-            place: Place::Elements { fit_offset_s: typed.fit_offset_s },
-            max_element_age_days: typed.max_element_age_days,
-            eop: EopTable::embedded(),
-            identified: typed.identified.as_deref().map(identified).transpose()?.unwrap_or_default(),
-            ..Placement::elements(history)
-        },
-        None => Placement::recorded(typed.height_km),
-    };
-    let station = typed.on_station.then(|| StationRule {
-        min_height_km: typed.station_height_km,
-        max_rate_m_day: typed.station_rate_m_day,
-        ..StationRule::default()
-    });
-    let selection = Selection {
-        least_grazing_height_km: Some(typed.least_grazing_km),
-        station,
-        correct_sun_distance: typed.sun_distance,
-        ..Selection::default()
-    };
-    let mut reader = RecordReader::open(&typed.photometry, &options)?;
+    let options = reduce_options(reduction);
+    Reducer::new(options)?;
+    let history = photometry::history(typed)?;
+    let (placement, selection) = (photometry::placement(typed, history.as_ref())?, photometry::selection(typed));
+    let mut reader = RecordReader::open(&typed.tables.photometry, &photometry::read_options(&typed.tables, &setup)?)?;
     let measurements = measure(&mut reader, &placement, &selection)?;
     tell(&notices, &measurements.dropped, measurements.points.len());
+    let filters = reader.filters().clone();
     let (pixels, points) = if reduction.raw_points {
         (None, points_of_measurements(&measurements, weights))
     } else {
-        let pixels = reduce(&measurements.points, reduce_options(reduction))?;
+        let pixels = reduce(&measurements.points, options)?;
         let points = points_of_pixels(&pixels);
         notices.say(&format!(
             "{} points in {} pixels, {} of them kept ({} points or more, spread of {} mag or less)",
@@ -113,7 +73,7 @@ pub fn read(
     if points.is_empty() {
         return Err(nothing_left(&measurements, pixels.as_ref()));
     }
-    Ok(Placed { measurements, reduction: pixels, points, notices })
+    Ok(Placed { measurements, filters, reduction: pixels, points, notices })
 }
 
 /// How single measurements are weighed, as typed.
@@ -122,38 +82,6 @@ pub fn weights(typed: &WeightArguments) -> anyhow::Result<RawWeights> {
         return Err(anyhow!("scatter-mag {}; allowed: more than 0", typed.scatter_mag));
     }
     Ok(RawWeights { scatter_mag: typed.scatter_mag, by_group: !typed.equal_weights })
-}
-
-/// Tracks and the satellites they are of; rows without a number are tracks that nobody identified.
-fn identified(path: &Path) -> anyhow::Result<HashMap<String, NoradId>> {
-    let unreadable = |error: csv::Error| anyhow!("identified {}: {error}", path.display());
-    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(unreadable)?;
-    let headers = reader.headers().map_err(unreadable)?.clone();
-    let column = |name: &str| {
-        let found = headers.iter().position(|header| header.trim() == name);
-        found.ok_or_else(|| anyhow!("identified {}: no column {name}; needed are track and norad", path.display()))
-    };
-    let (track, norad) = (column("track")?, column("norad")?);
-    let mut tracks = HashMap::new();
-    for (row, record) in reader.records().enumerate() {
-        let record = record.map_err(unreadable)?;
-        let (track, text) =
-            (record.get(track).unwrap_or_default().trim(), record.get(norad).unwrap_or_default().trim());
-        if text.is_empty() {
-            continue;
-        }
-        let number: u32 = text.parse().map_err(|_| {
-            anyhow!(
-                "identified {}: row {}: norad {text}; allowed: a catalogue number, or nothing",
-                path.display(),
-                row + 1
-            )
-        })?;
-        if number > 0 {
-            tracks.insert(track.to_owned(), NoradId(number));
-        }
-    }
-    Ok(tracks)
 }
 
 fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {
@@ -169,6 +97,33 @@ fn reduce_options(typed: &ReductionArguments) -> ReduceOptions {
         least_tracks: typed.min_tracks,
         most_iqr_mag: typed.max_iqr,
     }
+}
+
+/// What an answer rests on: files, thresholds of the selection and the reduction, rows used and left out.
+pub fn provenance(photometry: &PhotometryArguments, reduction: &ReductionArguments, placed: &Placed) -> Provenance {
+    let mut provenance = Provenance::new();
+    photometry::state(photometry, &mut provenance);
+    if let Some(pixels) = &placed.reduction {
+        provenance.state("layer_deg", reduction.layer_deg);
+        let options = &pixels.options;
+        provenance.state("nside", i64::from(options.nside));
+        provenance.state("mode", format!("{:?}", options.mode));
+        provenance.state("min_count", i64::from(options.least_count));
+        provenance.state("min_tracks", i64::from(options.least_tracks));
+        provenance.state("max_iqr_mag", options.most_iqr_mag);
+        provenance.state("folded", options.fold);
+        provenance.state("pixels_kept", pixels.kept().count());
+    }
+    provenance.state("measurements", placed.measurements.points.len());
+    let dropped = &placed.measurements.dropped;
+    provenance.state("rows_left_out", dropped.total() as i64);
+    for (reason, count, _) in dropped.iter() {
+        provenance.state(&format!("left_out_{}", reason.name()), count as i64);
+    }
+    for (filter, rows) in placed.filters.iter() {
+        provenance.state(&format!("rows_through_{}", filter.unwrap_or("no_named_filter")), rows as i64);
+    }
+    provenance
 }
 
 /// Why no point is left, and which option may help.
@@ -205,89 +160,4 @@ fn tell(notices: &Notices, dropped: &DropCounts, used: usize) {
         let first = example.map(|one| format!(" (first: {one})")).unwrap_or_default();
         notices.say(&format!("  {count} {}{first}", reason.name().replace('_', " ")));
     }
-}
-
-/// The model whose form is fitted.
-pub struct Chosen {
-    pub file: ModelFile,
-    pub form: FittedForm,
-    pub settings: FitSettings,
-}
-
-/// One of the forms that model files have room for.
-pub enum FittedForm {
-    TwoPanel(TwoPanelForm),
-    Panels(PanelsForm),
-}
-
-impl FittedForm {
-    pub fn as_form(&self) -> &dyn Form {
-        match self {
-            Self::TwoPanel(form) => form,
-            Self::Panels(form) => form,
-        }
-    }
-
-    /// The paper's form with this one's sizes, where it has any.
-    pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
-        match self {
-            Self::TwoPanel(form) => Some(form.clone()),
-            Self::Panels(form) => form.as_two_panels(),
-        }
-    }
-
-    /// The same, to be owned.
-    pub fn boxed(&self) -> Box<dyn Form> {
-        match self {
-            Self::TwoPanel(form) => Box::new(form.clone()),
-            Self::Panels(form) => Box::new(form.clone()),
-        }
-    }
-}
-
-/// What is fitted, and how.
-pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
-    let model = model_of(&ModelLibrary::embedded(), &typed.model)?;
-    let file = model.file().cloned().ok_or_else(|| anyhow!("model {} has no file", typed.model))?;
-    let (band, system) = model.band();
-    let sun_magnitude = band.sun_magnitude(system);
-    let earthshine = if typed.no_earthshine { Earthshine::Off } else { Earthshine::Computed };
-    let form = match (file.shape, file.coefficients, &file.panels) {
-        (Some(shape), Some(coefficients), _) => {
-            FittedForm::TwoPanel(TwoPanelForm { shape, coefficients, earthshine, blocking: true, sun_magnitude })
-        }
-        (_, _, Some(spec)) => FittedForm::Panels(PanelsForm { spec: spec.clone(), earthshine, sun_magnitude }),
-        _ => {
-            let wanted = "allowed are models of kind two_panel or panels (streakcast model list)";
-            return Err(anyhow!("model {} has nothing to fit; {wanted}", typed.model));
-        }
-    };
-    let parameters = form.as_form().parameters();
-    let known = || parameters.iter().map(|parameter| parameter.name.as_str()).collect::<Vec<_>>().join(", ");
-    let mut held = Vec::new();
-    for entry in &typed.hold {
-        let parsed =
-            entry.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
-        let (name, value) = parsed.ok_or_else(|| anyhow!("hold {entry}; allowed: NAME=NUMBER, as c1=0"))?;
-        let found = parameters.iter().find(|parameter| parameter.name == name);
-        let parameter = found.ok_or_else(|| anyhow!("hold {name}: no such parameter; allowed: {}", known()))?;
-        if !(parameter.least..=parameter.greatest).contains(&value) {
-            return Err(anyhow!("hold {name}={value}; allowed: {} to {}", parameter.least, parameter.greatest));
-        }
-        held.push((name.to_owned(), value));
-    }
-    let mut free = typed.free.clone();
-    if free.is_empty() {
-        let fitted = |parameter: &&Parameter| parameter.name != PANEL_OFFSET;
-        free = parameters.iter().filter(fitted).map(|parameter| parameter.name.clone()).collect();
-    }
-    free.retain(|name| held.iter().all(|(other, _)| other != name));
-    let loss = match typed.loss {
-        Some(LossName::Squares) => Loss::Squares,
-        Some(LossName::SoftL1) => Loss::SoftL1,
-        Some(LossName::Student) => Loss::Student(4.0),
-        None if raw_points => Loss::SoftL1,
-        None => Loss::Squares,
-    };
-    Ok(Chosen { file, form, settings: FitSettings { free, held, loss, ..FitSettings::default() } })
 }

@@ -1,9 +1,9 @@
 //! `fit reduce`: photometry as pixels of the body frame, or point by point.
 
 use streakcast::fit::RawWeights;
-use streakcast::table::{Provenance, Section};
+use streakcast::table::Section;
 
-use super::points::read;
+use super::points::{provenance, read};
 use crate::failure::Outcome;
 use crate::fit_arguments::FitReduceArguments;
 use crate::output::{Answer, Output};
@@ -39,10 +39,7 @@ pub fn reduce(typed: FitReduceArguments) -> anyhow::Result<Outcome> {
     }
     let placed = read(&typed.photometry, &typed.reduction, &RawWeights::default())?;
     let dropped = placed.measurements.dropped.table();
-    let mut provenance = Provenance::new();
-    for path in &typed.photometry.photometry {
-        provenance.state("photometry", path.display().to_string());
-    }
+    let provenance = provenance(&typed.photometry, &typed.reduction, &placed);
     let (table, name, columns) = match &placed.reduction {
         Some(pixels) => (pixels.table(), "pixels", PIXELS_ON_SCREEN),
         None => (placed.measurements.table(), "measurements", POINTS_ON_SCREEN),

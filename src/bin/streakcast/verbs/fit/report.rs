@@ -1,10 +1,10 @@
 //! Reports of fits: what was read, what was fitted, what is wrong with it, with pictures.
 
 use std::collections::BTreeMap;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use streakcast::fit::{Report, Spread, marginal_table, parameter_table, points_behind, standing_table};
+use streakcast::fit::{Loss, Report, Spread, marginal_table, parameter_table, points_behind, standing_table};
 use streakcast::photometry::ModelFile;
 
 use super::run::Told;
@@ -30,11 +30,29 @@ fn ends_in(path: &Path, ends: &[&str]) -> bool {
     end.is_some_and(|end| ends.contains(&end.as_str()))
 }
 
+/// Of fits that are not by squares.
+const ROBUST: &str = "The fit is robust: it does not stand where the RMS is least, and points far off count little. The core says how the others scatter; \
+Akaike's criterion below is that of the loss (sum of losses + 2k), not of the RMS.";
+/// Errors of a fit so many times those of the draws are not alike.
+const MUCH_LARGER: f64 = 1.2;
+/// Ends of the names of all pictures that a report may have.
+const PICTURES: [&str; 6] = ["histogram", "residuals", "phase", "maps", "pixels", "corner"];
+
+/// Every file that a report may write: itself, and the pictures beside it.
+pub fn files(path: &Path) -> Vec<PathBuf> {
+    let beside = PICTURES.iter().filter(|_| !is_html(path) && cfg!(feature = "plot"));
+    std::iter::once(path.to_owned()).chain(beside.map(|end| path.with_file_name(picture_name(path, end)))).collect()
+}
+
+fn picture_name(report: &Path, end: &str) -> String {
+    let stem = report.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
+    format!("{stem}-{end}.png")
+}
+
 /// Writes the report: pictures beside a `.md`, within a `.html`.
 pub fn write(path: &Path, told: &Told, file: &ModelFile) -> anyhow::Result<()> {
     let drawn = pictures(told, file)?;
-    let stem = path.file_stem().map(|stem| stem.to_string_lossy().into_owned()).unwrap_or_default();
-    let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (format!("{stem}-{}.png", one.0), one)).collect();
+    let names: BTreeMap<String, &Drawn> = drawn.iter().map(|one| (picture_name(path, one.0), one)).collect();
     let report = text(told, file, &names);
     if is_html(path) {
         let page = report.to_html(|name| names.get(name).map(|one| data_url(&one.2)));
@@ -67,6 +85,9 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
         fit.kept.len(),
         told.placed.points.len() - fit.kept.len()
     ));
+    if let Some(doubt) = told.placed.band_doubt(told.chosen.band) {
+        report.say(&format!("**Band:** {doubt}."));
+    }
     if measurements.dropped.total() > 0 {
         report.table(&measurements.dropped.table());
     }
@@ -86,11 +107,14 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
     report.list(
         spread("Fitted points", &fit.residuals_mag).into_iter().chain(spread("Single measurements", told.single_mag)),
     );
+    if told.chosen.settings.loss != Loss::Squares {
+        report.say(ROBUST);
+    }
     if !told.standings.is_empty() {
         report.section("On unseen points");
         report.say(match &told.placed.reduction {
             None => "Each form fitted without one fold of tracks or nights at a time, and held against it.",
-            Some(_) => "Each form fitted without one fold of pixels at a time, and held against it. Tracks cross many pixels, so these have seen the same tracks.",
+            Some(_) => "Each form fitted to the pixels of all tracks but those of one fold at a time, and held against the pixels that these make alone.",
         });
         report.table(&standing_table(told.standings));
     }
@@ -103,10 +127,17 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
             100.0 * posterior.acceptance,
             told.typed.seed
         ));
-        report.say(
-            "Points are taken as independent here: where tracks or nights share their faults, the errors of the table above are the larger and the honest ones.",
-        );
-        report.table(&marginal_table(posterior));
+        let narrow = posterior.overconfident(fit, MUCH_LARGER);
+        let words: Vec<String> = narrow.iter().map(|(name, times)| format!("{name} {times:.1}")).collect();
+        report.say(&match words.is_empty() {
+            true => "Points are taken as independent here. The errors of the fit (fit_sigma) are alike: either may be used.".to_owned(),
+            false => format!(
+                "Points are taken as independent here, and tracks or nights share their faults: the errors of the fit (fit_sigma) are larger ({} times). \
+                 Use those; of the draws, the shape.",
+                words.join(", ")
+            ),
+        });
+        report.table(&marginal_table(posterior, fit));
     }
     if !pictures.is_empty() {
         report.section("Pictures");
@@ -211,12 +242,20 @@ mod drawn {
             let names: Vec<String> = posterior.marginals.iter().map(|marginal| marginal.name.clone()).collect();
             let burn_in = chain.steps() - posterior.steps;
             let samples: Vec<Vec<f64>> = (0..names.len()).map(|i| chain.column(i, burn_in)).collect();
+            let bounds: Vec<[f64; 2]> =
+                fit.free.iter().map(|&i| [fit.parameters[i].least, fit.parameters[i].greatest]).collect();
             if (2..=9).contains(&names.len()) {
                 let title = format!("Posterior of {name}");
                 add(
                     "corner",
                     "Posterior",
-                    corner(&Corner { title: &title, names: &names, samples: &samples, truths: None })?,
+                    corner(&Corner {
+                        title: &title,
+                        names: &names,
+                        samples: &samples,
+                        truths: None,
+                        bounds: Some(&bounds),
+                    })?,
                 )?;
             }
         }

@@ -1,32 +1,27 @@
 //! `fit run`: a model file with covariance, and a report of how it came about.
 
-use std::path::{Path, PathBuf};
-use std::time::{SystemTime, UNIX_EPOCH};
-
 use anyhow::anyhow;
-use hifitime::Epoch;
-use indicatif::ProgressBar;
 use streakcast::fit::{
-    Chain, ChainAbout, CovarianceKind, Entrant, Fault, Fit, FitError, FitPoint, ModelWords, Posterior,
-    PosteriorSettings, Problem, RawWeights, Spread, Standing, baselines, contest, draw, faults, honest_sigma_mag,
-    jackknife, model_file, points_of_measurements, posterior, predict, read_chain, rms, write_chain,
+    Chain, CovarianceKind, Entrant, Fault, Fit, FitError, FitPoint, ModelWords, Posterior, Problem, RawWeights, Spread,
+    Standing, baselines, contest, faults, honest_sigma_mag, jackknife, model_file, points_of_measurements, predict,
+    rms,
 };
 use streakcast::photometry::ModelFile;
 
-use super::points::{Chosen, Placed, form, read, weights};
+use super::chains;
+use super::form::{Chosen, form};
+use super::points::{Placed, read, weights};
 use super::report;
+use super::run_checks::{checked, this_month};
 use crate::failure::Outcome;
 use crate::fit_arguments::{FitArguments, FitRunArguments, FitVerb};
-use crate::output::{check, write_bytes};
-
-/// Chains are saved after so many steps, if at all.
-const SAVED_EVERY: usize = 500;
 
 pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
         FitVerb::Run(typed) => fit(&typed),
         FitVerb::Compare(typed) => super::compare::compare(*typed),
         FitVerb::Reduce(typed) => super::reduce::reduce(*typed),
+        FitVerb::Identify(typed) => super::identify::identify(*typed),
     }
 }
 
@@ -45,22 +40,14 @@ pub struct Told<'a> {
 }
 
 fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
-    check(&typed.output)?;
-    if let Some(chains) = &typed.chains {
-        check(chains)?;
-    }
-    distinct(typed)?;
-    if let Some(steps) = typed.mcmc.filter(|steps| typed.burn_in >= *steps) {
-        return Err(anyhow!("burn-in {}; allowed: less than the {steps} steps of --mcmc", typed.burn_in));
-    }
-    if let Some(report) = &typed.report {
-        report::check_name(report)?;
-        check(report)?;
-    }
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
+    let output = checked(typed, &chosen)?;
     let placed = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
     let problem = Problem::new(chosen.form.as_form(), &placed.points, &chosen.settings)?;
+    // A chain that cannot be gone on with is told before the work, not after.
+    let begun = typed.mcmc.map(|steps| chains::begun(typed, &placed, &problem, steps)).transpose()?;
     let notices = &placed.notices;
+    notices.warn(&placed.band_doubt(chosen.band));
     let fit = with_errors_of_tracks(typed.jackknife, &chosen, &placed, problem.solve()?)?;
     let in_sample = Spread::of(&fit.residuals_mag).ok_or_else(|| anyhow!("no point was fitted"))?;
     notices.say(&format!(
@@ -73,7 +60,7 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     let faults = faults(&problem, &fit);
     let standings = standings(typed, &chosen, &placed)?;
     let single_mag = single(&chosen, &placed, &fit);
-    let drawn = typed.mcmc.map(|steps| drawn(typed, &placed, &problem, &fit, steps)).transpose()?;
+    let drawn = begun.map(|begun| chains::drawn(typed, &placed, &problem, &fit, begun)).transpose()?;
     let told = Told {
         typed,
         chosen: &chosen,
@@ -86,7 +73,7 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         posterior: drawn.as_ref().map(|(chain, posterior)| (chain, posterior)),
     };
     let file = file(&told)?;
-    write_bytes(&typed.output, (file.to_json() + "\n").as_bytes())?;
+    output.write_text(&(file.to_json() + "\n"))?;
     if let Some(path) = &typed.report {
         report::write(path, &told, &file)?;
     }
@@ -110,29 +97,6 @@ fn with_errors_of_tracks(sets: usize, chosen: &Chosen, placed: &Placed, fit: Fit
     }
 }
 
-/// That no output stands where another does, or where the photometry is.
-fn distinct(typed: &FitRunArguments) -> anyhow::Result<()> {
-    let outputs = [Some(&typed.output), typed.report.as_ref(), typed.chains.as_ref()];
-    let mut taken: Vec<PathBuf> = typed.photometry.photometry.iter().map(|path| place_of(path)).collect();
-    for path in outputs.into_iter().flatten() {
-        let place = place_of(path);
-        if taken.contains(&place) {
-            return Err(anyhow!("{} is named twice; every output needs a file of its own", path.display()));
-        }
-        taken.push(place);
-    }
-    Ok(())
-}
-
-/// Folder and name, whatever way they are written.
-fn place_of(path: &Path) -> PathBuf {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    folder.canonicalize().unwrap_or_else(|_| folder.to_owned()).join(path.file_name().unwrap_or_default())
-}
-
-/// Folds of pixels hold points of the same tracks.
-pub const PIXELS_ARE_SEEN: &str = "warning: folds are of pixels, and tracks cross many: what is called unseen has seen the same tracks; --raw-points holds out whole tracks";
-
 /// The form and those that it has to beat, on the same unseen folds.
 fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyhow::Result<Vec<Standing>> {
     if typed.form.folds == 0 {
@@ -141,9 +105,13 @@ fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyho
     let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
     entrants.extend(baselines(chosen.form.as_two_panels().as_ref()));
-    let standings = match contest(&entrants, &placed.points, &chosen.settings, typed.form.folds) {
-        Ok((_, standings)) => standings,
-        // A fit of one night is a fit all the same.
+    let standings = match contest(&entrants, &placed.points, placed.tracks(), &chosen.settings, typed.form.folds) {
+        Ok(standings) => standings,
+        // A fit of one night, or of few pixels, is a fit all the same.
+        Err(problem @ (FitError::NoneUnseen { .. } | FitError::TooFew { .. })) => {
+            placed.notices.say(&format!("warning: nothing is said of unseen points: {problem}"));
+            return Ok(Vec::new());
+        }
         Err(FitError::Folds { groups, folds }) => {
             let words = format!(
                 "warning: {groups} tracks or nights cannot be held out in {folds} folds (--folds): nothing is said of unseen points"
@@ -153,9 +121,6 @@ fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyho
         }
         Err(error) => return Err(error.into()),
     };
-    if placed.reduction.is_some() {
-        placed.notices.say(PIXELS_ARE_SEEN);
-    }
     for one in &standings {
         placed.notices.say(&format!(
             "  unseen: {:<22} k {} RMS {:.3} core {:.3} mag, {:.0} % within one sigma",
@@ -182,62 +147,6 @@ fn single(chosen: &Chosen, placed: &Placed, fit: &Fit) -> Vec<f64> {
         .collect()
 }
 
-fn drawn(
-    typed: &FitRunArguments,
-    placed: &Placed,
-    problem: &Problem,
-    fit: &Fit,
-    steps: usize,
-) -> anyhow::Result<(Chain, Posterior)> {
-    let settings = PosteriorSettings { steps, burn_in: typed.burn_in, walkers: typed.walkers, seed: typed.seed };
-    let about = ChainAbout {
-        software: format!("streakcast {}", env!("CARGO_PKG_VERSION")),
-        parameters: fit.free.iter().map(|&i| fit.parameters[i].name.clone()).collect(),
-        seed: typed.seed,
-        fingerprint: problem.fingerprint(),
-    };
-    let resumed =
-        typed.chains.as_deref().filter(|path| path.exists()).map(|path| resumed(path, &about, typed)).transpose()?;
-    if let Some(chain) = resumed.as_ref().filter(|chain| chain.steps() > steps) {
-        return Err(anyhow!("mcmc {steps}: the chains hold {} steps already; allowed: as many or more", chain.steps()));
-    }
-    if let Some(chain) = &resumed {
-        placed.notices.say(&format!("going on after {} steps", chain.steps()));
-    }
-    let bar: ProgressBar = placed.notices.steps(steps);
-    let objective = problem.objective();
-    let save = |chain: &Chain| typed.chains.as_deref().map_or(Ok(()), |path| write_chain(path, chain, &about));
-    let chain = draw(&objective, fit, &settings, resumed, |chain| {
-        bar.set_position(chain.steps() as u64);
-        if chain.steps() % SAVED_EVERY == 0 { save(chain) } else { Ok(()) }
-    })?;
-    bar.finish_and_clear();
-    save(&chain)?;
-    let found = posterior(&chain, fit, typed.burn_in);
-    let slow = found.marginals.iter().filter(|marginal| !marginal.autocorrelation.is_trusted);
-    for marginal in slow {
-        let tau = marginal.autocorrelation.steps;
-        placed.notices.say(&format!(
-            "warning: {} moves slowly: {} steps are fewer than 50 of its autocorrelation times ({tau:.0} steps)",
-            marginal.name, found.steps
-        ));
-    }
-    Ok((chain, found))
-}
-
-/// A chain of the same fit, to go on with.
-fn resumed(path: &Path, about: &ChainAbout, typed: &FitRunArguments) -> anyhow::Result<Chain> {
-    let (chain, was) = read_chain(path)?;
-    let same = was.fingerprint == about.fingerprint && was.seed == about.seed && was.parameters == about.parameters;
-    if !same || chain.walkers() != typed.walkers {
-        return Err(anyhow!(
-            "chains {}: they are of another fit (other points, parameters, walkers or seed); allowed: the same, or a new file",
-            path.display()
-        ));
-    }
-    Ok(chain)
-}
-
 fn file(told: &Told) -> anyhow::Result<ModelFile> {
     let Told { typed, chosen, placed, problem, fit, .. } = told;
     // What is announced is for single measurements that were not seen: held-out ones where there are any.
@@ -249,7 +158,7 @@ fn file(told: &Told) -> anyhow::Result<ModelFile> {
         ),
         None => (honest_sigma_mag(told.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
     };
-    let files: Vec<String> = typed.photometry.photometry.iter().map(|path| path.display().to_string()).collect();
+    let files: Vec<String> = typed.photometry.tables.photometry.iter().map(|path| path.display().to_string()).collect();
     let base = &chosen.file;
     let words = ModelWords {
         name: typed.name.clone().unwrap_or_else(|| format!("{}-fit", base.name)),
@@ -263,13 +172,6 @@ fn file(told: &Told) -> anyhow::Result<ModelFile> {
     };
     let rms_mag = rms(&fit.residuals_mag);
     Ok(model_file(base, fit, problem.points(), rms_mag, sigma_mag, &words)?)
-}
-
-/// As `2026-11`.
-fn this_month() -> String {
-    let since_1970 = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
-    let (year, month, ..) = Epoch::from_unix_seconds(since_1970.as_secs_f64()).to_gregorian_utc();
-    format!("{year:04}-{month:02}")
 }
 
 fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<String> {
@@ -286,9 +188,7 @@ fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<Strin
     };
     let light = if typed.form.no_earthshine { "Without earthshine." } else { "With earthshine." };
     let mut notes = vec![kind, light.to_owned(), format!("Loss: {:?}.", chosen.settings.loss)];
-    if !typed.photometry.filter.is_empty() {
-        notes.push(format!("Filters: {}; taken as the band of the model.", typed.photometry.filter.join(", ")));
-    }
+    notes.extend(placed.band_doubt(chosen.band).map(|doubt| format!("Band: {doubt}.")));
     notes.push(format!("Sunlight passes at least {} km above the ground.", typed.photometry.least_grazing_km));
     notes.extend(chosen.settings.held.iter().map(|(name, value)| format!("{name} was held at {value}.")));
     notes

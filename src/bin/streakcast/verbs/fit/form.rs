@@ -1,0 +1,98 @@
+//! The form that is fitted, as typed: a model's, what is free in it, what a residual costs.
+
+use anyhow::anyhow;
+use streakcast::fit::{FitSettings, Form, Loss, PANEL_OFFSET, PanelsForm, Parameter, TwoPanelForm};
+use streakcast::photometry::{Band, Earthshine, ModelFile, ModelLibrary};
+
+use crate::fit_arguments::{FormArguments, LossName};
+use crate::verbs::map::model_of;
+
+/// The model whose form is fitted.
+pub struct Chosen {
+    pub file: ModelFile,
+    /// Of the model's magnitudes.
+    pub band: Band,
+    pub form: FittedForm,
+    pub settings: FitSettings,
+}
+
+/// One of the forms that model files have room for.
+pub enum FittedForm {
+    TwoPanel(TwoPanelForm),
+    Panels(PanelsForm),
+}
+
+impl FittedForm {
+    pub fn as_form(&self) -> &dyn Form {
+        match self {
+            Self::TwoPanel(form) => form,
+            Self::Panels(form) => form,
+        }
+    }
+
+    /// The paper's form with this one's sizes, where it has any.
+    pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
+        match self {
+            Self::TwoPanel(form) => Some(form.clone()),
+            Self::Panels(form) => form.as_two_panels(),
+        }
+    }
+
+    /// The same, to be owned.
+    pub fn boxed(&self) -> Box<dyn Form> {
+        match self {
+            Self::TwoPanel(form) => Box::new(form.clone()),
+            Self::Panels(form) => Box::new(form.clone()),
+        }
+    }
+}
+
+/// What is fitted, and how.
+pub fn form(typed: &FormArguments, raw_points: bool) -> anyhow::Result<Chosen> {
+    let model = model_of(&ModelLibrary::embedded(), &typed.model)?;
+    let file = model.file().cloned().ok_or_else(|| anyhow!("model {} has no file", typed.model))?;
+    let (band, system) = model.band();
+    let sun_magnitude = band.sun_magnitude(system);
+    let earthshine = if typed.no_earthshine { Earthshine::Off } else { Earthshine::Computed };
+    let form = match (file.shape, file.coefficients, &file.panels) {
+        (Some(shape), Some(coefficients), _) => {
+            FittedForm::TwoPanel(TwoPanelForm { shape, coefficients, earthshine, blocking: true, sun_magnitude })
+        }
+        (_, _, Some(spec)) => FittedForm::Panels(PanelsForm { spec: spec.clone(), earthshine, sun_magnitude }),
+        _ => {
+            let wanted = "allowed are models of kind two_panel or panels (streakcast model list)";
+            return Err(anyhow!("model {} has nothing to fit; {wanted}", typed.model));
+        }
+    };
+    let parameters = form.as_form().parameters();
+    let known = || parameters.iter().map(|parameter| parameter.name.as_str()).collect::<Vec<_>>().join(", ");
+    let mut held = Vec::new();
+    for entry in &typed.hold {
+        let parsed =
+            entry.split_once('=').and_then(|(name, value)| Some((name.trim(), value.trim().parse::<f64>().ok()?)));
+        let (name, value) = parsed.ok_or_else(|| anyhow!("hold {entry}; allowed: NAME=NUMBER, as c1=0"))?;
+        let found = parameters.iter().find(|parameter| parameter.name == name);
+        let parameter = found.ok_or_else(|| anyhow!("hold {name}: no such parameter; allowed: {}", known()))?;
+        if !(parameter.least..=parameter.greatest).contains(&value) {
+            return Err(anyhow!("hold {name}={value}; allowed: {} to {}", parameter.least, parameter.greatest));
+        }
+        held.push((name.to_owned(), value));
+    }
+    let mut free = typed.free.clone();
+    if free.is_empty() {
+        let fitted = |parameter: &&Parameter| parameter.name != PANEL_OFFSET;
+        free = parameters.iter().filter(fitted).map(|parameter| parameter.name.clone()).collect();
+    }
+    if let Some(name) = free.iter().find(|name| parameters.iter().all(|parameter| parameter.name != **name)) {
+        return Err(anyhow!("free {name}: no such parameter; allowed: {}", known()));
+    }
+    free.retain(|name| held.iter().all(|(other, _)| other != name));
+    let loss = match typed.loss {
+        Some(LossName::Squares) => Loss::Squares,
+        Some(LossName::SoftL1) => Loss::SoftL1,
+        Some(LossName::Student) => Loss::Student(4.0),
+        None if raw_points => Loss::SoftL1,
+        None => Loss::Squares,
+    };
+    Ok(Chosen { file, band, form, settings: FitSettings { free, held, loss, ..FitSettings::default() } })
+}

@@ -1,0 +1,152 @@
+//! Photometry as typed: what is read, where satellites stood, what is used.
+
+use std::collections::HashMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use streakcast::catalogue::{Catalogue, History, Keep, NoradId, ReadOptions as CatalogueOptions, StationRule};
+use streakcast::frames::EopTable;
+use streakcast::measured::{ColumnMap, Format, OrbitRadius, Place, Placement, ReadOptions, Selection};
+use streakcast::setup::Setup;
+use streakcast::table::Provenance;
+
+use crate::fit_arguments::{PhotometryArguments, TableArguments};
+use crate::verbs::map::site_of;
+
+pub fn setup(typed: &TableArguments) -> Setup {
+    Setup { threads: typed.threads, quiet: Some(typed.quiet), ..typed.place.setup() }
+}
+
+pub fn read_options(typed: &TableArguments, setup: &Setup) -> anyhow::Result<ReadOptions> {
+    let columns = typed.columns.as_ref().map(|said| {
+        // A file, or the pairs themselves.
+        let text = if said.contains('=') {
+            said.clone()
+        } else {
+            fs::read_to_string(said).map_err(|error| anyhow!("columns {said}: {error}"))?
+        };
+        Ok::<_, anyhow::Error>(ColumnMap::from_text(&text)?)
+    });
+    Ok(ReadOptions {
+        format: typed.format_name.as_deref().map(Format::by_name).transpose()?,
+        columns: columns.transpose()?,
+        site: site_of(setup)?,
+        filters: typed.filter.clone(),
+        keep_duplicates: typed.keep_duplicates,
+    })
+}
+
+/// Element sets, if any are named.
+pub fn history(typed: &PhotometryArguments) -> anyhow::Result<Option<History>> {
+    if typed.elements.is_empty() {
+        return Ok(None);
+    }
+    if typed.height_km.is_some() {
+        return Err(anyhow!("--height-km and --elements: the geometry comes from one of them"));
+    }
+    history_of(&typed.elements).map(Some)
+}
+
+/// All element sets of these files.
+pub fn history_of(paths: &[PathBuf]) -> anyhow::Result<History> {
+    let options = CatalogueOptions { keep: Keep::All, ..CatalogueOptions::default() };
+    Ok(Catalogue::read(paths, &options)?.into_history())
+}
+
+pub fn placement<'h>(typed: &PhotometryArguments, history: Option<&'h History>) -> anyhow::Result<Placement<'h>> {
+    let Some(history) = history else { return Ok(Placement::recorded(typed.height_km)) };
+    let place = match typed.elements_radius {
+        true => Place::Recorded { radius: Some(OrbitRadius::Elements) },
+        false => Place::Elements { fit_offset_s: typed.fit_offset_s },
+    };
+    Ok(Placement {
+        place,
+        max_element_age_days: typed.max_element_age_days,
+        eop: EopTable::embedded(),
+        identified: typed.identified.as_deref().map(identified).transpose()?.unwrap_or_default(),
+        ..Placement::elements(history)
+    })
+}
+
+pub fn selection(typed: &PhotometryArguments) -> Selection {
+    let station = typed.on_station.then(|| StationRule {
+        min_height_km: typed.station_height_km,
+        max_rate_m_day: typed.station_rate_m_day,
+        ..StationRule::default()
+    });
+    Selection {
+        drop_penumbra_flag: !typed.keep_penumbra_flag,
+        least_grazing_height_km: Some(typed.least_grazing_km),
+        least_altitude_rad: Some(typed.least_altitude_deg.to_radians()),
+        station,
+        max_range_difference_km: Some(typed.max_range_difference_km),
+        max_phase_difference_rad: typed.max_phase_difference_deg.map(f64::to_radians),
+        correct_sun_distance: typed.sun_distance,
+    }
+}
+
+/// Names of files, one after the other.
+pub fn names(paths: &[PathBuf]) -> String {
+    paths.iter().map(|path| path.display().to_string()).collect::<Vec<String>>().join(", ")
+}
+
+/// Files and thresholds, as they were typed or stand where nothing was.
+pub fn state(typed: &PhotometryArguments, provenance: &mut Provenance) {
+    provenance.state("photometry", names(&typed.tables.photometry));
+    if !typed.elements.is_empty() {
+        provenance.state("elements", names(&typed.elements));
+        provenance.state("max_element_age_days", typed.max_element_age_days);
+        provenance.state("elements_radius", typed.elements_radius);
+    }
+    if let Some(limit_s) = typed.fit_offset_s {
+        provenance.state("fit_offset_s", limit_s);
+    }
+    if let Some(height_km) = typed.height_km {
+        provenance.state("height_km", height_km);
+    }
+    provenance.state("least_grazing_km", typed.least_grazing_km);
+    provenance.state("least_altitude_deg", typed.least_altitude_deg);
+    provenance.state("max_range_difference_km", typed.max_range_difference_km);
+    if let Some(limit_deg) = typed.max_phase_difference_deg {
+        provenance.state("max_phase_difference_deg", limit_deg);
+    }
+    provenance.state("keep_penumbra_flag", typed.keep_penumbra_flag);
+    if typed.on_station {
+        provenance.state("station_height_km", typed.station_height_km);
+        provenance.state("station_rate_m_day", typed.station_rate_m_day);
+    }
+    provenance.state("sun_distance_taken_out", typed.sun_distance);
+}
+
+/// Tracks and the satellites they are of; rows without a number are tracks that nobody identified.
+fn identified(path: &Path) -> anyhow::Result<HashMap<String, NoradId>> {
+    let unreadable = |error: csv::Error| anyhow!("identified {}: {error}", path.display());
+    let mut reader = csv::ReaderBuilder::new().comment(Some(b'#')).from_path(path).map_err(unreadable)?;
+    let headers = reader.headers().map_err(unreadable)?.clone();
+    let column = |name: &str| {
+        let found = headers.iter().position(|header| header.trim() == name);
+        found.ok_or_else(|| anyhow!("identified {}: no column {name}; needed are track and norad", path.display()))
+    };
+    let (track, norad) = (column("track")?, column("norad")?);
+    let mut tracks = HashMap::new();
+    for (row, record) in reader.records().enumerate() {
+        let record = record.map_err(unreadable)?;
+        let (track, text) =
+            (record.get(track).unwrap_or_default().trim(), record.get(norad).unwrap_or_default().trim());
+        if text.is_empty() {
+            continue;
+        }
+        let number: u32 = text.parse().map_err(|_| {
+            anyhow!(
+                "identified {}: row {}: norad {text}; allowed: a catalogue number, or nothing",
+                path.display(),
+                row + 1
+            )
+        })?;
+        if number > 0 {
+            tracks.insert(track.to_owned(), NoradId(number));
+        }
+    }
+    Ok(tracks)
+}
