@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::super::super::header::Header;
+use super::super::changed::Outcome;
 use super::super::hdu::{HduInfo, HduKind};
-use super::super::pixel_format::{Bitpix, Outcome, PixelFormat, Stored};
+use super::super::pixel_format::{Bitpix, PixelFormat, Stored};
 use super::dither::Dither;
 use super::gzip;
 use super::rice::Rice;
