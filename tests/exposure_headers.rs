@@ -27,7 +27,11 @@ fn verif_spellings_of_the_start() {
         ("DATE-OBS= '2020-03-06T00:04:15.410235'", "2020-03-06T00:04:15.410235", "DATE-OBS"),
         ("DATE-OBS= '2020-03-06'\nTIME-OBS= '00:04:15.41'", "2020-03-06T00:04:15.41", "DATE-OBS + TIME-OBS"),
         ("DATE_OBS= '2020-03-06'\nUTC_OBS = '00:04:15.41'", "2020-03-06T00:04:15.41", "DATE_OBS + UTC_OBS"),
-        ("DATE-OBS= '2020-05-28'\nUT-STR  = '14:32:17.921'\nUT      = '14:32:20.9'", "2020-05-28T14:32:17.921", "DATE-OBS + UT-STR"),
+        (
+            "DATE-OBS= '2020-05-28'\nUT-STR  = '14:32:17.921'\nUT      = '14:32:20.9'",
+            "2020-05-28T14:32:17.921",
+            "DATE-OBS + UT-STR",
+        ),
         ("DATE-OBS= '2020-05-28'\nUT      = '14:32:17.5'", "2020-05-28T14:32:17.5", "DATE-OBS + UT"),
         ("DATE-OBS= '2020-03-06T00:04:52.410'\nTIMESYS = 'TAI'", "2020-03-06T00:04:15.410", "DATE-OBS"),
         ("DATE-OBS= '2020-03-06T00:05:24.594'\nTIMESYS = 'TT'", "2020-03-06T00:04:15.410", "DATE-OBS"),
@@ -40,7 +44,11 @@ fn verif_spellings_of_the_start() {
         ("MJD     =            58914.25 / mid exposure", "2020-03-06T05:59:30", "MJD - half of the exposure"),
         ("DATE-AVG= '2020-03-06T06:00:00'", "2020-03-06T05:59:30", "DATE-AVG - half of the exposure"),
         ("DATE-END= '2020-03-06T06:00:00'", "2020-03-06T05:59:00", "DATE-END - the exposure"),
-        ("DATE-OBS= '2009-10-17'\nTAIHMS  = '01:53:10.59'\nTIMESYS = 'TAI'\nTAI     =        4762461190.59", "2009-10-17T01:52:36.59", "DATE-OBS + TAIHMS"),
+        (
+            "DATE-OBS= '2009-10-17'\nTAIHMS  = '01:53:10.59'\nTIMESYS = 'TAI'\nTAI     =        4762461190.59",
+            "2009-10-17T01:52:36.59",
+            "DATE-OBS + TAIHMS",
+        ),
         ("DATE-OBS= '2016-12-31T23:59:60.5'", "2017-01-01T00:00:00", "DATE-OBS"),
     ] {
         if cards.contains("23:59:60.5") {
@@ -59,19 +67,31 @@ fn verif_what_is_not_said_or_contradicts_itself() {
     for (cards, words) in [
         ("EXPTIME = 60.0", "no start of the exposure"),
         ("DATE-OBS= '2020-03-06'\nEXPTIME = 60.0", "DATE-OBS is the date 2020-03-06 without a time"),
-        ("DATE-OBS= '26/07/102'\nTIME-OBS= '19:36:37'\nEXPTIME = 60", "DATE-OBS is \"26/07/102\": a year of two digits"),
+        (
+            "DATE-OBS= '26/07/102'\nTIME-OBS= '19:36:37'\nEXPTIME = 60",
+            "DATE-OBS is \"26/07/102\": a year of two digits",
+        ),
         ("DATE-OBS= '26/07/02'\nJD      = 2452482.31709\nEXPTIME = 60", "say the start: --start"),
         ("DATE-OBS= 'soon'\nEXPTIME = 60", "DATE-OBS is \"soon\": a date as"),
         ("DATE-OBS= '2020-03-06'\nTIME-OBS= 'noon'\nEXPTIME = 60", "TIME-OBS is \"noon\": a time as"),
         ("MJD-OBS = 1.0\nEXPTIME = 60", "MJD-OBS is \"1.0\": a modified Julian date"),
         ("DATE-OBS= '2020-03-06T00:00:00'\nTIMESYS = 'LST'\nEXPTIME = 60", "TIMESYS is \"LST\": UTC, TAI"),
-        ("DATE-OBS= '2020-03-06T00:00:00'\nMJD-OBS = 58914.0010\nEXPTIME = 60", "DATE-OBS (UTC) says that the exposure began at 2020-03-06T00:00:00 UTC, MJD-OBS (UTC) says 2020-03-06T00:01:26.4"),
+        (
+            "DATE-OBS= '2020-03-06T00:00:00'\nMJD-OBS = 58914.0010\nEXPTIME = 60",
+            "DATE-OBS (UTC) says that the exposure began at 2020-03-06T00:00:00 UTC, MJD-OBS (UTC) says 2020-03-06T00:01:26.4",
+        ),
         ("DATE-OBS= '2020-03-06T00:00:00'\nDATE-AVG= '2020-03-06T00:01:07'\nEXPTIME = 60", "37.0 s apart"),
         ("DATE-OBS= '2020-03-06T00:00:00'", "no length of the exposure"),
-        ("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 0.0", "EXPTIME is 0 s: a streak needs an exposure longer than 0 s"),
+        (
+            "DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 0.0",
+            "EXPTIME is 0 s: a streak needs an exposure longer than 0 s",
+        ),
         ("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = -30", "EXPTIME is -30 s"),
         ("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 'long'", "EXPTIME is \"long\": a number of seconds"),
-        ("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 30\nEXPOSURE= 60", "EXPTIME says 30 s of exposure, EXPOSURE says 60 s"),
+        (
+            "DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 30\nEXPOSURE= 60",
+            "EXPTIME says 30 s of exposure, EXPOSURE says 60 s",
+        ),
     ] {
         let error = time(cards).expect_err(words);
         assert!(error.contains(words), "{error}");
@@ -81,7 +101,8 @@ fn verif_what_is_not_said_or_contradicts_itself() {
 #[test]
 fn verif_digits_that_were_left_out_are_no_conflict() {
     // Five decimals of a day are 0.86 s.
-    let found = time("DATE-OBS= '2021-04-07T12:03:57.256'\nMJD_OBS =          59311.50275\nEXPTIME = 120.27").expect("agree");
+    let found =
+        time("DATE-OBS= '2021-04-07T12:03:57.256'\nMJD_OBS =          59311.50275\nEXPTIME = 120.27").expect("agree");
     assert_eq!((found.start_from.as_str(), found.duration_s), ("DATE-OBS", 120.27));
 }
 

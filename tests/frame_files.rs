@@ -7,8 +7,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use streakcast::camera::{
-    Bitpix, Card, CardValue, Cells, FrameCopy, FrameError, FrameFile, HduKind, Header, ImageValues, NewImage, Pixels, Plane, Rice,
-    TableColumn, write_frame,
+    Bitpix, Card, CardValue, Cells, FrameCopy, FrameError, FrameFile, HduKind, Header, ImageValues, NewImage, Pixels,
+    Plane, Rice, TableColumn, write_frame,
 };
 
 /// A frame of numbers that differ everywhere, in every type.
@@ -49,7 +49,11 @@ fn verif_every_type_is_written_and_read() {
     for kind in KINDS {
         let file = FrameFile::open(&simple(folder.path(), kind, None, "FILTER  = 'r'\n")).expect(kind);
         let info = &file.hdus()[0];
-        assert_eq!((info.name.as_str(), &info.kind, info.image_size()), ("SCI", &HduKind::Image, Some([20, 30])), "{kind}");
+        assert_eq!(
+            (info.name.as_str(), &info.kind, info.image_size()),
+            ("SCI", &HduKind::Image, Some([20, 30])),
+            "{kind}"
+        );
         assert_eq!(file.header(0).expect("a header").text("FILTER").as_deref(), Some("r"));
         let plane = file.read_plane(0).expect(kind);
         let rows = file.read_rows(0, 0..20).expect(kind);
@@ -131,14 +135,36 @@ fn verif_new_extensions_are_behind_the_old_ones() {
     let source = FrameFile::open(&simple(folder.path(), "f32", None, "HISTORY made\n")).expect("a file");
     let target = folder.path().join("out.fits");
     let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
-    copy.add_history(0, "streaks were added to this frame, and this text is so long that it goes on on another card").expect("history");
+    copy.add_history(0, "streaks were added to this frame, and this text is so long that it goes on on another card")
+        .expect("history");
     copy.set_card(0, "MJD-OBS", &CardValue::Real(60_000.123_456_789_01), "start").expect("a card");
-    copy.append_image("MASK", &ImageValues::new(30, Pixels::I32(vec![3; 600])).expect("rows"), &cards("MP_STREAK= 1\n"), None).expect("an image");
+    copy.append_image(
+        "MASK",
+        &ImageValues::new(30, Pixels::I32(vec![3; 600])).expect("rows"),
+        &cards("MP_STREAK= 1\n"),
+        None,
+    )
+    .expect("an image");
     copy.append_image("TRUTH", &Plane::zeros(20, 30).into(), &[], Some(Rice::default())).expect("an image");
     let columns = [
-        TableColumn { name: "ra_deg".into(), unit: "deg".into(), meaning: "right ascension".into(), cells: Cells::Real(vec![1.5, f64::NAN]) },
-        TableColumn { name: "norad_id".into(), unit: String::new(), meaning: String::new(), cells: Cells::Integer(vec![44_238, -1]) },
-        TableColumn { name: "name".into(), unit: String::new(), meaning: String::new(), cells: Cells::Text(vec!["ISS".into(), "Ørsted".into()]) },
+        TableColumn {
+            name: "ra_deg".into(),
+            unit: "deg".into(),
+            meaning: "right ascension".into(),
+            cells: Cells::Real(vec![1.5, f64::NAN]),
+        },
+        TableColumn {
+            name: "norad_id".into(),
+            unit: String::new(),
+            meaning: String::new(),
+            cells: Cells::Integer(vec![44_238, -1]),
+        },
+        TableColumn {
+            name: "name".into(),
+            unit: String::new(),
+            meaning: String::new(),
+            cells: Cells::Text(vec!["ISS".into(), "Ørsted".into()]),
+        },
     ];
     copy.append_table("STREAKS", &columns, &[]).expect("a table");
     let uneven = [columns[0].clone(), TableColumn { cells: Cells::Integer(vec![1]), ..columns[1].clone() }];
@@ -153,7 +179,8 @@ fn verif_new_extensions_are_behind_the_old_ones() {
     assert_eq!(file.read_plane(1).expect("a plane").values()[0], 3.0);
     let header = file.header(0).expect("a header");
     assert_eq!(header.number("MJD-OBS"), Some(60_000.123_456_789_01));
-    let history: Vec<String> = header.cards().iter().filter(|card| card.keyword() == "HISTORY").map(Card::remark_text).collect();
+    let history: Vec<String> =
+        header.cards().iter().filter(|card| card.keyword() == "HISTORY").map(Card::remark_text).collect();
     assert_eq!(history.len(), 3);
     assert_eq!(history[0], "made");
     assert_eq!(source.read_plane(0).expect("a plane"), file.read_plane(0).expect("a plane"));
@@ -163,7 +190,8 @@ fn verif_new_extensions_are_behind_the_old_ones() {
 fn verif_rice_out_and_in() {
     let folder = folder();
     for kind in KINDS {
-        let plain = FrameFile::open(&simple(folder.path(), kind, None, "")).expect(kind).read_rows(0, 0..20).expect(kind);
+        let plain =
+            FrameFile::open(&simple(folder.path(), kind, None, "")).expect(kind).read_rows(0, 0..20).expect(kind);
         let rice = Rice { steps_per_sigma: 16.0, dither_seed: 7 };
         let file = FrameFile::open(&simple(folder.path(), kind, Some(rice), "")).expect(kind);
         assert_eq!(file.hdus()[1].kind, HduKind::CompressedImage("RICE_1".into()));
@@ -197,20 +225,28 @@ fn verif_what_is_no_frame_is_refused() {
         let text = String::from_utf8_lossy(&good[..2880]).replace(from, to);
         [text.as_bytes(), &good[2880..]].concat()
     };
-    assert!(with("text.fits", b"hello, this is a text").contains("is no FITS file (it begins with \"hello, this is a\""));
+    assert!(
+        with("text.fits", b"hello, this is a text").contains("is no FITS file (it begins with \"hello, this is a\"")
+    );
     assert!(with("empty.fits", b"").contains("is no FITS file (it begins with \"\""));
     assert!(with("a.fits.gz", b"\x1f\x8b\x08\x00").contains("packed with gzip; unpack it first"));
     assert!(with("cut.fits", &good[..3000]).contains("HDU 0 is cut off: its data needs 4080 bytes, the file has 3000"));
-    assert!(with("cut-header.fits", &good[..1000]).contains("HDU 0 is cut off: its header needs 2880 bytes, the file has 1000"));
+    assert!(
+        with("cut-header.fits", &good[..1000])
+            .contains("HDU 0 is cut off: its header needs 2880 bytes, the file has 1000")
+    );
     let more = with("naxis-more.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                 2000"));
     assert!(more.contains("its data needs 122880 bytes"), "{more}");
     // Too few rows leave data where a header should be.
     let large = ImageValues::new(100, Pixels::I16((0..10_000).map(|n| n as i16 | 1).collect())).expect("rows");
     write_frame(&at("large.fits"), &[NewImage { name: "", values: &large, cards: &[], rice: None }]).expect("written");
-    let text = String::from_utf8_lossy(&fs::read(at("large.fits")).expect("bytes")[..2880]).replace("NAXIS2  =                  100", "NAXIS2  =                   50");
-    let fewer = with("naxis-fewer.fits", &[text.as_bytes(), &fs::read(at("large.fits")).expect("bytes")[2880..]].concat());
+    let text = String::from_utf8_lossy(&fs::read(at("large.fits")).expect("bytes")[..2880])
+        .replace("NAXIS2  =                  100", "NAXIS2  =                   50");
+    let fewer =
+        with("naxis-fewer.fits", &[text.as_bytes(), &fs::read(at("large.fits")).expect("bytes")[2880..]].concat());
     assert!(fewer.contains("behind HDU 0, no header begins") && fewer.contains("are its NAXISn right?"), "{fewer}");
-    let negative = with("naxis-negative.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                  -20"));
+    let negative =
+        with("naxis-negative.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                  -20"));
     assert!(negative.contains("HDU 0: NAXIS2 is -20: a length of 0 or more"), "{negative}");
     let missing = with("naxis-missing.fits", &replaced("NAXIS2  =", "NOXIS2  ="));
     assert!(missing.contains("NAXIS2 is missing or no number"), "{missing}");
@@ -335,7 +371,8 @@ fn verif_noisy_floats_keep_their_steps() {
     let folder = folder();
     let path = folder.path().join("noise.fits");
     let mut random = common::random::Random(5);
-    let mut values: Vec<f32> = (0..200 * 60).map(|_| 1000.0 + 10.0 * (0..12).map(|_| random.uniform() as f32 - 0.5).sum::<f32>()).collect();
+    let mut values: Vec<f32> =
+        (0..200 * 60).map(|_| 1000.0 + 10.0 * (0..12).map(|_| random.uniform() as f32 - 0.5).sum::<f32>()).collect();
     values[777] = f32::NAN;
     let values = ImageValues::new(200, Pixels::F32(values)).expect("rows");
     let rice = Rice { steps_per_sigma: 4.0, dither_seed: 9_999 };
@@ -351,4 +388,93 @@ fn verif_real_compressed_frames() {
     change_compressed(&frames.join("cutout_c4d_200306_000415_ori.fits.fz"), 7, 0.0);
     change_compressed(&frames.join("cutout_calexp-0941420_23.fits"), 1, 1.5);
     change_compressed(&frames.join("cutout_calexp-0941420_23.fits"), 2, 0.0);
+}
+
+/// A folder that nobody may write to, and a disk that is full: no output, and the words of the system.
+#[cfg(target_os = "linux")]
+#[test]
+fn verif_disks_that_do_not_take_the_frame() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    let source = FrameFile::open(&simple(folder.path(), "f32", None, "")).expect("a file");
+    let closed = folder.path().join("closed");
+    fs::create_dir(&closed).expect("a folder");
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).expect("closed");
+    // Root may write anywhere: the test is of use for others alone.
+    if fs::write(closed.join("probe"), b"x").is_err() {
+        let error = FrameCopy::begin(&source, &closed.join("out.fits")).expect_err("closed").to_string();
+        assert!(error.contains("Permission denied") && error.contains("out.fits"), "{error}");
+    }
+    // A limit on the size of files stands in for the full disk; the process that has it is a shell, which starts this test once more.
+    if std::env::var_os("STREAKCAST_FULL_DISK").is_none() {
+        let test = std::env::current_exe().expect("this test");
+        let command = format!(
+            "ulimit -f 64; trap '' XFSZ; exec {test:?} --exact verif_disks_that_do_not_take_the_frame --nocapture"
+        );
+        let output = std::process::Command::new("sh")
+            .args(["-c", &command])
+            .env("STREAKCAST_FULL_DISK", "1")
+            .output()
+            .expect("a shell");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && text.contains("full: copy and new frame refused"), "{text}");
+        return;
+    }
+    // 64 blocks of 512 or 1024 bytes; the frame has 120 kB, its source was made small and is appended to.
+    let large = ImageValues::new(200, Pixels::F32(vec![1.0; 30_000])).expect("rows");
+    let target = folder.path().join("out.fits");
+    let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
+    copy.append_image("LARGE", &large, &[], None).expect("an image");
+    let error = copy.finish().expect_err("full").to_string();
+    assert!(error.contains("out.fits") && error.contains("File too large"), "{error}");
+    let error = write_frame(&target, &[NewImage { name: "", values: &large, cards: &[], rice: None }])
+        .expect_err("full")
+        .to_string();
+    assert!(error.contains("out.fits") && error.contains("File too large"), "{error}");
+    let noise: Vec<i32> = (0..30_000u32).map(|n| n.wrapping_mul(2_654_435_761) as i32).collect();
+    let noise = ImageValues::new(200, Pixels::I32(noise)).expect("rows");
+    let rice = Some(Rice::default());
+    let error =
+        write_frame(&target, &[NewImage { name: "", values: &noise, cards: &[], rice }]).expect_err("full").to_string();
+    assert!(error.contains("CFITSIO"), "{error}");
+    let left: Vec<_> =
+        fs::read_dir(folder.path()).expect("a folder").map(|entry| entry.expect("an entry").file_name()).collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+    println!("full: copy and new frame refused");
+}
+
+#[test]
+fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
+    let folder = folder();
+    let path = simple(folder.path(), "i16", None, "");
+    let good = fs::read(&path).expect("bytes");
+    let text = String::from_utf8_lossy(&good[..2880]).into_owned();
+    let cube = text
+        .replace("NAXIS   =                    2", "NAXIS   =                    3")
+        .replace("NAXIS2  =                   20 / rows     ", "NAXIS2  =                   20            ");
+    let card = |text: &str| format!("{text:<80}");
+    let axes = |third: i64| {
+        cube.replacen(
+            &card("EXTEND  =                    T / extensions may follow"),
+            &card(&format!("NAXIS3  = {third:>20}")),
+            1,
+        )
+    };
+    let with = |name: &str, header: &str, data: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, [header.as_bytes(), data].concat()).expect("written");
+        FrameFile::open(&path).expect(name)
+    };
+    // A third axis of one pixel does not count, one of two does.
+    let flat = with("flat.fits", &axes(1), &good[2880..]);
+    assert_eq!(flat.read_plane(0).expect("a plane").values()[1], -299.0);
+    let thick = with("thick.fits", &axes(2), &good[2880..]);
+    let error = thick.read_plane(0).expect_err("a cube").to_string();
+    assert!(
+        error.contains("HDU 0 is an image of axes [30, 20, 2], no image of two axes; images are nowhere in it"),
+        "{error}"
+    );
+    let none =
+        with("none.fits", &text.replace("NAXIS2  =                   20", "NAXIS2  =                    0"), b"");
+    assert!(none.read_plane(0).is_err());
 }

@@ -43,9 +43,14 @@ fn compare(name: &str, header: &Header, goldens: &[Golden]) {
     for golden in goldens {
         let place = golden.place;
         let found = wcs.to_pixel(golden.direction).unwrap_or_else(|| panic!("{name}: {place:?} has no place"));
-        assert!(found.distance(place) < TOLERANCE_PIX, "{name}: {place:?} is {found:?}, {} pix off", found.distance(place));
+        assert!(
+            found.distance(place) < TOLERANCE_PIX,
+            "{name}: {place:?} is {found:?}, {} pix off",
+            found.distance(place)
+        );
         let direction = wcs.to_sky(place).unwrap_or_else(|| panic!("{name}: {place:?} has no direction"));
-        let miss_pix = direction.separation_rad(&golden.direction).to_degrees() * 3600.0 / wcs.pixel_scale_arcsec(place);
+        let miss_pix =
+            direction.separation_rad(&golden.direction).to_degrees() * 3600.0 / wcs.pixel_scale_arcsec(place);
         assert!(miss_pix < TOLERANCE_PIX, "{name}: {place:?} is {miss_pix} pix off");
         let back = wcs.to_pixel(direction).unwrap_or_else(|| panic!("{name}: no way back from {place:?}"));
         assert!(back.distance(place) < ROUND_TRIP_PIX, "{name}: {place:?} comes back as {back:?}");
@@ -150,7 +155,8 @@ fn verif_a_track_far_outside_never_comes_back() {
             let along = east * cosine + north * sine;
             let mut previous = f64::NEG_INFINITY;
             let mut inside = 0;
-            let first = wcs.to_pixel(Direction::from_vector((middle.vector() + along * 1e-6).normalize())).expect("near");
+            let first =
+                wcs.to_pixel(Direction::from_vector((middle.vector() + along * 1e-6).normalize())).expect("near");
             let (x, y) = (first.x - centre.x, first.y - centre.y);
             for at in -4000..=4000 {
                 let direction = Direction::from_vector((middle.vector() + along * (f64::from(at) * 1e-4)).normalize());

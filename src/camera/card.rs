@@ -286,7 +286,9 @@ mod tests {
 
     #[test]
     fn verif_what_is_written_is_read() {
-        for number in [0.1 + 0.2, -1.0, 58_914.002_956_14, 6.626e-34, 1e300, -4.9e-324, 1e15, 123_456_789_012_345_680.0, 1e-4] {
+        for number in
+            [0.1 + 0.2, -1.0, 58_914.002_956_14, 6.626e-34, 1e300, -4.9e-324, 1e15, 123_456_789_012_345_680.0, 1e-4]
+        {
             let card = one("CRVAL1", number, "a number");
             assert_eq!(card.value(), Some(CardValue::Real(number)), "{card:?}");
             assert_eq!(card.comment(), "a number");

@@ -64,7 +64,8 @@ impl Header {
         let CardValue::Text(mut text) = value else { return Some(value) };
         let mut rest = self.cards[place + 1..].iter();
         while text.ends_with('&') {
-            let Some(CardValue::Text(more)) = rest.next().filter(|card| card.keyword() == "CONTINUE").and_then(Card::value)
+            let Some(CardValue::Text(more)) =
+                rest.next().filter(|card| card.keyword() == "CONTINUE").and_then(Card::value)
             else {
                 break;
             };
@@ -191,7 +192,10 @@ mod tests {
         assert_eq!(header.text("LONG").as_deref(), Some(long.trim()));
         header.set("LONG", &"short".into(), "");
         assert_eq!(header.len(), 2);
-        assert_eq!(header.card("LONG").map(Card::text).unwrap_or_default().trim_end(), "LONG    = 'short   '           / long");
+        assert_eq!(
+            header.card("LONG").map(Card::text).unwrap_or_default().trim_end(),
+            "LONG    = 'short   '           / long"
+        );
         header.remove("LONG");
         assert_eq!((header.len(), header.integer("NEXT")), (1, Some(1)));
     }

@@ -13,8 +13,8 @@ pub use card::{CARD_LENGTH, Card, CardValue};
 pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, Stated, ZeroPoint};
 #[cfg(feature = "fits")]
 pub use fits::{
-    Bitpix, Cells, Changed, FrameCopy, FrameError, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat, Pixels, Rice, TableColumn,
-    write_frame,
+    Bitpix, Cells, Changed, FrameCopy, FrameError, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat,
+    Pixels, Rice, TableColumn, write_frame,
 };
 pub use header::Header;
 pub use pixel::PixelPosition;

@@ -47,7 +47,10 @@ fn files(folder: &Path) {
     let (plain, packed) = (folder.join("plain.fits"), folder.join("packed.fits"));
     let image = NewImage { name: "", values: &plane, cards: &[], rice: None };
     write_frame(&plain, &[image]).expect("written");
-    println!("RICE of {SIDE} x {SIDE} f32, made by CFITSIO: {:.0} ms", timed(|| write_frame(&packed, &[NewImage { rice: Some(Rice::default()), ..image }]).expect("written")));
+    println!(
+        "RICE of {SIDE} x {SIDE} f32, made by CFITSIO: {:.0} ms",
+        timed(|| write_frame(&packed, &[NewImage { rice: Some(Rice::default()), ..image }]).expect("written"))
+    );
     let target = folder.join("out.fits");
     let (mut bare, mut synced, mut ours, mut read) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for _ in 0..ROUNDS {
@@ -62,13 +65,22 @@ fn files(folder: &Path) {
         fs::remove_file(&target).expect("removed");
         ours.push(timed(|| inject(&plain, &target, 0)));
         fs::remove_file(&target).expect("removed");
-        read.push(timed(|| drop(black_box(FrameFile::open(&plain).and_then(|file| file.read_plane(0)).expect("read")))));
+        read.push(timed(|| {
+            drop(black_box(FrameFile::open(&plain).and_then(|file| file.read_plane(0)).expect("read")))
+        }));
     }
     let [bare, synced, ours, read] = [bare, synced, ours, read].map(median);
     println!("bare copy {bare:.0} ms, bare copy brought to the disk {synced:.0} ms");
-    println!("copy with five streaks, brought to the disk {ours:.0} ms: {:.2} of the bare copy brought to the disk, {:.2} of the bare copy", ours / synced, ours / bare);
+    println!(
+        "copy with five streaks, brought to the disk {ours:.0} ms: {:.2} of the bare copy brought to the disk, {:.2} of the bare copy",
+        ours / synced,
+        ours / bare
+    );
     println!("read into a plane {read:.0} ms");
-    println!("compressed copy with five streaks (4096 tiles packed again) {:.0} ms", timed(|| inject(&packed, &target, 1)));
+    println!(
+        "compressed copy with five streaks (4096 tiles packed again) {:.0} ms",
+        timed(|| inject(&packed, &target, 1))
+    );
 }
 
 /// Places of directions in a frame, ns each.
@@ -98,7 +110,14 @@ fn main() {
     let folder = tempfile::tempdir().expect("a folder");
     files(folder.path());
     let headers = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/wcs");
-    for name in ["tan-fk5.hdr", "sip-no-suffix-no-inverse.hdr", "tpv-radial-dec-first.hdr", "tnx-chebyshev.hdr", "car-lonpole.hdr", "zpn.hdr"] {
+    for name in [
+        "tan-fk5.hdr",
+        "sip-no-suffix-no-inverse.hdr",
+        "tpv-radial-dec-first.hdr",
+        "tnx-chebyshev.hdr",
+        "car-lonpole.hdr",
+        "zpn.hdr",
+    ] {
         let header = Header::from_text(&fs::read_to_string(headers.join(name)).expect("a header"));
         places(name, &Wcs::from_header(&header).expect("a frame"));
     }

@@ -73,8 +73,18 @@ impl Calibration {
         Self {
             zero_point: zero_point(keywords),
             gain_e_adu: gain(keywords),
-            read_noise_e: of_amplifiers(keywords, &["RDNOISE", "READNOIS", "READNOISE", "RON", "RONOISE", "ENOISE"], &["RDNOISEA", "RDNOISEB"], mean),
-            saturation_adu: of_amplifiers(keywords, &["SATURATE", "SATURAT", "SATLEVEL", "SATURATION"], &["SATURATA", "SATURATB"], f64::min),
+            read_noise_e: of_amplifiers(
+                keywords,
+                &["RDNOISE", "READNOIS", "READNOISE", "RON", "RONOISE", "ENOISE"],
+                &["RDNOISEA", "RDNOISEB"],
+                mean,
+            ),
+            saturation_adu: of_amplifiers(
+                keywords,
+                &["SATURATE", "SATURAT", "SATLEVEL", "SATURATION"],
+                &["SATURATA", "SATURATB"],
+                f64::min,
+            ),
             band: stated_text(&["FILTER", "BAND", "FILTNAM", "FILTER01", "FILTER1", "INSFLNAM", "FILTERS", "FILTER2"]),
             unit: stated_text(&["BUNIT"]),
         }
@@ -86,7 +96,12 @@ fn mean(a: f64, b: f64) -> f64 {
 }
 
 /// A number under one of its names, else from both amplifiers.
-fn of_amplifiers(keywords: Keywords<'_>, names: &[&str], pair: &[&str; 2], join: impl Fn(f64, f64) -> f64) -> Option<Stated<f64>> {
+fn of_amplifiers(
+    keywords: Keywords<'_>,
+    names: &[&str],
+    pair: &[&str; 2],
+    join: impl Fn(f64, f64) -> f64,
+) -> Option<Stated<f64>> {
     let positive = |number: f64| number > 0.0;
     if let Some((keyword, value, _)) = keywords.number(names, positive) {
         return Some(Stated { value, keyword });
@@ -108,7 +123,8 @@ fn gain(keywords: Keywords<'_>) -> Option<Stated<f64>> {
 }
 
 fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
-    let unit = keywords.text(&["BUNIT"]).map(|(_, unit)| unit.to_ascii_lowercase().replace(' ', "")).unwrap_or_default();
+    let unit =
+        keywords.text(&["BUNIT"]).map(|(_, unit)| unit.to_ascii_lowercase().replace(' ', "")).unwrap_or_default();
     if unit == "nanomaggy" || unit == "nanomaggies" || unit == "nmgy" {
         return Some(ZeroPoint { mag: NANOMAGGY_MAG, basis: Some(CountBasis::Frame), keyword: "BUNIT".to_owned() });
     }

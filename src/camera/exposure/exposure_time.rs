@@ -12,7 +12,8 @@ use super::moment::{DateText, at, parse_date, parse_time};
 const DATES: &[&str] = &["DATE-BEG", "DATE-OBS", "DATE-STR"];
 
 /// Keywords with the time of the beginning, beside a date alone.
-const TIMES: &[&str] = &["TIME-BEG", "UTC-OBS", "TIME-OBS", "UT-OBS", "UTSTART", "UT-STR", "UTC-STR", "UTSHUT", "TAIHMS"];
+const TIMES: &[&str] =
+    &["TIME-BEG", "UTC-OBS", "TIME-OBS", "UT-OBS", "UTSTART", "UT-STR", "UTC-STR", "UTSHUT", "TAIHMS"];
 
 /// The same, but some observatories mean another moment by them: used where nothing better is there.
 const LOOSE_TIMES: &[&str] = &["UT", "UTC", "UTIME"];
@@ -31,7 +32,8 @@ const MIDDLES: &[&str] = &["DATE-AVG", "MJD-AVG", "MJD-MID", "DATE-MID"];
 const ENDS: &[&str] = &["DATE-END", "MJD-END", "JDEND"];
 
 /// Keywords of the length, in the order in which they count.
-const LENGTHS: &[&str] = &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INTTIME", "ELAPTIME", "SHUTTIME"];
+const LENGTHS: &[&str] =
+    &["EXPTIME", "XPOSURE", "EXPOSURE", "EXP-TIME", "ITIME", "TEXPTIME", "INTTIME", "ELAPTIME", "SHUTTIME"];
 
 /// Moments that differ by more than this, beyond the digits they are given with, contradict one another, s.
 const START_SLACK_S: f64 = 1.0;
@@ -60,10 +62,14 @@ pub struct ExposureTime {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExposureError {
     /// Nothing that says when.
-    #[error("no start of the exposure (looked for DATE-BEG, DATE-OBS with a time in it or in TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS, JD, ...); say it: --start")]
+    #[error(
+        "no start of the exposure (looked for DATE-BEG, DATE-OBS with a time in it or in TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS, JD, ...); say it: --start"
+    )]
     NoStart,
     /// A date without a time.
-    #[error("{keyword} is the date {value} without a time, and no other keyword has it (TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS); say it: --start")]
+    #[error(
+        "{keyword} is the date {value} without a time, and no other keyword has it (TIME-OBS, UTC-OBS, UTSTART, ..., MJD-OBS); say it: --start"
+    )]
     NoTime {
         /// The keyword.
         keyword: String,
@@ -71,7 +77,9 @@ pub enum ExposureError {
         value: String,
     },
     /// A date that can be read in several ways.
-    #[error("{keyword} is {value:?}: a year of two digits, or no yyyy-mm-dd, is not guessed at; say the start: --start")]
+    #[error(
+        "{keyword} is {value:?}: a year of two digits, or no yyyy-mm-dd, is not guessed at; say the start: --start"
+    )]
     UnclearDate {
         /// The keyword.
         keyword: String,
@@ -89,7 +97,9 @@ pub enum ExposureError {
         allowed: &'static str,
     },
     /// Two keywords that contradict one another.
-    #[error("{first} says that the exposure began at {first_start}, {second} says {second_start}: {difference_s:.1} s apart; say which: --start")]
+    #[error(
+        "{first} says that the exposure began at {first_start}, {second} says {second_start}: {difference_s:.1} s apart; say which: --start"
+    )]
     StartConflict {
         /// One keyword, with what was reckoned from it.
         first: String,
@@ -167,7 +177,9 @@ fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ExposureError> {
         return Err(ExposureError::NotPositive { keyword: name, seconds });
     }
     match lengths.find(|(other, _)| (other - seconds).abs() > LENGTH_SLACK_S + LENGTH_SLACK * seconds) {
-        Some((second_s, second)) => Err(ExposureError::LengthConflict { first: name, first_s: seconds, second, second_s }),
+        Some((second_s, second)) => {
+            Err(ExposureError::LengthConflict { first: name, first_s: seconds, second, second_s })
+        }
         None => Ok((seconds, name)),
     }
 }
@@ -242,7 +254,8 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError
         }
         loose.extend(middles);
         loose.extend(reckoned(keywords, ENDS, duration_s, "the exposure", scale)?);
-        let nothing = day_alone.map_or(ExposureError::NoStart, |(keyword, value)| ExposureError::NoTime { keyword, value });
+        let nothing =
+            day_alone.map_or(ExposureError::NoStart, |(keyword, value)| ExposureError::NoTime { keyword, value });
         return loose.into_iter().next().ok_or(nothing);
     };
     let slack_of = |other: &Start, is_middle: bool| {
@@ -265,7 +278,12 @@ fn start(keywords: Keywords<'_>, duration_s: f64) -> Result<Start, ExposureError
 }
 
 /// A date alone with the time of another keyword.
-fn time_of(keywords: Keywords<'_>, day: [u32; 3], date: &str, scale: TimeScale) -> Result<Option<Start>, ExposureError> {
+fn time_of(
+    keywords: Keywords<'_>,
+    day: [u32; 3],
+    date: &str,
+    scale: TimeScale,
+) -> Result<Option<Start>, ExposureError> {
     let Some((name, value)) = keywords.text(TIMES).or_else(|| keywords.text(LOOSE_TIMES)) else { return Ok(None) };
     let scale = if name == "TAIHMS" { TimeScale::TAI } else { scale };
     // Some write the whole moment here.
@@ -279,14 +297,23 @@ fn time_of(keywords: Keywords<'_>, day: [u32; 3], date: &str, scale: TimeScale) 
 }
 
 /// A start from a number of days.
-fn days(keywords: Keywords<'_>, keyword: &str, is_julian: bool, scale: TimeScale) -> Result<Option<Start>, ExposureError> {
+fn days(
+    keywords: Keywords<'_>,
+    keyword: &str,
+    is_julian: bool,
+    scale: TimeScale,
+) -> Result<Option<Start>, ExposureError> {
     let Some((header, name)) = keywords.find(keyword) else { return Ok(None) };
     let epoch = header.number(&name).and_then(|number| {
         if is_julian { epoch_from_jd(number, scale).ok() } else { epoch_from_mjd(number, scale).ok() }
     });
     let Some(epoch) = epoch else {
         let value = header.card(&name).map(|card| card.text()[9..].trim().to_owned()).unwrap_or_default();
-        let allowed = if is_julian { "a Julian date between 1900 and 2200" } else { "a modified Julian date between 1900 and 2200" };
+        let allowed = if is_julian {
+            "a Julian date between 1900 and 2200"
+        } else {
+            "a modified Julian date between 1900 and 2200"
+        };
         return Err(ExposureError::Unreadable { keyword: name, value, allowed });
     };
     let slack_s = header.card(&name).map_or(0.0, resolution) * crate::constants::DAY_S;
@@ -294,7 +321,12 @@ fn days(keywords: Keywords<'_>, keyword: &str, is_julian: bool, scale: TimeScale
 }
 
 /// MJD and JD without a word: their comment says what they are of.
-fn loose_day(keywords: Keywords<'_>, keyword: &str, duration_s: f64, scale: TimeScale) -> Result<Option<Start>, ExposureError> {
+fn loose_day(
+    keywords: Keywords<'_>,
+    keyword: &str,
+    duration_s: f64,
+    scale: TimeScale,
+) -> Result<Option<Start>, ExposureError> {
     let Some((header, name)) = keywords.find(keyword) else { return Ok(None) };
     let comment = header.comment(&name).to_ascii_lowercase();
     let (back_s, what) = if comment.contains("end") {
@@ -305,11 +337,21 @@ fn loose_day(keywords: Keywords<'_>, keyword: &str, duration_s: f64, scale: Time
         (0.0, "")
     };
     let start = days(keywords, keyword, keyword == "JD", scale)?;
-    Ok(start.map(|start| Start { epoch: seconds_after(start.epoch, -back_s), from: format!("{}{what}", start.from), ..start }))
+    Ok(start.map(|start| Start {
+        epoch: seconds_after(start.epoch, -back_s),
+        from: format!("{}{what}", start.from),
+        ..start
+    }))
 }
 
 /// Starts reckoned back from later moments.
-fn reckoned(keywords: Keywords<'_>, names: &[&str], back_s: f64, what: &str, scale: TimeScale) -> Result<Vec<Start>, ExposureError> {
+fn reckoned(
+    keywords: Keywords<'_>,
+    names: &[&str],
+    back_s: f64,
+    what: &str,
+    scale: TimeScale,
+) -> Result<Vec<Start>, ExposureError> {
     let mut found = Vec::new();
     for keyword in names {
         let start = if keyword.starts_with("DATE") {
@@ -320,7 +362,11 @@ fn reckoned(keywords: Keywords<'_>, names: &[&str], back_s: f64, what: &str, sca
         } else {
             days(keywords, keyword, keyword.starts_with("JD"), scale)?
         };
-        found.extend(start.map(|start| Start { epoch: seconds_after(start.epoch, -back_s), from: format!("{} - {what}", start.from), ..start }));
+        found.extend(start.map(|start| Start {
+            epoch: seconds_after(start.epoch, -back_s),
+            from: format!("{} - {what}", start.from),
+            ..start
+        }));
     }
     Ok(found)
 }

@@ -26,7 +26,7 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     };
     let parts: Vec<&str> = day.split(['-', '/']).collect();
     let is_number = |part: &&str| !part.is_empty() && part.len() <= 4 && part.bytes().all(|byte| byte.is_ascii_digit());
-    if parts.len() != 3 || !parts.iter().all(|part| is_number(&part)) {
+    if parts.len() != 3 || !parts.iter().all(is_number) {
         return DateText::Unreadable;
     }
     if parts[0].len() != 4 {
@@ -37,7 +37,8 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     match time {
         None if at([year, month, day], [0, 0], 0.0, scale).is_some() => DateText::Day([year, month, day]),
         None => DateText::Unreadable,
-        Some(time) => match parse_time(time).and_then(|(clock, seconds)| at([year, month, day], clock, seconds, scale)) {
+        Some(time) => match parse_time(time).and_then(|(clock, seconds)| at([year, month, day], clock, seconds, scale))
+        {
             Some(epoch) => DateText::Moment(epoch),
             None => DateText::Unreadable,
         },
@@ -90,7 +91,9 @@ mod tests {
         for text in ["26/07/102", "26/10/92", "06/03/2020", "20-12-09"] {
             assert_eq!(at(text), DateText::Unclear, "{text}");
         }
-        for text in ["", "yesterday", "2020-13-01", "2020-02-30", "2020-03-06T25:00:00", "2020-03-06T00:61:00", "2020-03"] {
+        for text in
+            ["", "yesterday", "2020-13-01", "2020-02-30", "2020-03-06T25:00:00", "2020-03-06T00:61:00", "2020-03"]
+        {
             assert_eq!(at(text), DateText::Unreadable, "{text}");
         }
         assert_eq!(parse_time("19:36:37.5"), Some(([19, 36], 37.5)));

@@ -9,8 +9,8 @@ use std::path::Path;
 use std::ptr;
 
 use fitsio_sys::{
-    ffclos, ffcmsg, ffcrim, ffdkinit, ffdkopn, ffgerr, ffgmsg, ffgpxv, ffmahd, ffppn, fits_set_compression_type, fits_set_dither_seed,
-    fits_set_quantize_dither, fits_set_quantize_level, fits_set_tile_dim, fitsfile,
+    ffclos, ffcmsg, ffcrim, ffdkinit, ffdkopn, ffgerr, ffgmsg, ffgpxv, ffmahd, ffppn, fits_set_compression_type,
+    fits_set_dither_seed, fits_set_quantize_dither, fits_set_quantize_level, fits_set_tile_dim, fitsfile,
 };
 
 use super::error::FrameError;
@@ -151,23 +151,17 @@ pub(super) fn write_rice(path: &Path, image: &ImageValues, rice: Rice) -> Result
         fits_set_quantize_dither(handle.file, SUBTRACTIVE_DITHER_1, &mut status);
         fits_set_dither_seed(handle.file, c_int::from(rice.dither_seed.clamp(1, 10_000)), &mut status);
         ffcrim(handle.file, bitpix, 2, axes.as_mut_ptr(), &mut status);
-        ffppn(
-            handle.file,
-            datatype,
-            1,
-            (rows * columns) as _,
-            bytes.as_mut_ptr().cast::<c_void>(),
-            mark,
-            &mut status,
-        );
+        ffppn(handle.file, datatype, 1, (rows * columns) as _, bytes.as_mut_ptr().cast::<c_void>(), mark, &mut status);
     }
     handle.check(status)?;
     handle.close()
 }
 
 fn c_name(path: &Path) -> Result<CString, FrameError> {
-    CString::new(path.as_os_str().as_encoded_bytes())
-        .map_err(|error| FrameError::Io { path: path.to_owned(), source: std::io::Error::new(std::io::ErrorKind::InvalidInput, error) })
+    CString::new(path.as_os_str().as_encoded_bytes()).map_err(|error| FrameError::Io {
+        path: path.to_owned(),
+        source: std::io::Error::new(std::io::ErrorKind::InvalidInput, error),
+    })
 }
 
 fn check(path: &Path, status: c_int) -> Result<(), FrameError> {

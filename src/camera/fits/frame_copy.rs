@@ -113,7 +113,13 @@ impl FrameCopy {
     ///
     /// # Errors
     /// What CFITSIO and the system report for compressed ones.
-    pub fn append_image(&mut self, name: &str, image: &ImageValues, cards: &[Card], rice: Option<Rice>) -> Result<(), FrameError> {
+    pub fn append_image(
+        &mut self,
+        name: &str,
+        image: &ImageValues,
+        cards: &[Card],
+        rice: Option<Rice>,
+    ) -> Result<(), FrameError> {
         let hdu = match rice {
             Some(rice) => new_hdu::rice_image(name, image, cards, rice, folder_of(&self.target))?,
             None => new_hdu::image(Place::Extension, name, image, cards),
@@ -242,7 +248,11 @@ impl FrameCopy {
 }
 
 /// The header of an HDU to be changed.
-fn entry_of<'a>(headers: &'a mut BTreeMap<usize, Header>, source: &FrameFile, hdu: usize) -> Result<&'a mut Header, FrameError> {
+fn entry_of<'a>(
+    headers: &'a mut BTreeMap<usize, Header>,
+    source: &FrameFile,
+    hdu: usize,
+) -> Result<&'a mut Header, FrameError> {
     let header = source.header(hdu)?;
     Ok(headers.entry(hdu).or_insert_with(|| header.clone()))
 }

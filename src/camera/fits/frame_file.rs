@@ -115,7 +115,15 @@ impl FrameFile {
         let (info, [rows, columns]) = self.image(hdu)?;
         if range.end > rows || range.start > range.end {
             let row = range.end.max(range.start).saturating_sub(1);
-            return Err(FrameError::Outside { path: self.path.clone(), hdu, columns, rows, row, first: 0, last: columns - 1 });
+            return Err(FrameError::Outside {
+                path: self.path.clone(),
+                hdu,
+                columns,
+                rows,
+                row,
+                first: 0,
+                last: columns - 1,
+            });
         }
         if let HduKind::CompressedImage(_) = info.kind {
             let mut all = vec![0.0; rows * columns];

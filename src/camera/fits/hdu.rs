@@ -58,7 +58,9 @@ impl HduInfo {
     pub fn image_size(&self) -> Option<[usize; 2]> {
         let is_image = matches!(self.kind, HduKind::Image | HduKind::CompressedImage(_));
         match self.shape[..] {
-            [columns, rows, ref more @ ..] if is_image && more.iter().all(|length| *length == 1) => Some([rows, columns]),
+            [columns, rows, ref more @ ..] if is_image && more.iter().all(|length| *length == 1) => {
+                Some([rows, columns])
+            }
             _ => None,
         }
     }
@@ -68,7 +70,9 @@ impl HduInfo {
         match &self.kind {
             HduKind::Empty => "a header alone".to_owned(),
             HduKind::Image => format!("an image of axes {:?}", self.shape),
-            HduKind::CompressedImage(algorithm) => format!("an image of axes {:?} compressed by {algorithm}", self.shape),
+            HduKind::CompressedImage(algorithm) => {
+                format!("an image of axes {:?} compressed by {algorithm}", self.shape)
+            }
             HduKind::Table => "a table".to_owned(),
             HduKind::TextTable => "a table of text".to_owned(),
             HduKind::Other(name) => format!("an extension {name:?}"),
@@ -106,7 +110,12 @@ pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)
             file.seek(SeekFrom::Start(at)).map_err(&io)?;
             let mut shown = [0; 16];
             let count = file.read(&mut shown).map_err(&io)?;
-            return Err(FrameError::NoHeader { path: path.to_owned(), hdu: index - 1, at, begin: readable(&shown[..count]) });
+            return Err(FrameError::NoHeader {
+                path: path.to_owned(),
+                hdu: index - 1,
+                at,
+                begin: readable(&shown[..count]),
+            });
         }
         let header = read_header(path, file, index, at, length)?;
         let data_at = file.stream_position().map_err(&io)?;
@@ -122,8 +131,13 @@ pub(super) fn scan(path: &Path, file: &mut File) -> Result<Vec<(HduInfo, Header)
 }
 
 fn check_begin(path: &Path, begin: &[u8]) -> Result<(), FrameError> {
-    let packers: [(&[u8], &str); 5] =
-        [(b"\x1f\x8b", "gzip"), (b"BZh", "bzip2"), (b"\xfd7zXZ", "xz"), (b"PK\x03\x04", "zip"), (b"\x1f\x9d", "compress")];
+    let packers: [(&[u8], &str); 5] = [
+        (b"\x1f\x8b", "gzip"),
+        (b"BZh", "bzip2"),
+        (b"\xfd7zXZ", "xz"),
+        (b"PK\x03\x04", "zip"),
+        (b"\x1f\x9d", "compress"),
+    ];
     if let Some((_, packer)) = packers.iter().find(|(magic, _)| begin.starts_with(magic)) {
         return Err(FrameError::Packed { path: path.to_owned(), packer });
     }
@@ -172,35 +186,49 @@ fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -
         }
     }
     let value = "missing".to_owned();
-    Err(FrameError::Keyword { path: path.to_owned(), hdu, keyword: "END".to_owned(), value, allowed: "a header has its END" })
+    Err(FrameError::Keyword {
+        path: path.to_owned(),
+        hdu,
+        keyword: "END".to_owned(),
+        value,
+        allowed: "a header has its END",
+    })
 }
 
 fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at: u64) -> Result<HduInfo, FrameError> {
     let count = |keyword: &str, default: Option<u64>, allowed: &'static str| -> Result<u64, FrameError> {
         let given = header.integer(keyword);
-        given.and_then(|number| u64::try_from(number).ok()).or(default.filter(|_| !header.contains(keyword))).ok_or_else(|| {
-            let value = given.map_or_else(|| "missing or no number".to_owned(), |number| number.to_string());
-            FrameError::Keyword { path: path.to_owned(), hdu: index, keyword: keyword.to_owned(), value, allowed }
-        })
+        given
+            .and_then(|number| u64::try_from(number).ok())
+            .or(default.filter(|_| !header.contains(keyword)))
+            .ok_or_else(|| {
+                let value = given.map_or_else(|| "missing or no number".to_owned(), |number| number.to_string());
+                FrameError::Keyword { path: path.to_owned(), hdu: index, keyword: keyword.to_owned(), value, allowed }
+            })
     };
     let bitpix = |keyword: &str| -> Result<Bitpix, FrameError> {
         header.integer(keyword).and_then(Bitpix::from_number).ok_or_else(|| FrameError::Keyword {
             path: path.to_owned(),
             hdu: index,
             keyword: keyword.to_owned(),
-            value: header.integer(keyword).map_or_else(|| "missing or no number".to_owned(), |number| number.to_string()),
+            value: header
+                .integer(keyword)
+                .map_or_else(|| "missing or no number".to_owned(), |number| number.to_string()),
             allowed: "8, 16, 32, 64, -32 or -64",
         })
     };
     let axes = |stem: &str| -> Result<Vec<usize>, FrameError> {
         let number = count(stem, None, "a number of axes from 0 to 999")?.min(999);
-        (1..=number).map(|axis| count(&format!("{stem}{axis}"), None, "a length of 0 or more").map(|n| n as usize)).collect()
+        (1..=number)
+            .map(|axis| count(&format!("{stem}{axis}"), None, "a length of 0 or more").map(|n| n as usize))
+            .collect()
     };
     let stored = bitpix("BITPIX")?;
     let mut shape = axes("NAXIS")?;
     let (parameters, groups) = (count("PCOUNT", Some(0), "0 or more")?, count("GCOUNT", Some(1), "0 or more")?);
     // Random groups have a first axis of 0, which does not count.
-    let sides = if shape.first() == Some(&0) && header.logical("GROUPS") == Some(true) { &shape[1..] } else { &shape[..] };
+    let sides =
+        if shape.first() == Some(&0) && header.logical("GROUPS") == Some(true) { &shape[1..] } else { &shape[..] };
     let pixels = sides.iter().try_fold(1u64, |product, side| product.checked_mul(*side as u64));
     let pixels = if shape.is_empty() { Some(0) } else { pixels };
     // (|BITPIX| / 8) · GCOUNT · (PCOUNT + NAXIS1 · NAXIS2 · ...)             FITS standard 4.0, eq. 2

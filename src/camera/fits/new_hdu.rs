@@ -13,7 +13,10 @@ use super::frame_file::FrameFile;
 use super::image_values::ImageValues;
 
 /// Keywords that say how data lie in a file: given by the data themselves, not by a caller.
-const STRUCTURE: &[&str] = &["SIMPLE", "XTENSION", "BITPIX", "NAXIS", "PCOUNT", "GCOUNT", "EXTEND", "BSCALE", "BZERO", "EXTNAME", "GROUPS", "END"];
+const STRUCTURE: &[&str] = &[
+    "SIMPLE", "XTENSION", "BITPIX", "NAXIS", "PCOUNT", "GCOUNT", "EXTEND", "BSCALE", "BZERO", "EXTNAME", "GROUPS",
+    "END",
+];
 
 /// A header with its data, ready to be written.
 #[derive(Clone, Debug, PartialEq)]
@@ -140,7 +143,13 @@ pub(super) fn image(place: Place, name: &str, image: &ImageValues, cards: &[Card
 }
 
 /// An image compressed by RICE, one row a tile: CFITSIO makes it in a folder of its own within `scratch`.
-pub(super) fn rice_image(name: &str, image: &ImageValues, cards: &[Card], rice: Rice, scratch: &Path) -> Result<NewHdu, FrameError> {
+pub(super) fn rice_image(
+    name: &str,
+    image: &ImageValues,
+    cards: &[Card],
+    rice: Rice,
+    scratch: &Path,
+) -> Result<NewHdu, FrameError> {
     let folder = ScratchFolder::new(scratch).map_err(FrameError::io(scratch))?;
     let path = folder.path().join("image.fits");
     write_rice(&path, image, rice)?;
@@ -162,7 +171,11 @@ pub(super) fn table(name: &str, columns: &[TableColumn], cards: &[Card]) -> Resu
     let malformed = |why: String| FrameError::Malformed { name: name.to_owned(), why };
     let rows = columns.first().map_or(0, |column| column.cells.len());
     if let Some(column) = columns.iter().find(|column| column.cells.len() != rows) {
-        return Err(malformed(format!("column {} has {} cells, the first one {rows}", column.name, column.cells.len())));
+        return Err(malformed(format!(
+            "column {} has {} cells, the first one {rows}",
+            column.name,
+            column.cells.len()
+        )));
     }
     if columns.len() > 999 {
         return Err(malformed(format!("{} columns; a FITS table has 999 at most", columns.len())));

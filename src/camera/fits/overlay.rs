@@ -66,8 +66,9 @@ impl Overlay {
     /// Blocks of a range, and which of their bytes.
     fn pieces(&self, range: Range<usize>) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
         let size = self.block_bytes;
-        (range.start / size..range.end.div_ceil(size))
-            .map(move |block| (block, range.start.max(block * size) - block * size..range.end.min((block + 1) * size) - block * size))
+        (range.start / size..range.end.div_ceil(size)).map(move |block| {
+            (block, range.start.max(block * size) - block * size..range.end.min((block + 1) * size) - block * size)
+        })
     }
 
     fn place(&self, block: usize, within: &Range<usize>) -> Range<usize> {

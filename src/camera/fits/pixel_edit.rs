@@ -15,7 +15,7 @@ use super::overlay::Overlay;
 use super::tiles::{Rebuilt, TileImage};
 
 /// Bytes that go from the input to the output at once: whole pixels of every type.
-const CHUNK: usize = 1 << 18;
+const CHUNK: usize = 1 << 20;
 
 /// Changes to one image.
 #[derive(Debug)]
@@ -45,8 +45,11 @@ impl PixelEdit {
             let mut bytes = vec![0; info.data_length as usize];
             input.seek(SeekFrom::Start(info.data_at)).map_err(&io)?;
             input.read_exact(&mut bytes).map_err(&io)?;
-            let tiles = TileImage::new(info, header, bytes)
-                .map_err(|why| FrameError::Tiles { path: path.to_owned(), hdu: info.index, why })?;
+            let tiles = TileImage::new(info, header, bytes).map_err(|why| FrameError::Tiles {
+                path: path.to_owned(),
+                hdu: info.index,
+                why,
+            })?;
             StoredPixels::Tiles(Box::new(tiles))
         };
         Ok(Self {
@@ -132,31 +135,42 @@ impl PixelEdit {
         }
     }
 
-    /// For an image as it is: its data from the input to the output, changed on the way; the sum of what was written.
-    pub(super) fn stream(&mut self, input: &mut File, output: &mut impl Write, sums: bool) -> io::Result<u32> {
-        let StoredPixels::Plain(overlay) = &self.stored else { return Ok(0) };
-        let format = self.info.format;
-        let size = format.bitpix.bytes();
+    /// For an image as it is: its data from the input to the output, changed on the way; the sum of what was written, if it is wanted.
+    ///
+    /// While one chunk is written the next one is read, in the caller's pool of threads.
+    pub(super) fn stream(&mut self, input: &mut File, output: &mut (impl Write + Send), sums: bool) -> io::Result<u32> {
         input.seek(SeekFrom::Start(self.info.data_at))?;
-        let mut buffer = vec![0; CHUNK];
-        let (mut from, mut sum) = (0, 0);
         let length = self.info.data_length as usize;
-        while from < length {
-            let chunk = &mut buffer[..CHUNK.min(length - from)];
-            input.read_exact(chunk)?;
-            overlay.patch(from, chunk);
-            let first = from / size;
-            let changed = &mut self.changed;
-            self.light.take(first..first + chunk.len() / size, |pixel, sum| {
-                let old = format.physical(format.raw(chunk, pixel - first));
-                changed.set(old, old + sum, |new| format.put(chunk, pixel - first, new));
-            });
-            output.write_all(chunk)?;
+        let (mut ready, mut next) = (Vec::new(), Vec::new());
+        let (mut from, mut sum) = (0, 0);
+        self.read_chunk(input, from, CHUNK.min(length), &mut ready)?;
+        while !ready.is_empty() {
+            from += ready.len();
+            let count = CHUNK.min(length - from);
+            let (written, read) =
+                rayon::join(|| output.write_all(&ready), || self.read_chunk(input, from, count, &mut next));
+            written.and(read)?;
             if sums {
-                sum = checksum::sum_padded(sum, chunk);
+                sum = checksum::sum_padded(sum, &ready);
             }
-            from += chunk.len();
+            std::mem::swap(&mut ready, &mut next);
         }
         Ok(sum)
+    }
+
+    /// Some bytes of the data of an image as it is to be.
+    fn read_chunk(&mut self, input: &mut File, from: usize, count: usize, chunk: &mut Vec<u8>) -> io::Result<()> {
+        chunk.resize(count, 0);
+        input.read_exact(chunk)?;
+        let StoredPixels::Plain(overlay) = &self.stored else { return Ok(()) };
+        overlay.patch(from, chunk);
+        let (format, changed) = (self.info.format, &mut self.changed);
+        let size = format.bitpix.bytes();
+        let first = from / size;
+        self.light.take(first..first + count / size, |pixel, sum| {
+            let old = format.physical(format.raw(chunk, pixel - first));
+            changed.set(old, old + sum, |new| format.put(chunk, pixel - first, new));
+        });
+        Ok(())
     }
 }

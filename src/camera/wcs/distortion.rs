@@ -82,10 +82,8 @@ impl Distortion {
         let surface = |letter: char| -> Result<Surface, WcsError> {
             let keyword = format!("{letter}_ORDER");
             let order = header.integer(&keyword).ok_or_else(|| WcsError::Missing { keyword: keyword.clone() })?;
-            let order = usize::try_from(order).ok().filter(|order| *order <= HIGHEST_ORDER).ok_or_else(|| WcsError::Value {
-                keyword,
-                value: order.to_string(),
-                allowed: "an order from 0 to 20",
+            let order = usize::try_from(order).ok().filter(|order| *order <= HIGHEST_ORDER).ok_or_else(|| {
+                WcsError::Value { keyword, value: order.to_string(), allowed: "an order from 0 to 20" }
             })?;
             let mut polynomial = Polynomial::zero(order);
             for p in 0..=order {
@@ -128,13 +126,15 @@ impl Distortion {
     ///
     /// F. Valdes and L. Davis, "The TNX world coordinate system" (registry of FITS conventions).
     pub fn iraf(longitude: &str, latitude: &str, kind: &'static str) -> Result<Option<Self>, WcsError> {
-        let read = |words: &str, name: &str| match attribute(words, name) {
+        let read = |words: &str, name: &str| {
+            match attribute(words, name) {
             Some(numbers) => surface_of(&numbers).map(Some).ok_or_else(|| WcsError::Value {
                 keyword: "WATj_nnn".to_owned(),
                 value: format!("{name} = {numbers:?}"),
                 allowed: "the numbers of a surface: type (1 Chebyshev, 2 Legendre, 3 plain), orders, cross terms, limits, coefficients",
             }),
             None => Ok(None),
+        }
         };
         let surfaces = [read(longitude, "lngcor")?, read(latitude, "latcor")?];
         let none = || Surface::plain(Polynomial::zero(0));
@@ -164,7 +164,9 @@ fn surface_of(numbers: &str) -> Option<Surface> {
     let [kind, order_u, order_v, cross, from_u, to_u, from_v, to_v, ref coefficients @ ..] = numbers[..] else {
         return None;
     };
-    let order = |number: f64| (number.fract() == 0.0 && (1.0..=HIGHEST_ORDER as f64).contains(&number)).then_some(number as usize);
+    let order = |number: f64| {
+        (number.fract() == 0.0 && (1.0..=HIGHEST_ORDER as f64).contains(&number)).then_some(number as usize)
+    };
     let (order_u, order_v) = (order(order_u)?, order(order_v)?);
     let is_plain = kind == 3.0;
     if !is_plain && (to_u <= from_u || to_v <= from_v) {

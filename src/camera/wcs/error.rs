@@ -4,7 +4,9 @@
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WcsError {
     /// No axis with right ascension and declination.
-    #[error("no world coordinates: CTYPE1 is {ctype1:?} and CTYPE2 {ctype2:?}; one RA---xxx and one DEC--xxx are needed")]
+    #[error(
+        "no world coordinates: CTYPE1 is {ctype1:?} and CTYPE2 {ctype2:?}; one RA---xxx and one DEC--xxx are needed"
+    )]
     NoCelestialAxes {
         /// Text of CTYPE1, empty where it is missing.
         ctype1: String,
@@ -42,7 +44,9 @@ pub enum WcsError {
         [[f64; 2]; 2],
     ),
     /// Axes of the sky that are not those of ICRS.
-    #[error("places in {system} are not read: ICRS is needed, or FK5 of equinox 2000, which is taken as ICRS (they differ by 0.02 arcsec)")]
+    #[error(
+        "places in {system} are not read: ICRS is needed, or FK5 of equinox 2000, which is taken as ICRS (they differ by 0.02 arcsec)"
+    )]
     ReferenceSystem {
         /// What the header says: RADESYS and EQUINOX.
         system: String,

@@ -44,7 +44,9 @@ impl HeaderTerms {
         };
         check_system(header)?;
         let latitude_axis = 1 - longitude_axis;
-        let code = |axis: usize| types[axis].trim_start_matches(|c: char| c != '-').trim_start_matches('-').to_ascii_uppercase();
+        let code = |axis: usize| {
+            types[axis].trim_start_matches(|c: char| c != '-').trim_start_matches('-').to_ascii_uppercase()
+        };
         let (code, other) = (code(longitude_axis), code(latitude_axis));
         if code != other {
             return Err(WcsError::Value {
@@ -91,14 +93,18 @@ impl HeaderTerms {
             "ZPX" => {
                 plane_distortion = Distortion::iraf(&wat_longitude, &wat_latitude, "ZPX")?;
                 let named = |m: usize| {
-                    let word = attribute(&wat_latitude, &format!("projp{m}")).or_else(|| attribute(&wat_longitude, &format!("projp{m}")));
+                    let word = attribute(&wat_latitude, &format!("projp{m}"))
+                        .or_else(|| attribute(&wat_longitude, &format!("projp{m}")));
                     word.and_then(|word| word.parse().ok())
                 };
                 zpn(&named)?
             }
             "ZPN" => zpn(&|m| pv(latitude_axis, m))?,
             "SIN" if (1..=2).any(|m| pv(latitude_axis, m).is_some_and(|slant| slant != 0.0)) => {
-                return Err(WcsError::Projection { keyword: format!("PV{}_1", latitude_axis + 1), code: "slant SIN".to_owned() });
+                return Err(WcsError::Projection {
+                    keyword: format!("PV{}_1", latitude_axis + 1),
+                    code: "slant SIN".to_owned(),
+                });
             }
             "SIN" => Projection::Sin,
             "STG" => Projection::Stg,
@@ -224,7 +230,9 @@ fn check_system(header: &Header) -> Result<(), WcsError> {
 /// Columns and rows: of the image within a compressed one, of the image, or as astrometry.net notes them.
 fn size(header: &Header) -> Option<[usize; 2]> {
     [["ZNAXIS1", "ZNAXIS2"], ["NAXIS1", "NAXIS2"], ["IMAGEW", "IMAGEH"]].iter().find_map(|[columns, rows]| {
-        let count = |keyword: &str| header.integer(keyword).and_then(|count| usize::try_from(count).ok()).filter(|count| *count > 0);
+        let count = |keyword: &str| {
+            header.integer(keyword).and_then(|count| usize::try_from(count).ok()).filter(|count| *count > 0)
+        };
         Some([count(columns)?, count(rows)?])
     })
 }

@@ -93,7 +93,8 @@ mod tests {
         polynomial.add_radial(2, -0.3);
         let direct = |u: f64, v: f64| {
             let r = u.hypot(v);
-            0.3 + 1.1 * u - 0.2 * v + 0.07 * u * u * v - 0.4 * v.powi(3) + 0.9 * u.powi(4) * v + 0.05 * r - 0.3 * r.powi(5)
+            0.3 + 1.1 * u - 0.2 * v + 0.07 * u * u * v - 0.4 * v.powi(3) + 0.9 * u.powi(4) * v + 0.05 * r
+                - 0.3 * r.powi(5)
         };
         let (u, v, h) = (0.7, -0.4, 1e-6);
         let at = polynomial.at(u, v);

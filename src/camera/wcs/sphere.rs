@@ -44,9 +44,15 @@ impl NativePole {
         let (sin_lon, cos_lon) = pole_longitude.sin_cos();
         // sin δ = sin θ sin δp + cos θ cos δp cos(φ - φp), and its two companions        paper II, eq. 2
         let turned = Matrix3::new(
-            -sin_lat * cos_phi, -sin_lat * sin_phi, cos_lat,
-            sin_phi, -cos_phi, 0.0,
-            cos_lat * cos_phi, cos_lat * sin_phi, sin_lat,
+            -sin_lat * cos_phi,
+            -sin_lat * sin_phi,
+            cos_lat,
+            sin_phi,
+            -cos_phi,
+            0.0,
+            cos_lat * cos_phi,
+            cos_lat * sin_phi,
+            sin_lat,
         );
         let about_pole = Matrix3::new(cos_lon, -sin_lon, 0.0, sin_lon, cos_lon, 0.0, 0.0, 0.0, 1.0);
         Some(about_pole * turned)
@@ -75,10 +81,7 @@ impl NativePole {
             latitude - turn * (latitude / turn).round()
         };
         let candidates = [wrapped(from + angle), wrapped(from - angle)];
-        candidates
-            .into_iter()
-            .filter(is_latitude)
-            .min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
+        candidates.into_iter().filter(is_latitude).min_by(|a, b| (a - wanted).abs().total_cmp(&(b - wanted).abs()))
     }
 
     /// Right ascension of the reference point minus that of the native pole (θ₀ = 0, φ₀ = 0).        paper II, eqs. 9, 10

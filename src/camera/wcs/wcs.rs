@@ -75,7 +75,13 @@ impl Wcs {
     ///
     /// Without rotation north is up (rows grow northwards) and east to the left (columns grow westwards). `rotation_rad` turns the sky: the position
     /// angle, north through east, of the direction in which rows grow.
-    pub fn tangent(centre: Direction<Gcrs>, scale_arcsec: f64, rotation_rad: f64, columns: usize, rows: usize) -> Result<Self, WcsError> {
+    pub fn tangent(
+        centre: Direction<Gcrs>,
+        scale_arcsec: f64,
+        rotation_rad: f64,
+        columns: usize,
+        rows: usize,
+    ) -> Result<Self, WcsError> {
         let scale_deg = scale_arcsec / 3600.0;
         let (sine, cosine) = rotation_rad.sin_cos();
         Self::from_terms(HeaderTerms {
@@ -168,7 +174,8 @@ impl Wcs {
     pub fn pixel_area_arcsec2(&self, place: PixelPosition) -> f64 {
         let half = 0.5;
         let at = |x: f64, y: f64| self.to_sky(PixelPosition { x: place.x + x, y: place.y + y });
-        let (Some(left), Some(right), Some(below), Some(above)) = (at(-half, 0.0), at(half, 0.0), at(0.0, -half), at(0.0, half))
+        let (Some(left), Some(right), Some(below), Some(above)) =
+            (at(-half, 0.0), at(half, 0.0), at(0.0, -half), at(0.0, half))
         else {
             return f64::NAN;
         };
@@ -204,10 +211,18 @@ impl Wcs {
             ("CD2_2", cd2_2, "[deg] a pixel"),
         ];
         let mut cards = Card::with_value("WCSAXES", &2_i64.into(), "number of world coordinate axes");
-        cards.extend(texts.iter().flat_map(|(keyword, text, comment)| Card::with_value(keyword, &(*text).into(), comment)));
-        cards.extend(numbers.iter().flat_map(|(keyword, number, comment)| Card::with_value(keyword, &(*number).into(), comment)));
+        cards.extend(
+            texts.iter().flat_map(|(keyword, text, comment)| Card::with_value(keyword, &(*text).into(), comment)),
+        );
+        cards.extend(
+            numbers.iter().flat_map(|(keyword, number, comment)| Card::with_value(keyword, &(*number).into(), comment)),
+        );
         if let Some(lonpole_deg) = pole.lonpole_deg {
-            cards.extend(Card::with_value("LONPOLE", &lonpole_deg.into(), "[deg] native longitude of the celestial pole"));
+            cards.extend(Card::with_value(
+                "LONPOLE",
+                &lonpole_deg.into(),
+                "[deg] native longitude of the celestial pole",
+            ));
         }
         cards.extend(Card::with_value("RADESYS", &"ICRS".into(), "system of axes"));
         cards
@@ -254,16 +269,21 @@ impl Wcs {
             let (low, high) = (corner - around, corner + side + around);
             let is_plain = |index: usize| {
                 let step = |place: usize| place as f64 / (FOLD_GRID - 1) as f64;
-                let at = low + (high - low).component_mul(&Vector2::new(step(index % FOLD_GRID), step(index / FOLD_GRID)));
+                let at =
+                    low + (high - low).component_mul(&Vector2::new(step(index % FOLD_GRID), step(index / FOLD_GRID)));
                 let relative = inverse_slopes * self.plane(&at).1;
                 let both = (relative + relative.transpose()) / 2.0;
                 // The smaller eigenvalue of a symmetric matrix.
                 let smaller = both.trace() / 2.0 - ((both.m11 - both.m22) / 2.0).hypot(both.m12);
                 smaller > LEAST_SLOPE
             };
-            (0..FOLD_GRID * FOLD_GRID)
-                .all(is_plain)
-                .then_some(Trusted { low, high, centre, plane_centre, inverse_slopes })
+            (0..FOLD_GRID * FOLD_GRID).all(is_plain).then_some(Trusted {
+                low,
+                high,
+                centre,
+                plane_centre,
+                inverse_slopes,
+            })
         })
     }
 
@@ -277,7 +297,9 @@ impl Wcs {
             let (plane, slopes) = self.plane(&offset);
             let determinant = slopes.m11 * slopes.m22 - slopes.m12 * slopes.m21;
             let miss = wanted - plane;
-            let step = Vector2::new(slopes.m22 * miss.x - slopes.m12 * miss.y, slopes.m11 * miss.y - slopes.m21 * miss.x) / determinant;
+            let step =
+                Vector2::new(slopes.m22 * miss.x - slopes.m12 * miss.y, slopes.m11 * miss.y - slopes.m21 * miss.x)
+                    / determinant;
             offset += step;
             if step.amax() < CLOSE_PIX * (1.0 + offset.amax() * 1e-4) {
                 return trusted.contains(&offset).then_some(offset);
