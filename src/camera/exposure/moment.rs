@@ -26,7 +26,7 @@ pub(super) fn parse_date(text: &str, scale: TimeScale) -> DateText {
     };
     let parts: Vec<&str> = day.split(['-', '/']).collect();
     let is_number = |part: &&str| !part.is_empty() && part.len() <= 4 && part.bytes().all(|byte| byte.is_ascii_digit());
-    if parts.len() != 3 || !parts.iter().all(|part| is_number(&part)) {
+    if parts.len() != 3 || !parts.iter().all(is_number) {
         return DateText::Unreadable;
     }
     if parts[0].len() != 4 {

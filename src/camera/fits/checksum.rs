@@ -3,8 +3,14 @@
 //! FITS standard 4.0, section 4.4.2.7 and appendix J: sums of 32-bit words in ones' complement, written as 16 letters and digits that make the sum of the
 //! whole HDU all ones.
 
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom};
+use std::ops::Range;
+
+use super::hdu::{BLOCK, padded};
+
 /// Bytes in quotation marks of a CHECKSUM card.
-const PLACE: std::ops::Range<usize> = 11..27;
+const PLACE: Range<usize> = 11..27;
 
 /// The ones' complement sum of bytes, their number a multiple of four, added to another.
 pub(super) fn sum(start: u32, bytes: &[u8]) -> u32 {
@@ -15,6 +21,31 @@ pub(super) fn sum(start: u32, bytes: &[u8]) -> u32 {
         total = (total & 0xffff_ffff) + (total >> 32);
     }
     total as u32
+}
+
+/// The same for bytes of any number, with zeros behind them: the end of some data.
+pub(super) fn sum_padded(start: u32, bytes: &[u8]) -> u32 {
+    let whole = bytes.len() / 4 * 4;
+    let mut last = [0; 4];
+    last[..bytes.len() - whole].copy_from_slice(&bytes[whole..]);
+    sum(sum(start, &bytes[..whole]), &last)
+}
+
+/// The sum of a range of a file and of the padding behind it.
+pub(super) fn sum_of(file: &mut File, range: Range<u64>, pad_byte: u8) -> io::Result<u32> {
+    file.seek(SeekFrom::Start(range.start))?;
+    let length = range.end - range.start;
+    let padding = vec![pad_byte; (padded(length) - length) as usize];
+    let mut reader = file.take(length).chain(padding.as_slice());
+    let mut chunk = vec![0; BLOCK * 100];
+    let (mut left, mut total) = (padded(length), 0);
+    while left > 0 {
+        let count = left.min(chunk.len() as u64) as usize;
+        reader.read_exact(&mut chunk[..count])?;
+        total = sum(total, &chunk[..count]);
+        left -= count as u64;
+    }
+    Ok(total)
 }
 
 /// Fills in the CHECKSUM card of a header's bytes, where it has one with room, given the sum of its data.
@@ -73,5 +104,6 @@ mod tests {
         // FITS standard 4.0, appendix J: a sum of 868229149 = 0x33c0201d needs "hcHjjc9ghcEghc9g" to become all ones.
         assert_eq!(&encode(!868_229_149), b"hcHjjc9ghcEghc9g");
         assert_eq!(sum(0xffff_fffe, &[0, 0, 0, 3]), 2);
+        assert_eq!(sum_padded(5, &[0, 0, 0, 1, 2, 3]), 6 + 0x0203_0000);
     }
 }

@@ -1,25 +1,33 @@
 //! Frames in FITS files: read, and copied with changes.
 //!
 //! `hdu` knows where headers and data lie, `pixel_format` what numbers mean, `frame_file` reads, `cfitsio` unpacks and packs tiles. `frame_copy` copies
-//! with changes (`overlay` holds the touched pixels, `checksum` keeps the sums right, `tiles` changes compressed images) and makes new files, of `new_hdu`s with `image_values`.
+//! with changes: `pixel_edit` holds those of an image (`deltas` light to be added, `overlay` changed bytes, `tiles` compressed images, `changed` what came
+//! of it), `output` with `checksum` writes headers and data. `new_frame` makes files of `new_hdu`s, whose pixels are `image_values`.
 
 mod cfitsio;
+mod changed;
 mod checksum;
+mod deltas;
 mod error;
 mod frame_copy;
 mod frame_file;
 mod hdu;
 mod image_values;
+mod new_frame;
 mod new_hdu;
+mod output;
 mod overlay;
+mod pixel_edit;
 mod pixel_format;
 mod tiles;
 
 pub use cfitsio::Rice;
+pub use changed::Changed;
 pub use error::FrameError;
-pub use frame_copy::{Changed, FrameCopy, NewImage, write_frame};
+pub use frame_copy::FrameCopy;
 pub use frame_file::FrameFile;
 pub use hdu::{HduInfo, HduKind};
 pub use image_values::{ImageValues, Pixels};
+pub use new_frame::{NewImage, write_frame};
 pub use new_hdu::{Cells, TableColumn};
 pub use pixel_format::{Bitpix, PixelFormat};

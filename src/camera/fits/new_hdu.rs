@@ -102,13 +102,12 @@ pub(super) enum Place {
 }
 
 /// A header alone, to stand before extensions.
-pub(super) fn empty_primary(cards: &[Card]) -> NewHdu {
+pub(super) fn empty_primary() -> NewHdu {
     let mut header = Header::default();
     header.set("SIMPLE", &true.into(), "file conforms to the FITS standard");
     header.set("BITPIX", &8_i64.into(), "bits of a value");
     header.set("NAXIS", &0_i64.into(), "no data here");
     header.set("EXTEND", &true.into(), "extensions follow");
-    header.extend(free_cards(cards));
     NewHdu { header, data: Vec::new() }
 }
 

@@ -1,6 +1,6 @@
 //! Changed pixels of an uncompressed image, kept in small blocks until they are written.
 
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
 
 /// Pixels in a block: a streak a few tens of pixels wide touches one or two a row.
@@ -55,26 +55,12 @@ impl Overlay {
         }
     }
 
-    /// Writes all touched blocks to `file`, whose data begin at `data_at`; neighbours in one step.
-    pub(super) fn flush(&self, file: &mut (impl Write + Seek), data_at: u64) -> io::Result<()> {
-        let mut joined = Vec::new();
-        let mut block = 0;
-        while block < self.slots.len() {
-            if self.slots[block] == 0 {
-                block += 1;
-                continue;
-            }
-            let from = (block * self.block_bytes) as u64;
-            joined.clear();
-            while block < self.slots.len() && self.slots[block] != 0 {
-                joined.extend_from_slice(&self.bytes[self.place(block, &(0..self.block_bytes))]);
-                block += 1;
-            }
-            joined.truncate((self.length - from).min(joined.len() as u64) as usize);
-            file.seek(SeekFrom::Start(data_at + from))?;
-            file.write_all(&joined)?;
+    /// Puts the touched blocks over bytes of the data that begin at `from`.
+    pub(super) fn patch(&self, from: usize, bytes: &mut [u8]) {
+        for (block, within) in self.pieces(from..from + bytes.len()).filter(|(block, _)| self.slots[*block] != 0) {
+            let at = block * self.block_bytes + within.start - from;
+            bytes[at..at + within.len()].copy_from_slice(&self.bytes[self.place(block, &within)]);
         }
-        Ok(())
     }
 
     /// Blocks of a range, and which of their bytes.
@@ -106,10 +92,15 @@ mod tests {
         assert_eq!(overlay.read(&mut file, 129..132).unwrap(), [9, before[230], before[231]]);
         overlay.read(&mut file, 790..800).unwrap();
         overlay.write(795..800, &[7; 5]);
-        overlay.flush(&mut file, 100).unwrap();
-        let mut expected = before;
+        let mut expected = before.clone();
         expected[160..230].fill(9);
         expected[895..900].fill(7);
-        assert_eq!(file.into_inner(), expected);
+        for cut in [0, 70, 128, 799, 800] {
+            let mut after = before.clone();
+            let (first, second) = after[100..900].split_at_mut(cut);
+            overlay.patch(0, first);
+            overlay.patch(cut, second);
+            assert_eq!(after, expected);
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! Pixels as a file holds them and what they mean.
 
+use super::changed::Outcome;
+
 /// What a number in a file is: BITPIX.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Bitpix {
@@ -92,15 +94,6 @@ pub(super) enum Stored {
     Clipped(f64),
 }
 
-/// What became of a pixel that was set.
-#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
-pub(super) struct Outcome {
-    /// Its stored number is another one.
-    pub is_other: bool,
-    /// It was held within the range.
-    pub is_clipped: bool,
-}
-
 impl PixelFormat {
     /// The physical value of a stored number; NaN for BLANK.
     pub fn physical(&self, stored: f64) -> f64 {
@@ -108,6 +101,19 @@ impl PixelFormat {
             return f64::NAN;
         }
         self.zero + self.scale * stored
+    }
+
+    /// Stores a physical value among bytes of a file.
+    pub(super) fn put(&self, bytes: &mut [u8], index: usize, physical: f64) -> Outcome {
+        let (number, is_clipped) = match self.stored(physical) {
+            Stored::Exact(number) => (number, false),
+            Stored::Clipped(number) => (number, true),
+        };
+        let is_other = number != self.raw(bytes, index);
+        if is_other {
+            self.put_raw(bytes, index, number);
+        }
+        Outcome { is_other, is_clipped }
     }
 
     /// The number to be stored for a physical value: rounded half to even and held within its type, beside BLANK.

@@ -10,3 +10,4 @@ mod tile_image;
 mod tile_table;
 
 pub(super) use tile_image::TileImage;
+pub(super) use tile_table::Rebuilt;

@@ -4,8 +4,9 @@ use std::collections::BTreeMap;
 use std::ops::Range;
 
 use super::super::super::header::Header;
+use super::super::changed::Outcome;
 use super::super::hdu::{HduInfo, HduKind};
-use super::super::pixel_format::{Bitpix, Outcome, PixelFormat, Stored};
+use super::super::pixel_format::{Bitpix, PixelFormat, Stored};
 use super::dither::Dither;
 use super::gzip;
 use super::rice::Rice;
@@ -38,7 +39,9 @@ enum Quantisation {
     /// They did not, or were whole numbers from the beginning.
     None,
     Plain,
-    Dithered { zero_is_exact: bool },
+    Dithered {
+        zero_is_exact: bool,
+    },
 }
 
 /// The pixels of one tile as they are stored.
@@ -89,11 +92,18 @@ impl TileImage {
     /// Words: what about it is not known.
     pub fn new(info: &HduInfo, header: &Header, bytes: Vec<u8>) -> Result<Self, String> {
         let [columns, rows] = [info.shape[0], info.shape[1]];
-        let count = |keyword: &str| header.integer(keyword).and_then(|number| usize::try_from(number).ok()).filter(|number| *number > 0);
+        let count = |keyword: &str| {
+            header.integer(keyword).and_then(|number| usize::try_from(number).ok()).filter(|number| *number > 0)
+        };
         let tile = [count("ZTILE1").unwrap_or(columns), count("ZTILE2").unwrap_or(1)];
         let table = TileTable::new(header, bytes).ok_or("the table of its tiles cannot be made out")?;
         if table.rows() != columns.div_ceil(tile[0]) * rows.div_ceil(tile[1]) {
-            return Err(format!("{} tiles of {} by {} do not fill {columns} by {rows} pixels", table.rows(), tile[0], tile[1]));
+            return Err(format!(
+                "{} tiles of {} by {} do not fill {columns} by {rows} pixels",
+                table.rows(),
+                tile[0],
+                tile[1]
+            ));
         }
         let HduKind::CompressedImage(name) = &info.kind else { return Err("it is not compressed".to_owned()) };
         let is_floating = !info.format.bitpix.is_integer();
@@ -117,7 +127,9 @@ impl TileImage {
             "GZIP_2" => Algorithm::Gzip2,
             "NOCOMPRESS" => Algorithm::Plain,
             _ => {
-                return Err(format!("pixels compressed by {name} are read but not changed (RICE_1, GZIP_1 and GZIP_2 are); unpack the file first (funpack)"));
+                return Err(format!(
+                    "pixels compressed by {name} are read but not changed (RICE_1, GZIP_1 and GZIP_2 are); unpack the file first (funpack)"
+                ));
             }
         };
         Ok(Self {
@@ -164,9 +176,14 @@ impl TileImage {
                     format.stored(value)
                 } else {
                     let random = tile.random.get(index).map_or(0.0, |random| random - 0.5);
-                    let number = (((value - format.zero) / format.scale - tile.zero) / tile.scale + random).round_ties_even();
+                    let number =
+                        (((value - format.zero) / format.scale - tile.zero) / tile.scale + random).round_ties_even();
                     let (low, high) = QUANTISED_RANGE;
-                    if number < low || number > high { Stored::Clipped(number.clamp(low, high)) } else { Stored::Exact(number) }
+                    if number < low || number > high {
+                        Stored::Clipped(number.clamp(low, high))
+                    } else {
+                        Stored::Exact(number)
+                    }
                 };
                 let (new, is_clipped) = match stored {
                     Stored::Exact(number) => (number as i64, false),
@@ -187,7 +204,9 @@ impl TileImage {
             packed.insert(*number, (tile.column, self.packed(tile).map_err(|error| error.to_string())?));
         }
         self.table
-            .rebuilt(&self.header, |column, row| packed.get(&row).filter(|(name, _)| *name == column).map(|(_, bytes)| bytes.clone()))
+            .rebuilt(&self.header, |column, row| {
+                packed.get(&row).filter(|(name, _)| *name == column).map(|(_, bytes)| bytes.clone())
+            })
             .ok_or_else(|| "its tiles grew beyond what their table can hold (2 GB)".to_owned())
     }
 
@@ -209,7 +228,9 @@ impl TileImage {
     fn physical(&self, tile: &Tile, index: usize) -> f64 {
         match &tile.numbers {
             Numbers::Floating(numbers) => self.format.physical(numbers[index]),
-            Numbers::Whole(numbers) if self.quantisation == Quantisation::None => self.format.physical(numbers[index] as f64),
+            Numbers::Whole(numbers) if self.quantisation == Quantisation::None => {
+                self.format.physical(numbers[index] as f64)
+            }
             Numbers::Whole(numbers) => {
                 let number = numbers[index];
                 if tile.blank == Some(number) {
@@ -233,9 +254,9 @@ impl TileImage {
             return Ok(());
         }
         let broken = || format!("tile {} cannot be unpacked", number + 1);
-        let found = [COMPRESSED, GZIPPED, UNCOMPRESSED]
-            .into_iter()
-            .find_map(|column| self.table.variable(column, number).filter(|bytes| !bytes.is_empty()).map(|bytes| (column, bytes)));
+        let found = [COMPRESSED, GZIPPED, UNCOMPRESSED].into_iter().find_map(|column| {
+            self.table.variable(column, number).filter(|bytes| !bytes.is_empty()).map(|bytes| (column, bytes))
+        });
         let (column, bytes) = found.ok_or_else(broken)?;
         let count = self.pixels(number);
         let algorithm = match column {
@@ -243,9 +264,12 @@ impl TileImage {
             GZIPPED => Algorithm::Gzip1,
             _ => Algorithm::Plain,
         };
-        let is_floating = !self.format.bitpix.is_integer() && (self.quantisation == Quantisation::None || column != COMPRESSED);
+        let is_floating =
+            !self.format.bitpix.is_integer() && (self.quantisation == Quantisation::None || column != COMPRESSED);
         let (numbers, size) = match algorithm {
-            Algorithm::Rice(_) if is_floating => return Err(format!("tile {} holds floating pixels in RICE", number + 1)),
+            Algorithm::Rice(_) if is_floating => {
+                return Err(format!("tile {} holds floating pixels in RICE", number + 1));
+            }
             Algorithm::Rice(rice) => (Numbers::Whole(rice.unpack(bytes, count).ok_or_else(broken)?), 0),
             Algorithm::Gzip1 | Algorithm::Gzip2 | Algorithm::Plain => {
                 let plain = match algorithm {
@@ -263,7 +287,9 @@ impl TileImage {
         let of_tile = |name: &str| self.table.number(name, number).or_else(|| self.header.number(name));
         let is_quantised = matches!(numbers, Numbers::Whole(_)) && self.quantisation != Quantisation::None;
         let random = match self.quantisation {
-            Quantisation::Dithered { .. } if is_quantised => self.dither.of_tile(number + self.seed).take(count).collect(),
+            Quantisation::Dithered { .. } if is_quantised => {
+                self.dither.of_tile(number + self.seed).take(count).collect()
+            }
             _ => Vec::new(),
         };
         let blank = of_tile("ZBLANK").map_or(QUANTISED_BLANK, |blank| blank as i64);
@@ -304,7 +330,11 @@ fn numbers_of(bytes: &[u8], size: usize, is_floating: bool) -> Option<Numbers> {
     let bitpix = bitpix_of(size, is_floating)?;
     let format = PixelFormat { bitpix, scale: 1.0, zero: 0.0, blank: None };
     let numbers = (0..bytes.len() / size).map(|index| format.raw(bytes, index));
-    Some(if is_floating { Numbers::Floating(numbers.collect()) } else { Numbers::Whole(numbers.map(|number| number as i64).collect()) })
+    Some(if is_floating {
+        Numbers::Floating(numbers.collect())
+    } else {
+        Numbers::Whole(numbers.map(|number| number as i64).collect())
+    })
 }
 
 fn bytes_of(numbers: &Numbers, size: usize) -> Vec<u8> {

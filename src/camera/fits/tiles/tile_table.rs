@@ -48,8 +48,13 @@ impl TileTable {
             columns.push(Column { number, name, at, variable, letter });
             at += length;
         }
-        (at <= row_length && heap >= row_length * rows && heap <= bytes.len())
-            .then_some(Self { bytes, row_length, rows, heap, columns })
+        (at <= row_length && heap >= row_length * rows && heap <= bytes.len()).then_some(Self {
+            bytes,
+            row_length,
+            rows,
+            heap,
+            columns,
+        })
     }
 
     /// Number of rows, one a tile.
@@ -121,14 +126,17 @@ impl TileTable {
                 heap.extend_from_slice(bytes);
             }
         }
-        if self.columns.iter().any(|column| matches!(column.variable, Some((4, _)))) && i32::try_from(heap.len()).is_err() {
+        if self.columns.iter().any(|column| matches!(column.variable, Some((4, _))))
+            && i32::try_from(heap.len()).is_err()
+        {
             return None;
         }
         let forms = self.columns.iter().zip(longest).filter_map(|(column, longest)| {
             let keyword = format!("TFORM{}", column.number);
             let form = header.text(&keyword)?;
             let (head, most) = form.trim_end_matches(')').split_once('(')?;
-            (column.variable.is_some() && most.parse::<usize>().ok()? < longest).then(|| (keyword, format!("{head}({longest})")))
+            (column.variable.is_some() && most.parse::<usize>().ok()? < longest)
+                .then(|| (keyword, format!("{head}({longest})")))
         });
         let forms = forms.collect();
         let heap_length = heap.len();
@@ -137,8 +145,11 @@ impl TileTable {
     }
 }
 
-/// Bytes in a row, the letter, and for a variable-length column the bytes of half a descriptor and of an element.
-fn parse_form(form: &str) -> Option<(usize, char, Option<(usize, usize)>)> {
+/// What a TFORMn says: bytes in a row, the letter, and for a variable-length column the bytes of half a descriptor and of an element.
+type Form = (usize, char, Option<(usize, usize)>);
+
+/// Reads a TFORMn.
+fn parse_form(form: &str) -> Option<Form> {
     let digits = form.len() - form.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     let count: usize = if digits == 0 { 1 } else { form[..digits].parse().ok()? };
     let mut letters = form[digits..].chars();

@@ -1,0 +1,176 @@
+//! The pixels of one image as they are to be: its own, with light added and values changed.
+
+use std::fs::File;
+use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use super::super::header::Header;
+use super::changed::Changed;
+use super::checksum;
+use super::deltas::Deltas;
+use super::error::FrameError;
+use super::hdu::{HduInfo, HduKind};
+use super::overlay::Overlay;
+use super::tiles::{Rebuilt, TileImage};
+
+/// Bytes that go from the input to the output at once: whole pixels of every type.
+const CHUNK: usize = 1 << 20;
+
+/// Changes to one image.
+#[derive(Debug)]
+pub(super) struct PixelEdit {
+    path: PathBuf,
+    info: HduInfo,
+    columns: usize,
+    light: Deltas,
+    stored: StoredPixels,
+    /// What came of them so far.
+    pub changed: Changed,
+}
+
+/// Numbers as they are stored.
+#[derive(Debug)]
+enum StoredPixels {
+    Plain(Overlay),
+    Tiles(Box<TileImage>),
+}
+
+impl PixelEdit {
+    pub(super) fn new(path: &Path, info: &HduInfo, header: &Header, input: &mut File) -> Result<Self, FrameError> {
+        let stored = if info.kind == HduKind::Image {
+            StoredPixels::Plain(Overlay::new(info.data_at, info.data_length, info.format.bitpix.bytes()))
+        } else {
+            let io = FrameError::io(path);
+            let mut bytes = vec![0; info.data_length as usize];
+            input.seek(SeekFrom::Start(info.data_at)).map_err(&io)?;
+            input.read_exact(&mut bytes).map_err(&io)?;
+            let tiles = TileImage::new(info, header, bytes).map_err(|why| FrameError::Tiles {
+                path: path.to_owned(),
+                hdu: info.index,
+                why,
+            })?;
+            StoredPixels::Tiles(Box::new(tiles))
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            info: info.clone(),
+            columns: info.shape[0],
+            light: Deltas::new(info.shape.iter().product()),
+            stored,
+            changed: Changed::default(),
+        })
+    }
+
+    /// Adds light to pixels of a row.
+    pub(super) fn add(&mut self, row: usize, first_column: usize, values: &[f32]) {
+        self.light.add(row * self.columns + first_column, values);
+    }
+
+    /// Changes pixels of a row, light that was added before included.
+    pub(super) fn change(
+        &mut self,
+        input: &mut File,
+        row: usize,
+        columns: Range<usize>,
+        change: impl FnOnce(&mut [f64]),
+    ) -> Result<Changed, FrameError> {
+        let start = row * self.columns + columns.start;
+        let pixels = start..start + columns.len();
+        let format = self.info.format;
+        let mut changed = Changed::default();
+        match &mut self.stored {
+            StoredPixels::Plain(overlay) => {
+                let size = format.bitpix.bytes();
+                let range = pixels.start * size..pixels.end * size;
+                let mut bytes = overlay.read(input, range.clone()).map_err(FrameError::io(&self.path))?;
+                self.light.take(pixels, |pixel, sum| {
+                    let old = format.physical(format.raw(&bytes, pixel - start));
+                    self.changed.set(old, old + sum, |new| format.put(&mut bytes, pixel - start, new));
+                });
+                let mut values = Vec::with_capacity(columns.len());
+                format.decode(&bytes, &mut values);
+                let before = values.clone();
+                change(&mut values);
+                for (index, (new, old)) in values.iter().zip(&before).enumerate() {
+                    changed.set(*old, *new, |new| format.put(&mut bytes, index, new));
+                }
+                overlay.write(range, &bytes);
+            }
+            StoredPixels::Tiles(tiles) => {
+                let of_tiles = |why: String| FrameError::Tiles { path: self.path.clone(), hdu: self.info.index, why };
+                let old = tiles.read(row, columns.clone()).map_err(of_tiles)?;
+                self.light.take(pixels, |pixel, sum| {
+                    let index = pixel - start;
+                    self.changed.set(old[index], old[index] + sum, |new| tiles.set(row, columns.start + index, new));
+                });
+                let before = tiles.read(row, columns.clone()).map_err(of_tiles)?;
+                let mut values = before.clone();
+                change(&mut values);
+                for (index, (new, old)) in values.iter().zip(&before).enumerate() {
+                    changed.set(*old, *new, |new| tiles.set(row, columns.start + index, new));
+                }
+            }
+        }
+        self.changed += changed;
+        Ok(changed)
+    }
+
+    /// For a compressed image its table with the changed tiles packed again; `None` for others.
+    pub(super) fn rebuilt(&mut self) -> Result<Option<Rebuilt>, FrameError> {
+        let StoredPixels::Tiles(tiles) = &mut self.stored else { return Ok(None) };
+        let of_tiles = |why: String| FrameError::Tiles { path: self.path.clone(), hdu: self.info.index, why };
+        let (columns, changed) = (self.columns, &mut self.changed);
+        let mut failed = None;
+        self.light.take(0..usize::MAX, |pixel, sum| {
+            let (row, column) = (pixel / columns, pixel % columns);
+            match tiles.read(row, column..column + 1) {
+                Ok(old) => changed.set(old[0], old[0] + sum, |new| tiles.set(row, column, new)),
+                Err(why) => failed = Some(why),
+            }
+        });
+        match failed {
+            Some(why) => Err(of_tiles(why)),
+            None => tiles.rebuilt().map(Some).map_err(of_tiles),
+        }
+    }
+
+    /// For an image as it is: its data from the input to the output, changed on the way; the sum of what was written, if it is wanted.
+    ///
+    /// While one chunk is written the next one is read, in the caller's pool of threads.
+    pub(super) fn stream(&mut self, input: &mut File, output: &mut (impl Write + Send), sums: bool) -> io::Result<u32> {
+        input.seek(SeekFrom::Start(self.info.data_at))?;
+        let length = self.info.data_length as usize;
+        let (mut ready, mut next) = (Vec::new(), Vec::new());
+        let (mut from, mut sum) = (0, 0);
+        self.read_chunk(input, from, CHUNK.min(length), &mut ready)?;
+        while !ready.is_empty() {
+            from += ready.len();
+            let count = CHUNK.min(length - from);
+            let (written, read) =
+                rayon::join(|| output.write_all(&ready), || self.read_chunk(input, from, count, &mut next));
+            written.and(read)?;
+            if sums {
+                sum = checksum::sum_padded(sum, &ready);
+            }
+            std::mem::swap(&mut ready, &mut next);
+        }
+        Ok(sum)
+    }
+
+    /// Some bytes of the data of an image as it is to be.
+    fn read_chunk(&mut self, input: &mut File, from: usize, count: usize, chunk: &mut Vec<u8>) -> io::Result<()> {
+        chunk.resize(count, 0);
+        input.read_exact(chunk)?;
+        let StoredPixels::Plain(overlay) = &self.stored else { return Ok(()) };
+        overlay.patch(from, chunk);
+        let (format, changed) = (self.info.format, &mut self.changed);
+        let size = format.bitpix.bytes();
+        let first = from / size;
+        self.light.take(first..first + count / size, |pixel, sum| {
+            let old = format.physical(format.raw(chunk, pixel - first));
+            changed.set(old, old + sum, |new| format.put(chunk, pixel - first, new));
+        });
+        Ok(())
+    }
+}

@@ -1,0 +1,125 @@
+//! Frames through files: a copy with streaks against the bare copy of the file, and places in frames.
+//!
+//!     cargo bench --bench frame_files
+//!
+//! Rounds are interleaved, because the machine's speed drifts; the ratio of the medians is printed.
+
+use std::fs;
+use std::hint::black_box;
+use std::io::Write;
+use std::path::Path;
+use std::time::Instant;
+
+use streakcast::camera::{FrameCopy, FrameFile, Header, NewImage, PixelPosition, Plane, Rice, Wcs, write_frame};
+
+const SIDE: usize = 4096;
+const ROUNDS: usize = 9;
+
+fn median(mut times: Vec<f64>) -> f64 {
+    times.sort_by(f64::total_cmp);
+    times[times.len() / 2]
+}
+
+/// Five streaks across the frame, 30 pixels wide, at several slopes.
+fn inject(source: &Path, target: &Path, hdu: usize) {
+    let frame = FrameFile::open(source).expect("a frame");
+    let mut copy = FrameCopy::begin(&frame, target).expect("a copy");
+    let light = [3.5f32; 30];
+    for streak in 0..5 {
+        for row in 0..SIDE {
+            let column = (streak * 700 + row * (streak + 1) / 10) % (SIDE - 30);
+            copy.add(hdu, row, column, &light).expect("a change");
+        }
+    }
+    copy.add_history(hdu, "five streaks").expect("history");
+    copy.finish().expect("finished");
+}
+
+fn timed(work: impl FnOnce()) -> f64 {
+    let start = Instant::now();
+    work();
+    start.elapsed().as_secs_f64() * 1e3
+}
+
+fn files(folder: &Path) {
+    let values: Vec<f32> = (0..SIDE * SIDE).map(|n| 1000.0 + ((n * 7919) % 1013) as f32 * 0.1).collect();
+    let plane = Plane::from_values(SIDE, SIDE, values).expect("a plane").into();
+    let (plain, packed) = (folder.join("plain.fits"), folder.join("packed.fits"));
+    let image = NewImage { name: "", values: &plane, cards: &[], rice: None };
+    write_frame(&plain, &[image]).expect("written");
+    println!(
+        "RICE of {SIDE} x {SIDE} f32, made by CFITSIO: {:.0} ms",
+        timed(|| write_frame(&packed, &[NewImage { rice: Some(Rice::default()), ..image }]).expect("written"))
+    );
+    let target = folder.join("out.fits");
+    let (mut bare, mut synced, mut ours, mut read) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for _ in 0..ROUNDS {
+        bare.push(timed(|| {
+            fs::copy(&plain, &target).expect("copied");
+        }));
+        fs::remove_file(&target).expect("removed");
+        synced.push(timed(|| {
+            fs::copy(&plain, &target).expect("copied");
+            fs::File::options().append(true).open(&target).expect("open").sync_all().expect("synced");
+        }));
+        fs::remove_file(&target).expect("removed");
+        ours.push(timed(|| inject(&plain, &target, 0)));
+        fs::remove_file(&target).expect("removed");
+        read.push(timed(|| {
+            drop(black_box(FrameFile::open(&plain).and_then(|file| file.read_plane(0)).expect("read")))
+        }));
+    }
+    let [bare, synced, ours, read] = [bare, synced, ours, read].map(median);
+    println!("bare copy {bare:.0} ms, bare copy brought to the disk {synced:.0} ms");
+    println!(
+        "copy with five streaks, brought to the disk {ours:.0} ms: {:.2} of the bare copy brought to the disk, {:.2} of the bare copy",
+        ours / synced,
+        ours / bare
+    );
+    println!("read into a plane {read:.0} ms");
+    println!(
+        "compressed copy with five streaks (4096 tiles packed again) {:.0} ms",
+        timed(|| inject(&packed, &target, 1))
+    );
+}
+
+/// Places of directions in a frame, ns each.
+fn places(name: &str, wcs: &Wcs) {
+    let [columns, rows] = wcs.size();
+    let directions: Vec<_> = (0..1000)
+        .filter_map(|n| wcs.to_sky(PixelPosition { x: (n * 37 % columns) as f64, y: (n * 91 % rows) as f64 }))
+        .collect();
+    let rounds = 200;
+    let to_pixel_ms = timed(|| {
+        for _ in 0..rounds {
+            for direction in &directions {
+                black_box(wcs.to_pixel(*direction));
+            }
+        }
+    });
+    let to_sky_ms = timed(|| {
+        for n in 0..rounds * directions.len() {
+            black_box(wcs.to_sky(PixelPosition { x: (n % columns) as f64, y: (n % rows) as f64 }));
+        }
+    });
+    let each = 1e6 / (rounds * directions.len()) as f64;
+    println!("{name}: to pixel {:.0} ns, to sky {:.0} ns", to_pixel_ms * each, to_sky_ms * each);
+}
+
+fn main() {
+    let folder = tempfile::tempdir().expect("a folder");
+    files(folder.path());
+    let headers = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/data/wcs");
+    for name in [
+        "tan-fk5.hdr",
+        "sip-no-suffix-no-inverse.hdr",
+        "tpv-radial-dec-first.hdr",
+        "tnx-chebyshev.hdr",
+        "car-lonpole.hdr",
+        "zpn.hdr",
+    ] {
+        let header = Header::from_text(&fs::read_to_string(headers.join(name)).expect("a header"));
+        places(name, &Wcs::from_header(&header).expect("a frame"));
+    }
+    let _ = std::io::stdout().flush();
+}
