@@ -8,8 +8,8 @@ use super::path::{Piece, StreakPath};
 const LONGEST_PIX: f64 = 256.0;
 /// Chords are not cut any shorter, pixels.
 const SHORTEST_PIX: f64 = 2.0;
-/// How far a path may lie from its parabola, pixels: 5·10⁻⁵ of the peak for a width of 2 pixels.
-const BOW_ERROR_PIX: f64 = 5e-5;
+/// How far a path may lie from its parabola, pixels: 5·10⁻⁵ of the peak for a width of 1 pixel.
+const BOW_ERROR_PIX: f64 = 1.5e-5;
 /// How far light per pixel may lie from its parabola, of itself.
 const LIGHT_ERROR: f64 = 3e-6;
 

@@ -8,6 +8,9 @@ use crate::quadrature::gauss_legendre;
 
 use super::chords::{Cutter, Stretch};
 
+/// Pixels at a time.
+pub(super) const LANES: usize = 16;
+
 /// Nodes of a panel.
 const NODES: usize = 8;
 
@@ -46,19 +49,20 @@ impl PanelTree {
         self.panels.iter().filter(|panel| panel.halves.is_none()).map(|panel| (panel.centre, panel.radius_pix))
     }
 
-    /// Light in the pixel at `[x, y]`.
+    /// Adds its light to `used` neighbouring pixels of a row, at most [`LANES`], of which the first is at `[x, y]`.
     #[inline(always)]
-    pub fn light_at(&self, pixel: [f64; 2], profile: &RadialProfile) -> f32 {
+    pub fn add_to(&self, first: [f64; 2], used: usize, profile: &RadialProfile, light: &mut [f32; LANES]) {
+        let half = 0.5 * (used as f64 - 1.0);
         let reach = profile.pixel_reach_pix();
-        let mut sum = 0.0;
-        // A path of 2^32 panels would be needed to fill it.
+        // Two a level, and a tree of 32 levels would be longer than any path.
         let mut open = [0_u32; 64];
         let mut count = 1;
         open[0] = (self.panels.len() - 1) as u32;
         while count > 0 {
             count -= 1;
             let panel = &self.panels[open[count & 63] as usize];
-            let distance = (pixel[0] - panel.centre[0]).hypot(pixel[1] - panel.centre[1]) - panel.radius_pix;
+            let across = ((panel.centre[0] - first[0] - half).abs() - half).max(0.0);
+            let distance = across.hypot(first[1] - panel.centre[1]) - panel.radius_pix;
             if distance > reach {
                 continue;
             }
@@ -68,27 +72,23 @@ impl PanelTree {
                     open[(count + 1) & 63] = second;
                     count += 2;
                 }
-                _ => sum += panel.light_at(pixel, profile, distance > profile.round_from_pix()),
+                _ => panel.add_to(first, profile, distance > profile.round_from_pix(), light),
             }
         }
-        sum
     }
 }
 
 impl Panel {
     #[inline(always)]
-    fn light_at(&self, pixel: [f64; 2], profile: &RadialProfile, is_round: bool) -> f32 {
-        let (mut dx, mut dy) = ([0.0_f32; NODES], [0.0_f32; NODES]);
-        for node in 0..NODES {
-            dx[node] = (pixel[0] - self.x[node]) as f32;
-            dy[node] = (pixel[1] - self.y[node]) as f32;
+    fn add_to(&self, first: [f64; 2], profile: &RadialProfile, is_round: bool, light: &mut [f32; LANES]) {
+        for ((x, y), weight) in self.x.iter().zip(self.y).zip(self.light) {
+            let dx = (first[0] - x) as f32;
+            let dx: [f32; LANES] = std::array::from_fn(|lane| dx + lane as f32);
+            let shares = profile.pixels(&dx, &[(first[1] - y) as f32; LANES], is_round);
+            for (light, share) in light.iter_mut().zip(shares) {
+                *light += weight * share;
+            }
         }
-        let shares = profile.pixels(&dx, &dy, is_round);
-        let mut sum = 0.0;
-        for node in 0..NODES {
-            sum += shares[node] * self.light[node];
-        }
-        sum
     }
 }
 

@@ -1,15 +1,15 @@
 //! The loops that put light into pixels, in the widest vectors of the machine.
 
+use std::ops::Range;
+
 use pulp::{Arch, NullaryFnOnce};
 
 use crate::camera::{Lanes, Patch, RadialProfile};
 
 use super::chords::Chord;
-use super::panels::PanelTree;
+use super::panels::{LANES, PanelTree};
 use super::runs::{Run, Source};
 
-/// Pixels at a time.
-const LANES: usize = 16;
 /// λ''/2λ times the variance from which on it is felt.
 const LEAST_BEND: f64 = 2e-6;
 
@@ -21,7 +21,7 @@ pub(super) struct Strokes<'a> {
     pub table_of: &'a [usize],
     pub trees: &'a [PanelTree],
     /// Of each chord: the trees that reach its pixels.
-    pub trees_of: &'a [std::ops::Range<usize>],
+    pub trees_of: &'a [Range<usize>],
     pub profile: &'a RadialProfile,
     pub runs: &'a [Run],
     pub patch: &'a mut Patch,
@@ -53,9 +53,15 @@ impl NullaryFnOnce for Strokes<'_> {
                 }
                 Source::Summed(number) => {
                     let trees = &self.trees[self.trees_of[number].clone()];
-                    for (place, pixel) in pixels.iter_mut().enumerate() {
-                        let at = [(first_column + place) as f64, run.row as f64];
-                        *pixel += trees.iter().map(|tree| tree.light_at(at, self.profile)).sum::<f32>();
+                    for (block, out) in pixels.chunks_mut(LANES).enumerate() {
+                        let at = [(first_column + block * LANES) as f64, run.row as f64];
+                        let mut light = [0.0; LANES];
+                        for tree in trees {
+                            tree.add_to(at, out.len(), self.profile, &mut light);
+                        }
+                        for (pixel, light) in out.iter_mut().zip(light) {
+                            *pixel += light;
+                        }
                     }
                 }
             }
