@@ -10,8 +10,8 @@ use super::mask_planes::MaskPlanes;
 use super::target_frame::{TargetChip, TargetFrame};
 use super::truth::{TruthRow, points_table, truth_table};
 use crate::camera::{
-    Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, ImageValues, Patch,
-    Pixels, Plane, Saturation, TableColumn,
+    Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, HduKind, ImageValues, Patch,
+    Pixels, Saturation, TableColumn,
 };
 use crate::table::{Column, Kind, Table, Value};
 
@@ -85,13 +85,11 @@ pub fn inject(
         if options.noise && detector.is_none() {
             report.without_gain.push(target.chip.hdu);
         }
-        // The whole chip is read only where its values matter: full wells, and the noise that a mask is held against.
-        let plane = (detector.is_some() || options.tell).then(|| frame.file.read_plane(target.chip.hdu)).transpose()?;
-        let noise = plane.as_ref().map_or(0.0, |plane| noise_of(plane.values()));
-        report.changed += match (detector, plane) {
-            (Some(detector), Some(plane)) => expose(&mut copy, target, &own, &detector, plane, options.seed)?,
-            _ => add(&mut copy, target, &own)?,
-        };
+        let noise = if options.tell { noise_of_chip(frame, target)? } else { 0.0 };
+        match detector {
+            Some(detector) => expose(&mut copy, frame, target, &own, &detector, options.seed)?,
+            None => add(&mut copy, target, &own)?,
+        }
         for line in &options.history {
             copy.add_history(target.chip.hdu, line)?;
         }
@@ -106,7 +104,9 @@ pub fn inject(
         copy.append_table("STREAKS", &fits_columns(&truth_table(&rows)), &cards)?;
         copy.append_table("STREAK_POINTS", &fits_columns(&points_table(&rows)), &[])?;
     }
-    copy.finish()?;
+    for changed in copy.finish()?.into_values() {
+        report.changed += changed;
+    }
     Ok(report)
 }
 
@@ -130,23 +130,36 @@ fn detector(target: &TargetChip, options: &InjectOptions) -> Option<Detector> {
 }
 
 /// Light alone.
-fn add(copy: &mut FrameCopy, target: &TargetChip, streaks: &[&DrawnStreak<'_>]) -> Result<Changed, FrameError> {
-    let mut changed = Changed::default();
-    for span in streaks.iter().flat_map(|streak| streak.patch.iter()) {
-        changed += copy.add(target.chip.hdu, span.row, span.first_column, span.values)?;
-    }
-    Ok(changed)
+fn add(copy: &mut FrameCopy, target: &TargetChip, streaks: &[&DrawnStreak<'_>]) -> Result<(), FrameError> {
+    let mut spans = streaks.iter().flat_map(|streak| streak.patch.iter());
+    spans.try_for_each(|span| copy.add(target.chip.hdu, span.row, span.first_column, span.values))
 }
 
-/// Light through a detector.
+/// One sigma of a chip's pixels, from some of its rows.
+fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, FrameError> {
+    const ROWS: usize = 48;
+    let (hdu, rows) = (target.chip.hdu, target.chip.rows);
+    if frame.file.hdus().get(hdu).is_some_and(|info| info.kind != HduKind::Image) {
+        // Tiles are unpacked all together.
+        return Ok(noise_of(frame.file.read_plane(hdu)?.values()));
+    }
+    let mut values = Vec::new();
+    for row in (0..rows).step_by(rows.div_ceil(ROWS).max(1)) {
+        values.extend(frame.file.read_rows(hdu, row..row + 1)?.into_iter().map(|value| value as f32));
+    }
+    Ok(noise_of(&values))
+}
+
+/// Light through a detector: the whole chip is read, since full wells hold the sum of what was there and what is added.
 fn expose(
     copy: &mut FrameCopy,
+    frame: &TargetFrame,
     target: &TargetChip,
     streaks: &[&DrawnStreak<'_>],
     detector: &Detector,
-    before: Plane,
     seed: u64,
-) -> Result<Changed, InjectError> {
+) -> Result<(), InjectError> {
+    let before = frame.file.read_plane(target.chip.hdu)?;
     let hdu = target.chip.hdu;
     let electrons = |patch: &Patch| {
         let mut patch = patch.clone();
@@ -158,21 +171,20 @@ fn expose(
     // Every chip has random numbers of its own.
     let seed = seed ^ (hdu as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     detector.add_light(&mut after, &patches, seed).map_err(|source| InjectError::Detector { hdu, source })?;
-    let mut changed = Changed::default();
     for row in 0..before.rows() {
         let (old, new) = (before.row(row), after.row(row));
         // Not a number is not equal to itself, and stays.
         let differs = |column: &usize| old[*column] != new[*column] && !old[*column].is_nan();
         let Some(first) = (0..old.len()).find(differs) else { continue };
         let end = (0..old.len()).rev().find(differs).map_or(first, |last| last) + 1;
-        changed += copy.change(hdu, row, first..end, |pixels| {
+        copy.change(hdu, row, first..end, |pixels| {
             for (pixel, (old, new)) in pixels.iter_mut().zip(old[first..end].iter().zip(&new[first..end])) {
                 // The difference: values of 32 bits and more have digits that single precision does not hold.
                 *pixel += f64::from(*new) - f64::from(*old);
             }
         })?;
     }
-    Ok(changed)
+    Ok(())
 }
 
 fn mask(streaks: &[&DrawnStreak<'_>], target: &TargetChip, planes: &MaskPlanes, noise: f32) -> Option<ImageValues> {
