@@ -1,0 +1,202 @@
+//! `inject` as a user types it: frames, masks, truth, bad input.
+#![cfg(all(feature = "cli", feature = "fits"))]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::cli::{done, path, records, run};
+use streakcast::camera::FrameFile;
+use tempfile::TempDir;
+
+const SKY: &str = "columns = 400
+rows = 300
+pixel_scale_arcsec = 1.0
+zero_point_1s_mag = 25.0
+sky_mag_arcsec2 = 21.0
+stars = { per_megapixel = 200, slope = 0.3, brightest_mag = 13, faintest_mag = 20 }
+detector = { gain_e_adu = 2.0, read_noise_e = 5, bias_adu = 300, quantisation = { greatest_adu = 65535 } }
+";
+
+const RANDOM: &[&str] = &["--random-streaks", "2", "--magnitude", "6,8", "--exposure", "30s", "--seeing", "2.5arcsec", "--quiet"];
+
+fn synthetic(folder: &TempDir, name: &str, more: &[&str]) -> String {
+    let description = path(folder, "sky.toml");
+    fs::write(&description, SKY).unwrap();
+    let output = path(folder, name);
+    done(&[&["inject", "--synthetic", &description, "-o", &output], RANDOM, more]);
+    output
+}
+
+fn values(file: &str, hdu: usize) -> Vec<f32> {
+    FrameFile::open(Path::new(file)).unwrap().read_plane(hdu).unwrap().values().to_vec()
+}
+
+fn names(file: &str) -> Vec<String> {
+    FrameFile::open(Path::new(file)).unwrap().hdus().iter().map(|hdu| hdu.name.clone()).collect()
+}
+
+/// Columns of a truth table by name, as text.
+fn column(rows: &[csv::StringRecord], name: &str) -> Vec<String> {
+    let index = rows[0].iter().position(|header| header == name).unwrap_or_else(|| panic!("no column {name}"));
+    rows[1..].iter().map(|row| row[index].to_owned()).collect()
+}
+
+fn numbers(rows: &[csv::StringRecord], name: &str) -> Vec<f64> {
+    column(rows, name).iter().map(|cell| cell.parse().unwrap()).collect()
+}
+
+#[test]
+fn verif_light_alone_adds_up_to_the_truth_and_leaves_all_else_as_it_was() {
+    let folder = TempDir::new().unwrap();
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only", "--seed", "1", "--no-noise"]);
+    let before = fs::read(&plain).unwrap();
+    let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
+    done(&[&["inject", "--image", &plain, "-o", &output, "--truth", &truth, "--no-noise", "--seed", "5"], &RANDOM[..4], &["--seeing", "2.5arcsec"]]);
+    assert_eq!(fs::read(&plain).unwrap(), before, "the input is not touched");
+    assert_eq!(names(&output), ["", "MASK", "STREAKS", "STREAK_POINTS"]);
+
+    let rows = records(&fs::read_to_string(&truth).unwrap());
+    let counts: f64 = numbers(&rows, "counts").iter().sum();
+    let (old, new, mask) = (values(&plain, 0), values(&output, 0), values(&output, 1));
+    let added: f64 = old.iter().zip(&new).map(|(old, new)| f64::from(new - old)).sum();
+    // Whole counts: each changed pixel is rounded by up to half a count, at random.
+    let changed = old.iter().zip(&new).filter(|(old, new)| old != new).count() as f64;
+    assert!((added - counts).abs() < 5.0 * (changed / 12.0).sqrt() + 1e-4 * counts, "{added} {counts} {changed}");
+    // LSST's bits: STREAK 0, INJECTED 1. What changed is marked, but for the faintest fringe; what is marked as a streak is injected.
+    assert!(mask.iter().all(|&bits| [0.0, 2.0, 3.0].contains(&bits)));
+    let unmarked: f64 = old.iter().zip(&new).zip(&mask).filter(|(_, mask)| **mask == 0.0).map(|((old, new), _)| f64::from(new - old)).sum();
+    assert!(unmarked.abs() < 1e-2 * counts, "{unmarked}");
+    let stands_out = mask.iter().filter(|&&bits| bits == 3.0).count();
+    assert!(stands_out > 300, "{stands_out}");
+    // The ends of both streaks lie on the frame's border, or where the shutter closed on it.
+    for (x, y) in numbers(&rows, "x1_pix").into_iter().zip(numbers(&rows, "y1_pix")) {
+        assert!((0.5..=400.5).contains(&x) && (0.5..=300.5).contains(&y));
+    }
+}
+
+#[test]
+fn verif_a_seed_gives_one_frame_and_another_seed_another() {
+    let folder = TempDir::new().unwrap();
+    let [a, b, c] = [("a.fits", "7", "1"), ("b.fits", "7", "2"), ("c.fits", "8", "2")]
+        .map(|(name, seed, threads)| fs::read(synthetic(&folder, name, &["--seed", seed, "--threads", threads])).unwrap());
+    assert!(a == b, "the same at any number of threads");
+    assert!(a != c);
+}
+
+#[test]
+fn verif_many_frames_go_to_a_folder_each_with_its_own_streaks() {
+    let folder = TempDir::new().unwrap();
+    let (description, truth) = (path(&folder, "sky.toml"), path(&folder, "all.csv"));
+    fs::write(&description, SKY).unwrap();
+    let out = path(&folder, "set");
+    fs::create_dir(&out).unwrap();
+    done(&[&["inject", "--synthetic", &description, "--frames", "3", "-o", &out, "--truth", &truth, "--seed", "3"], RANDOM]);
+    let mut found: Vec<String> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    found.sort();
+    assert_eq!(found, ["frame-0001.fits", "frame-0002.fits", "frame-0003.fits"]);
+    let rows = records(&fs::read_to_string(&truth).unwrap());
+    assert_eq!(column(&rows, "image").iter().filter(|image| *image == "frame-0002.fits").count(), 2);
+    let mut lengths = column(&rows, "x1_pix");
+    lengths.dedup();
+    assert_eq!(lengths.len(), 6, "no two streaks are the same");
+    // The second frame is the first of a run with the next seed.
+    let alone = path(&folder, "alone.fits");
+    done(&[&["inject", "--synthetic", &description, "-o", &alone, "--seed", "4"], RANDOM]);
+    assert_eq!(values(&alone, 0), values(&format!("{out}/frame-0002.fits"), 0));
+}
+
+#[test]
+fn verif_satellites_of_a_shell_cross_a_wide_frame() {
+    let folder = TempDir::new().unwrap();
+    let description = path(&folder, "wide.toml");
+    fs::write(&description, SKY.replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0").replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0")).unwrap();
+    let (output, truth, trails) = (path(&folder, "wide.fits"), path(&folder, "wide.json"), path(&folder, "trails.csv"));
+    let shot = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7", "--seeing", "60arcsec"];
+    let question = ["--shells", "starlink-gen1", "--mpc", "X05"];
+    done(&[&["inject", "--synthetic", &description, "-o", &output, "--truth", &truth, "--trails", &trails, "--quiet"], &shot, &question]);
+    let document: serde_json::Value = serde_json::from_str(&fs::read_to_string(&truth).unwrap()).unwrap();
+    let streaks = document["streaks"].as_array().unwrap();
+    assert!(!streaks.is_empty());
+    assert!(document["provenance"]["models"].to_string().contains("starlink"));
+    // The same satellites as `passes` finds in the circle about the frame, those that touch the frame itself.
+    let passes: serde_json::Value = common::cli::json(&[&["passes"], &shot[..8], &["--fov", "4.6deg", "--quiet"], &question]);
+    let known: Vec<i64> = passes["passes"].as_array().unwrap().iter().map(|pass| pass["norad_id"].as_i64().unwrap()).collect();
+    for streak in streaks {
+        assert!(known.contains(&streak["norad_id"].as_i64().unwrap()), "{streak}");
+        assert!(streak["magnitude"].as_f64().unwrap() < 9.0 && streak["length_pix"].as_f64().unwrap() > 0.0);
+    }
+    // Trails: mag is of a pixel of length, so that the flux of all is that of the streak.
+    let rows = records(&fs::read_to_string(&trails).unwrap());
+    assert_eq!(column(&rows, "source_type")[0], "Trail");
+    let (mag, length) = (numbers(&rows, "mag")[0], numbers(&rows, "trail_length")[0]);
+    let first = &streaks[0];
+    let total = mag - 2.5 * length.log10();
+    assert!((total - first["total_magnitude"].as_f64().unwrap()).abs() < 2e-3);
+}
+
+#[test]
+fn verif_a_telescope_that_follows_the_satellite_sees_a_point() {
+    let folder = TempDir::new().unwrap();
+    let (plain, truth) = (synthetic(&folder, "plain.fits", &["--pixels-only"]), path(&folder, "truth.csv"));
+    let one = ["--random-streaks", "1", "--magnitude", "8", "--streak-rate-deg-s", "0.01", "--seeing", "2.5arcsec", "--quiet", "--seed", "21"];
+    let mut lengths = Vec::new();
+    let still = path(&folder, "still.fits");
+    done(&[&["inject", "--image", &plain, "-o", &still, "--truth", &truth], &one]);
+    let rows = records(&fs::read_to_string(&truth).unwrap());
+    lengths.push(numbers(&rows, "length_pix")[0]);
+    let angle = numbers(&rows, "position_angle_deg")[0].to_radians();
+    let rate = numbers(&rows, "angular_rate_deg_s")[0] * 3600.0;
+    let follow = format!("--track-rate={},{}", rate * angle.sin(), rate * angle.cos());
+    done(&[&["inject", "--image", &plain, "-o", &still, "--truth", &truth, &follow], &one]);
+    let followed = numbers(&records(&fs::read_to_string(&truth).unwrap()), "length_pix");
+    lengths.push(followed[0]);
+    assert!(lengths[0] > 100.0 && lengths[1] < 0.2, "{lengths:?}");
+}
+
+#[test]
+fn verif_bad_input_gets_one_clear_line_and_no_output() {
+    let folder = TempDir::new().unwrap();
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
+    let output = path(&folder, "out.fits");
+    let cut = path(&folder, "cut.fits");
+    let bytes = fs::read(&plain).unwrap();
+    fs::write(&cut, &bytes[..bytes.len() - 5000]).unwrap();
+    let text = path(&folder, "text.fits");
+    fs::write(&text, "no FITS at all").unwrap();
+    let missing_folder = path(&folder, "nowhere/out.fits");
+    let image = |file: &str| vec!["inject".to_owned(), "--image".to_owned(), file.to_owned()];
+    let random = &RANDOM[..4];
+    let seeing = &["--seeing", "2arcsec"][..];
+    for (file, output, more, words) in [
+        (&cut, &output, [random, seeing].concat(), &["cut.fits", "HDU 0", "cut off"][..]),
+        (&text, &output, [random, seeing].concat(), &["text.fits", "no FITS"]),
+        (&path(&folder, "none.fits"), &output, [random, seeing].concat(), &["none.fits"]),
+        (&plain, &missing_folder, [random, seeing].concat(), &["nowhere"]),
+        (&plain, &plain, [random, seeing].concat(), &["plain.fits", "input"]),
+        (&plain, &output, random.to_vec(), &["--seeing", "--telescope"]),
+        (&plain, &output, [random, seeing, &["--psf", "moffat:1"]].concat(), &["moffat:1", "2 to 100"]),
+        (&plain, &output, [random, seeing, &["--hdu", "4"]].concat(), &["no HDU 4", "0 to 0"]),
+        (&plain, &output, [random, seeing, &["--glint", "3,0"]].concat(), &["--glint", "3 numbers"]),
+        (&plain, &output, [random, seeing, &["--tumbling", "0,1"]].concat(), &["period", "1e-4 to 1e5"]),
+        (&plain, &output, [random, seeing, &["--exposure", "0s"]].concat(), &["exposure", "above 0"]),
+        (&plain, &output, [random, seeing, &["--mask-bits", "sdss"]].concat(), &["sdss", "lsst, desdm"]),
+        (&plain, &output, [random, seeing, &["--truth", "t.parquet"]].concat(), &["t.parquet", ".csv"]),
+        (&plain, &output, [random, seeing, &["--gain=-1"]].concat(), &["gain -1", "above 0"]),
+        (&plain, &output, [&["--random-streaks", "1", "--magnitude", "9,3"], seeing].concat(), &["brighter first"]),
+        (&plain, &output, seeing.to_vec(), &["--elements", "--shells"]),
+        (&plain, &output, [&["--magnitude", "5"], seeing].concat(), &["--random-streaks"]),
+    ] {
+        let command: Vec<String> = image(file);
+        let command: Vec<&str> = command.iter().map(String::as_str).collect();
+        let (code, stdout, stderr) = run(&[&command, &["-o", output], &more]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        assert_eq!(stderr.lines().count(), 1, "{stderr}");
+        assert!(words.iter().all(|word| stderr.contains(word)), "{stderr} lacks one of {words:?}");
+    }
+    assert!(!Path::new(&output).exists());
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{left:?}");
+    assert_eq!(fs::read(&plain).unwrap(), bytes);
+}
