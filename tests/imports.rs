@@ -35,7 +35,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("cdshealpix", &["healpix", "photometry"]),
     ("rusqlite", &["schedule"]),
     ("quick_xml", &["catalogue"]),
-    ("flate2", &["catalogue", "measured"]),
+    ("flate2", &["camera", "catalogue", "measured"]),
     ("rand", &["measured"]),
     ("rand_chacha", &["fit", "measured"]),
     ("rand_distr", &["measured"]),
