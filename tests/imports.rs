@@ -50,7 +50,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("cdshealpix", &["healpix", "photometry"]),
     ("rusqlite", &["schedule"]),
     ("quick_xml", &["catalogue"]),
-    ("flate2", &["catalogue", "measured"]),
+    ("flate2", &["camera", "catalogue", "measured"]),
     ("rand", &["camera", "measured", "streak"]),
     ("rand_chacha", &["camera", "fit", "measured", "streak"]),
     ("rand_distr", &["camera", "measured", "streak"]),

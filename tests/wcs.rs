@@ -151,7 +151,7 @@ fn verif_a_track_far_outside_never_comes_back() {
         let middle = wcs.to_sky(centre).expect("the middle");
         let (east, north) = middle.east_north();
         for step in 0..12 {
-            let (sine, cosine) = (f64::from(step) * 0.5236).sin_cos();
+            let (sine, cosine) = (f64::from(step) * std::f64::consts::FRAC_PI_6).sin_cos();
             let along = east * cosine + north * sine;
             let mut previous = f64::NEG_INFINITY;
             let mut inside = 0;

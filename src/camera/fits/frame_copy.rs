@@ -24,7 +24,7 @@ use super::pixel_edit::PixelEdit;
 /// A copy of a frame in the making: every byte that is not changed is that of the input.
 ///
 /// Changes are gathered in memory (the touched pixels alone) and written by [`finish`](FrameCopy::finish). Headers keep their cards and their order;
-/// CHECKSUM and DATASUM are made right where they stand in an HDU that changed. Dropped without `finish`, nothing is left behind.
+/// CHECKSUM and DATASUM are made right where they stand in an HDU that changed, and EXTEND = F where extensions came. Dropped without `finish`, nothing is left behind.
 #[derive(Debug)]
 pub struct FrameCopy {
     source: FrameFile,
@@ -154,6 +154,10 @@ impl FrameCopy {
                 header.set(keyword, &form.as_str().into(), "");
             }
             tables.insert(*hdu, rebuilt.bytes);
+        }
+        // A primary header that denies extensions is wrong once there are some.
+        if !self.appended.is_empty() && self.source.header(0)?.logical("EXTEND") == Some(false) {
+            self.set_card(0, "EXTEND", &true.into(), "")?;
         }
         self.write(&tables).map_err(|source| match source.kind() {
             io::ErrorKind::UnexpectedEof => {
