@@ -20,8 +20,6 @@ const GREATEST_BEND_CHANGE: f64 = 1e-5;
 const GREATEST_FAN: f64 = 0.25;
 /// A path that turns by more may come back to its own pixels, radians.
 const GREATEST_TURNING_RAD: f64 = 1.2;
-/// Tables across the path are made anew where the fourth harmonic has turned by so much, radians of φ.
-const TABLE_STEP_RAD: f64 = 0.02;
 
 /// The light of a path in a frame of `rows` by `columns`, in the unit of the path's rates times seconds.
 ///
@@ -182,13 +180,14 @@ fn trees(
 fn tables(marked: &[(Chord, bool)], profile: &RadialProfile) -> (Vec<Lanes>, Vec<usize>) {
     let mut tables = Vec::new();
     let mut table_of = vec![0; marked.len()];
+    let step_rad = profile.line_angle_step_rad();
     let mut last: Option<f64> = None;
     for (number, (chord, is_summed)) in marked.iter().enumerate() {
         if *is_summed {
             continue;
         }
         let angle = chord.along[1].atan2(chord.along[0]);
-        if last.is_none_or(|last| (angle - last).abs() > TABLE_STEP_RAD) {
+        if last.is_none_or(|last| (angle - last).abs() > step_rad) {
             tables.push(profile.line_lanes(angle));
             last = Some(angle);
         }

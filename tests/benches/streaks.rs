@@ -86,7 +86,9 @@ fn main() {
     .expect("a detector");
     let profile = RadialProfile::of(&blurs()[0].1).expect("a profile");
     let patches: Vec<_> = (1..6).map(|i| draw(&streak(700.0 * f64::from(i)), &profile, SIZE, SIZE)).collect();
-    let added_ms = median_ms(rounds, || drop(detector.add_light(&mut plane, &patches, 1).expect("added")));
+    let added_ms = median_ms(rounds, || {
+        detector.add_light(&mut plane, &patches, 1).expect("added");
+    });
     println!("detector: 5 streaks added to a frame {added_ms:.1} ms");
     let exposed_ms = median_ms(3, || drop(detector.expose(&plane, 1).expect("exposed")));
     println!("detector: a whole frame exposed {exposed_ms:.0} ms");

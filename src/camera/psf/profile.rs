@@ -149,6 +149,14 @@ impl RadialProfile {
         Lanes::of(&Curve::sum(&parts))
     }
 
+    /// By how much the angle of [`RadialProfile::line_lanes`] may be wrong for 2·10⁻⁵ of the peak, radians.
+    pub fn line_angle_step_rad(&self) -> f64 {
+        let greatest = |m: usize| self.line[m].values().iter().map(|value| value.abs()).fold(0.0, f64::max);
+        // d/dφ Σ A_m cos 4mφ is at most Σ 4m |A_m|.
+        let slope: f64 = (1..HARMONICS).map(|m| 4.0 * m as f64 * greatest(m)).sum();
+        2e-5 * greatest(0) / slope.max(1e-4 * greatest(0))
+    }
+
     /// Second moment along a line of unit light, M₂(v) = ∫ u² P(u, v) du, square pixels: a line whose light per pixel is λ at the foot of a pixel
     /// and bends by λ'' puts λ L(v) + λ''/2 M₂(v) there.
     pub fn line_second_moment(&self) -> &Lanes {
