@@ -19,7 +19,8 @@ stars = { per_megapixel = 200, slope = 0.3, brightest_mag = 13, faintest_mag = 2
 detector = { gain_e_adu = 2.0, read_noise_e = 5, bias_adu = 300, quantisation = { greatest_adu = 65535 } }
 ";
 
-const RANDOM: &[&str] = &["--random-streaks", "2", "--magnitude", "6,8", "--exposure", "30s", "--seeing", "2.5arcsec", "--quiet"];
+const RANDOM: &[&str] =
+    &["--random-streaks", "2", "--magnitude", "6,8", "--exposure", "30s", "--seeing", "2.5arcsec", "--quiet"];
 
 fn synthetic(folder: &TempDir, name: &str, more: &[&str]) -> String {
     let description = path(folder, "sky.toml");
@@ -53,7 +54,11 @@ fn verif_light_alone_adds_up_to_the_truth_and_leaves_all_else_as_it_was() {
     let plain = synthetic(&folder, "plain.fits", &["--pixels-only", "--seed", "1", "--no-noise"]);
     let before = fs::read(&plain).unwrap();
     let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
-    done(&[&["inject", "--image", &plain, "-o", &output, "--truth", &truth, "--no-noise", "--seed", "5"], &RANDOM[..4], &["--seeing", "2.5arcsec"]]);
+    done(&[
+        &["inject", "--image", &plain, "-o", &output, "--truth", &truth, "--no-noise", "--seed", "5"],
+        &RANDOM[..4],
+        &["--seeing", "2.5arcsec"],
+    ]);
     assert_eq!(fs::read(&plain).unwrap(), before, "the input is not touched");
     assert_eq!(names(&output), ["", "MASK", "STREAKS", "STREAK_POINTS"]);
 
@@ -66,7 +71,13 @@ fn verif_light_alone_adds_up_to_the_truth_and_leaves_all_else_as_it_was() {
     assert!((added - counts).abs() < 5.0 * (changed / 12.0).sqrt() + 1e-4 * counts, "{added} {counts} {changed}");
     // LSST's bits: STREAK 0, INJECTED 1. What changed is marked, but for the faintest fringe; what is marked as a streak is injected.
     assert!(mask.iter().all(|&bits| [0.0, 2.0, 3.0].contains(&bits)));
-    let unmarked: f64 = old.iter().zip(&new).zip(&mask).filter(|(_, mask)| **mask == 0.0).map(|((old, new), _)| f64::from(new - old)).sum();
+    let unmarked: f64 = old
+        .iter()
+        .zip(&new)
+        .zip(&mask)
+        .filter(|(_, mask)| **mask == 0.0)
+        .map(|((old, new), _)| f64::from(new - old))
+        .sum();
     assert!(unmarked.abs() < 1e-2 * counts, "{unmarked}");
     let stands_out = mask.iter().filter(|&&bits| bits == 3.0).count();
     assert!(stands_out > 300, "{stands_out}");
@@ -79,8 +90,9 @@ fn verif_light_alone_adds_up_to_the_truth_and_leaves_all_else_as_it_was() {
 #[test]
 fn verif_a_seed_gives_one_frame_and_another_seed_another() {
     let folder = TempDir::new().unwrap();
-    let [a, b, c] = [("a.fits", "7", "1"), ("b.fits", "7", "2"), ("c.fits", "8", "2")]
-        .map(|(name, seed, threads)| fs::read(synthetic(&folder, name, &["--seed", seed, "--threads", threads])).unwrap());
+    let [a, b, c] = [("a.fits", "7", "1"), ("b.fits", "7", "2"), ("c.fits", "8", "2")].map(|(name, seed, threads)| {
+        fs::read(synthetic(&folder, name, &["--seed", seed, "--threads", threads])).unwrap()
+    });
     assert!(a == b, "the same at any number of threads");
     assert!(a != c);
 }
@@ -92,8 +104,12 @@ fn verif_many_frames_go_to_a_folder_each_with_its_own_streaks() {
     fs::write(&description, SKY).unwrap();
     let out = path(&folder, "set");
     fs::create_dir(&out).unwrap();
-    done(&[&["inject", "--synthetic", &description, "--frames", "3", "-o", &out, "--truth", &truth, "--seed", "3"], RANDOM]);
-    let mut found: Vec<String> = fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    done(&[
+        &["inject", "--synthetic", &description, "--frames", "3", "-o", &out, "--truth", &truth, "--seed", "3"],
+        RANDOM,
+    ]);
+    let mut found: Vec<String> =
+        fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
     found.sort();
     assert_eq!(found, ["frame-0001.fits", "frame-0002.fits", "frame-0003.fits"]);
     let rows = records(&fs::read_to_string(&truth).unwrap());
@@ -111,18 +127,40 @@ fn verif_many_frames_go_to_a_folder_each_with_its_own_streaks() {
 fn verif_satellites_of_a_shell_cross_a_wide_frame() {
     let folder = TempDir::new().unwrap();
     let description = path(&folder, "wide.toml");
-    fs::write(&description, SKY.replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0").replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0")).unwrap();
+    fs::write(
+        &description,
+        SKY.replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+            .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0"),
+    )
+    .unwrap();
     let (output, truth, trails) = (path(&folder, "wide.fits"), path(&folder, "wide.json"), path(&folder, "trails.csv"));
-    let shot = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7", "--seeing", "60arcsec"];
+    let shot = [
+        "--start",
+        "2026-08-14T23:29:05Z",
+        "--exposure",
+        "30s",
+        "--ra",
+        "198.9",
+        "--dec",
+        "7.7",
+        "--seeing",
+        "60arcsec",
+    ];
     let question = ["--shells", "starlink-gen1", "--mpc", "X05"];
-    done(&[&["inject", "--synthetic", &description, "-o", &output, "--truth", &truth, "--trails", &trails, "--quiet"], &shot, &question]);
+    done(&[
+        &["inject", "--synthetic", &description, "-o", &output, "--truth", &truth, "--trails", &trails, "--quiet"],
+        &shot,
+        &question,
+    ]);
     let document: serde_json::Value = serde_json::from_str(&fs::read_to_string(&truth).unwrap()).unwrap();
     let streaks = document["streaks"].as_array().unwrap();
     assert!(!streaks.is_empty());
     assert!(document["provenance"]["models"].to_string().contains("starlink"));
     // The same satellites as `passes` finds in the circle about the frame, those that touch the frame itself.
-    let passes: serde_json::Value = common::cli::json(&[&["passes"], &shot[..8], &["--fov", "4.6deg", "--quiet"], &question]);
-    let known: Vec<i64> = passes["passes"].as_array().unwrap().iter().map(|pass| pass["norad_id"].as_i64().unwrap()).collect();
+    let passes: serde_json::Value =
+        common::cli::json(&[&["passes"], &shot[..8], &["--fov", "4.6deg", "--quiet"], &question]);
+    let known: Vec<i64> =
+        passes["passes"].as_array().unwrap().iter().map(|pass| pass["norad_id"].as_i64().unwrap()).collect();
     for streak in streaks {
         assert!(known.contains(&streak["norad_id"].as_i64().unwrap()), "{streak}");
         assert!(streak["magnitude"].as_f64().unwrap() < 9.0 && streak["length_pix"].as_f64().unwrap() > 0.0);
@@ -140,7 +178,19 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
 fn verif_a_telescope_that_follows_the_satellite_sees_a_point() {
     let folder = TempDir::new().unwrap();
     let (plain, truth) = (synthetic(&folder, "plain.fits", &["--pixels-only"]), path(&folder, "truth.csv"));
-    let one = ["--random-streaks", "1", "--magnitude", "8", "--streak-rate-deg-s", "0.01", "--seeing", "2.5arcsec", "--quiet", "--seed", "21"];
+    let one = [
+        "--random-streaks",
+        "1",
+        "--magnitude",
+        "8",
+        "--streak-rate-deg-s",
+        "0.01",
+        "--seeing",
+        "2.5arcsec",
+        "--quiet",
+        "--seed",
+        "21",
+    ];
     let mut lengths = Vec::new();
     let still = path(&folder, "still.fits");
     done(&[&["inject", "--image", &plain, "-o", &still, "--truth", &truth], &one]);

@@ -1,8 +1,8 @@
 //! One chip of a camera, and the way of a light over it.
 
 use super::count_scale::CountScale;
-use super::path::{PathError, PathNode, StreakPath};
-use super::sky_track::{SkyPoint, SkyTrack};
+use super::light::{SkyPoint, SkyTrack};
+use super::render::{PathError, PathNode, StreakPath};
 use super::tracking::Tracking;
 use crate::camera::{PixelPosition, Wcs};
 use crate::frames::{Direction, Gcrs};
@@ -189,6 +189,28 @@ fn refined_to_cross(track: &SkyTrack, radius_rad: f64) -> SkyTrack {
         .fold(0.0, f64::max);
     let step_s = 2.0 * radius_rad / STEPS_ACROSS / fastest;
     if step_s.is_finite() && step_s > 0.0 { track.refined(step_s) } else { track.clone() }
+}
+
+/// The middle of chips on the sky and the radius about it that holds them all, radians.
+pub fn circle_of<'a>(chips: impl Iterator<Item = &'a Chip> + Clone) -> Option<(Direction<Gcrs>, f64)> {
+    let circles: Vec<(Direction<Gcrs>, f64)> = chips.filter_map(Chip::circle).collect();
+    let sum = circles.iter().fold(nalgebra::Vector3::zeros(), |sum, (middle, _)| sum + middle.vector());
+    let centre = Direction::from_vector(sum.try_normalize(0.0)?);
+    let radius_rad =
+        circles.iter().map(|(middle, radius_rad)| middle.separation_rad(&centre) + radius_rad).fold(0.0, f64::max);
+    Some((centre, radius_rad))
+}
+
+/// A direction on one of several chips from three numbers in [0, 1): the first chooses a chip by its area, the others a place on it.
+pub fn direction_on<'a>(chips: impl Iterator<Item = &'a Chip> + Clone, drawn: [f64; 3]) -> Option<Direction<Gcrs>> {
+    let pixels = |chip: &Chip| chip.rows as f64 * chip.columns as f64;
+    let mut left = drawn[0] * chips.clone().map(pixels).sum::<f64>();
+    let chip = chips.clone().find(|chip| {
+        left -= pixels(chip);
+        left < 0.0
+    });
+    let chip = chip.or(chips.last())?;
+    chip.wcs.to_sky(PixelPosition { x: drawn[1] * chip.columns as f64 - 0.5, y: drawn[2] * chip.rows as f64 - 0.5 })
 }
 
 #[cfg(test)]

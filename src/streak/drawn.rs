@@ -4,10 +4,9 @@ use hifitime::Epoch;
 use thiserror::Error;
 
 use super::chip::{Chip, ChipPath};
+use super::light::{Source, SourcePart};
 use super::optics::{Optics, OpticsError};
-use super::path::PathError;
-use super::render::draw;
-use super::source::{Source, SourcePart};
+use super::render::{PathError, draw};
 use super::tracking::Tracking;
 use crate::camera::{Patch, PixelPosition};
 use crate::frames::{Direction, Gcrs, seconds_after};

@@ -10,7 +10,8 @@ use streakcast::passes::Exposure;
 use streakcast::schedule::Schedule;
 use streakcast::setup::{Setup, parse_angle_deg, parse_duration_s, parse_moment};
 use streakcast::streak::{
-    FrameSaid, Glint, LightCurve, MaskPreset, Modulation, Optics, RandomStreaks, SeeingForm, StreakNumber, SyntheticFrame, Tracking, Tumbling,
+    FrameSaid, Glint, LightCurve, MaskPreset, Modulation, Optics, RandomStreaks, SeeingForm, StreakNumber,
+    SyntheticFrame, Tracking, Tumbling,
 };
 use streakcast::telescope::Telescope;
 
@@ -59,11 +60,16 @@ impl Asked {
         let detector = typed.counts.detector.as_deref().map(detector).transpose()?;
         let synthetic = typed.synthetic.as_deref().map(synthetic).transpose()?;
         if synthetic.is_some() && detector.is_some() {
-            return Err(anyhow!("--detector and --synthetic: the file of a synthetic frame has its own table [detector]"));
+            return Err(anyhow!(
+                "--detector and --synthetic: the file of a synthetic frame has its own table [detector]"
+            ));
         }
-        let pixel_scale_arcsec = typed.exposure.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
+        let pixel_scale_arcsec =
+            typed.exposure.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
         if pixel_scale_arcsec.is_some() && random.is_none() {
-            return Err(anyhow!("--pixel-scale is for random streaks in frames that say nothing of the sky; satellites need world coordinates"));
+            return Err(anyhow!(
+                "--pixel-scale is for random streaks in frames that say nothing of the sky; satellites need world coordinates"
+            ));
         }
         Ok(Self {
             said: FrameSaid {
@@ -112,7 +118,11 @@ fn scheduled(typed: &ExposureArguments, setup: &Setup) -> anyhow::Result<Option<
     }
 }
 
-fn times(typed: &ExposureArguments, setup: &Setup, scheduled: Option<&Exposure>) -> anyhow::Result<(Option<Epoch>, Option<f64>)> {
+fn times(
+    typed: &ExposureArguments,
+    setup: &Setup,
+    scheduled: Option<&Exposure>,
+) -> anyhow::Result<(Option<Epoch>, Option<f64>)> {
     if let Some(exposure) = scheduled {
         return Ok((Some(exposure.start), Some(exposure.duration_s)));
     }
@@ -151,7 +161,10 @@ fn light_curve(path: &Path) -> anyhow::Result<LightCurve> {
         .map_err(|error| anyhow!("light curve {shown}: {error}"))?;
     let headers = reader.headers().map_err(|error| anyhow!("light curve {shown}: {error}"))?.clone();
     let column = |name: &str| {
-        headers.iter().position(|header| header == name).ok_or_else(|| anyhow!("light curve {shown}: no column {name} (needed: time_s, delta_mag)"))
+        headers
+            .iter()
+            .position(|header| header == name)
+            .ok_or_else(|| anyhow!("light curve {shown}: no column {name} (needed: time_s, delta_mag)"))
     };
     let (time, delta) = (column("time_s")?, column("delta_mag")?);
     let mut points = Vec::new();
@@ -173,7 +186,9 @@ fn random(typed: &StreakArguments) -> anyhow::Result<Option<Random>> {
         (None, Some(mean)) => StreakNumber::OnAverage(mean),
         (None, None) if typed.magnitude.is_none() && typed.streak_rate_deg_s.is_none() => return Ok(None),
         (None, None) => {
-            return Err(anyhow!("--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own"));
+            return Err(anyhow!(
+                "--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own"
+            ));
         }
     };
     let range = |given: &[f64], usual: [f64; 2]| match *given {
@@ -193,7 +208,11 @@ fn optics(typed: &StreakArguments, telescope: Option<&Telescope>) -> anyhow::Res
     let seeing_arcsec = match (&typed.seeing, telescope) {
         (Some(text), _) => arcsec("seeing", text)?,
         (None, Some(telescope)) => telescope.seeing_arcsec,
-        (None, None) => return Err(anyhow!("no width of a star's image; say --seeing 1.2arcsec, or --telescope NAME, which brings the defocus too")),
+        (None, None) => {
+            return Err(anyhow!(
+                "no width of a star's image; say --seeing 1.2arcsec, or --telescope NAME, which brings the defocus too"
+            ));
+        }
     };
     Ok(Optics {
         form: form(&typed.psf)?,

@@ -9,7 +9,8 @@ use streakcast::passes::Exposure;
 use streakcast::photometry::{Band, PhotometryOptions};
 use streakcast::setup::{Prepared, Setup, SiteSetup};
 use streakcast::streak::{
-    Chip, RandomStreaks, SatelliteLight, Source, SourceName, SourcePart, StreakNumber, TargetFrame, direction_on, satellites,
+    Chip, RandomStreaks, SatelliteLight, Source, SourceName, SourcePart, StreakNumber, TargetFrame, direction_on,
+    satellites,
 };
 use streakcast::table::Provenance;
 
@@ -50,9 +51,17 @@ impl Lights {
     }
 
     /// The sources of one frame.
-    pub fn of(&self, asked: &Asked, frame: &TargetFrame, photometry: &PhotometryOptions, resolve_panels: bool, seed: u64) -> anyhow::Result<Vec<Source>> {
-        let (centre, radius_rad) =
-            frame.circle().ok_or_else(|| anyhow!("{}: its world coordinates give its corners no place", frame.file.path().display()))?;
+    pub fn of(
+        &self,
+        asked: &Asked,
+        frame: &TargetFrame,
+        photometry: &PhotometryOptions,
+        resolve_panels: bool,
+        seed: u64,
+    ) -> anyhow::Result<Vec<Source>> {
+        let (centre, radius_rad) = frame.circle().ok_or_else(|| {
+            anyhow!("{}: its world coordinates give its corners no place", frame.file.path().display())
+        })?;
         match (self, &asked.random) {
             (Self::Sky(prepared), _) => {
                 let exposure = Exposure {
@@ -73,11 +82,16 @@ impl Lights {
 
 /// Where no site is said, that of the observatory that the header names.
 fn with_site(setup: &Setup, frames: &[TargetFrame], notices: &Notices) -> Setup {
-    let is_said = setup.site.is_some() || setup.mpc.is_some() || setup.lat.is_some() || setup.observer_elements.is_some();
+    let is_said =
+        setup.site.is_some() || setup.mpc.is_some() || setup.lat.is_some() || setup.observer_elements.is_some();
     let named = frames.iter().find_map(|frame| frame.observatory.as_deref());
     match named.filter(|_| !is_said).and_then(|name| Site::by_name(name).ok()) {
         Some(site) => {
-            notices.say(&format!("site {} ({}) from the header", site.name, site.mpc_code.as_deref().unwrap_or("no code")));
+            notices.say(&format!(
+                "site {} ({}) from the header",
+                site.name,
+                site.mpc_code.as_deref().unwrap_or("no code")
+            ));
             Setup { site: Some(SiteSetup::Name(site.name)), ..setup.clone() }
         }
         None => setup.clone(),
@@ -87,7 +101,9 @@ fn with_site(setup: &Setup, frames: &[TargetFrame], notices: &Notices) -> Setup 
 fn random_sources(random: &Random, asked: &Asked, frame: &TargetFrame, radius_rad: f64, seed: u64) -> Vec<Source> {
     let chips = || frame.chips.iter().map(|target| &target.chip);
     let number = match random.streaks.number {
-        StreakNumber::OnAverage(mean) if random.a_square_degree => StreakNumber::OnAverage(mean * chips().map(area_deg2).sum::<f64>()),
+        StreakNumber::OnAverage(mean) if random.a_square_degree => {
+            StreakNumber::OnAverage(mean * chips().map(area_deg2).sum::<f64>())
+        }
         number => number,
     };
     let streaks = RandomStreaks { number, ..random.streaks };
@@ -119,7 +135,8 @@ pub fn photometry_of(setup: &Setup, frame: &TargetFrame, notices: &Notices) -> a
         Some(Ok(_)) => Ok(Setup { band: name, ..setup.clone() }.photometry()?),
         Some(Err(_)) => {
             let filter = frame.filter.as_deref().unwrap_or_default();
-            notices.warn(&[format!("filter {filter:?} is no band that magnitudes are known in: V is taken; say --band")]);
+            notices
+                .warn(&[format!("filter {filter:?} is no band that magnitudes are known in: V is taken; say --band")]);
             Ok(setup.photometry()?)
         }
         None => Ok(setup.photometry()?),
@@ -146,7 +163,14 @@ fn shortened(value: &serde_json::Value) -> String {
 }
 
 /// What the frame was and how light became counts, for the truth's provenance.
-pub fn state(provenance: &mut Provenance, frame: &TargetFrame, asked: &Asked, photometry: &PhotometryOptions, seed: u64, exposure: (Epoch, f64)) {
+pub fn state(
+    provenance: &mut Provenance,
+    frame: &TargetFrame,
+    asked: &Asked,
+    photometry: &PhotometryOptions,
+    seed: u64,
+    exposure: (Epoch, f64),
+) {
     super::super::judged::state_scales(provenance, "utc", photometry);
     provenance.state(
         "options",

@@ -29,7 +29,8 @@ impl Outputs {
             path.as_ref().map(|path| Output::new(text_format(path)?, Some(path.clone()))).transpose()
         };
         let outputs = Self { truth: beside(&typed.truth.truth)?, trails: beside(&typed.truth.trails)?, frames };
-        let mut all: Vec<&PathBuf> = outputs.frames.iter().chain(&typed.truth.truth).chain(&typed.truth.trails).collect();
+        let mut all: Vec<&PathBuf> =
+            outputs.frames.iter().chain(&typed.truth.truth).chain(&typed.truth.trails).collect();
         #[cfg(feature = "plot")]
         for picture in typed.truth.preview.iter().chain(&typed.truth.preview_marked) {
             if !picture.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {

@@ -9,7 +9,8 @@ use streakcast::camera::PixelPosition;
 use streakcast::frames::Direction;
 use streakcast::setup::Setup;
 use streakcast::streak::{
-    DrawnStreak, FrameSaid, InjectOptions, Injected, Shot, Source, SourceName, SyntheticShot, TargetFrame, draw_on_chip, inject,
+    DrawnStreak, FrameSaid, InjectOptions, Injected, Shot, Source, SourceName, SyntheticShot, TargetFrame,
+    draw_on_chip, inject,
 };
 use streakcast::table::ScratchFolder;
 
@@ -36,9 +37,13 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
         Some(scratch) => synthetic_frames(&mut asked, &typed, &setup, outputs.frames.len(), scratch)?,
         None => typed.image.clone(),
     };
-    let frames = images.iter().map(|path| Ok(TargetFrame::open(path, &asked.said)?)).collect::<anyhow::Result<Vec<_>>>()?;
+    let frames =
+        images.iter().map(|path| Ok(TargetFrame::open(path, &asked.said)?)).collect::<anyhow::Result<Vec<_>>>()?;
     for frame in &frames {
-        let left_out = frame.left_out.iter().map(|(hdu, error)| format!("{}: HDU {hdu} is left out: {error}", frame.file.path().display()));
+        let left_out = frame
+            .left_out
+            .iter()
+            .map(|(hdu, error)| format!("{}: HDU {hdu} is left out: {error}", frame.file.path().display()));
         notices.warn(&left_out.collect::<Vec<_>>());
     }
     let lights = Lights::prepare(&setup, &asked, &frames, &notices)?;
@@ -61,7 +66,14 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     }
     let mut provenance = lights.provenance();
     let photometry = photometry_of(&setup, &frames[0], &Notices::new(true))?;
-    state(&mut provenance, &frames[0], &asked, &photometry, typed.counts.seed, (frames[0].opened, frames[0].exposure_s));
+    state(
+        &mut provenance,
+        &frames[0],
+        &asked,
+        &photometry,
+        typed.counts.seed,
+        (frames[0].opened, frames[0].exposure_s),
+    );
     outputs.write_tables(&told, &provenance)?;
     Ok(Outcome::Done)
 }
@@ -181,9 +193,16 @@ fn synthetic_frames(
     let opened: Epoch = match asked.said.start {
         Some(start) => start,
         None if is_random => streakcast::setup::parse_moment(SOME_DAY, None)?,
-        None => return Err(anyhow!("no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID")),
+        None => {
+            return Err(anyhow!(
+                "no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID"
+            ));
+        }
     };
-    let exposure_s = asked.said.duration_s.ok_or_else(|| anyhow!("no length of the exposure; say --exposure 30s or --schedule FILE --row ID"))?;
+    let exposure_s = asked
+        .said
+        .duration_s
+        .ok_or_else(|| anyhow!("no length of the exposure; say --exposure 30s or --schedule FILE --row ID"))?;
     let centre = match (&asked.scheduled, &typed.exposure.ra, &typed.exposure.dec) {
         (_, Some(ra), Some(dec)) => Direction::from_lon_lat_rad(
             streakcast::frames::parse_right_ascension_deg(ra)?.to_radians(),
@@ -197,7 +216,8 @@ fn synthetic_frames(
     let paths: Vec<PathBuf> = (0..count).map(|index| scratch.path().join(format!("{index}.fits"))).collect();
     paths.par_iter().enumerate().try_for_each(|(index, path)| {
         let seed = typed.counts.seed.wrapping_add(index as u64);
-        let shot = SyntheticShot { opened, exposure_s, centre, optics: &asked.optics, filter: photometry.band.name(), seed };
+        let shot =
+            SyntheticShot { opened, exposure_s, centre, optics: &asked.optics, filter: photometry.band.name(), seed };
         synthetic.write(&shot, path)
     })?;
     asked.said = FrameSaid { start: None, duration_s: None, ..asked.said.clone() };
@@ -222,8 +242,11 @@ fn pictures(typed: &InjectArguments, streaks: &[DrawnStreak<'_>], output: &Path)
     };
     for (path, is_marked) in wanted {
         let Some(path) = path else { continue };
-        let overlays: Vec<Overlay> =
-            if is_marked { streaks.iter().filter(|streak| streak.hdu == hdu).map(overlay).collect() } else { Vec::new() };
+        let overlays: Vec<Overlay> = if is_marked {
+            streaks.iter().filter(|streak| streak.hdu == hdu).map(overlay).collect()
+        } else {
+            Vec::new()
+        };
         write_bytes(path, &preview_png(&plane, &overlays)?)?;
     }
     Ok(())

@@ -4,14 +4,12 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use super::drawn::DrawnStreak;
-use super::mask::{mask_spans, noise_of};
-use super::mask_planes::MaskPlanes;
+use super::super::drawn::DrawnStreak;
+use super::super::truth::{MaskPlanes, TruthRow, mask_spans, noise_of, points_table, truth_rows, truth_table};
 use super::target_frame::{TargetChip, TargetFrame};
-use super::truth::{TruthRow, points_table, truth_table};
 use crate::camera::{
-    Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, HduKind, ImageValues, Patch,
-    Pixels, Saturation, TableColumn,
+    Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, HduKind, ImageValues,
+    Patch, Pixels, Saturation, TableColumn,
 };
 use crate::table::{Column, Kind, Table, Value};
 
@@ -63,7 +61,7 @@ pub struct Injected {
 ///
 /// Behind the frame's own HDUs come, if they are wanted, one mask for each chip with streaks (`MASK`, or `MASK_<chip>` where there are several chips or a mask
 /// of that name is there already) and the tables `STREAKS` and `STREAK_POINTS`. Chips without streaks stay untouched. Streaks are those of
-/// [`super::draw_on_chip`], in any order.
+/// [`crate::streak::draw_on_chip`], in any order.
 ///
 /// # Errors
 /// [`InjectError`]; a file that stood at `output` is then still there.
@@ -108,11 +106,6 @@ pub fn inject(
         report.changed += changed;
     }
     Ok(report)
-}
-
-/// The rows of the truth, numbered from 1 in the order of the streaks.
-pub fn truth_rows<'a>(streaks: &'a [DrawnStreak<'a>], exposure_s: f64, seed: u64) -> Vec<TruthRow<'a>> {
-    streaks.iter().zip(1..).map(|(streak, number)| TruthRow { number, streak, exposure_s, seed }).collect()
 }
 
 /// What turns the light of a chip into counts; `None` adds the light as it is.

@@ -1,7 +1,7 @@
 //! The truth about injected streaks as tables: one row a streak, one row a point, and the rows that Rubin's pipelines inject from.
 
-use super::drawn::{DrawnStreak, StreakPoint};
-use super::source::SourceName;
+use super::super::drawn::{DrawnStreak, StreakPoint};
+use super::super::light::SourceName;
 use crate::table::{Column, Kind, Table, Value};
 use crate::telescope::{effective_magnitude, surface_brightness_mag_arcsec2};
 
@@ -152,6 +152,11 @@ fn spread(row: &TruthRow<'_>, function: impl Fn(f64, f64, f64, f64) -> f64) -> V
     magnitude
         .map(|magnitude| function(magnitude, row.streak.width_arcsec, row.streak.rate_arcsec_s, row.exposure_s))
         .into()
+}
+
+/// The rows of the truth, numbered from 1 in the order of the streaks.
+pub fn truth_rows<'a>(streaks: &'a [DrawnStreak<'a>], exposure_s: f64, seed: u64) -> Vec<TruthRow<'a>> {
+    streaks.iter().zip(1..).map(|(streak, number)| TruthRow { number, streak, exposure_s, seed }).collect()
 }
 
 /// One row a streak.

@@ -6,10 +6,10 @@ use std::path::Path;
 use hifitime::Epoch;
 use thiserror::Error;
 
-use super::chip::Chip;
-use super::count_scale::{CountScale, CountScaleError};
+use super::super::chip::{Chip, circle_of};
+use super::super::count_scale::{CountScale, CountScaleError};
 use crate::camera::{
-    Calibration, CountBasis, ExposureError, ExposureTime, FrameError, FrameFile, Header, PixelPosition, Wcs, WcsError,
+    Calibration, CountBasis, ExposureError, ExposureTime, FrameError, FrameFile, Header, Wcs, WcsError,
 };
 use crate::frames::{Direction, Gcrs};
 
@@ -178,16 +178,6 @@ impl TargetFrame {
     }
 }
 
-/// The middle of chips on the sky and the radius about it that holds them all, radians.
-pub fn circle_of<'a>(chips: impl Iterator<Item = &'a Chip> + Clone) -> Option<(Direction<Gcrs>, f64)> {
-    let circles: Vec<(Direction<Gcrs>, f64)> = chips.filter_map(Chip::circle).collect();
-    let sum = circles.iter().fold(nalgebra::Vector3::zeros(), |sum, (middle, _)| sum + middle.vector());
-    let centre = Direction::from_vector(sum.try_normalize(0.0)?);
-    let radius_rad =
-        circles.iter().map(|(middle, radius_rad)| middle.separation_rad(&centre) + radius_rad).fold(0.0, f64::max);
-    Some((centre, radius_rad))
-}
-
 /// HDUs that hold light.
 fn images(file: &FrameFile, said: &FrameSaid) -> Result<Vec<usize>, FrameError> {
     if !said.hdus.is_empty() {
@@ -302,16 +292,4 @@ fn mask_planes(file: &FrameFile) -> Result<BTreeMap<String, u32>, FrameError> {
         }
     }
     Ok(planes)
-}
-
-/// A direction on one of several chips from three numbers in [0, 1): the first chooses a chip by its area, the others a place on it.
-pub fn direction_on<'a>(chips: impl Iterator<Item = &'a Chip> + Clone, drawn: [f64; 3]) -> Option<Direction<Gcrs>> {
-    let pixels = |chip: &Chip| chip.rows as f64 * chip.columns as f64;
-    let mut left = drawn[0] * chips.clone().map(pixels).sum::<f64>();
-    let chip = chips.clone().find(|chip| {
-        left -= pixels(chip);
-        left < 0.0
-    });
-    let chip = chip.or(chips.last())?;
-    chip.wcs.to_sky(PixelPosition { x: drawn[1] * chip.columns as f64 - 0.5, y: drawn[2] * chip.rows as f64 - 0.5 })
 }

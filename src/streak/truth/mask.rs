@@ -1,6 +1,6 @@
 //! Which pixels hold injected light, and on which it stands out.
 
-use super::drawn::DrawnStreak;
+use super::super::drawn::DrawnStreak;
 use super::mask_planes::MaskPlanes;
 
 /// Fainter than this share of its brightest pixel a streak's light is not counted as injected: it is below anything that a frame can hold.

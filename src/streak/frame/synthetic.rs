@@ -6,10 +6,10 @@ use hifitime::{Epoch, TimeScale};
 use serde::Deserialize;
 use thiserror::Error;
 
-use super::optics::{Optics, OpticsError};
+use super::super::optics::{Optics, OpticsError};
 use crate::camera::{
-    BackgroundError, Blur, BlurError, Card, CardValue, Detector, DetectorError, FrameError, ImageValues, NewImage, Pixels, Plane, RadialProfile,
-    RandomStars, Rice, Star, Wcs, WcsError, background, write_frame,
+    BackgroundError, Blur, BlurError, Card, CardValue, Detector, DetectorError, FrameError, ImageValues, NewImage,
+    Pixels, Plane, RadialProfile, RandomStars, Rice, Star, Wcs, WcsError, background, write_frame,
 };
 use crate::frames::{Direction, Gcrs, mjd_utc};
 use crate::table::format_utc;
@@ -156,7 +156,11 @@ impl SyntheticFrame {
 
     fn validate(&self) -> Result<(), SyntheticError> {
         let held = |key, given: f64, [least, most]: [f64; 2], allowed| {
-            if (least..=most).contains(&given) { Ok(()) } else { Err(SyntheticError::OutOfRange { key, given, allowed }) }
+            if (least..=most).contains(&given) {
+                Ok(())
+            } else {
+                Err(SyntheticError::OutOfRange { key, given, allowed })
+            }
         };
         held("columns", self.columns as f64, [16.0, 32768.0], "16 to 32768")?;
         held("rows", self.rows as f64, [16.0, 32768.0], "16 to 32768")?;
@@ -199,7 +203,7 @@ impl SyntheticFrame {
         Ok((counts, wcs))
     }
 
-    /// Writes the frame with the cards that [`super::TargetFrame`] reads: world coordinates, exposure, zero point, gain.
+    /// Writes the frame with the cards that [`crate::streak::TargetFrame`] reads: world coordinates, exposure, zero point, gain.
     ///
     /// # Errors
     /// [`SyntheticError`]; nothing half-written stays.
@@ -231,7 +235,8 @@ impl SyntheticFrame {
             ("FILTER", shot.filter.to_owned(), ""),
             ("BUNIT", "adu".to_owned(), ""),
         ];
-        let saturation = detector.saturation.map(|saturation| saturation.full_well_e / detector.gain_e_adu + detector.bias_adu);
+        let saturation =
+            detector.saturation.map(|saturation| saturation.full_well_e / detector.gain_e_adu + detector.bias_adu);
         let numbers = [
             ("MJD-OBS", Some(mjd_utc(shot.opened.to_time_scale(TimeScale::UTC))), "[d] the same"),
             ("EXPTIME", Some(shot.exposure_s), "[s]"),
@@ -241,11 +246,23 @@ impl SyntheticFrame {
             ("SATURATE", saturation, "[adu]"),
         ];
         let mut cards = wcs.cards();
-        cards.extend(texts.iter().flat_map(|(key, text, comment)| Card::with_value(key, &CardValue::Text(text.clone()), comment)));
-        cards.extend(numbers.iter().filter_map(|(key, number, comment)| {
-            number.map(|number| Card::with_value(key, &CardValue::Real(number), comment))
-        }).flatten());
-        cards.extend(Card::remark("HISTORY", &format!("synthetic frame of streakcast {}, seed {}", env!("CARGO_PKG_VERSION"), shot.seed)));
+        cards.extend(
+            texts
+                .iter()
+                .flat_map(|(key, text, comment)| Card::with_value(key, &CardValue::Text(text.clone()), comment)),
+        );
+        cards.extend(
+            numbers
+                .iter()
+                .filter_map(|(key, number, comment)| {
+                    number.map(|number| Card::with_value(key, &CardValue::Real(number), comment))
+                })
+                .flatten(),
+        );
+        cards.extend(Card::remark(
+            "HISTORY",
+            &format!("synthetic frame of streakcast {}, seed {}", env!("CARGO_PKG_VERSION"), shot.seed),
+        ));
         cards
     }
 }

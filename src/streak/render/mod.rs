@@ -1,0 +1,13 @@
+//! A path drawn: `path` (where a light is and how bright) on `spline`s; `chords` (stretches that are parabolas), `runs` (which pixel belongs to which),
+//! `strokes` (the vector loops), `panels` (ends, jumps and tight curves, summed over points); `draw` (all together).
+
+mod chords;
+mod draw;
+mod panels;
+mod path;
+mod runs;
+mod spline;
+mod strokes;
+
+pub use draw::{draw, draw_summed};
+pub use path::{PathError, PathNode, StreakPath};
