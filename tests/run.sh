@@ -57,6 +57,9 @@ else
     step "example flag_exposures" cargo run --quiet --example flag_exposures
     step "example sky_map" cargo run --quiet --example sky_map
     step "example fit_photometry" cargo run --quiet --example fit_photometry
+    step "example inject_streaks" cargo run --quiet --example inject_streaks
+    step "a synthetic frame with the README's streaks" cargo run --quiet -- inject --synthetic examples/synthetic.toml \
+        -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
     step "example charts" cargo run --quiet --example charts -- "$log"
     # What the pages show is what comes out: every line of the answer stands in them.
     transcript() {

@@ -103,6 +103,12 @@ impl PixelFormat {
         self.zero + self.scale * stored
     }
 
+    /// The least and the greatest value of pixels that hold whole numbers as they are (BSCALE 1); `None` for all others.
+    pub fn whole_range(&self) -> Option<(f64, f64)> {
+        let (least, greatest) = self.bitpix.range();
+        (self.bitpix.is_integer() && self.scale == 1.0).then_some((self.zero + least, self.zero + greatest))
+    }
+
     /// Stores a physical value among bytes of a file.
     pub(super) fn put(&self, bytes: &mut [u8], index: usize, physical: f64) -> Outcome {
         let (number, is_clipped) = match self.stored(physical) {

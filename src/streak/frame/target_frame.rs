@@ -101,6 +101,8 @@ pub struct TargetChip {
     pub electrons_a_unit: Option<f64>,
     /// Where pixels saturate, the frame's unit.
     pub saturation: Option<f64>,
+    /// Least and greatest count of a frame of whole numbers.
+    pub whole_range: Option<(f64, f64)>,
 }
 
 /// An opened frame.
@@ -261,7 +263,8 @@ fn target_chip(
     };
     let scale = scale.map_err(|source| TargetError::Scale { path: path.to_owned(), source })?;
     let [rows, columns] = file.image_size(hdu)?;
-    let name = file.hdus().get(hdu).map(|info| info.name.clone()).unwrap_or_default();
+    let info = file.hdu(hdu)?;
+    let name = info.name.clone();
     let unit = calibration.unit.map(|unit| unit.value.to_ascii_lowercase().replace(' ', "")).unwrap_or_default();
     let is_rate = ["/s", "/sec", "s-1", "s^-1", "s**-1"].iter().any(|end| unit.ends_with(end));
     let is_electrons =
@@ -274,6 +277,7 @@ fn target_chip(
         electrons_a_unit: gain
             .filter(|_| !is_flux || said.gain_e_adu.is_some())
             .map(|gain| if is_rate { gain * exposure_s } else { gain }),
+        whole_range: info.format.whole_range(),
         saturation: calibration.saturation_adu.map(|level| level.value).filter(|_| !is_flux && !is_rate),
     })
 }

@@ -9,7 +9,7 @@ use super::super::truth::{MaskPlanes, TruthRow, mask_spans, noise_of, points_tab
 use super::target_frame::{TargetChip, TargetFrame};
 use crate::camera::{
     Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, HduKind, ImageValues,
-    Patch, Pixels, Saturation, TableColumn,
+    Patch, Pixels, Quantisation, Saturation, TableColumn,
 };
 use crate::table::{Column, Kind, Table, Value};
 
@@ -116,10 +116,17 @@ fn detector(target: &TargetChip, options: &InjectOptions) -> Option<Detector> {
             let gain_e_adu = target.electrons_a_unit?;
             let saturation =
                 target.saturation.map(|level| Saturation { full_well_e: level * gain_e_adu, bleeding: Bleeding::Off });
-            Some(Detector { gain_e_adu, saturation, ..Detector::default() })
+            Some(Detector { gain_e_adu, saturation, quantisation: quantisation(target), ..Detector::default() })
         }
         None => None,
     }
+}
+
+/// Whole counts, where the frame has such: light of less than a count is then not lost by rounding, but makes a count now and then. Numbers of 32 bits are
+/// too many for single precision, and rounding to one in millions loses nothing.
+fn quantisation(target: &TargetChip) -> Option<Quantisation> {
+    let (least_adu, greatest_adu) = target.whole_range?;
+    (greatest_adu <= 65_535.0 && least_adu >= -65_536.0).then_some(Quantisation { least_adu, greatest_adu })
 }
 
 /// Light alone.

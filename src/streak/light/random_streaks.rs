@@ -75,9 +75,9 @@ impl RandomStreaks {
         held("rates, deg/s,", rates_deg_s, "1e-4 to 10, the slower first", [1e-4, 10.0])
     }
 
-    /// The tracks of one frame. `place` is asked for as many random places as there are streaks: two numbers in [0, 1) become a direction in the
-    /// frame that the streak passes, at a random moment of the exposure, in a random direction of motion. Tracks reach `radius_rad` beyond that
-    /// place, or from the opening to the closing of the shutter.
+    /// The tracks of one frame. `place` is asked for as many random places as there are streaks: three numbers in [0, 1) and a random moment of the exposure,
+    /// seconds after the shutter opened, become a direction in the frame, through which the light passes at that moment in a random direction of motion.
+    /// Tracks reach `radius_rad` to both sides of it, or from the opening to the closing of the shutter.
     ///
     /// The same seed gives the same streaks, whatever else is drawn for other frames.
     pub fn tracks(
@@ -85,7 +85,7 @@ impl RandomStreaks {
         seed: u64,
         exposure_s: f64,
         radius_rad: f64,
-        place: impl Fn([f64; 3]) -> Option<Direction<Gcrs>>,
+        place: impl Fn([f64; 3], f64) -> Option<Direction<Gcrs>>,
     ) -> Vec<SkyTrack> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let number = match self.number {
@@ -97,13 +97,14 @@ impl RandomStreaks {
         };
         let streaks = (0..number).map(|_| {
             let mut draw = || random.random::<f64>();
-            let centre = place([draw(), draw(), draw()]);
+            let drawn = [draw(), draw(), draw()];
             let [moment, turn, speed, light] = [draw(), draw(), draw(), draw()];
+            let passing_s = moment * exposure_s;
+            let centre = place(drawn, passing_s);
             let [slow, fast] = self.rate_rad_s;
             let rate_rad_s = slow * (fast / slow).powf(speed);
             let [bright, faint] = self.magnitude;
             let magnitude = bright + (faint - bright) * light;
-            let passing_s = moment * exposure_s;
             Some(straight(
                 &centre?,
                 turn * std::f64::consts::TAU,
@@ -153,7 +154,7 @@ mod tests {
         RandomStreaks { number, magnitude: [4.0, 8.0], rate_rad_s: [0.2f64.to_radians(), 1.0f64.to_radians()] }
     }
 
-    fn place(drawn: [f64; 3]) -> Option<Direction<Gcrs>> {
+    fn place(drawn: [f64; 3], _: f64) -> Option<Direction<Gcrs>> {
         Some(Direction::from_lon_lat_rad(1.0 + 0.01 * drawn[1], 0.5 + 0.01 * drawn[2]))
     }
 

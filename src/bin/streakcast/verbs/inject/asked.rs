@@ -57,6 +57,11 @@ impl Asked {
         if let Some(random) = &random {
             random.streaks.check()?;
         }
+        if random.is_none() && setup.elements.is_none() && setup.shells.is_none() {
+            return Err(anyhow!(
+                "no streaks; say --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG"
+            ));
+        }
         let detector = typed.counts.detector.as_deref().map(detector).transpose()?;
         let synthetic = typed.synthetic.as_deref().map(synthetic).transpose()?;
         if synthetic.is_some() && detector.is_some() {

@@ -74,7 +74,7 @@ impl Lights {
                 let light = SatelliteLight { photometry, modulation: &asked.modulation, resolve_panels };
                 Ok(satellites(&prepared.sky, &prepared.eop, &exposure, radius_rad, &light)?.sources)
             }
-            (Self::Random, Some(random)) => Ok(random_sources(random, asked, frame, radius_rad, seed)),
+            (Self::Random, Some(random)) => Ok(random_sources(random, asked, frame, (centre, radius_rad), seed)),
             (Self::Random, None) => Ok(Vec::new()),
         }
     }
@@ -98,7 +98,13 @@ fn with_site(setup: &Setup, frames: &[TargetFrame], notices: &Notices) -> Setup 
     }
 }
 
-fn random_sources(random: &Random, asked: &Asked, frame: &TargetFrame, radius_rad: f64, seed: u64) -> Vec<Source> {
+fn random_sources(
+    random: &Random,
+    asked: &Asked,
+    frame: &TargetFrame,
+    (centre, radius_rad): (Direction<Gcrs>, f64),
+    seed: u64,
+) -> Vec<Source> {
     let chips = || frame.chips.iter().map(|target| &target.chip);
     let number = match random.streaks.number {
         StreakNumber::OnAverage(mean) if random.a_square_degree => {
@@ -107,7 +113,10 @@ fn random_sources(random: &Random, asked: &Asked, frame: &TargetFrame, radius_ra
         number => number,
     };
     let streaks = RandomStreaks { number, ..random.streaks };
-    let place = |drawn: [f64; 3]| -> Option<Direction<Gcrs>> { direction_on(chips(), drawn) };
+    let tracking = asked.tracking(frame.exposure_s);
+    let place = |drawn: [f64; 3], time_s: f64| -> Option<Direction<Gcrs>> {
+        direction_on(chips(), drawn).map(|seen| tracking.stood(&seen, time_s, &centre))
+    };
     // Tracks cross the whole frame wherever on it they pass, and reach beyond.
     let tracks = streaks.tracks(seed, frame.exposure_s, 2.5 * radius_rad, place);
     let source = |(number, track): (usize, _)| Source {
