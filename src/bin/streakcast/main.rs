@@ -3,12 +3,14 @@
 mod arguments;
 mod failure;
 mod fit_arguments;
+mod gate_arguments;
 mod map_arguments;
 mod map_output;
 mod notices;
 mod output;
 mod screen;
 mod verbs;
+mod window_arguments;
 
 use std::process::ExitCode;
 
@@ -26,6 +28,8 @@ fn main() -> ExitCode {
         Verb::Passes(typed) => verbs::passes::run(*typed),
         Verb::Flag(typed) => verbs::flag::run(*typed),
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
+        Verb::Windows(typed) => verbs::windows::run(*typed),
+        Verb::Gate(typed) => verbs::gate::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
         Verb::Fit(typed) => verbs::fit::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),

@@ -3,9 +3,11 @@
 pub mod annotate;
 pub mod fit;
 pub mod flag;
+pub mod gate;
 mod judged;
 pub mod map;
 pub mod model;
 pub mod passes;
 pub mod shells;
 pub mod sites;
+pub mod windows;
