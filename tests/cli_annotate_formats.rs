@@ -37,7 +37,10 @@ fn verdicts(name: &str, more: &[&str]) -> Vec<String> {
 fn consdb_exports_are_tai_and_the_same_in_every_format() {
     let expected = verdicts("consdb.csv", &[]);
     assert_eq!(expected.len(), 12);
-    assert!(expected.iter().any(|verdict| verdict == "clear") && expected.iter().any(|verdict| verdict != "clear"), "{expected:?}");
+    assert!(
+        expected.iter().any(|verdict| verdict == "clear") && expected.iter().any(|verdict| verdict != "clear"),
+        "{expected:?}"
+    );
     for name in ["consdb.ecsv", "consdb_comma.ecsv", "consdb.vot"] {
         assert_eq!(verdicts(name, &[]), expected, "{name}");
     }
@@ -63,7 +66,8 @@ fn obsplan_feeds_need_their_scale_said_and_number_their_rows() {
     let output = annotated(&folder, "obsplan.json", scale);
     let rows: Vec<Value> = serde_json::from_str(&fs::read_to_string(&output).unwrap()).unwrap();
     assert_eq!((rows[0]["exposure_id"].as_str(), rows[11]["exposure_id"].as_str()), (Some("1"), Some("12")));
-    let streaks: Value = serde_json::from_str(&fs::read_to_string(path(&folder, "obsplan.streaks.json")).unwrap()).unwrap();
+    let streaks: Value =
+        serde_json::from_str(&fs::read_to_string(path(&folder, "obsplan.streaks.json")).unwrap()).unwrap();
     assert!(!streaks["streaks"].as_array().unwrap().is_empty());
     assert_eq!(streaks["provenance"]["time_scale"], "utc");
 }
@@ -83,7 +87,9 @@ fn every_original_byte_stays_and_a_second_time_takes_the_place_of_the_first() {
         let (original, text) = (fs::read_to_string(sample(name)).unwrap(), fs::read_to_string(&output).unwrap());
         assert!(is_contained(&original, &text), "{name}");
         assert!(text.contains("next_clear_start_utc"), "{name}");
-        let verdict_count = |text: &str| text.matches("clear").count() + text.matches("streaked").count() + text.matches("avoid").count();
+        let verdict_count = |text: &str| {
+            text.matches("clear").count() + text.matches("streaked").count() + text.matches("avoid").count()
+        };
         assert!(verdict_count(&text) >= 12, "{name}");
         // What was annotated is read as before, and annotated again only when told.
         let output = output.display().to_string();
@@ -100,7 +106,11 @@ fn every_original_byte_stays_and_a_second_time_takes_the_place_of_the_first() {
         // In place, too: the file is there whole or not at all, and nothing is left beside it.
         let (code, ..) = run(&[&["annotate", "--schedule", &output, "-o", &output, "--replace"], FLAG, SKY, scale]);
         assert_eq!(code, 0, "{name}");
-        let stray = fs::read_dir(folder.path()).unwrap().flatten().filter(|one| one.file_name().to_string_lossy().contains(".part")).count();
+        let stray = fs::read_dir(folder.path())
+            .unwrap()
+            .flatten()
+            .filter(|one| one.file_name().to_string_lossy().contains(".part"))
+            .count();
         assert_eq!(stray, 0);
     }
 }
@@ -141,7 +151,11 @@ fn what_cannot_be_written_back_is_refused_before_any_work() {
     refused("s.vot", &votable.replacen("<TD>r</TD>", "", 1), "row 1 has 10 cells, the header 11");
     refused("x.vot", &votable[..votable.len() / 2], "x.vot");
     let ecsv = fs::read_to_string(sample("consdb.ecsv")).unwrap();
-    refused("q.ecsv", &ecsv.replacen("\"fbs, \"\"main\"\"\"", "\"fbs,\nmain\"", 1), "a quoted cell goes on in the next line");
+    refused(
+        "q.ecsv",
+        &ecsv.replacen("\"fbs, \"\"main\"\"\"", "\"fbs,\nmain\"", 1),
+        "a quoted cell goes on in the next line",
+    );
 }
 
 /// Three nights of the same evening.
@@ -150,7 +164,8 @@ fn three_nights() -> String {
     for night in 0..3 {
         for number in 0..8 {
             let (ra, dec) = (200.0 + 1.5 * f64::from(number), -40.0 + f64::from(number));
-            text += &format!("n{night}v{number},2024-08-{:02}T23:{:02}:30.000Z,30,{ra},{dec}\n", 14 + night, 5 + number);
+            text +=
+                &format!("n{night}v{number},2024-08-{:02}T23:{:02}:30.000Z,30,{ra},{dec}\n", 14 + night, 5 + number);
         }
     }
     text + "broken,2024-08-14T23:59:00Z,x,1,2\n"
@@ -181,10 +196,15 @@ fn shares_of_a_batch_make_up_the_whole() {
         let output = path(&folder, name);
         done(&[&["annotate", "--schedule", schedule, "-o", &output], FLAG, SKY, more]);
         let streaks = output.replace(".csv", ".streaks.csv");
-        (records(&fs::read_to_string(output).unwrap())[1..].to_vec(), records(&fs::read_to_string(streaks).unwrap())[1..].to_vec())
+        (
+            records(&fs::read_to_string(output).unwrap())[1..].to_vec(),
+            records(&fs::read_to_string(streaks).unwrap())[1..].to_vec(),
+        )
     };
     let (mut rows, mut streaks) = annotated("whole.csv", &schedule, &[]);
-    let shares: Vec<_> = (1..=2).map(|index| annotated(&format!("s{index}.csv"), &schedule, &["--shard", &format!("{index}/2")])).collect();
+    let shares: Vec<_> = (1..=2)
+        .map(|index| annotated(&format!("s{index}.csv"), &schedule, &["--shard", &format!("{index}/2")]))
+        .collect();
     let mut all_rows: Vec<_> = shares.iter().flat_map(|(rows, _)| rows.clone()).collect();
     let mut all_streaks: Vec<_> = shares.iter().flat_map(|(_, streaks)| streaks.clone()).collect();
     for list in [&mut rows, &mut all_rows, &mut streaks, &mut all_streaks] {
@@ -195,10 +215,20 @@ fn shares_of_a_batch_make_up_the_whole() {
     assert!(!streaks.is_empty());
 
     // In the other formats a share is a whole file of its own format: one night here, so one share has it and the other has none.
-    for (name, scale) in [("consdb.ecsv", &[][..]), ("consdb.vot", &[]), ("obsplan.json", &["--time-scale", "utc"]), ("obsplan_object.json", &["--time-scale", "utc"])] {
+    for (name, scale) in [
+        ("consdb.ecsv", &[][..]),
+        ("consdb.vot", &[]),
+        ("obsplan.json", &["--time-scale", "utc"]),
+        ("obsplan_object.json", &["--time-scale", "utc"]),
+    ] {
         let share = |index: &str| {
             let output = path(&folder, &format!("{index}-{name}"));
-            done(&[&["annotate", "--schedule", &sample(name), "-o", &output, "--shard", &format!("{index}/2")], FLAG, SKY, scale]);
+            done(&[
+                &["annotate", "--schedule", &sample(name), "-o", &output, "--shard", &format!("{index}/2")],
+                FLAG,
+                SKY,
+                scale,
+            ]);
             fs::read_to_string(output).unwrap()
         };
         assert!(is_contained(&fs::read_to_string(sample(name)).unwrap(), &share("1")), "{name}");

@@ -96,7 +96,8 @@ fn exit_codes_and_counters_are_those_of_the_contract() {
     let folder = tempfile::tempdir().unwrap();
     // Every lit satellite within 60 deg: never clear.
     let never: &[&str] = &["--fov", "60deg", "--max-wait", "20s", "--now", NOW];
-    let never: Vec<&str> = GATE[1..5].iter().chain(&["--exposure", "60s"]).chain(POINTING).chain(never).copied().collect();
+    let never: Vec<&str> =
+        GATE[1..5].iter().chain(&["--exposure", "60s"]).chain(POINTING).chain(never).copied().collect();
     let status = path(&folder, "status.json");
     let run_never = |strict: &[&str]| run(&[&["gate"], &never, strict, &["--status-file", &status]]);
     let (code, _, stderr) = run_never(&[]);
@@ -145,7 +146,8 @@ fn errors_of_usage_are_two_whatever_is_forgiven() {
 fn faults_of_elements_open_the_gate_and_are_counted() {
     let folder = tempfile::tempdir().unwrap();
     let elements = path(&folder, "elements.tle");
-    let base: &[&str] = &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
+    let base: &[&str] =
+        &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
     let status = path(&folder, "status.json");
     let check = |kind: &str, part: &str, count: i64, now: &str| {
         for (strict, expected) in [(&[][..], 0), (&["--strict"][..], 2)] {
@@ -158,7 +160,8 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
         assert_eq!((told["verdict"].as_str(), told["fault"].as_str()), (Some("fault"), Some(kind)));
         assert_eq!(told["counters"]["faults"][kind], 2 * count, "{told}");
     };
-    let all = common::elements::pair(25544, "24227.50000000") + &common::elements::pair(25545, "24227.50000000").repeat(1);
+    let all =
+        common::elements::pair(25544, "24227.50000000") + &common::elements::pair(25545, "24227.50000000").repeat(1);
     let many: String = (0..40).map(|number| common::elements::pair(40000 + number, "24227.50000000")).collect();
     check("elements", "elements.tle", 1, NOW);
     // Half a record, as a copy over a slow line leaves it.
@@ -194,13 +197,15 @@ fn elements_that_are_just_being_replaced_are_read_again() {
         thread::sleep(Duration::from_millis(150));
         fs::write(target, late).unwrap();
     });
-    let base: &[&str] = &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
+    let base: &[&str] =
+        &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
     let (code, _, stderr) = run(&[base, POINTING, &["--now", NOW, "--strict"]]);
     writer.join().unwrap();
     assert_eq!(code, 0, "{stderr}");
 }
 
-const TARGETS: &str = "[targets.'M 31']\nra = '00h42m44s'\ndec = '+41d16m09s'\n[targets.field_1]\nra = 217.5\ndec = -30\n";
+const TARGETS: &str =
+    "[targets.'M 31']\nra = '00h42m44s'\ndec = '+41d16m09s'\n[targets.field_1]\nra = 217.5\ndec = -30\n";
 
 #[test]
 fn ekos_hands_over_its_job_and_is_let_through_with_darks() {
@@ -257,7 +262,8 @@ fn nina_reads_the_status_file_and_is_never_failed_unless_strict() {
     };
     let (code, stderr, status) = named("FIELD-1", &[]);
     assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{stderr}");
-    for key in ["verdict", "message", "exit_code", "began_utc", "ended_utc", "start_utc", "clear_until_utc", "counters"] {
+    for key in ["verdict", "message", "exit_code", "began_utc", "ended_utc", "start_utc", "clear_until_utc", "counters"]
+    {
         assert!(!status[key].is_null(), "{key} in {status}");
     }
     let (code, stderr, status) = named("nowhere", &[]);
@@ -290,9 +296,15 @@ fn fake_indi(pieces: Vec<String>, pause: Duration, close: bool) -> String {
 }
 
 fn numbers(device: &str, name: &str, state: &str, stamp: &str, numbers: &[(&str, &str)]) -> String {
-    let items: String =
-        numbers.iter().map(|(name, value)| format!("<defNumber name='{name}' format='%g' min='0' max='24' step='0'>\n{value}\n</defNumber>\n")).collect();
-    format!("<defNumberVector device=\"{device}\" name=\"{name}\" label=\"x\" state=\"{state}\" perm=\"rw\" timestamp=\"{stamp}\">\n{items}</defNumberVector>\n")
+    let items: String = numbers
+        .iter()
+        .map(|(name, value)| {
+            format!("<defNumber name='{name}' format='%g' min='0' max='24' step='0'>\n{value}\n</defNumber>\n")
+        })
+        .collect();
+    format!(
+        "<defNumberVector device=\"{device}\" name=\"{name}\" label=\"x\" state=\"{state}\" perm=\"rw\" timestamp=\"{stamp}\">\n{items}</defNumberVector>\n"
+    )
 }
 
 fn eod(state: &str, stamp: &str) -> String {
@@ -301,7 +313,13 @@ fn eod(state: &str, stamp: &str) -> String {
 }
 
 fn place(latitude: &str, longitude: &str) -> String {
-    numbers("Mount", "GEOGRAPHIC_COORD", "Ok", "2024-08-14T23:30:00", &[("LAT", latitude), ("LONG", longitude), ("ELEV", "2663")])
+    numbers(
+        "Mount",
+        "GEOGRAPHIC_COORD",
+        "Ok",
+        "2024-08-14T23:30:00",
+        &[("LAT", latitude), ("LONG", longitude), ("ELEV", "2663")],
+    )
 }
 
 const STAMP: &str = "2024-08-14T23:30:00";
@@ -323,13 +341,20 @@ fn a_mount_says_where_it_points_of_date_and_where_it_stands() {
     let now = &["--now", NOW];
     let good = || vec![CCD.to_owned(), eod("Ok", STAMP), place("-30:14:40", "289.2506")];
     let (code, stderr, status) = ask(&folder, good(), false, now);
-    assert_eq!((code, status["verdict"].as_str(), status["mount"].as_str()), (0, Some("clear"), Some("Mount")), "{stderr}");
+    assert_eq!(
+        (code, status["verdict"].as_str(), status["mount"].as_str()),
+        (0, Some("clear"), Some("Mount")),
+        "{stderr}"
+    );
     // A third of a degree from what the mount said, back to 0.1 arcsec.
     let (ra, dec) = (status["ra_deg"].as_f64().unwrap(), status["dec_deg"].as_f64().unwrap());
     assert!((ra - 217.5).abs() < 3e-5 && (dec + 30.0).abs() < 3e-5, "{ra} {dec}");
     // A message in pieces, and a mount that comes to rest while we listen.
     let cut = eod("Busy", STAMP) + &place("-30.2446", "289.2506");
-    let moved = eod("Ok", STAMP).replace("def", "set").replace("setNumber name", "oneNumber name").replace("</setNumber>", "</oneNumber>");
+    let moved = eod("Ok", STAMP)
+        .replace("def", "set")
+        .replace("setNumber name", "oneNumber name")
+        .replace("</setNumber>", "</oneNumber>");
     let pieces = cut.as_bytes().chunks(50).map(|piece| String::from_utf8(piece.to_vec()).unwrap()).chain([moved]);
     let (code, stderr, status) = ask(&folder, pieces.collect(), false, now);
     assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{stderr}");
@@ -340,7 +365,8 @@ fn a_mount_says_where_it_points_of_date_and_where_it_stands() {
     // Without a site of ours, the mount's.
     let status_file = path(&folder, "own.json");
     let address = fake_indi(good(), Duration::ZERO, false);
-    let own = ["gate", "--shells", "starlink-gen1", "--fov", "8deg", "--exposure", "10s", "--limit-mag=-20", "--now", NOW];
+    let own =
+        ["gate", "--shells", "starlink-gen1", "--fov", "8deg", "--exposure", "10s", "--limit-mag=-20", "--now", NOW];
     let (code, _, stderr) = run(&[&own, &["--indi", &address, "--status-file", &status_file, "--strict"]]);
     assert_eq!(code, 0, "{stderr}");
 }
@@ -378,7 +404,8 @@ fn a_site_elsewhere_and_a_clock_that_is_wrong_are_noticed() {
         ask(&folder, vec![eod("Ok", STAMP), place("-30.2646", "289.2506")], false, &["--now", NOW]);
     assert_eq!((code, status["fault"].as_str()), (0, Some("site")), "{stderr}");
     assert!(stderr.contains("the mount Mount stands 2.2 km from"), "{stderr}");
-    let (_, stderr, status) = ask(&folder, vec![eod("Ok", STAMP), place("-30.2496", "289.2506")], false, &["--now", NOW]);
+    let (_, stderr, status) =
+        ask(&folder, vec![eod("Ok", STAMP), place("-30.2496", "289.2506")], false, &["--now", NOW]);
     assert_eq!(status["verdict"], "clear", "{stderr}");
 
     // Against the machine's own clock: right, and 37 s wrong.
@@ -400,7 +427,21 @@ fn the_machines_clock_is_waited_for() {
     let folder = tempfile::tempdir().unwrap();
     let status = path(&folder, "status.json");
     let began = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();
-    let arguments = ["gate", "--shells", "starlink-gen1", "--lat=-89", "--lon", "0", "--fov", "3deg", "--exposure", "1s", "--ra", "0", "--dec=-80"];
+    let arguments = [
+        "gate",
+        "--shells",
+        "starlink-gen1",
+        "--lat=-89",
+        "--lon",
+        "0",
+        "--fov",
+        "3deg",
+        "--exposure",
+        "1s",
+        "--ra",
+        "0",
+        "--dec=-80",
+    ];
     let (code, _, stderr) = run(&[&arguments, &["--limit-mag", "9", "--max-wait", "30s", "--status-file", &status]]);
     assert_eq!(code, 0, "{stderr}");
     let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();

@@ -11,9 +11,7 @@ use serde_json::Value;
 use streakcast::frames::{EopTable, Orientation, seconds_after, seconds_between};
 use streakcast::geometry::SunState;
 use streakcast::passes::{Exposure, PassOptions};
-use streakcast::schedule::{
-    Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad, parse_instant,
-};
+use streakcast::schedule::{Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad, parse_instant};
 use streakcast::setup::Setup;
 
 const LIMIT_MAG: f64 = 6.5;
@@ -54,7 +52,8 @@ fn verif_windows_are_what_passes_says() {
         },
         band: None,
     };
-    let targets = [target(217.5, -30.0, 15.0), target(255.0, -60.0, 60.0), target(200.0, -5.0, 5.0), target(0.0, 60.0, 30.0)];
+    let targets =
+        [target(217.5, -30.0, 15.0), target(255.0, -60.0, 60.0), target(200.0, -5.0, 5.0), target(0.0, 60.0, 30.0)];
     let report = clear_windows(&targets, from, to, &request).unwrap();
     assert!(report.by_target[3].windows.is_empty() && report.by_target[3].observable.is_empty());
 
@@ -110,7 +109,10 @@ fn verif_windows_are_what_passes_says() {
             }
         }
     }
-    assert!(inside > 300 && crossed > 100 && forbidden > 100, "{inside} inside, {crossed} crossed, {forbidden} forbidden");
+    assert!(
+        inside > 300 && crossed > 100 && forbidden > 100,
+        "{inside} inside, {crossed} crossed, {forbidden} forbidden"
+    );
 }
 
 const CSV: &str = "name,ra,dec,exposure,unique_id\nA,14h30m,-30d00m,30,17\nlost,,,30,18\nnorth,10,80,30,19\n";
@@ -138,7 +140,8 @@ fn lists_in_every_syntax_give_the_same_windows() {
     assert_eq!(windows(&list("t.json", text)), expected);
 
     let answer = json(&[&["windows", "--targets", &csv, "--fov", "6deg", "--limit-mag", "7"], RANGE, SKY]);
-    let reasons: Vec<&str> = answer["targets"].as_array().unwrap().iter().map(|one| one["reason"].as_str().unwrap_or("")).collect();
+    let reasons: Vec<&str> =
+        answer["targets"].as_array().unwrap().iter().map(|one| one["reason"].as_str().unwrap_or("")).collect();
     assert_eq!(reasons, ["", "right ascension is missing: the target has no place", "never up in the dark"]);
     // A target without a place is told, and the others go on.
     let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();
@@ -153,12 +156,21 @@ fn schedulers_get_their_shapes() {
     let targets = path(&folder, "t.csv");
     fs::write(&targets, CSV).unwrap();
     let shaped = |format: &str| {
-        done(&[&["windows", "--targets", &targets, "--fov", "6deg", "--limit-mag", "7", "--format", format], RANGE, SKY])
+        done(&[
+            &["windows", "--targets", &targets, "--fov", "6deg", "--limit-mag", "7", "--format", format],
+            RANGE,
+            SKY,
+        ])
     };
     let rows = records(&shaped("csv"));
-    assert_eq!(rows[0].iter().collect::<Vec<_>>().join(","), "name,unique_id,first_start_utc,last_start_utc,length_s,ra_deg,dec_deg,exposure_s");
+    assert_eq!(
+        rows[0].iter().collect::<Vec<_>>().join(","),
+        "name,unique_id,first_start_utc,last_start_utc,length_s,ra_deg,dec_deg,exposure_s"
+    );
     let spans: Vec<(Epoch, Epoch)> = rows[1..].iter().map(|row| (utc(&row[2]), utc(&row[3]))).collect();
-    let clear = |start: Epoch, end: Epoch| spans.iter().any(|(first, last)| *first <= start && end <= seconds_after(*last, 30.0));
+    let clear = |start: Epoch, end: Epoch| {
+        spans.iter().any(|(first, last)| *first <= start && end <= seconds_after(*last, 30.0))
+    };
 
     let lco: Value = serde_json::from_str(&shaped("lco")).unwrap();
     let windows = lco["requests"][0]["windows"].as_array().unwrap();
@@ -168,15 +180,21 @@ fn schedulers_get_their_shapes() {
     let p2_windows = p2[0]["absoluteTimeConstraints"].as_array().unwrap();
     assert!(p2_windows.iter().all(|one| one["from"].as_str().unwrap().len() == 16));
     let minute = |one: &Value| utc(&format!("{}:00Z", one.as_str().unwrap()));
-    assert!(p2_windows.iter().all(|one| spans.iter().any(|(first, last)| *first <= minute(&one["from"]) && minute(&one["to"]) <= *last)));
+    assert!(
+        p2_windows
+            .iter()
+            .all(|one| spans.iter().any(|(first, last)| *first <= minute(&one["from"]) && minute(&one["to"]) <= *last))
+    );
     let astroq = shaped("astroq");
     assert!(astroq.starts_with("unique_id,starname,start,stop\n17,A,2024-08-14T23:"), "{astroq}");
     let astroq = records(&astroq);
     assert_eq!(astroq.len() - 1, windows.len());
     assert!(astroq[1..].iter().all(|row| clear(utc(&format!("{}Z", &row[2])), utc(&format!("{}Z", &row[3])))));
     // A whole night by its name holds these windows.
-    let night = json(&[&["windows", "--targets", &targets, "--fov", "6deg", "--limit-mag", "7", "--night", "2024-08-14"], SKY]);
-    let firsts: Vec<Epoch> = night["windows"].as_array().unwrap().iter().map(|one| utc(one["first_start_utc"].as_str().unwrap())).collect();
+    let night =
+        json(&[&["windows", "--targets", &targets, "--fov", "6deg", "--limit-mag", "7", "--night", "2024-08-14"], SKY]);
+    let firsts: Vec<Epoch> =
+        night["windows"].as_array().unwrap().iter().map(|one| utc(one["first_start_utc"].as_str().unwrap())).collect();
     assert!(spans[1..].iter().all(|(first, _)| firsts.iter().any(|one| seconds_between(*first, *one).abs() < 5e-3)));
 }
 
@@ -191,7 +209,10 @@ fn what_cannot_be_asked_is_told() {
     for (arguments, part) in [
         (&[base, SKY][..], "no time; say --night"),
         (&[base, SKY, &["--night", "tomorrow"]], "night 'tomorrow' is not a date"),
-        (&[base, SKY, &["--start", "2024-08-14T23:20:00Z", "--end", "2024-08-14T22:20:00Z"]], "the end not before the start"),
+        (
+            &[base, SKY, &["--start", "2024-08-14T23:20:00Z", "--end", "2024-08-14T22:20:00Z"]],
+            "the end not before the start",
+        ),
         (&[base, SKY, RANGE, &["--format", "xlsx"]], "lco, eso-p2, astroq"),
         (&[base, SKY, RANGE, &["--min-altitude", "95"]], "min-altitude 95 deg: allowed -90 to 90"),
         (&[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]], "max_lost_fraction makes no windows"),

@@ -28,7 +28,9 @@ pub enum ScheduleError {
         path: String,
     },
     /// Nothing is in the file.
-    #[error("schedule {path} is empty; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet with at least one exposure")]
+    #[error(
+        "schedule {path} is empty; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet with at least one exposure"
+    )]
     Empty {
         /// The file.
         path: String,

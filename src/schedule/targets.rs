@@ -97,7 +97,8 @@ struct Parts<'a> {
 
 impl Parts<'_> {
     fn exposure(&self, name: &str, duration_s: Option<f64>, rotation_rad: f64) -> Result<Exposure, String> {
-        let place = |cell: &Cell, what: &str| cell.text().ok_or_else(|| format!("{what} is missing: the target has no place"));
+        let place =
+            |cell: &Cell, what: &str| cell.text().ok_or_else(|| format!("{what} is missing: the target has no place"));
         let right_ascension_deg =
             parse_right_ascension_deg(&place(self.right_ascension, "right ascension")?).map_err(|e| e.to_string())?;
         let declination_deg =

@@ -49,7 +49,11 @@ pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
     Table {
         columns: vec![
             Column::new("name", Kind::Text, "The list's name of the target."),
-            Column::new("unique_id", Kind::Text, "What the scheduler knows it by; the name where the list says nothing."),
+            Column::new(
+                "unique_id",
+                Kind::Text,
+                "What the scheduler knows it by; the name where the list says nothing.",
+            ),
             time("first_start_utc", "Earliest shutter opening of the window."),
             time("last_start_utc", "Latest shutter opening of the window; the exposure ends its length later."),
             Column::real("length_s", "s", 3, "Latest less earliest opening."),
@@ -63,7 +67,8 @@ pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
 
 /// One row a target: `name, unique_id, n_windows, clear_s, observable_s, n_dodged, reason`.
 pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
-    let sum_s = |windows: &[ClearWindow]| -> f64 { windows.iter().map(|one| seconds_between(one.first, one.last)).sum() };
+    let sum_s =
+        |windows: &[ClearWindow]| -> f64 { windows.iter().map(|one| seconds_between(one.first, one.last)).sum() };
     let rows = all.iter().map(|one| {
         let reason = match (&one.listed.target, one.found) {
             (Err(reason), _) => Some(reason.clone()),
@@ -140,7 +145,9 @@ impl WindowShape {
             WindowShape::AstroQ => {
                 let mut text = "unique_id,starname,start,stop\n".to_owned();
                 for one in all {
-                    for (start, stop) in spans(one, |window, duration_s| (window.first, 0.0, window.last, duration_s), 1.0) {
+                    for (start, stop) in
+                        spans(one, |window, duration_s| (window.first, 0.0, window.last, duration_s), 1.0)
+                    {
                         let cells = [&one.listed.unique_id, &one.listed.name].map(|cell| quoted(cell));
                         let time = |epoch| format_utc(epoch, 0).trim_end_matches('Z').to_owned();
                         text += &format!("{},{},{},{}\n", cells[0], cells[1], time(start), time(stop));
@@ -214,13 +221,17 @@ mod tests {
             unique_id: "7".into(),
             target: Ok(WindowTarget { exposure, band: None }),
         };
-        let windows = [("2024-08-14T01:00:00.200Z", "2024-08-14T01:05:00.800Z"), ("2024-08-14T02:00:10Z", "2024-08-14T02:00:10.5Z")];
+        let windows = [
+            ("2024-08-14T01:00:00.200Z", "2024-08-14T01:05:00.800Z"),
+            ("2024-08-14T02:00:10Z", "2024-08-14T02:00:10.5Z"),
+        ];
         let found = TargetWindows {
             windows: windows.iter().map(|(a, b)| ClearWindow { first: utc(a), last: utc(b) }).collect(),
             ..TargetWindows::default()
         };
         let all = [FoundWindows { listed: &listed, found: Some(&found) }];
-        let json = |shape: WindowShape, overhead_s| serde_json::from_str::<Json>(&shape.text(&all, overhead_s)).unwrap();
+        let json =
+            |shape: WindowShape, overhead_s| serde_json::from_str::<Json>(&shape.text(&all, overhead_s)).unwrap();
         let lco = json(WindowShape::Lco, 0.0);
         assert_eq!(
             lco["requests"][0]["windows"],

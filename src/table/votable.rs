@@ -17,7 +17,9 @@ fn field(column: &Column) -> String {
         Kind::Integer => "datatype=\"long\"",
         Kind::Real { .. } => "datatype=\"double\"",
         Kind::Boolean => "datatype=\"boolean\"",
-        Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => "datatype=\"unicodeChar\" arraysize=\"*\"",
+        Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => {
+            "datatype=\"unicodeChar\" arraysize=\"*\""
+        }
     };
     let unit = if column.unit.is_empty() { String::new() } else { format!(" unit=\"{}\"", escaped(column.unit)) };
     let name = escaped(column.name);
@@ -90,9 +92,6 @@ mod tests {
         );
         assert_eq!(fields[1], "<FIELD name=\"p\" datatype=\"double\" unit=\"deg\"></FIELD>");
         let row = [Value::List(vec!["a & b\u{1}".into()]), f64::NAN.into(), Value::Null];
-        assert_eq!(
-            votable_cells(&columns, &row),
-            "<TD>a &amp; b </TD><TD></TD><TD>-9223372036854775808</TD>"
-        );
+        assert_eq!(votable_cells(&columns, &row), "<TD>a &amp; b </TD><TD></TD><TD>-9223372036854775808</TD>");
     }
 }

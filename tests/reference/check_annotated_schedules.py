@@ -43,7 +43,7 @@ same_table("consdb.ecsv", lambda path: Table.read(path, format="ascii.ecsv"))
 same_table("consdb_comma.ecsv", lambda path: Table.read(path, format="ascii.ecsv"))
 same_table("consdb.vot", lambda path: parse(path).get_first_table().to_table())
 streaks = [len(Table.read(folder / f"consdb.streaks.{end}", format=form)) for end, form in (("csv", "ascii.csv"), ("ecsv", "ascii.ecsv"))]
-streaks.append(len(parse(folder / "consdb.vot").get_table_by_id("streaks") if False else list(parse(folder / "consdb.vot").iter_tables())[1].to_table()))
+streaks.append(len(list(parse(folder / "consdb.vot").iter_tables())[1].to_table()))
 for name, rows in (("obsplan.json", lambda document: document), ("obsplan_object.json", lambda document: document["exposures"])):
     old, new = (rows(json.loads((place / name).read_text())) for place in (samples, folder))
     assert [{key: row[key] for key in before} for before, row in zip(old, new, strict=True)] == old

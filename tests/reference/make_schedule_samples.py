@@ -68,4 +68,4 @@ plan = [
     for n in range(rows)
 ]
 (folder / "obsplan.json").write_text(json.dumps(plan, indent=1, ensure_ascii=False) + "\n")
-(folder / "obsplan_object.json").write_text(json.dumps({"note": {"b": [1, 2]}, "exposures": plan, "last": 1e400 if False else 1.0}) + "\n")
+(folder / "obsplan_object.json").write_text(json.dumps({"note": {"b": [1, 2]}, "exposures": plan, "last": 1.0}) + "\n")

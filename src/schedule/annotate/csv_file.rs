@@ -144,18 +144,12 @@ mod tests {
         run_rows(text, verdicts, replace, None)
     }
 
-    fn run_rows(
-        text: &str,
-        verdicts: &[&str],
-        replace: bool,
-        keep: Option<&[bool]>,
-    ) -> Result<String, AnnotateError> {
+    fn run_rows(text: &str, verdicts: &[&str], replace: bool, keep: Option<&[bool]>) -> Result<String, AnnotateError> {
         let folder = tempfile::tempdir().unwrap();
         let (input, output) = (folder.path().join("in.csv"), folder.path().join("out.csv"));
         std::fs::write(&input, text).unwrap();
         let (flags, streaks, provenance) = (flags(verdicts), Table::default(), Provenance::default());
-        let annotation =
-            Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace, keep };
+        let annotation = Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace, keep };
         let written = annotate(&input, &output, &annotation)?;
         assert_eq!(written, [output.clone(), folder.path().join("out.streaks.csv")]);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
@@ -191,7 +185,10 @@ mod tests {
         let shard = |verdicts: &[&str], keep: [bool; 3]| run_rows(text, verdicts, false, Some(&keep)).unwrap();
         let reasons = "\"a, \"\"b\"\"\"";
         let head = "id,n,verdict,reasons\r\n";
-        assert_eq!(shard(&["clear"], [false, true, false]), format!("{head}# note\r\n2,\"b\r\nc\",clear,{reasons}\r\n"));
+        assert_eq!(
+            shard(&["clear"], [false, true, false]),
+            format!("{head}# note\r\n2,\"b\r\nc\",clear,{reasons}\r\n")
+        );
         assert_eq!(
             shard(&["clear", "avoid"], [true, false, true]),
             format!("{head}1,a,clear,{reasons}\r\n# note\r\n3,d,avoid,{reasons}\r\n")

@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use super::super::error::ScheduleError;
 use super::super::formats::{display, ecsv_layout};
 use super::beside::{check_rows, finish, flags_beside, is_kept, streaks_path, write_new};
 use super::csv_file::{read_text, suffix, trailing_columns, without_last_cells};
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::schedule::ScheduleError;
 use crate::table::{Column, ecsv_column, write_ecsv};
 
 pub(super) fn annotate(
@@ -69,8 +69,8 @@ pub(super) fn annotate(
 /// A delimiter and the cells behind it.
 fn cells(texts: impl Iterator<Item = String>, delimiter: u8) -> Result<String, AnnotateError> {
     if delimiter == b',' {
-        let bytes = suffix(texts, delimiter)
-            .map_err(|source| AnnotateError::Write { path: "cells".to_owned(), source })?;
+        let bytes =
+            suffix(texts, delimiter).map_err(|source| AnnotateError::Write { path: "cells".to_owned(), source })?;
         return Ok(String::from_utf8_lossy(&bytes).into_owned());
     }
     // Between blanks an empty cell must be seen.

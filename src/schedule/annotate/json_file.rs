@@ -20,9 +20,11 @@ pub(super) fn annotate(
     let text = read_text(input)?;
     let layout = json_layout(input, &text)?;
     check_rows(input, layout.rows.len(), annotation)?;
-    let has_ids = layout.rows.iter().filter_map(|row| row.members.as_ref()).any(|members| {
-        members.ends.iter().any(|(key, _)| super::super::formats::ID.contains(&key.as_str()))
-    });
+    let has_ids = layout
+        .rows
+        .iter()
+        .filter_map(|row| row.members.as_ref())
+        .any(|members| members.ends.iter().any(|(key, _)| super::super::formats::ID.contains(&key.as_str())));
     let flags = if has_ids { annotation.flags.without(&[OWN_COLUMN]) } else { annotation.flags.clone() };
     let names: Vec<&str> = flags.columns.iter().map(|column| column.name).collect();
     let rows = || layout.rows.iter().filter_map(|row| row.members.as_ref());

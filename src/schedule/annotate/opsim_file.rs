@@ -194,7 +194,8 @@ mod tests {
             .unwrap();
         let (flags, streaks) = tables(&["007", "7", "1e3", "7.0", "x"]);
         let provenance = Provenance::default();
-        let annotation = Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
+        let annotation =
+            Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
         annotate(&input, &output, &annotation).unwrap();
         let query = "SELECT count(*) FROM observations JOIN streak_flags ON exposure_id = observationId";
         let joined: i64 = Connection::open(&output).unwrap().query_row(query, [], |row| row.get(0)).unwrap();
@@ -217,7 +218,8 @@ mod tests {
                 .unwrap();
             let (flags, streaks) = tables(&ids);
             let provenance = Provenance::default();
-            let annotation = Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
+            let annotation =
+                Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
             annotate(&input, &output, &annotation).unwrap();
             let copy = Connection::open(&output).unwrap();
             let query = "SELECT count(*) FROM observations JOIN streak_flags ON exposure_id = observationId";
@@ -246,7 +248,8 @@ mod tests {
         let (flags, streaks) = tables(&["7", "9"]);
         let mut provenance = Provenance::default();
         provenance.state("version", "0");
-        let annotation = |replace| Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace, keep: None };
+        let annotation =
+            |replace| Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace, keep: None };
         annotate(&input, &output, &annotation(false)).unwrap();
         assert_eq!(dump(&input), dump(&output));
         let beside = |entry: &std::fs::DirEntry| entry.file_name().to_string_lossy().contains("out");

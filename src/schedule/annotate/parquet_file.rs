@@ -4,9 +4,7 @@ use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use arrow_array::{
-    ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchReader, StringArray,
-};
+use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchReader, StringArray};
 use arrow_schema::{DataType, Field, Schema, SchemaRef};
 use arrow_select::filter::filter_record_batch;
 use parquet::arrow::ArrowWriter;
@@ -14,11 +12,11 @@ use parquet::basic::{Compression, ZstdLevel};
 use parquet::file::metadata::{KeyValue, ParquetMetaData};
 use parquet::file::properties::WriterProperties;
 
+use super::super::error::ScheduleError;
 use super::super::formats::{batches, display};
 use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, streaks_path};
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::schedule::ScheduleError;
 use crate::table::{AtomicFile, Column, Kind, Table, Value};
 
 /// Made anew by the writer.
@@ -41,7 +39,8 @@ pub(super) fn annotate(
         own.iter().map(|&index| schema.fields()[index].clone()).chain(flag_fields(&flags).map(Arc::new)).collect();
     let new_schema: SchemaRef = Arc::new(Schema::new_with_metadata(fields, schema.metadata().clone()));
     let file = AtomicFile::new(output).map_err(|source| AnnotateError::Write { path: display(output), source })?;
-    let broken = |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(output), what: error.to_string() };
+    let broken =
+        |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(output), what: error.to_string() };
     let mut writer = ArrowWriter::try_new(file.file(), new_schema.clone(), Some(properties(&metadata)))
         .map_err(|error| broken(&error))?;
     let (mut row, mut flag_row) = (0, 0);
@@ -91,7 +90,8 @@ fn properties(metadata: &ParquetMetaData) -> WriterProperties {
 }
 
 fn write_streaks(path: &Path, annotation: &Annotation<'_>) -> Result<AtomicFile, AnnotateError> {
-    let broken = |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(path), what: error.to_string() };
+    let broken =
+        |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(path), what: error.to_string() };
     let file = AtomicFile::new(path).map_err(|source| AnnotateError::Write { path: display(path), source })?;
     let streaks = annotation.streaks;
     let schema: SchemaRef = Arc::new(Schema::new(flag_fields(streaks).collect::<Vec<_>>()));
@@ -102,7 +102,8 @@ fn write_streaks(path: &Path, annotation: &Annotation<'_>) -> Result<AtomicFile,
         .build();
     let mut writer =
         ArrowWriter::try_new(file.file(), schema.clone(), Some(properties)).map_err(|error| broken(&error))?;
-    let batch = RecordBatch::try_new(schema, arrays(&streaks.columns, &streaks.rows)).map_err(|error| broken(&error))?;
+    let batch =
+        RecordBatch::try_new(schema, arrays(&streaks.columns, &streaks.rows)).map_err(|error| broken(&error))?;
     writer.write(&batch).map_err(|error| broken(&error))?;
     writer.close().map_err(|error| broken(&error))?;
     Ok(file)
@@ -127,7 +128,8 @@ fn flag_fields(table: &Table) -> impl Iterator<Item = Field> + '_ {
 /// Rows as columns; numbers with the digits of the other formats.
 fn arrays(columns: &[Column], rows: &[Vec<Value>]) -> Vec<ArrayRef> {
     let column = |(index, column): (usize, &Column)| -> ArrayRef {
-        let texts = rows.iter().map(|row| row.get(index).map(|value| column.text(value)).filter(|text| !text.is_empty()));
+        let texts =
+            rows.iter().map(|row| row.get(index).map(|value| column.text(value)).filter(|text| !text.is_empty()));
         match column.kind {
             Kind::Integer => Arc::new(texts.map(|text| text?.parse().ok()).collect::<Int64Array>()),
             Kind::Real { .. } => Arc::new(texts.map(|text| text?.parse().ok()).collect::<Float64Array>()),

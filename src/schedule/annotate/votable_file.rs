@@ -2,12 +2,12 @@
 
 use std::path::{Path, PathBuf};
 
+use super::super::error::ScheduleError;
 use super::super::formats::{Span, VoTableLayout, display, votable_layout};
 use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, write_new};
 use super::csv_file::read_text;
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::schedule::ScheduleError;
 use crate::table::{votable_cells, votable_fields, votable_table};
 
 const STREAKS: &str = "streaks";
@@ -22,8 +22,7 @@ pub(super) fn annotate(
     check_rows(input, layout.rows.len(), annotation)?;
     let flags = flags_beside(&layout.names, annotation.flags);
     let old = earlier_columns(input, &layout.names, &flags, annotation.replace)?;
-    let earlier: Vec<Span> =
-        layout.others.iter().filter(|(name, _)| name == STREAKS).map(|(_, span)| *span).collect();
+    let earlier: Vec<Span> = layout.others.iter().filter(|(name, _)| name == STREAKS).map(|(_, span)| *span).collect();
     if !earlier.is_empty() && !annotation.replace {
         return Err(AnnotateError::AlreadyThere { path: display(input), what: format!("a table {STREAKS}") });
     }
@@ -57,7 +56,13 @@ struct Edit {
 }
 
 /// What goes: rows that are not wanted, and all of an earlier annotation.
-fn cut_all(edits: &mut Vec<Edit>, layout: &VoTableLayout, old: &[usize], earlier: &[Span], annotation: &Annotation<'_>) {
+fn cut_all(
+    edits: &mut Vec<Edit>,
+    layout: &VoTableLayout,
+    old: &[usize],
+    earlier: &[Span],
+    annotation: &Annotation<'_>,
+) {
     let mut cut = |span: &Span| edits.push(Edit { start: span.after, end: span.end, new: String::new() });
     old.iter().filter_map(|&index| layout.fields.get(index)).for_each(&mut cut);
     earlier.iter().for_each(&mut cut);

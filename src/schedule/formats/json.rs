@@ -82,7 +82,8 @@ pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLa
     let place = |piece: &str| piece.as_ptr() as usize - text.as_ptr() as usize;
     let (array, document) = if text.trim_start().starts_with('{') {
         let object: Object<'_> = serde_json::from_str(text).map_err(error)?;
-        let array = ARRAYS.iter().find_map(|name| object.0.iter().find(|(key, _)| key == name)).map(|(_, value)| *value);
+        let array =
+            ARRAYS.iter().find_map(|name| object.0.iter().find(|(key, _)| key == name)).map(|(_, value)| *value);
         let array = array.ok_or_else(|| format(path, "is JSON without an array 'exposures'"))?;
         (array.get(), Some(members(text, &object, place)))
     } else {

@@ -46,8 +46,9 @@ pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
         let batch: RecordBatch = batch.map_err(|error| broken(path, &error))?;
         let columns: Vec<Vec<Cell>> = batch.columns().iter().map(cells).collect();
         table.rows.extend(
-            (0..batch.num_rows())
-                .map(|row| Ok(columns.iter().map(|column| column.get(row).cloned().unwrap_or(Cell::Missing)).collect())),
+            (0..batch.num_rows()).map(|row| {
+                Ok(columns.iter().map(|column| column.get(row).cloned().unwrap_or(Cell::Missing)).collect())
+            }),
         );
     }
     Ok(table)

@@ -87,7 +87,8 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
     };
     // Which table stands open, what it is called, and where the open elements began.
     let (mut tables, mut table_name) = (0, None::<String>);
-    let (mut table, mut field, mut row, mut cell) = (Span::default(), Span::default(), VoRow::default(), Span::default());
+    let (mut table, mut field, mut row, mut cell) =
+        (Span::default(), Span::default(), VoRow::default(), Span::default());
     let (mut in_cell, mut value) = (false, String::new());
     let mut last_end = 0;
     let mut before = 0;

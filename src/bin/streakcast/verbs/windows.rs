@@ -36,7 +36,9 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         // A shape is a text of its own.
         Some(_) => Output::new(Some("json"), typed.output.output.clone())?,
         None => Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output.clone())
-            .map_err(|error| anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, lco, eso-p2, astroq"))))?,
+            .map_err(|error| {
+                anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, lco, eso-p2, astroq")))
+            })?,
     };
     let notices = begin(&setup)?;
     let (from, to) = range(&typed, &setup)?;
@@ -122,8 +124,9 @@ fn found<'a>(listed: &'a [ListedTarget], report: &'a WindowReport) -> Vec<FoundW
 fn range(typed: &WindowsArguments, setup: &Setup) -> anyhow::Result<(Epoch, Epoch)> {
     let (from, to) = match (&typed.night, &typed.start, &typed.end) {
         (Some(night), ..) => {
-            let evening = parse_instant(&format!("{night}T12:00:00Z"), None)
-                .map_err(|_| anyhow!("night '{night}' is not a date; allowed: the evening's local date, as 2024-08-14"))?;
+            let evening = parse_instant(&format!("{night}T12:00:00Z"), None).map_err(|_| {
+                anyhow!("night '{night}' is not a date; allowed: the evening's local date, as 2024-08-14")
+            })?;
             night_of(evening, setup.site()?.longitude_rad)
         }
         (None, Some(start), Some(end)) => {

@@ -153,7 +153,8 @@ impl Heard {
                 Event::Text(piece) => text.push_str(&piece),
                 Event::End(element) => match element.name().as_ref() {
                     "defNumber" | "oneNumber" => {
-                        if let (Some(vector), Some(name), Some(number)) = (&mut vector, item.take(), sexagesimal(&text)) {
+                        if let (Some(vector), Some(name), Some(number)) = (&mut vector, item.take(), sexagesimal(&text))
+                        {
                             vector.numbers.push((name, number));
                         }
                     }
@@ -232,7 +233,10 @@ impl Heard {
         };
         let (right_ascension_deg, declination_deg) = (15.0 * pointing.right_ascension_h, pointing.declination_deg);
         if !(-360.0..=720.0).contains(&right_ascension_deg) || !(-90.0..=90.0).contains(&declination_deg) {
-            return Err(format!("{} points at {} h, {declination_deg} deg", pointing.device, pointing.right_ascension_h));
+            return Err(format!(
+                "{} points at {} h, {declination_deg} deg",
+                pointing.device, pointing.right_ascension_h
+            ));
         }
         let (longitude_rad, latitude_rad) = (right_ascension_deg.to_radians(), declination_deg.to_radians());
         let pointing_icrs = if pointing.of_date {
@@ -293,8 +297,7 @@ mod tests {
 
     #[test]
     fn numbers_as_indi_writes_them() {
-        for (text, number) in
-            [("\n 5.5\n", 5.5), ("5:30:00", 5.5), ("-0:30", -0.5), ("5 30 36", 5.51), ("+1e1", 10.0)]
+        for (text, number) in [("\n 5.5\n", 5.5), ("5:30:00", 5.5), ("-0:30", -0.5), ("5 30 36", 5.51), ("+1e1", 10.0)]
         {
             assert!((sexagesimal(text).unwrap() - number).abs() < 1e-12, "{text}");
         }

@@ -28,9 +28,10 @@ pub fn look_up(path: &Path, name: &str) -> Result<Direction<Gcrs>, Fault> {
     let text = std::fs::read_to_string(path).map_err(|error| fault(error.to_string()))?;
     let file: File = toml::from_str(&text).map_err(|error| fault(error.message().to_owned()))?;
     let key = |name: &str| name.to_lowercase().replace(|c: char| c.is_whitespace() || c == '_' || c == '-', "");
-    let found = file.targets.get(name).or_else(|| {
-        file.targets.iter().find_map(|(known, place)| (key(known) == key(name)).then_some(place))
-    });
+    let found = file
+        .targets
+        .get(name)
+        .or_else(|| file.targets.iter().find_map(|(known, place)| (key(known) == key(name)).then_some(place)));
     let place = found.ok_or_else(|| fault(format!("no target '{name}'; known: {}", known(&file))))?;
     let angles = parse_right_ascension_deg(&place.ra.text())
         .and_then(|ra_deg| Ok((ra_deg, parse_declination_deg(&place.dec.text())?)))

@@ -135,9 +135,9 @@ fn answer(
     let band = job.as_ref().and_then(ekos::Job::band);
     let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| request.target.clone());
     let duration_s = job.as_ref().and_then(|job| job.exposure).or(request.duration_s);
-    let duration_s = duration_s
-        .filter(|duration_s| (0.0..=86_400.0).contains(duration_s))
-        .ok_or_else(|| Fault::new(FaultKind::Host, format!("no length of the exposure (0 to 86400 s): {duration_s:?}")))?;
+    let duration_s = duration_s.filter(|duration_s| (0.0..=86_400.0).contains(duration_s)).ok_or_else(|| {
+        Fault::new(FaultKind::Host, format!("no length of the exposure (0 to 86400 s): {duration_s:?}"))
+    })?;
     let (pointing, site) = place(request, name.as_deref(), said)?;
     let exposure = Exposure {
         id: name.unwrap_or_else(|| "1".to_owned()),
