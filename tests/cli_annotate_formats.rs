@@ -158,6 +158,9 @@ fn what_cannot_be_written_back_is_refused_before_any_work() {
     );
 }
 
+/// A field wide enough for streaks in most rows.
+const WIDE: &[&str] = &["--fov", "12deg", "--limit-mag", "6.5"];
+
 /// Three nights of the same evening.
 fn three_nights() -> String {
     let mut text = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n".to_owned();
@@ -177,7 +180,7 @@ fn shares_of_a_batch_make_up_the_whole() {
     let schedule = path(&folder, "nights.csv");
     fs::write(&schedule, three_nights()).unwrap();
     let flags = |more: &[&str]| {
-        let text = done(&[&["flag", "--schedule", &schedule, "--format", "csv"], FLAG, SKY, more]);
+        let text = done(&[&["flag", "--schedule", &schedule, "--format", "csv"], WIDE, SKY, more]);
         records(&text)[1..].iter().map(|row| (row[0].to_owned(), row.clone())).collect::<BTreeMap<_, _>>()
     };
     let whole = flags(&[]);
@@ -194,7 +197,7 @@ fn shares_of_a_batch_make_up_the_whole() {
     }
     let annotated = |name: &str, schedule: &str, more: &[&str]| {
         let output = path(&folder, name);
-        done(&[&["annotate", "--schedule", schedule, "-o", &output], FLAG, SKY, more]);
+        done(&[&["annotate", "--schedule", schedule, "-o", &output], WIDE, SKY, more]);
         let streaks = output.replace(".csv", ".streaks.csv");
         (
             records(&fs::read_to_string(output).unwrap())[1..].to_vec(),
@@ -239,7 +242,7 @@ fn shares_of_a_batch_make_up_the_whole() {
             assert!(document.as_array().or_else(|| document["exposures"].as_array()).unwrap().is_empty());
         }
     }
-    let (code, _, stderr) = run(&[&["flag", "--schedule", &schedule, "--shard", "4/3"], FLAG, SKY]);
+    let (code, _, stderr) = run(&[&["flag", "--schedule", &schedule, "--shard", "4/3"], WIDE, SKY]);
     assert_eq!(code, 2);
     assert!(stderr.contains("shard '4/3' is none; allowed: I/N"), "{stderr}");
 }

@@ -45,7 +45,7 @@ fn ekos(folder: &TempDir, input: &[u8], close: bool, more: &[&str]) -> (i32, Val
     let mut pipe = child.stdin.take().unwrap();
     pipe.write_all(input).unwrap();
     pipe.flush().unwrap();
-    let kept = if close { None } else { Some(pipe) };
+    let kept = (!close).then_some(pipe);
     let code = child.wait().unwrap().code().unwrap();
     drop(kept);
     (code, serde_json::from_str(&fs::read_to_string(status).unwrap()).unwrap())
@@ -160,9 +160,8 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
         assert_eq!((told["verdict"].as_str(), told["fault"].as_str()), (Some("fault"), Some(kind)));
         assert_eq!(told["counters"]["faults"][kind], 2 * count, "{told}");
     };
-    let all =
-        common::elements::pair(25544, "24227.50000000") + &common::elements::pair(25545, "24227.50000000").repeat(1);
-    let many: String = (0..40).map(|number| common::elements::pair(40000 + number, "24227.50000000")).collect();
+    let all = common::elements::pair(25544, "227.50000000") + &common::elements::pair(25545, "227.50000000").repeat(1);
+    let many: String = (0..40).map(|number| common::elements::pair(40000 + number, "227.50000000")).collect();
     check("elements", "elements.tle", 1, NOW);
     // Half a record, as a copy over a slow line leaves it.
     fs::write(&elements, &all[..100]).unwrap();
@@ -190,7 +189,7 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
 fn elements_that_are_just_being_replaced_are_read_again() {
     let folder = tempfile::tempdir().unwrap();
     let elements = path(&folder, "elements.tle");
-    let whole: String = (0..40).map(|number| common::elements::pair(40000 + number, "24227.50000000")).collect();
+    let whole: String = (0..40).map(|number| common::elements::pair(40000 + number, "227.50000000")).collect();
     fs::write(&elements, &whole[..60]).unwrap();
     let (late, target) = (whole.clone(), elements.clone());
     let writer = thread::spawn(move || {

@@ -72,7 +72,7 @@ fn write_lines(
     for (number, (end, cells)) in layout.row_ends.iter().zip(&layout.rows).enumerate() {
         if !is_kept(keep, number) {
             // Comments before a row that goes stay.
-            out.write_all(before_record(&body[written..*end], layout, number, written).as_bytes())?;
+            out.write_all(before_record(&body[written..*end]).as_bytes())?;
             written = *end;
             continue;
         }
@@ -91,11 +91,17 @@ fn write_lines(
     out.write_all(&body.as_bytes()[written..])
 }
 
-/// What stands before a record, its own line end counted with the record before it; nothing but the line ends of records that go is lost.
-fn before_record<'a>(piece: &'a str, layout: &CsvLayout, number: usize, written: usize) -> &'a str {
-    let start = layout.row_starts.get(number).map_or(0, |start| start.saturating_sub(written));
-    let before = piece.get(..start).unwrap_or_default();
-    // One line end goes with the record.
+/// What stands before a record in a piece that ends with it: comments and blank lines, less the line end that goes with the record.
+fn before_record(piece: &str) -> &str {
+    let mut start = 0;
+    loop {
+        start = piece.len() - piece[start..].trim_start_matches(['\r', '\n']).len();
+        if !piece[start..].starts_with('#') {
+            break;
+        }
+        start += piece[start..].find('\n').unwrap_or(piece.len() - start);
+    }
+    let before = &piece[..start];
     before.strip_suffix("\r\n").or_else(|| before.strip_suffix('\n')).unwrap_or(before)
 }
 

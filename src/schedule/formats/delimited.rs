@@ -15,8 +15,6 @@ pub(in crate::schedule) struct CsvLayout {
     pub names: Vec<String>,
     /// Where the header record ends, its line end not counted.
     pub header_end: usize,
-    /// Where each row begins.
-    pub row_starts: Vec<usize>,
     /// Where each row ends, its line end not counted.
     pub row_ends: Vec<usize>,
     /// The cells of each row.
@@ -43,7 +41,6 @@ pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayo
         delimiter,
         names: Vec::new(),
         header_end: 0,
-        row_starts: Vec::new(),
         row_ends: Vec::new(),
         rows: Vec::new(),
         lines: Vec::new(),
@@ -65,8 +62,6 @@ pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayo
             layout.names = record.iter().map(|name| name.trim().to_owned()).collect();
             layout.header_end = end;
         } else {
-            let start = record.position().map_or(0, |position| position.byte() as usize);
-            layout.row_starts.push(start);
             layout.row_ends.push(end);
             layout.rows.push(record.iter().map(str::to_owned).collect());
             layout.lines.push(record.position().map_or(line, csv::Position::line));

@@ -90,7 +90,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
     let (mut table, mut field, mut row, mut cell) =
         (Span::default(), Span::default(), VoRow::default(), Span::default());
     let (mut in_cell, mut value) = (false, String::new());
-    let mut last_end = 0;
+    let (mut last_end, mut depth) = (0, 0_usize);
     let mut before = 0;
     loop {
         let event = reader.read_event().map_err(|error| {
@@ -100,6 +100,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
         let now = reader.buffer_position() as usize;
         match event {
             Event::Start(element) => {
+                depth += 1;
                 match element.local_name().as_ref() {
                     "TABLE" => {
                         tables += 1;
@@ -158,6 +159,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                 }
             }
             Event::End(element) => {
+                depth = depth.saturating_sub(1);
                 match element.local_name().as_ref() {
                     "FIELD" if tables == 1 => layout.fields.push(Span { end: now, ..field }),
                     "TD" if tables == 1 => {
@@ -183,6 +185,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                 }
                 last_end = now;
             }
+            Event::Eof if depth > 0 => return Err(fail("is a VOTable that ends before its end")),
             Event::Eof => break,
             _ => {}
         }
