@@ -37,12 +37,14 @@ pub(super) fn annotate(
 
     let fields: Vec<Arc<Field>> =
         own.iter().map(|&index| schema.fields()[index].clone()).chain(flag_fields(&flags).map(Arc::new)).collect();
-    let new_schema: SchemaRef = Arc::new(Schema::new_with_metadata(fields, schema.metadata().clone()));
+    // What the schema says beyond its fields stands in the file's own metadata, where pyarrow looks for it.
+    let new_schema: SchemaRef = Arc::new(Schema::new(fields));
     let file = AtomicFile::new(output).map_err(|source| AnnotateError::Write { path: display(output), source })?;
     let broken =
         |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(output), what: error.to_string() };
-    let mut writer = ArrowWriter::try_new(file.file(), new_schema.clone(), Some(properties(&metadata)))
-        .map_err(|error| broken(&error))?;
+    let mut writer =
+        ArrowWriter::try_new(file.file(), new_schema.clone(), Some(properties(&metadata, &schema)))
+            .map_err(|error| broken(&error))?;
     let (mut row, mut flag_row) = (0, 0);
     for batch in reader {
         let unreadable = |error: &dyn std::fmt::Display| ScheduleError::Format {
@@ -73,9 +75,14 @@ pub(super) fn annotate(
 }
 
 /// Compression and metadata of the file that was read.
-fn properties(metadata: &ParquetMetaData) -> WriterProperties {
+fn properties(metadata: &ParquetMetaData, of_schema: &Schema) -> WriterProperties {
     let said = metadata.file_metadata().key_value_metadata().cloned().unwrap_or_default();
-    let said: Vec<KeyValue> = said.into_iter().filter(|one| one.key != ARROW_SCHEMA).collect();
+    let mut said: Vec<KeyValue> = said.into_iter().filter(|one| one.key != ARROW_SCHEMA).collect();
+    for (key, value) in of_schema.metadata() {
+        if !said.iter().any(|one| one.key == *key) {
+            said.push(KeyValue::new(key.clone(), value.clone()));
+        }
+    }
     let first = metadata.row_groups().first().and_then(|group| group.columns().first());
     let compression = first.map_or(Compression::SNAPPY, |column| column.compression());
     let compression = match compression {

@@ -76,7 +76,7 @@ fn parse(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>), Sch
     let (_, names_line) = records.next().ok_or_else(no_names)?;
     let mut rows = Vec::new();
     for (number, row) in records {
-        if text[row.0..row.1].matches('"').count() % 2 != 0 {
+        if !text[row.0..row.1].matches('"').count().is_multiple_of(2) {
             return Err(error(header_count + number + 1, "a quoted cell goes on in the next line".into()));
         }
         rows.push(row);
