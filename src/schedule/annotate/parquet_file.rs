@@ -42,9 +42,8 @@ pub(super) fn annotate(
     let file = AtomicFile::new(output).map_err(|source| AnnotateError::Write { path: display(output), source })?;
     let broken =
         |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(output), what: error.to_string() };
-    let mut writer =
-        ArrowWriter::try_new(file.file(), new_schema.clone(), Some(properties(&metadata, &schema)))
-            .map_err(|error| broken(&error))?;
+    let mut writer = ArrowWriter::try_new(file.file(), new_schema.clone(), Some(properties(&metadata, &schema)))
+        .map_err(|error| broken(&error))?;
     let (mut row, mut flag_row) = (0, 0);
     for batch in reader {
         let unreadable = |error: &dyn std::fmt::Display| ScheduleError::Format {
