@@ -17,6 +17,7 @@
 //! # Ok::<(), streakcast::geometry::GeometryError>(())
 //! ```
 
+mod apparent;
 mod error;
 mod limb;
 mod observer;
@@ -26,6 +27,7 @@ mod sun;
 mod topocentric;
 mod viewing;
 
+pub use apparent::icrs_of_apparent;
 pub use error::GeometryError;
 pub use limb::EarthLimb;
 pub use observer::{Observer, ObserverState};

@@ -8,7 +8,7 @@ use thiserror::Error;
 /// The columns a schedule has, for every message that names them.
 pub(super) const ALLOWED_COLUMNS: &str = "exposure_id, start_utc (or start_mjd, start_jd with --time-scale, or \
      start_mjd_utc, start_mjd_tai, start_mjd_tt and the like), duration_s, ra_deg, dec_deg and, if known, rotation_deg, band; \
-     the names of Rubin's opsim are understood too";
+     the names of Rubin's opsim and ConsDB and of ObsLocTAP are understood too";
 
 /// Why a schedule cannot be read at all. What is wrong with one row stays with the row.
 #[derive(Debug, Error)]
@@ -22,13 +22,15 @@ pub enum ScheduleError {
         source: io::Error,
     },
     /// A directory was given.
-    #[error("schedule {path} is a directory; allowed: one file, opsim SQLite, CSV, ECSV or JSON")]
+    #[error("schedule {path} is a directory; allowed: one file, opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet")]
     Directory {
         /// The path.
         path: String,
     },
     /// Nothing is in the file.
-    #[error("schedule {path} is empty; allowed: opsim SQLite, CSV, ECSV or JSON with at least one exposure")]
+    #[error(
+        "schedule {path} is empty; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet with at least one exposure"
+    )]
     Empty {
         /// The file.
         path: String,
@@ -40,7 +42,7 @@ pub enum ScheduleError {
         path: String,
     },
     /// No format that is read here.
-    #[error("schedule {path}: {what}; allowed: opsim SQLite, CSV, ECSV or JSON")]
+    #[error("schedule {path}: {what}; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable (TABLEDATA) or Parquet")]
     Format {
         /// The file.
         path: String,
@@ -60,6 +62,19 @@ pub enum ScheduleError {
     /// Columns that must be there are not.
     #[error("schedule {path}: missing {missing}; found {found}; allowed: {ALLOWED_COLUMNS}")]
     MissingColumns {
+        /// The file.
+        path: String,
+        /// The missing names.
+        missing: String,
+        /// The names that are there.
+        found: String,
+    },
+    /// Columns that a target list must have are not there.
+    #[error(
+        "target list {path}: missing {missing}; found {found}; allowed: name, ra_deg, dec_deg, exposure_s (or --exposure) and, if known, \
+         unique_id, rotation_deg, band"
+    )]
+    MissingTargetColumns {
         /// The file.
         path: String,
         /// The missing names.

@@ -174,7 +174,32 @@ pub(super) fn counts(pass: &FieldPass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
-fn peak_magnitude(pass: &FieldPass) -> Option<f64> {
+/// True where a pass is to be dodged: it counts, and is brighter than a limit of the policy; any that counts where no limit applies to the band.
+///
+/// A policy that names a `min_probability` dodges nothing less probable; one that names none dodges every nominal crossing, however old
+/// its elements.
+pub(super) fn is_dodged(pass: &FieldPass, band: Option<&str>, rules: &Rules<'_>) -> bool {
+    let policy = rules.policy;
+    if !counts(pass, policy) || policy.min_probability.is_some_and(|least| pass.probability < least) {
+        return false;
+    }
+    let kinds = [
+        (None, policy.limit_mag.as_ref()),
+        (Some(LimitKind::Saturation), policy.saturation_mag.as_ref()),
+        (Some(LimitKind::Crosstalk), policy.crosstalk_mag.as_ref()),
+    ];
+    let has_limit = kinds.into_iter().any(|(kind, limit)| match (limit, kind, rules.camera) {
+        (Some(MagnitudeLimit::OfTelescope(_)), Some(kind), Some(camera)) => camera.limit_mag(kind, band).is_some(),
+        (limit, ..) => limit.is_some_and(|limit| limit.of(band).is_some()),
+    });
+    if !has_limit {
+        return true;
+    }
+    // What no model gives any light to is brighter than nothing.
+    peak_magnitude(pass).is_some_and(|magnitude| !broken_limits(pass, magnitude, band, rules).is_empty())
+}
+
+pub(super) fn peak_magnitude(pass: &FieldPass) -> Option<f64> {
     pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0)
 }
 
@@ -349,6 +374,25 @@ mod tests {
             assert_eq!(flag.verdict, expected, "{policy}");
             assert!(flag.reasons[0].contains(word), "{policy}: {:?}", flag.reasons);
         }
+    }
+
+    #[test]
+    fn what_is_dodged_is_brighter_than_a_limit_or_anything_where_there_is_none() {
+        let dodged = |pass: &FieldPass, policy: &str| {
+            let policy = Policy::from_toml(policy).unwrap();
+            is_dodged(pass, Some("r"), &Rules { policy: &policy, camera: None })
+        };
+        let bright = pass(1, Some(5.0), 0.1);
+        assert!(dodged(&bright, "limit_mag = 7") && dodged(&bright, "") && dodged(&bright, "limit_mag = {g = 0}"));
+        assert!(!dodged(&bright, "limit_mag = 5") && !dodged(&bright, "limit_mag = 7\nmin_probability = 0.2"));
+        assert!(dodged(&bright, "limit_mag = 4\ncrosstalk_mag = 5.1"));
+        let dark = FieldPass { lit: false, ..bright.clone() };
+        assert!(!dodged(&dark, "limit_mag = 7"));
+        // Lit, but of no known light: a streak to a policy without limits alone.
+        let unseen = pass(1, None, 1.0);
+        assert!(dodged(&unseen, "") && !dodged(&unseen, "limit_mag = 7"));
+        let near = FieldPass { chords: Vec::new(), ..pass(1, Some(5.0), 0.3) };
+        assert!(!dodged(&near, "limit_mag = 7") && dodged(&near, "limit_mag = 7\nmin_probability = 0.2"));
     }
 
     /// A camera that saturates at g = 3.2 and sees every pass 0.5 mag brighter than it is.

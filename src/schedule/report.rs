@@ -17,9 +17,9 @@ use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
 
 /// Entries and exits are good to a millisecond; a start is clear of them by this much more than that, seconds.
-const GUARD_S: f64 = 0.002;
+pub(super) const GUARD_S: f64 = 0.002;
 /// Starts are given to the millisecond, and never rounded towards the satellite, seconds.
-const TICK_S: f64 = 0.001;
+pub(super) const TICK_S: f64 = 0.001;
 /// Starts that are tried at most where the sky does not agree with the first.
 const MOST_STEPS: f64 = 60.0;
 /// How far a satellite may be early or late where a probability counts, sigmas along the track: beyond it lies 0.00135.
@@ -215,10 +215,7 @@ fn shift(
             flag.verdict = Verdict::Streaked;
             flag.reasons.push(format!("a lit satellite crosses within {margin_s} s of the exposure"));
         }
-        let late_s = |pass: &FieldPass| match policy.min_probability {
-            Some(_) => (LATE_SIGMAS * pass.along_track_sigma_s).min(max_delay_s),
-            None => 0.0,
-        };
+        let late_s = |pass: &FieldPass| late_s(pass, policy).min(max_delay_s);
         let wait = Wait { row: *row, blocked: blocked(&late_s), last_start_s };
         wait.look(exposure, policy, 0.0, flag);
         if flag.delay_s == Some(0.0) {
@@ -323,12 +320,17 @@ fn confirm(
     Ok(())
 }
 
+/// How far a satellite may be early or late to this policy, seconds; 0 where it names no probability.
+pub(super) fn late_s(pass: &FieldPass, policy: &Policy) -> f64 {
+    policy.min_probability.map_or(0.0, |_| LATE_SIGMAS * pass.along_track_sigma_s)
+}
+
 /// When a pass may stand in the field, seconds after the scheduled opening; `lead_s` is how much earlier its own exposure opened.
 ///
 /// A crossing stands there during its chords, a near miss at its closest; both are widened by `late_s` on both sides, the time
 /// by which the satellite may be early or late. With a delay of sigma σ a chord that ended z σ before an exposure opens
 /// reaches it with a probability below 1 - Φ(z).
-fn intervals(pass: &FieldPass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
+pub(super) fn intervals(pass: &FieldPass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
     let widened = |start_s: f64, end_s: f64| Interval { start_s: start_s - late_s, end_s: end_s + late_s };
     if pass.is_crossing() {
         pass.chords.iter().map(|chord| widened(chord.enter_s - lead_s, chord.exit_s - lead_s)).collect()

@@ -13,7 +13,7 @@ use super::instant::{FIRST_YEAR, InstantError, LAST_YEAR, is_covered, parse_inst
 use super::scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 
 /// The longest exposure that is taken for one: a day.
-const LONGEST_EXPOSURE_S: f64 = 86_400.0;
+pub(super) const LONGEST_EXPOSURE_S: f64 = 86_400.0;
 
 /// Gives every row of a raw table its meaning.
 ///
@@ -119,7 +119,7 @@ fn scheduled_exposure(
         Err(reason) => return ScheduledExposure { id: numbered(), row, band: None, exposure: Err(reason.clone()) },
     };
     let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
-    let id = cell(map.id).text().unwrap_or_else(numbered);
+    let id = map.id.and_then(|index| cell(index).text()).unwrap_or_else(numbered);
     let band = map.band.and_then(|index| cell(index).text());
     let exposure = exposure(&id, cell, map, scale, options);
     ScheduledExposure { id, row, band, exposure }

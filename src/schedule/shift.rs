@@ -24,25 +24,65 @@ pub fn next_clear_start(
     from_s: f64,
     max_delay_s: f64,
 ) -> Option<f64> {
-    // An exposure from s to s + D meets [a, b] with margin m while a - m - D <= s <= b + m: each interval forbids starts.
-    let mut forbidden: Vec<(f64, f64)> = blocked
-        .iter()
-        .map(|interval| (interval.start_s - margin_s - duration_s - guard_s, interval.end_s + margin_s + guard_s))
-        .collect();
-    let is_finite = forbidden.iter().all(|(first, last)| first.is_finite() && last.is_finite());
-    if !is_finite || !from_s.is_finite() || max_delay_s.is_nan() {
+    let forbidden = forbidden_starts(blocked, duration_s, margin_s, guard_s)?;
+    if !from_s.is_finite() || max_delay_s.is_nan() {
         return None;
     }
-    forbidden.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut start_s = from_s;
-    for (first, last) in forbidden {
-        if first > start_s {
+    for stretch in forbidden {
+        if stretch.start_s > start_s {
             // Sorted by their beginning: all later ones begin later still.
             break;
         }
-        start_s = start_s.max(last);
+        start_s = start_s.max(stretch.end_s);
     }
     (start_s - from_s <= max_delay_s).then_some(start_s)
+}
+
+/// All starts within `allowed` (both ends included) of exposures that meet no interval, as stretches in time order.
+///
+/// Length, margin and guard are those of [`next_clear_start`], and a stretch begins where that function would wait until. None where a number
+/// is not finite.
+pub fn clear_starts(
+    blocked: &[Interval],
+    duration_s: f64,
+    margin_s: f64,
+    guard_s: f64,
+    allowed: Interval,
+) -> Vec<Interval> {
+    let forbidden = forbidden_starts(blocked, duration_s, margin_s, guard_s);
+    let (Some(forbidden), true) = (forbidden, allowed.start_s.is_finite() && allowed.end_s.is_finite()) else {
+        return Vec::new();
+    };
+    let mut clear = Vec::new();
+    let mut start_s = allowed.start_s;
+    for stretch in forbidden {
+        if start_s > allowed.end_s {
+            break;
+        }
+        if stretch.start_s > start_s {
+            clear.push(Interval { start_s, end_s: stretch.start_s.min(allowed.end_s) });
+        }
+        start_s = start_s.max(stretch.end_s);
+    }
+    if start_s <= allowed.end_s {
+        clear.push(Interval { start_s, end_s: allowed.end_s });
+    }
+    clear
+}
+
+/// The starts that each interval forbids, sorted by their beginning; `None` where a number is not finite.
+fn forbidden_starts(blocked: &[Interval], duration_s: f64, margin_s: f64, guard_s: f64) -> Option<Vec<Interval>> {
+    // An exposure from s to s + D meets [a, b] with margin m while a - m - D <= s <= b + m: each interval forbids starts.
+    let mut forbidden: Vec<Interval> = blocked
+        .iter()
+        .map(|interval| Interval {
+            start_s: interval.start_s - margin_s - duration_s - guard_s,
+            end_s: interval.end_s + margin_s + guard_s,
+        })
+        .collect();
+    forbidden.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
+    forbidden.iter().all(|stretch| stretch.start_s.is_finite() && stretch.end_s.is_finite()).then_some(forbidden)
 }
 
 #[cfg(test)]
@@ -85,6 +125,32 @@ mod tests {
     }
 
     proptest! {
+        #[test]
+        fn stretches_hold_all_clear_starts_and_no_other(
+            ticks in prop::collection::vec((-400_i32..4000, 0_i32..300), 0..40),
+            duration in 0_i32..600,
+            margin in 0_i32..50,
+            length in 0_i32..3000,
+        ) {
+            // Ends half way between the steps, so that no step touches an end exactly.
+            let seconds = |ticks: i32| f64::from(ticks) * 0.1;
+            let blocked: Vec<Interval> = ticks
+                .iter()
+                .map(|&(start, length)| Interval { start_s: seconds(start) + 0.05, end_s: seconds(start + length) + 0.05 })
+                .collect();
+            let (duration_s, margin_s) = (seconds(duration), seconds(margin));
+            let allowed = Interval { start_s: 0.0, end_s: seconds(length) };
+            let clear = clear_starts(&blocked, duration_s, margin_s, 0.0, allowed);
+            prop_assert!(clear.iter().all(|stretch| stretch.start_s <= stretch.end_s));
+            prop_assert!(clear.windows(2).all(|pair| pair[0].end_s < pair[1].start_s));
+            for tick in 0..=length {
+                let start_s = seconds(tick);
+                let inside = clear.iter().any(|stretch| (stretch.start_s..=stretch.end_s).contains(&start_s));
+                let brute = brute_force(&blocked, duration_s, margin_s, start_s, 0.0, 0.1).is_some();
+                prop_assert_eq!(inside, brute, "{}", start_s);
+            }
+        }
+
         #[test]
         fn agrees_with_brute_force_at_a_tenth_of_a_second(
             ticks in prop::collection::vec((-400_i32..4000, 0_i32..300), 0..40),

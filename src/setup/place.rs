@@ -81,6 +81,16 @@ impl Setup {
         }
     }
 
+    /// The longitude whose noon parts the nights, radians, east positive: that of the site; Greenwich's for a telescope in orbit, and where
+    /// no moment is given.
+    ///
+    /// # Errors
+    /// As [`Setup::viewpoint`].
+    pub fn viewpoint_longitude_rad(&self, moment: Option<Epoch>) -> Result<f64, SetupError> {
+        let Some(moment) = moment else { return Ok(0.0) };
+        Ok(self.viewpoint(moment)?.site().map_or(0.0, |observer| observer.site().longitude_rad))
+    }
+
     /// The element set of the telescope in orbit that is nearest to a moment.
     fn observer_set(&self, moment: Epoch) -> Result<ElementSet, SetupError> {
         let catalogue = match &self.observer_elements {

@@ -76,7 +76,7 @@ impl Column {
             (Value::List(items), _) => items.join(" "),
             (Value::Integers(items), Kind::List { separator }) => integers_text(items, separator),
             (Value::Integers(items), _) => integers_text(items, " "),
-            (Value::Rows(rows), Kind::Rows(columns)) => super::json::rows_text(columns, rows),
+            (Value::Rows(rows), Kind::Rows(columns)) => super::json::json_rows(columns, rows),
             (Value::Rows(_), _) => String::new(),
         }
     }

@@ -20,14 +20,18 @@ pub fn write_ecsv(out: &mut dyn Write, table: &Table, provenance: &Provenance) -
     writeln!(out, "# delimiter: ','")?;
     writeln!(out, "# datatype:")?;
     for (index, column) in table.columns.iter().enumerate() {
-        writeln!(out, "# - {}", column_text(column, table.rows.iter().filter_map(|row| row.get(index)))?)?;
+        writeln!(out, "# - {}", ecsv_column(column, table.rows.iter().filter_map(|row| row.get(index)))?)?;
     }
     writeln!(out, "# meta: {{\"provenance\": {}}}", serde_json::to_string(provenance)?)?;
     writeln!(out, "# schema: astropy-2.0")?;
     write_records(out, table)
 }
 
-fn column_text<'a>(column: &Column, mut values: impl Iterator<Item = &'a Value>) -> serde_json::Result<String> {
+/// One entry of the header's list `datatype`: name, unit, type and meaning of a column with these values.
+///
+/// # Errors
+/// None that a text can cause.
+pub fn ecsv_column<'a>(column: &Column, mut values: impl Iterator<Item = &'a Value>) -> serde_json::Result<String> {
     let datatype = match column.kind {
         Kind::Integer => "int64",
         Kind::Real { .. } => "float64",

@@ -56,19 +56,24 @@ pub fn write_json_lines(out: &mut dyn Write, table: &Table, provenance: &Provena
     Ok(())
 }
 
-/// A JSON array of objects.
-pub(super) fn rows_text(columns: &[Column], rows: &[Vec<Value>]) -> String {
+/// A JSON array of objects, on one line.
+pub fn json_rows(columns: &[Column], rows: &[Vec<Value>]) -> String {
     let objects: Vec<String> = rows.iter().map(|row| object_text(columns, row)).collect();
     format!("[{}]", objects.join(", "))
 }
 
 fn object_text(columns: &[Column], row: &[Value]) -> String {
+    format!("{{{}}}", json_members(columns, row))
+}
+
+/// The members of a row's object, without its braces: `"name": value, ...`.
+pub fn json_members(columns: &[Column], row: &[Value]) -> String {
     let members: Vec<String> = columns
         .iter()
         .zip(row)
         .map(|(column, value)| format!("{}: {}", quoted(column.name), value_text(column, value)))
         .collect();
-    format!("{{{}}}", members.join(", "))
+    members.join(", ")
 }
 
 fn value_text(column: &Column, value: &Value) -> String {
@@ -87,7 +92,7 @@ fn value_text(column: &Column, value: &Value) -> String {
             let items: Vec<String> = items.iter().map(i64::to_string).collect();
             format!("[{}]", items.join(", "))
         }
-        (Value::Rows(rows), Kind::Rows(columns)) => rows_text(columns, rows),
+        (Value::Rows(rows), Kind::Rows(columns)) => json_rows(columns, rows),
         (Value::Rows(_), _) => "null".to_owned(),
         (Value::Text(_) | Value::Time(_), _) => quoted(&column.text(value)),
     }

@@ -1,7 +1,7 @@
 //! Tables as they leave the house: columns with unit and meaning, written once, in every text format.
 //!
 //! The room knows nothing of satellites. A table of any room is a list of [`Column`]s and rows of [`Value`]s; the same
-//! rows go to CSV, ECSV, JSON and JSON lines with the same digits.
+//! rows go to CSV, ECSV, JSON, JSON lines and VOTable with the same digits.
 
 mod atomic;
 mod column;
@@ -11,12 +11,14 @@ mod instant;
 mod json;
 mod provenance;
 mod value;
+mod votable;
 
 pub use self::csv::write_csv;
 pub use atomic::{AtomicFile, ScratchFolder, check_target, write_atomically};
 pub use column::{Column, Kind};
-pub use ecsv::write_ecsv;
+pub use ecsv::{ecsv_column, write_ecsv};
 pub use instant::format_utc;
-pub use json::{Section, write_json, write_json_lines};
+pub use json::{Section, json_members, json_rows, write_json, write_json_lines};
 pub use provenance::Provenance;
 pub use value::{Table, Value};
+pub use votable::{votable_cells, votable_fields, votable_table};

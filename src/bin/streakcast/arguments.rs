@@ -3,14 +3,16 @@
 use std::path::{Path, PathBuf};
 
 use clap::{Args, Parser, Subcommand, ValueEnum};
-use streakcast::schedule::MagnitudeLimit;
+use streakcast::schedule::{MagnitudeLimit, Shard};
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
 use crate::fit_arguments::FitArguments;
+use crate::gate_arguments::GateArguments;
 #[cfg(feature = "fits")]
 use crate::inject_arguments::InjectArguments;
 use crate::map_arguments::MapArguments;
 use crate::output::Output;
+use crate::window_arguments::WindowsArguments;
 
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
 #[derive(Parser)]
@@ -28,6 +30,10 @@ pub enum Verb {
     Flag(Box<FlagArguments>),
     /// The schedule file again, every cell as it was, with flags and streaks beside
     Annotate(Box<AnnotateArguments>),
+    /// From when to when targets can be exposed without any satellite that matters
+    Windows(Box<WindowsArguments>),
+    /// Waits until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
+    Gate(Box<GateArguments>),
     /// Maps of magnitude over a satellite's own sky and over that of a site
     Map(MapArguments),
     /// Streaks of satellites, or random ones, put into frames, with masks and their truth
@@ -181,11 +187,14 @@ pub struct RulesArguments {
 
 #[derive(Args)]
 pub struct FlagArguments {
-    /// The schedule: opsim SQLite, CSV, ECSV or JSON
+    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
     pub schedule: PathBuf,
     #[command(flatten)]
     pub rules: RulesArguments,
+    /// The nights of one share of a batch alone, as 3/100: all shares together are the whole answer
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
     /// End with exit code 1 where any exposure is streaked (or worse), or one to avoid
     #[arg(long, value_name = "VERDICT")]
     pub fail_on: Option<FailOn>,
@@ -203,7 +212,7 @@ pub enum FailOn {
 
 #[derive(Args)]
 pub struct AnnotateArguments {
-    /// The schedule: opsim SQLite or CSV
+    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
     pub schedule: PathBuf,
     #[command(flatten)]
@@ -211,6 +220,9 @@ pub struct AnnotateArguments {
     /// File to write; it may be the schedule itself
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
+    /// The nights of one share of a batch alone, as 3/100: the rows of all shares together are the whole file
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
     /// Take the place of an earlier annotation
     #[arg(long)]
     pub replace: bool,

@@ -3,6 +3,7 @@
 mod arguments;
 mod failure;
 mod fit_arguments;
+mod gate_arguments;
 #[cfg(feature = "fits")]
 mod inject_arguments;
 mod map_arguments;
@@ -11,6 +12,7 @@ mod notices;
 mod output;
 mod screen;
 mod verbs;
+mod window_arguments;
 
 use std::process::ExitCode;
 
@@ -28,6 +30,8 @@ fn main() -> ExitCode {
         Verb::Passes(typed) => verbs::passes::run(*typed),
         Verb::Flag(typed) => verbs::flag::run(*typed),
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
+        Verb::Windows(typed) => verbs::windows::run(*typed),
+        Verb::Gate(typed) => verbs::gate::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
         #[cfg(feature = "fits")]
         Verb::Inject(typed) => verbs::inject::run(*typed),

@@ -3,86 +3,80 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use crate::table::{AtomicFile, Table, write_csv};
-
 use super::super::error::ScheduleError;
 use super::super::formats::{CsvLayout, csv_layout, display};
+use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, streaks_path, write_new};
 use super::error::AnnotateError;
 use super::write::Annotation;
-
-/// The schedule names its exposures itself.
-const OWN_COLUMN: &str = "exposure_id";
+use crate::table::{Table, write_csv};
 
 pub(super) fn annotate(
     input: &Path,
     output: &Path,
     annotation: &Annotation<'_>,
 ) -> Result<Vec<PathBuf>, AnnotateError> {
-    let text = std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })?;
+    let text = read_text(input)?;
     // The byte order mark stays, but is no part of the first name.
     let (mark, body) = match text.strip_prefix('\u{feff}') {
         Some(body) => ("\u{feff}", body),
         None => ("", text.as_str()),
     };
     let layout = csv_layout(input, body)?;
-    let flags = annotation.flags.without(&[OWN_COLUMN]);
-    if layout.rows.len() != flags.rows.len() {
-        let (rows, flags) = (layout.rows.len(), flags.rows.len());
-        return Err(AnnotateError::Changed { path: display(input), rows, flags });
-    }
-    let old = earlier_columns(input, &layout, &flags, annotation.replace)?;
-    let beside = streaks_path(output);
-    let write_error = |path: &Path, source| AnnotateError::Write { path: display(path), source };
+    check_rows(input, layout.rows.len(), annotation)?;
+    let flags = flags_beside(&layout.names, annotation.flags);
+    let old = trailing_columns(input, &layout.names, &flags, annotation.replace)?;
+    let beside = streaks_path(output, "csv");
     let main = write_new(output, |out| {
         out.write_all(mark.as_bytes())?;
-        write_lines(out, body, &layout, &flags, old)
-    })
-    .map_err(|source| write_error(output, source))?;
-    let streaks = write_new(&beside, |out| write_csv(out, annotation.streaks, annotation.provenance))
-        .map_err(|source| write_error(&beside, source))?;
-    streaks.finish().map_err(|source| write_error(&beside, source))?;
-    main.finish().map_err(|source| write_error(output, source))?;
-    Ok(vec![output.to_owned(), beside])
+        write_lines(out, body, &layout, &flags, old, annotation.keep)
+    })?;
+    let streaks = write_new(&beside, |out| write_csv(out, annotation.streaks, annotation.provenance))?;
+    finish(vec![(streaks, beside), (main, output.to_owned())])
 }
 
-/// `night.csv` has its streaks in `night.streaks.csv`.
-fn streaks_path(output: &Path) -> PathBuf {
-    let mut name = output.file_stem().unwrap_or_default().to_owned();
-    name.push(".streaks.csv");
-    output.with_file_name(name)
-}
-
-fn write_new(path: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<AtomicFile> {
-    let file = AtomicFile::new(path)?;
-    let mut out = io::BufWriter::new(file.file());
-    write(&mut out)?;
-    out.flush()?;
-    drop(out);
-    Ok(file)
+/// The text of a schedule.
+pub(super) fn read_text(input: &Path) -> Result<String, AnnotateError> {
+    Ok(std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })?)
 }
 
 /// How many columns at the right an earlier annotation left; they are cut off where they may be replaced.
-fn earlier_columns(input: &Path, layout: &CsvLayout, flags: &Table, replace: bool) -> Result<usize, AnnotateError> {
-    let is_flag = |name: &&String| flags.columns.iter().any(|column| column.name == *name);
-    let there: Vec<&str> = layout.names.iter().filter(is_flag).map(String::as_str).collect();
-    let trailing = layout.names.iter().rev().take_while(is_flag).count();
-    if there.is_empty() {
-        Ok(0)
-    } else if replace && trailing == there.len() {
-        Ok(trailing)
-    } else {
-        let kind = if replace { "columns among its own" } else { "columns" };
-        Err(AnnotateError::AlreadyThere { path: display(input), what: format!("{kind} {}", there.join(", ")) })
+pub(super) fn trailing_columns(
+    input: &Path,
+    names: &[String],
+    flags: &Table,
+    replace: bool,
+) -> Result<usize, AnnotateError> {
+    let there = earlier_columns(input, names, flags, replace)?;
+    if there.iter().rev().zip((0..names.len()).rev()).all(|(index, last)| *index == last) {
+        return Ok(there.len());
     }
+    let there: Vec<&str> = there.iter().map(|&index| names[index].as_str()).collect();
+    let what = format!("columns among its own {}", there.join(", "));
+    Err(AnnotateError::AlreadyThere { path: display(input), what })
 }
 
-fn write_lines(out: &mut dyn Write, body: &str, layout: &CsvLayout, flags: &Table, old: usize) -> io::Result<()> {
+fn write_lines(
+    out: &mut dyn Write,
+    body: &str,
+    layout: &CsvLayout,
+    flags: &Table,
+    old: usize,
+    keep: Option<&[bool]>,
+) -> io::Result<()> {
     let delimiter = layout.delimiter;
     let header = &body[..layout.header_end];
     out.write_all(without_last_cells(header, old, delimiter).as_bytes())?;
     out.write_all(&suffix(flags.columns.iter().map(|column| column.name.to_owned()), delimiter)?)?;
     let mut written = layout.header_end;
-    for ((end, cells), row) in layout.row_ends.iter().zip(&layout.rows).zip(&flags.rows) {
+    let mut flag_rows = flags.rows.iter();
+    for (number, (end, cells)) in layout.row_ends.iter().zip(&layout.rows).enumerate() {
+        if !is_kept(keep, number) {
+            // Comments before a row that goes stay.
+            out.write_all(before_record(&body[written..*end]).as_bytes())?;
+            written = *end;
+            continue;
+        }
+        let Some(row) = flag_rows.next() else { break };
         // A row of another length than the header's was never annotated in its columns.
         let cut = if cells.len() == layout.names.len() { old } else { 0 };
         out.write_all(without_last_cells(&body[written..*end], cut, delimiter).as_bytes())?;
@@ -97,8 +91,22 @@ fn write_lines(out: &mut dyn Write, body: &str, layout: &CsvLayout, flags: &Tabl
     out.write_all(&body.as_bytes()[written..])
 }
 
+/// What stands before a record in a piece that ends with it: comments and blank lines, less the line end that goes with the record.
+fn before_record(piece: &str) -> &str {
+    let mut start = 0;
+    loop {
+        start = piece.len() - piece[start..].trim_start_matches(['\r', '\n']).len();
+        if !piece[start..].starts_with('#') {
+            break;
+        }
+        start += piece[start..].find('\n').unwrap_or(piece.len() - start);
+    }
+    let before = &piece[..start];
+    before.strip_suffix("\r\n").or_else(|| before.strip_suffix('\n')).unwrap_or(before)
+}
+
 /// A delimiter and the cells behind it, quoted where they need it.
-fn suffix(cells: impl Iterator<Item = String>, delimiter: u8) -> io::Result<Vec<u8>> {
+pub(super) fn suffix(cells: impl Iterator<Item = String>, delimiter: u8) -> io::Result<Vec<u8>> {
     let mut writer = csv::WriterBuilder::new().delimiter(delimiter).from_writer(vec![delimiter]);
     writer.write_record(cells)?;
     let mut bytes = writer.into_inner().map_err(|error| io::Error::other(error.to_string()))?;
@@ -108,7 +116,7 @@ fn suffix(cells: impl Iterator<Item = String>, delimiter: u8) -> io::Result<Vec<
 }
 
 /// The record without its last cells; delimiters within quotes part nothing.
-fn without_last_cells(record: &str, count: usize, delimiter: u8) -> &str {
+pub(super) fn without_last_cells(record: &str, count: usize, delimiter: u8) -> &str {
     if count == 0 {
         return record;
     }
@@ -139,11 +147,15 @@ mod tests {
     }
 
     fn run(text: &str, verdicts: &[&str], replace: bool) -> Result<String, AnnotateError> {
+        run_rows(text, verdicts, replace, None)
+    }
+
+    fn run_rows(text: &str, verdicts: &[&str], replace: bool, keep: Option<&[bool]>) -> Result<String, AnnotateError> {
         let folder = tempfile::tempdir().unwrap();
         let (input, output) = (folder.path().join("in.csv"), folder.path().join("out.csv"));
         std::fs::write(&input, text).unwrap();
         let (flags, streaks, provenance) = (flags(verdicts), Table::default(), Provenance::default());
-        let annotation = Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace };
+        let annotation = Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace, keep };
         let written = annotate(&input, &output, &annotation)?;
         assert_eq!(written, [output.clone(), folder.path().join("out.streaks.csv")]);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 3);
@@ -171,6 +183,23 @@ mod tests {
         assert!(error.contains("already has columns verdict, reasons") && error.contains("--replace"), "{error}");
         let second = run(&first, &["avoid"], true).unwrap();
         assert_eq!(second, first.replace("clear", "avoid"));
+    }
+
+    #[test]
+    fn rows_that_are_not_asked_for_go_with_their_lines() {
+        let text = "id,n\r\n1,a\r\n# note\r\n2,\"b\r\nc\"\r\n3,d\r\n";
+        let shard = |verdicts: &[&str], keep: [bool; 3]| run_rows(text, verdicts, false, Some(&keep)).unwrap();
+        let reasons = "\"a, \"\"b\"\"\"";
+        let head = "id,n,verdict,reasons\r\n";
+        assert_eq!(
+            shard(&["clear"], [false, true, false]),
+            format!("{head}# note\r\n2,\"b\r\nc\",clear,{reasons}\r\n")
+        );
+        assert_eq!(
+            shard(&["clear", "avoid"], [true, false, true]),
+            format!("{head}1,a,clear,{reasons}\r\n# note\r\n3,d,avoid,{reasons}\r\n")
+        );
+        assert_eq!(shard(&[], [false; 3]), format!("{head}# note\r\n"));
     }
 
     #[test]

@@ -13,7 +13,7 @@ pub enum AnnotateError {
     #[error(transparent)]
     Schedule(#[from] ScheduleError),
     /// A format that cannot be written back.
-    #[error("schedule {path} is {format}; allowed: opsim SQLite and CSV")]
+    #[error("schedule {path} is {format}, which this build cannot write; allowed: CSV, ECSV, JSON and VOTable")]
     Format {
         /// The file.
         path: String,
@@ -45,6 +45,15 @@ pub enum AnnotateError {
         path: String,
         /// What the system said.
         source: io::Error,
+    },
+    /// Parquet found something wrong.
+    #[cfg(feature = "parquet")]
+    #[error("cannot write {path}: {what}")]
+    Parquet {
+        /// The file.
+        path: String,
+        /// What was said.
+        what: String,
     },
     /// SQLite found something wrong.
     #[cfg(feature = "sqlite")]

@@ -10,6 +10,7 @@ use rusqlite::{Connection, params, params_from_iter};
 use crate::table::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
 use super::super::formats::{ID, display, open_read_only};
+use super::beside::{check_rows, is_kept};
 use super::error::AnnotateError;
 use super::write::Annotation;
 
@@ -33,10 +34,7 @@ pub(super) fn annotate(
         return Err(AnnotateError::AlreadyThere { path: display(input), what });
     }
     let rows: i64 = source.query_row("SELECT count(*) FROM observations", [], |row| row.get(0)).map_err(sqlite)?;
-    let (rows, flags) = (usize::try_from(rows).unwrap_or(0), annotation.flags.rows.len());
-    if rows != flags {
-        return Err(AnnotateError::Changed { path: display(input), rows, flags });
-    }
+    check_rows(input, usize::try_from(rows).unwrap_or(0), annotation)?;
     let write_error = |source| AnnotateError::Write { path: display(output), source };
     let file = AtomicFile::new(output).map_err(write_error)?;
     write_copy(&source, file.path(), &earlier, annotation).map_err(sqlite)?;
@@ -67,12 +65,26 @@ fn write_copy(
     for (kind, name) in earlier {
         transaction.execute(&format!("DROP {kind} {name}"), [])?;
     }
+    if annotation.keep.is_some() {
+        keep_rows(&transaction, annotation.keep)?;
+    }
     let id_type = id_type(&transaction)?;
     write_table(&transaction, STREAKS, annotation.streaks, id_type)?;
     write_table(&transaction, FLAGS, annotation.flags, id_type)?;
     write_provenance(&transaction, annotation.provenance)?;
     transaction.commit()?;
     copy.close().map_err(|(_, error)| error)
+}
+
+/// Deletes the observations that are not asked for, counted in the order in which they are read.
+fn keep_rows(connection: &Connection, keep: Option<&[bool]>) -> Result<(), rusqlite::Error> {
+    let mut statement = connection.prepare("SELECT rowid FROM observations")?;
+    let rows: Vec<i64> = statement.query_map([], |row| row.get(0))?.collect::<Result<_, _>>()?;
+    let mut delete = connection.prepare("DELETE FROM observations WHERE rowid = ?")?;
+    for (_, rowid) in rows.into_iter().enumerate().filter(|(row, _)| !is_kept(keep, *row)) {
+        delete.execute([rowid])?;
+    }
+    Ok(())
 }
 
 fn write_table(
@@ -182,7 +194,8 @@ mod tests {
             .unwrap();
         let (flags, streaks) = tables(&["007", "7", "1e3", "7.0", "x"]);
         let provenance = Provenance::default();
-        let annotation = Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false };
+        let annotation =
+            Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
         annotate(&input, &output, &annotation).unwrap();
         let query = "SELECT count(*) FROM observations JOIN streak_flags ON exposure_id = observationId";
         let joined: i64 = Connection::open(&output).unwrap().query_row(query, [], |row| row.get(0)).unwrap();
@@ -205,7 +218,8 @@ mod tests {
                 .unwrap();
             let (flags, streaks) = tables(&ids);
             let provenance = Provenance::default();
-            let annotation = Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false };
+            let annotation =
+                Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace: false, keep: None };
             annotate(&input, &output, &annotation).unwrap();
             let copy = Connection::open(&output).unwrap();
             let query = "SELECT count(*) FROM observations JOIN streak_flags ON exposure_id = observationId";
@@ -234,7 +248,8 @@ mod tests {
         let (flags, streaks) = tables(&["7", "9"]);
         let mut provenance = Provenance::default();
         provenance.state("version", "0");
-        let annotation = |replace| Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace };
+        let annotation =
+            |replace| Annotation { flags: &flags, streaks: &streaks, provenance: &provenance, replace, keep: None };
         annotate(&input, &output, &annotation(false)).unwrap();
         assert_eq!(dump(&input), dump(&output));
         let beside = |entry: &std::fs::DirEntry| entry.file_name().to_string_lossy().contains("out");

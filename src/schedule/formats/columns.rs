@@ -1,4 +1,4 @@
-//! Which column means what: the names of this program and those of Rubin's opsim.
+//! Which column means what: the names of this program, of Rubin's opsim and ConsDB, and of ObsLocTAP.
 
 use std::path::Path;
 
@@ -9,11 +9,11 @@ use super::sniff::display;
 use crate::geometry::edit_distance;
 
 /// Names of the exposure's own name, in the order of preference.
-pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "id"];
-const DURATION: &[&str] = &["duration_s", "visitExposureTime"];
-const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA"];
-const DECLINATION: &[&str] = &["dec_deg", "fieldDec"];
-const ROTATION: &[&str] = &["rotation_deg", "rotSkyPos"];
+pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
+const DURATION: &[&str] = &["duration_s", "visitExposureTime", "exp_time", "t_exptime"];
+const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA", "s_ra"];
+const DECLINATION: &[&str] = &["dec_deg", "fieldDec", "s_dec"];
+const ROTATION: &[&str] = &["rotation_deg", "rotSkyPos", "sky_rotation"];
 const BAND: &[&str] = &["band", "filter"];
 
 /// How shutter openings are written.
@@ -40,6 +40,9 @@ pub(in crate::schedule) struct StartColumn {
     pub scale: Option<TimeScale>,
 }
 
+/// The start in ObsLocTAP (the ObsPlan feed), whose rows may have no name of their own.
+const PLANNED_START: &str = "t_planning";
+
 /// In the order of preference where a file has several: those that name their scale first.
 const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
     ("start_utc", StartForm::Iso, Some(TimeScale::UTC)),
@@ -55,12 +58,17 @@ const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
     ("start_mjd", StartForm::Mjd, None),
     ("start_jd", StartForm::Jd, None),
     ("observationStartMJD", StartForm::Mjd, None),
+    // "MJD ... TAI" says the schema of Rubin's consolidated database (sdm_schemas, cdb_lsstcam.yaml).
+    ("obs_start_mjd", StartForm::Mjd, Some(TimeScale::TAI)),
+    // ObsLocTAP says MJD and no scale.
+    (PLANNED_START, StartForm::Mjd, None),
 ];
 
 /// Where each quantity stands in a file.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct ColumnMap {
-    pub id: usize,
+    /// `None` only in ObsLocTAP's tables: rows are then called by their number.
+    pub id: Option<usize>,
     pub start: StartColumn,
     pub duration: usize,
     pub right_ascension: usize,
@@ -82,14 +90,16 @@ impl ColumnMap {
         });
         let (id, duration, right_ascension, declination) =
             (place(ID), place(DURATION), place(RIGHT_ASCENSION), place(DECLINATION));
-        if let (Some(id), Some(start), Some(duration), Some(right_ascension), Some(declination)) =
-            (id, start.clone(), duration, right_ascension, declination)
+        let needs_id = start.as_ref().is_none_or(|start| start.name != PLANNED_START);
+        if let (Some(start), Some(duration), Some(right_ascension), Some(declination)) =
+            (start.clone(), duration, right_ascension, declination)
+            && (id.is_some() || !needs_id)
         {
             let (rotation, band) = (place(ROTATION), place(BAND));
             return Ok(Self { id, start, duration, right_ascension, declination, rotation, band });
         }
         let missing: Vec<&str> = [
-            ("exposure_id", id.is_none()),
+            ("exposure_id", id.is_none() && needs_id),
             ("start_utc", start.is_none()),
             ("duration_s", duration.is_none()),
             ("ra_deg", right_ascension.is_none()),

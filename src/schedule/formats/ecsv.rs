@@ -17,37 +17,95 @@ pub(super) fn is_ecsv(text: &str) -> bool {
     text.starts_with(SIGNATURE)
 }
 
+/// Where header, names and rows stand in the bytes of an ECSV file.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::schedule) struct EcsvLayout {
+    /// What stands between cells: a comma or a blank.
+    pub delimiter: u8,
+    /// The columns' names.
+    pub names: Vec<String>,
+    /// Where the entries of the header's list `datatype` end and others could follow.
+    pub datatype_end: usize,
+    /// Where the lines of the header stand, line ends included.
+    pub header_lines: Vec<(usize, usize)>,
+    /// Where the line of names stands, its line end not counted.
+    pub names_line: (usize, usize),
+    /// Where each row stands, its line end not counted.
+    pub rows: Vec<(usize, usize)>,
+}
+
+/// Finds header, names and rows; the byte places count from the beginning of `text`.
+///
+/// # Errors
+/// A header that is not YAML, another delimiter, no line of names, or quotes that are open at the end of a line.
+pub(in crate::schedule) fn ecsv_layout(path: &Path, text: &str) -> Result<EcsvLayout, ScheduleError> {
+    parse(path, text).map(|(layout, _)| layout)
+}
+
+fn parse(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>), ScheduleError> {
+    let error = |line: usize, what: String| ScheduleError::Line { path: display(path), line: line as u64, what };
+    let mut lines: Vec<(usize, usize)> = Vec::new();
+    for line in text.split_inclusive('\n') {
+        let start = lines.last().map_or(0, |(_, end)| *end);
+        lines.push((start, start + line.len()));
+    }
+    let of = |(start, end): (usize, usize)| text[start..end].trim_end_matches(['\r', '\n']);
+    let header_count = lines.iter().take_while(|line| of(**line).starts_with('#')).count();
+    let (header_lines, body) = lines.split_at(header_count);
+    let yaml: Vec<&str> = header_lines.iter().skip(1).map(|line| uncommented(of(*line))).collect();
+    let documents = YamlOwned::load_from_str(&yaml.join("\n"))
+        .map_err(|problem| error(problem.marker().line() + 1, format!("the ECSV header is not YAML: {problem}")))?;
+    let header = documents.into_iter().next();
+    let delimiter = header.as_ref().and_then(|header| get(header, "delimiter")).and_then(YamlOwned::as_str);
+    let delimiter = match delimiter.unwrap_or(" ") {
+        "," => b',',
+        " " => b' ',
+        other => return Err(error(2, format!("ECSV delimiter '{other}'; allowed: comma and blank"))),
+    };
+    // The list ends with the next key at the left border, or with the header.
+    let in_list = |line: &&(usize, usize)| uncommented(of(**line)).starts_with([' ', '-']);
+    let list = header_lines.iter().position(|line| uncommented(of(*line)).trim_end() == "datatype:");
+    let list_lines = list.map_or(0, |list| list + 1 + header_lines[list + 1..].iter().take_while(in_list).count());
+    let datatype_end = list_lines.checked_sub(1).map_or(0, |last| header_lines[last].1);
+    let mut records = body
+        .iter()
+        .enumerate()
+        .filter(|(_, line)| !of(**line).trim().is_empty() && !of(**line).starts_with('#'))
+        .map(|(number, line)| (number, (line.0, line.0 + of(*line).len())));
+    let no_names = || error(header_count, "no line of column names below the header".into());
+    let (_, names_line) = records.next().ok_or_else(no_names)?;
+    let mut rows = Vec::new();
+    for (number, row) in records {
+        if !text[row.0..row.1].matches('"').count().is_multiple_of(2) {
+            return Err(error(header_count + number + 1, "a quoted cell goes on in the next line".into()));
+        }
+        rows.push(row);
+    }
+    let names = record(&text[names_line.0..names_line.1], delimiter);
+    let header_lines = header_lines.to_vec();
+    Ok((EcsvLayout { delimiter, names, datatype_end, header_lines, names_line, rows }, header))
+}
+
 /// Reads ECSV text, separated by commas or blanks.
 ///
 /// # Errors
-/// A header that is not YAML, another delimiter, or no line of names.
+/// As [`ecsv_layout`].
 pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
-    let error = |line: usize, what: String| ScheduleError::Line { path: display(path), line: line as u64, what };
-    let header_lines = text.lines().take_while(|line| line.starts_with('#')).count();
-    let yaml: Vec<&str> = text.lines().skip(1).take(header_lines.saturating_sub(1)).map(uncommented).collect();
-    let documents = YamlOwned::load_from_str(&yaml.join("\n"))
-        .map_err(|problem| error(problem.marker().line() + 1, format!("the ECSV header is not YAML: {problem}")))?;
-    let header = documents.first();
-    let delimiter = header.and_then(|header| get(header, "delimiter")).and_then(YamlOwned::as_str).unwrap_or(" ");
-    let comma = match delimiter {
-        "," => true,
-        " " => false,
-        other => return Err(error(2, format!("ECSV delimiter '{other}'; allowed: comma and blank"))),
-    };
-    let mut records = text
-        .lines()
-        .skip(header_lines)
-        .filter(|line| !line.trim().is_empty() && !line.starts_with('#'))
-        .map(|line| if comma { comma_record(line) } else { blank_record(line) });
-    let names = records.next().ok_or_else(|| error(header_lines, "no line of column names below the header".into()))?;
-    let mut table = RawTable::new(ScheduleFormat::Ecsv, names);
+    let (layout, header) = parse(path, text)?;
+    let mut table = RawTable::new(ScheduleFormat::Ecsv, layout.names);
     let width = table.names.len();
+    let records = layout.rows.iter().map(|(start, end)| record(&text[*start..*end], layout.delimiter));
     table.rows = records.map(|record| cells(record.iter().map(String::as_str), width)).collect();
-    if let Some(header) = header {
+    if let Some(header) = &header {
         read_units(header, &mut table);
         read_time_columns(header, &mut table);
     }
     Ok(table)
+}
+
+/// The cells of one line.
+fn record(line: &str, delimiter: u8) -> Vec<String> {
+    if delimiter == b',' { comma_record(line) } else { blank_record(line) }
 }
 
 fn uncommented(line: &str) -> &str {

@@ -1,26 +1,28 @@
-//! JSON: an array of rows, or an object that holds it under `exposures`.
+//! JSON: an array of rows, or an object that holds it under `exposures` (schedules) or `targets` (target lists).
 
+use std::fmt;
 use std::path::Path;
 
+use serde::de::{Deserializer, MapAccess, Visitor};
 use serde_json::Value;
+use serde_json::value::RawValue;
 
 use super::super::error::ScheduleError;
 use super::raw::{Cell, RawTable};
 use super::sniff::{ScheduleFormat, display};
+
+/// The arrays that rows are looked for in, where the document is an object.
+const ARRAYS: [&str; 2] = ["exposures", "targets"];
 
 /// Reads JSON text. The columns are the keys of all rows together.
 ///
 /// # Errors
 /// Text that is not JSON, no array of rows, or no rows.
 pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
-    let document: Value = serde_json::from_str(text).map_err(|error| ScheduleError::Line {
-        path: display(path),
-        line: error.line() as u64,
-        what: error.to_string(),
-    })?;
+    let document: Value = serde_json::from_str(text).map_err(|error| bad(path, &error))?;
     let rows = match &document {
         Value::Array(rows) => rows,
-        Value::Object(object) => match object.get("exposures") {
+        Value::Object(object) => match ARRAYS.iter().find_map(|name| object.get(*name)) {
             Some(Value::Array(rows)) => rows,
             _ => return Err(format(path, "is JSON without an array 'exposures'")),
         },
@@ -42,6 +44,103 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
         })
         .collect();
     Ok(table)
+}
+
+/// Where the members of an object stand in the bytes of a text.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::schedule) struct Members {
+    /// Each key with the end of its value.
+    pub ends: Vec<(String, usize)>,
+    /// Behind the opening brace.
+    pub open: usize,
+}
+
+/// One row with its places.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::schedule) struct JsonRow {
+    /// Where the row stands.
+    pub span: (usize, usize),
+    /// Its members; `None` where it is no object.
+    pub members: Option<Members>,
+}
+
+/// Where rows stand in the bytes of a JSON file.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::schedule) struct JsonLayout {
+    /// The rows in order.
+    pub rows: Vec<JsonRow>,
+    /// The members of the document, where it is an object; `None` where it is the array itself.
+    pub document: Option<Members>,
+}
+
+/// Finds the rows; the byte places count from the beginning of `text`.
+///
+/// # Errors
+/// As [`read`].
+pub(in crate::schedule) fn json_layout(path: &Path, text: &str) -> Result<JsonLayout, ScheduleError> {
+    let error = |error: serde_json::Error| bad(path, &error);
+    let place = |piece: &str| piece.as_ptr() as usize - text.as_ptr() as usize;
+    let (array, document) = if text.trim_start().starts_with('{') {
+        let object: Object<'_> = serde_json::from_str(text).map_err(error)?;
+        let array =
+            ARRAYS.iter().find_map(|name| object.0.iter().find(|(key, _)| key == name)).map(|(_, value)| *value);
+        let array = array.ok_or_else(|| format(path, "is JSON without an array 'exposures'"))?;
+        (array.get(), Some(members(text, &object, place)))
+    } else {
+        (text, None)
+    };
+    let rows: Vec<&RawValue> = serde_json::from_str(array).map_err(error)?;
+    let rows = rows
+        .into_iter()
+        .map(|row| {
+            let start = place(row.get());
+            let object = row.get().starts_with('{').then(|| serde_json::from_str::<Object<'_>>(row.get())).transpose();
+            let object = object.map_err(error)?;
+            let members = object.map(|object| members(&text[start..], &object, |piece| place(piece) - start));
+            let members = members.map(|members| Members {
+                ends: members.ends.into_iter().map(|(key, end)| (key, end + start)).collect(),
+                open: members.open + start,
+            });
+            Ok(JsonRow { span: (start, start + row.get().len()), members })
+        })
+        .collect::<Result<_, ScheduleError>>()?;
+    Ok(JsonLayout { rows, document })
+}
+
+fn members(text: &str, object: &Object<'_>, place: impl Fn(&str) -> usize) -> Members {
+    Members {
+        ends: object.0.iter().map(|(key, value)| (key.clone(), place(value.get()) + value.get().len())).collect(),
+        open: text.find('{').map_or(0, |brace| brace + 1),
+    }
+}
+
+/// An object's members in their order, their values as they stand in the text.
+struct Object<'a>(Vec<(String, &'a RawValue)>);
+
+impl<'de> serde::Deserialize<'de> for Object<'de> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        struct InOrder;
+        impl<'de> Visitor<'de> for InOrder {
+            type Value = Object<'de>;
+
+            fn expecting(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+                formatter.write_str("an object")
+            }
+
+            fn visit_map<A: MapAccess<'de>>(self, mut map: A) -> Result<Self::Value, A::Error> {
+                let mut members = Vec::new();
+                while let Some(member) = map.next_entry()? {
+                    members.push(member);
+                }
+                Ok(Object(members))
+            }
+        }
+        deserializer.deserialize_map(InOrder)
+    }
+}
+
+fn bad(path: &Path, error: &serde_json::Error) -> ScheduleError {
+    ScheduleError::Line { path: display(path), line: error.line() as u64, what: error.to_string() }
 }
 
 fn format(path: &Path, what: &str) -> ScheduleError {

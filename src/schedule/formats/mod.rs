@@ -6,15 +6,21 @@ mod ecsv;
 mod json;
 #[cfg(feature = "sqlite")]
 mod opsim;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod raw;
 mod sniff;
+mod votable;
 
-#[cfg(feature = "sqlite")]
-pub(super) use columns::ID;
-pub(super) use columns::{ColumnMap, StartColumn, StartForm};
+pub(super) use columns::{ColumnMap, ID, StartColumn, StartForm};
 pub(super) use delimited::{CsvLayout, csv_layout};
+pub(super) use ecsv::ecsv_layout;
+pub(super) use json::{JsonRow, Members, json_layout};
 #[cfg(feature = "sqlite")]
 pub(super) use opsim::open_read_only;
+#[cfg(feature = "parquet")]
+pub(super) use parquet::batches;
 pub(super) use raw::{Cell, RawTable};
 pub use sniff::ScheduleFormat;
 pub(super) use sniff::{display, read_raw};
+pub(super) use votable::{Span, VoTableLayout, votable_layout};

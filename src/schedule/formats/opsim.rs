@@ -33,8 +33,9 @@ pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
         return Err(ScheduleError::Format { path: display(path), what });
     }
     let map = ColumnMap::find(path, &names)?;
-    let wanted: Vec<usize> = [map.id, map.start.index, map.duration, map.right_ascension, map.declination]
+    let wanted: Vec<usize> = [map.start.index, map.duration, map.right_ascension, map.declination]
         .into_iter()
+        .chain(map.id)
         .chain(map.rotation)
         .chain(map.band)
         .collect();

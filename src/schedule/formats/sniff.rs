@@ -7,7 +7,7 @@ use std::path::Path;
 
 use super::super::error::ScheduleError;
 use super::raw::RawTable;
-use super::{delimited, ecsv, json};
+use super::{delimited, ecsv, json, votable};
 
 /// The syntaxes a schedule is read in.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -20,6 +20,10 @@ pub enum ScheduleFormat {
     Ecsv,
     /// A JSON array of rows, or an object with the array `exposures`.
     Json,
+    /// A VOTable whose first table is in TABLEDATA.
+    VoTable,
+    /// Apache Parquet.
+    Parquet,
 }
 
 impl fmt::Display for ScheduleFormat {
@@ -29,6 +33,8 @@ impl fmt::Display for ScheduleFormat {
             ScheduleFormat::Csv => "CSV",
             ScheduleFormat::Ecsv => "ECSV",
             ScheduleFormat::Json => "JSON",
+            ScheduleFormat::VoTable => "VOTable",
+            ScheduleFormat::Parquet => "Parquet",
         })
     }
 }
@@ -53,10 +59,12 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
     if head == *b"SQLite format 3\0" {
         return read_sqlite(path);
     }
+    if head.starts_with(b"PAR1") {
+        return read_parquet(path);
+    }
     let what = match head.as_slice() {
         [0x1f, 0x8b, ..] => Some("is compressed with gzip; unpack it first"),
         [0xff, 0xfe, ..] | [0xfe, 0xff, ..] => Some("is UTF-16 text; UTF-8 is needed"),
-        [b'P', b'A', b'R', b'1', ..] => Some("is Parquet"),
         [b'S', b'I', b'M', b'P', b'L', b'E', ..] => Some("is a FITS file"),
         _ => None,
     };
@@ -77,6 +85,8 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
     let body = text.trim_start();
     if body.is_empty() {
         Err(ScheduleError::Empty { path: display(path) })
+    } else if votable::is_votable(body) {
+        votable::read(path, text)
     } else if body.starts_with('<') {
         Err(ScheduleError::Format { path: display(path), what: "looks like XML or HTML".to_owned() })
     } else if body.starts_with(['{', '[']) {
@@ -96,5 +106,16 @@ fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
 #[cfg(not(feature = "sqlite"))]
 fn read_sqlite(path: &Path) -> Result<RawTable, ScheduleError> {
     let what = "is SQLite, and this build has no SQLite (cargo feature sqlite)".to_owned();
+    Err(ScheduleError::Format { path: display(path), what })
+}
+
+#[cfg(feature = "parquet")]
+fn read_parquet(path: &Path) -> Result<RawTable, ScheduleError> {
+    super::parquet::read(path)
+}
+
+#[cfg(not(feature = "parquet"))]
+fn read_parquet(path: &Path) -> Result<RawTable, ScheduleError> {
+    let what = "is Parquet, and this build has no Parquet (cargo feature parquet)".to_owned();
     Err(ScheduleError::Format { path: display(path), what })
 }

@@ -25,7 +25,7 @@ const ON_SCREEN: &[Shown] = &[
 pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     let setup = typed.shared.setup(typed.rules.setup())?;
     let output = typed.output.open(&setup)?;
-    let judged = judge(&setup, &typed.schedule)?;
+    let judged = judge(&setup, &typed.schedule, typed.shard)?;
     let flags = flag_table(&judged.report.flags);
     let left_out = left_out_table(&judged.report.left_out);
     output.write(&Answer {

@@ -9,7 +9,7 @@ use streakcast::frames::seconds_after;
 use streakcast::passes::{Exposure, Field};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
-    ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, StreakRow, Verdict, flag_exposures, streak_table,
+    ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, Shard, StreakRow, Verdict, flag_exposures, streak_table,
 };
 use streakcast::setup::{FieldSetup, Setup};
 use streakcast::table::{Provenance, Table, format_utc};
@@ -32,6 +32,8 @@ pub struct Judged {
     pub notices: Notices,
     /// One row for each exposure and satellite.
     pub streaks: Table,
+    /// Of a share of a batch: which rows of the file are in `schedule`.
+    pub keep: Option<Vec<bool>>,
 }
 
 /// Sets the threads, and says how loud the run is.
@@ -45,17 +47,32 @@ pub fn begin(setup: &Setup) -> anyhow::Result<Notices> {
     Ok(Notices::new(setup.quiet.unwrap_or(false)))
 }
 
-/// Reads and judges a schedule.
-pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
+/// Reads and judges a schedule, or its share of a batch.
+pub fn judge(setup: &Setup, path: &Path, shard: Option<Shard>) -> anyhow::Result<Judged> {
     let notices = begin(setup)?;
     let field = setup.field_of_view()?;
     let telescope = setup.telescope()?;
     let policy = setup.policy()?;
     let photometry = setup.photometry()?;
-    let schedule = Schedule::read(path, &setup.schedule_options()?)?;
+    let mut schedule = Schedule::read(path, &setup.schedule_options()?)?;
+    // The sky is made for the whole schedule: every share asks the same one.
     let judgeable = span(&schedule);
+    let all_rows = schedule.exposures.len();
+    let keep = match shard {
+        Some(shard) => {
+            let keep = shard.rows(&schedule, setup.viewpoint_longitude_rad(judgeable.map(|(first, _)| first))?);
+            let mut kept = keep.iter();
+            schedule.exposures.retain(|_| kept.next().copied().unwrap_or(false));
+            Some(keep)
+        }
+        None => None,
+    };
     let asked = Asked { field, telescope, policy, photometry };
     let (report, streaks, mut provenance) = match judgeable {
+        Some(_) if schedule.exposures.is_empty() => {
+            // A share of a batch with more shares than nights.
+            (FlagReport::default(), streak_table(std::iter::empty(), false, false), Provenance::new())
+        }
         Some(span) => judge_rows(setup, &schedule, span, &asked, &notices)?,
         None => {
             // No moment to ask any satellite about: the rows come back with their reasons, and rest on nothing.
@@ -72,14 +89,15 @@ pub fn judge(setup: &Setup, path: &Path) -> anyhow::Result<Judged> {
         json!({
             "file": path.display().to_string(),
             "format": schedule.format.to_string(),
-            "exposures": schedule.exposures.len(),
+            "exposures": all_rows,
+            "shard": shard.map(|shard| shard.to_string()),
             "start_column": schedule.start_column,
             "first_start_utc": judgeable.map(|(first, _)| format_utc(first, 3)),
         }),
     );
     provenance.state("options", options_json(setup, policy, telescope));
     summary(&notices, &report);
-    Ok(Judged { schedule, report, provenance, notices, streaks })
+    Ok(Judged { schedule, report, provenance, notices, streaks, keep })
 }
 
 /// What a schedule is judged by.

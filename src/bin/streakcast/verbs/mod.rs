@@ -3,6 +3,7 @@
 pub mod annotate;
 pub mod fit;
 pub mod flag;
+pub mod gate;
 #[cfg(feature = "fits")]
 pub mod inject;
 mod judged;
@@ -11,3 +12,4 @@ pub mod model;
 pub mod passes;
 pub mod shells;
 pub mod sites;
+pub mod windows;

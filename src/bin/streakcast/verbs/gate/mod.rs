@@ -1,0 +1,12 @@
+//! `gate`: waits until an exposure can start clear.
+
+mod clock;
+mod ekos;
+mod fault;
+mod indi;
+mod places;
+mod request;
+mod run;
+mod status;
+
+pub use run::run;

@@ -1,0 +1,49 @@
+//! Places of targets by name, for hosts that tell the name alone.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use serde::Deserialize;
+use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
+use streakcast::setup::Quantity;
+
+use super::fault::{Fault, FaultKind};
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    targets: BTreeMap<String, Place>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Place {
+    ra: Quantity,
+    dec: Quantity,
+}
+
+/// The place of a target; its name in any case, with blanks and underscores alike (Ekos turns one into the other).
+pub fn look_up(path: &Path, name: &str) -> Result<Direction<Gcrs>, Fault> {
+    let fault = |what: String| Fault::new(FaultKind::Target, format!("targets {}: {what}", path.display()));
+    let text = std::fs::read_to_string(path).map_err(|error| fault(error.to_string()))?;
+    let file: File = toml::from_str(&text).map_err(|error| fault(error.message().to_owned()))?;
+    let key = |name: &str| name.to_lowercase().replace(|c: char| c.is_whitespace() || c == '_' || c == '-', "");
+    let found = file
+        .targets
+        .get(name)
+        .or_else(|| file.targets.iter().find_map(|(known, place)| (key(known) == key(name)).then_some(place)));
+    let place = found.ok_or_else(|| fault(format!("no target '{name}'; known: {}", known(&file))))?;
+    let angles = parse_right_ascension_deg(&place.ra.text())
+        .and_then(|ra_deg| Ok((ra_deg, parse_declination_deg(&place.dec.text())?)))
+        .map_err(|error| fault(format!("target '{name}': {error}")))?;
+    Ok(Direction::from_lon_lat_rad(angles.0.to_radians(), angles.1.to_radians()))
+}
+
+fn known(file: &File) -> String {
+    const SHOWN: usize = 8;
+    let mut names: Vec<&str> = file.targets.keys().take(SHOWN).map(String::as_str).collect();
+    if file.targets.len() > SHOWN {
+        names.push("...");
+    }
+    names.join(", ")
+}

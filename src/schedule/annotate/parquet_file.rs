@@ -1,0 +1,149 @@
+//! Parquet: every column as it was, with the file's metadata; flags as further columns, streaks in a file beside it.
+
+use std::collections::HashMap;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchReader, StringArray};
+use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use arrow_select::filter::filter_record_batch;
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression, ZstdLevel};
+use parquet::file::metadata::{KeyValue, ParquetMetaData};
+use parquet::file::properties::WriterProperties;
+
+use super::super::error::ScheduleError;
+use super::super::formats::{batches, display};
+use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, streaks_path};
+use super::error::AnnotateError;
+use super::write::Annotation;
+use crate::table::{AtomicFile, Column, Kind, Table, Value};
+
+/// Made anew by the writer.
+const ARROW_SCHEMA: &str = "ARROW:schema";
+
+pub(super) fn annotate(
+    input: &Path,
+    output: &Path,
+    annotation: &Annotation<'_>,
+) -> Result<Vec<PathBuf>, AnnotateError> {
+    let (reader, metadata) = batches(input)?;
+    let schema = reader.schema();
+    let names: Vec<String> = schema.fields().iter().map(|field| field.name().clone()).collect();
+    let flags = flags_beside(&names, annotation.flags);
+    let old = earlier_columns(input, &names, &flags, annotation.replace)?;
+    let own: Vec<usize> = (0..names.len()).filter(|index| !old.contains(index)).collect();
+    check_rows(input, usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(0), annotation)?;
+
+    let fields: Vec<Arc<Field>> =
+        own.iter().map(|&index| schema.fields()[index].clone()).chain(flag_fields(&flags).map(Arc::new)).collect();
+    // What the schema says beyond its fields stands in the file's own metadata, where pyarrow looks for it.
+    let new_schema: SchemaRef = Arc::new(Schema::new(fields));
+    let file = AtomicFile::new(output).map_err(|source| AnnotateError::Write { path: display(output), source })?;
+    let broken =
+        |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(output), what: error.to_string() };
+    let mut writer = ArrowWriter::try_new(file.file(), new_schema.clone(), Some(properties(&metadata, &schema)))
+        .map_err(|error| broken(&error))?;
+    let (mut row, mut flag_row) = (0, 0);
+    for batch in reader {
+        let unreadable = |error: &dyn std::fmt::Display| ScheduleError::Format {
+            path: display(input),
+            what: format!("is Parquet that cannot be read: {error}"),
+        };
+        let batch = batch.map_err(|error| unreadable(&error))?;
+        let kept: Vec<bool> = (row..row + batch.num_rows()).map(|row| is_kept(annotation.keep, row)).collect();
+        row += batch.num_rows();
+        let batch = batch.project(&own).map_err(|error| unreadable(&error))?;
+        let batch = if annotation.keep.is_some() {
+            filter_record_batch(&batch, &BooleanArray::from(kept)).map_err(|error| unreadable(&error))?
+        } else {
+            batch
+        };
+        let next = flag_row + batch.num_rows();
+        let arrays = arrays(&flags.columns, flags.rows.get(flag_row..next).unwrap_or_default());
+        flag_row = next;
+        let columns = batch.columns().iter().cloned().chain(arrays).collect();
+        let batch = RecordBatch::try_new(new_schema.clone(), columns).map_err(|error| broken(&error))?;
+        writer.write(&batch).map_err(|error| broken(&error))?;
+    }
+    writer.close().map_err(|error| broken(&error))?;
+
+    let beside = streaks_path(output, "parquet");
+    let streaks = write_streaks(&beside, annotation)?;
+    finish(vec![(streaks, beside), (file, output.to_owned())])
+}
+
+/// Compression and metadata of the file that was read.
+fn properties(metadata: &ParquetMetaData, of_schema: &Schema) -> WriterProperties {
+    let said = metadata.file_metadata().key_value_metadata().cloned().unwrap_or_default();
+    let mut said: Vec<KeyValue> = said.into_iter().filter(|one| one.key != ARROW_SCHEMA).collect();
+    for (key, value) in of_schema.metadata() {
+        if !said.iter().any(|one| one.key == *key) {
+            said.push(KeyValue::new(key.clone(), value.clone()));
+        }
+    }
+    let first = metadata.row_groups().first().and_then(|group| group.columns().first());
+    let compression = first.map_or(Compression::SNAPPY, |column| column.compression());
+    let compression = match compression {
+        // Read, but not written by every build.
+        Compression::BROTLI(_) | Compression::LZO => Compression::SNAPPY,
+        known => known,
+    };
+    WriterProperties::builder()
+        .set_compression(compression)
+        .set_key_value_metadata((!said.is_empty()).then_some(said))
+        .build()
+}
+
+fn write_streaks(path: &Path, annotation: &Annotation<'_>) -> Result<AtomicFile, AnnotateError> {
+    let broken =
+        |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(path), what: error.to_string() };
+    let file = AtomicFile::new(path).map_err(|source| AnnotateError::Write { path: display(path), source })?;
+    let streaks = annotation.streaks;
+    let schema: SchemaRef = Arc::new(Schema::new(flag_fields(streaks).collect::<Vec<_>>()));
+    let provenance = serde_json::to_string(annotation.provenance).unwrap_or_default();
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_key_value_metadata(Some(vec![KeyValue::new("provenance".to_owned(), provenance)]))
+        .build();
+    let mut writer =
+        ArrowWriter::try_new(file.file(), schema.clone(), Some(properties)).map_err(|error| broken(&error))?;
+    let batch =
+        RecordBatch::try_new(schema, arrays(&streaks.columns, &streaks.rows)).map_err(|error| broken(&error))?;
+    writer.write(&batch).map_err(|error| broken(&error))?;
+    writer.close().map_err(|error| broken(&error))?;
+    Ok(file)
+}
+
+/// The columns of a table as Arrow calls them, units and meanings in their metadata.
+fn flag_fields(table: &Table) -> impl Iterator<Item = Field> + '_ {
+    table.columns.iter().map(|column| {
+        let kind = match column.kind {
+            Kind::Integer => DataType::Int64,
+            Kind::Real { .. } => DataType::Float64,
+            Kind::Boolean => DataType::Boolean,
+            Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => DataType::Utf8,
+        };
+        let said = [("unit", column.unit), ("description", column.description)];
+        let said = said.into_iter().filter(|(_, text)| !text.is_empty());
+        let said: HashMap<String, String> = said.map(|(key, text)| (key.to_owned(), text.to_owned())).collect();
+        Field::new(column.name, kind, true).with_metadata(said)
+    })
+}
+
+/// Rows as columns; numbers with the digits of the other formats.
+fn arrays(columns: &[Column], rows: &[Vec<Value>]) -> Vec<ArrayRef> {
+    let column = |(index, column): (usize, &Column)| -> ArrayRef {
+        let texts =
+            rows.iter().map(|row| row.get(index).map(|value| column.text(value)).filter(|text| !text.is_empty()));
+        match column.kind {
+            Kind::Integer => Arc::new(texts.map(|text| text?.parse().ok()).collect::<Int64Array>()),
+            Kind::Real { .. } => Arc::new(texts.map(|text| text?.parse().ok()).collect::<Float64Array>()),
+            Kind::Boolean => Arc::new(texts.map(|text| text?.parse().ok()).collect::<BooleanArray>()),
+            Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => {
+                Arc::new(texts.collect::<StringArray>())
+            }
+        }
+    };
+    columns.iter().enumerate().map(column).collect()
+}

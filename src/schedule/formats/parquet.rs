@@ -1,0 +1,72 @@
+//! Parquet: columns with types; numbers and texts are read, anything nested is left alone.
+
+use std::fs::File;
+use std::path::Path;
+
+use arrow_array::cast::AsArray;
+use arrow_array::types::Float64Type;
+use arrow_array::{Array, ArrayRef, RecordBatch};
+use arrow_cast::cast;
+use arrow_schema::DataType;
+use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
+use parquet::file::metadata::ParquetMetaData;
+
+use super::super::error::ScheduleError;
+use super::raw::{Cell, RawTable};
+use super::sniff::{ScheduleFormat, display};
+
+/// The rows of a file in batches, with what its footer says.
+///
+/// # Errors
+/// The file cannot be read or is not whole.
+pub(in crate::schedule) fn batches(
+    path: &Path,
+) -> Result<(ParquetRecordBatchReader, std::sync::Arc<ParquetMetaData>), ScheduleError> {
+    let file = File::open(path).map_err(|source| ScheduleError::Io { path: display(path), source })?;
+    let builder = ParquetRecordBatchReaderBuilder::try_new(file).map_err(|error| broken(path, &error))?;
+    let metadata = builder.metadata().clone();
+    let reader = builder.build().map_err(|error| broken(path, &error))?;
+    Ok((reader, metadata))
+}
+
+fn broken(path: &Path, error: &dyn std::fmt::Display) -> ScheduleError {
+    ScheduleError::Format { path: display(path), what: format!("is Parquet that cannot be read: {error}") }
+}
+
+/// Reads all rows.
+///
+/// # Errors
+/// As [`batches`].
+pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
+    let (reader, _) = batches(path)?;
+    let schema = arrow_array::RecordBatchReader::schema(&reader);
+    let names = schema.fields().iter().map(|field| field.name().clone()).collect();
+    let mut table = RawTable::new(ScheduleFormat::Parquet, names);
+    for batch in reader {
+        let batch: RecordBatch = batch.map_err(|error| broken(path, &error))?;
+        let columns: Vec<Vec<Cell>> = batch.columns().iter().map(cells).collect();
+        table.rows.extend(
+            (0..batch.num_rows()).map(|row| {
+                Ok(columns.iter().map(|column| column.get(row).cloned().unwrap_or(Cell::Missing)).collect())
+            }),
+        );
+    }
+    Ok(table)
+}
+
+/// Cells of a column: floating numbers as numbers, whole ones with all their digits, all else as text; nothing where it is no text.
+fn cells(column: &ArrayRef) -> Vec<Cell> {
+    if column.data_type().is_floating()
+        && let Ok(numbers) = cast(column, &DataType::Float64)
+    {
+        let numbers = numbers.as_primitive::<Float64Type>();
+        return numbers.iter().map(|number| number.map_or(Cell::Missing, Cell::Number)).collect();
+    }
+    match cast(column, &DataType::Utf8) {
+        Ok(texts) => {
+            let texts = texts.as_string::<i32>();
+            texts.iter().map(|text| text.map_or(Cell::Missing, Cell::from_text)).collect()
+        }
+        Err(_) => vec![Cell::Missing; column.len()],
+    }
+}

@@ -1,0 +1,289 @@
+//! VOTable: the first table of the document, its rows in TABLEDATA; units and time system from its header.
+
+use std::collections::HashMap;
+use std::path::Path;
+
+use hifitime::TimeScale;
+use quick_xml::Reader;
+use quick_xml::escape::resolve_predefined_entity;
+use quick_xml::events::{BytesStart, Event};
+
+use super::super::error::ScheduleError;
+use super::delimited::cells;
+use super::raw::{Cell, RawTable};
+use super::sniff::{ScheduleFormat, display};
+
+/// How far into the text the root is looked for, bytes: behind a declaration, comments and processing instructions.
+const HEAD: usize = 4096;
+
+/// A piece of the text, from the end of what stands before it to its own end: cut out whole, nothing shows that it was there.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub(in crate::schedule) struct Span {
+    /// Where the element before it ends.
+    pub after: usize,
+    /// Where it begins.
+    pub start: usize,
+    /// Where it ends.
+    pub end: usize,
+}
+
+/// One column as the header says it.
+#[derive(Clone, Debug, PartialEq)]
+struct FieldFacts {
+    name: String,
+    unit: Option<String>,
+    null: Option<String>,
+    time_system: Option<String>,
+}
+
+/// One row with the places of its parts.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(in crate::schedule) struct VoRow {
+    /// The whole `<TR>`.
+    pub span: Span,
+    /// Its `<TD>`s.
+    pub cells: Vec<Span>,
+    texts: Vec<String>,
+}
+
+/// Where fields and rows stand in the bytes of a VOTable.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::schedule) struct VoTableLayout {
+    /// The columns' names.
+    pub names: Vec<String>,
+    /// The `<FIELD>`s of the first table.
+    pub fields: Vec<Span>,
+    /// The rows of the first table.
+    pub rows: Vec<VoRow>,
+    /// The first table.
+    pub table: Span,
+    /// All other tables that have a name.
+    pub others: Vec<(String, Span)>,
+    facts: Vec<FieldFacts>,
+    time_systems: HashMap<String, TimeScale>,
+}
+
+/// True where the text is a VOTable.
+pub(super) fn is_votable(text: &str) -> bool {
+    let head = text.get(..HEAD.min(text.len())).unwrap_or_else(|| text.get(..HEAD - 3).unwrap_or(text));
+    text.starts_with('<') && (head.contains("<VOTABLE") || head.contains(":VOTABLE"))
+}
+
+/// Finds fields and rows; the byte places count from the beginning of `text`.
+///
+/// # Errors
+/// XML that is broken, no table, or a table whose rows are not in TABLEDATA.
+pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoTableLayout, ScheduleError> {
+    let fail = |what: &str| ScheduleError::Format { path: display(path), what: what.to_owned() };
+    let mut reader = Reader::from_str(text);
+    let mut layout = VoTableLayout {
+        names: Vec::new(),
+        fields: Vec::new(),
+        rows: Vec::new(),
+        table: Span::default(),
+        others: Vec::new(),
+        facts: Vec::new(),
+        time_systems: HashMap::new(),
+    };
+    // Which table stands open, what it is called, and where the open elements began.
+    let (mut tables, mut table_name) = (0, None::<String>);
+    let (mut table, mut field, mut row, mut cell) =
+        (Span::default(), Span::default(), VoRow::default(), Span::default());
+    let (mut in_cell, mut value) = (false, String::new());
+    let (mut last_end, mut depth) = (0, 0_usize);
+    let mut before = 0;
+    loop {
+        let event = reader.read_event().map_err(|error| {
+            let line = 1 + text[..before.min(text.len())].matches('\n').count();
+            ScheduleError::Line { path: display(path), line: line as u64, what: error.to_string() }
+        })?;
+        let now = reader.buffer_position() as usize;
+        match event {
+            Event::Start(element) => {
+                depth += 1;
+                match element.local_name().as_ref() {
+                    "TABLE" => {
+                        tables += 1;
+                        table = Span { after: last_end, start: before, end: now };
+                        table_name = attribute(&element, "name");
+                    }
+                    "FIELD" if tables == 1 => {
+                        field = Span { after: last_end, start: before, end: now };
+                        layout.facts.push(facts(&element));
+                    }
+                    "TR" if tables == 1 => {
+                        row = VoRow { span: Span { after: last_end, start: before, end: now }, ..VoRow::default() };
+                    }
+                    "TD" if tables == 1 => {
+                        cell = Span { after: last_end, start: before, end: now };
+                        (in_cell, value) = (true, String::new());
+                    }
+                    "TIMESYS" => layout.note_time_system(&element),
+                    "BINARY" | "BINARY2" | "FITS" if tables == 1 => {
+                        return Err(fail("is a VOTable whose rows are not in TABLEDATA"));
+                    }
+                    _ => {}
+                }
+                last_end = now;
+            }
+            Event::Empty(element) => {
+                let span = Span { after: last_end, start: before, end: now };
+                match element.local_name().as_ref() {
+                    "FIELD" if tables == 1 => {
+                        layout.facts.push(facts(&element));
+                        layout.fields.push(span);
+                    }
+                    "TD" if tables == 1 => {
+                        row.cells.push(span);
+                        row.texts.push(String::new());
+                    }
+                    "VALUES" if tables == 1 => {
+                        if let (Some(fact), Some(null)) = (layout.facts.last_mut(), attribute(&element, "null")) {
+                            fact.null = Some(null);
+                        }
+                    }
+                    "TIMESYS" => layout.note_time_system(&element),
+                    _ => {}
+                }
+                last_end = now;
+            }
+            Event::Text(piece) if in_cell => value.push_str(&piece),
+            Event::CData(piece) if in_cell => value.push_str(&piece),
+            Event::GeneralRef(reference) if in_cell => {
+                let name = reference.to_string();
+                let character = reference.resolve_char_ref().ok().flatten();
+                match (resolve_predefined_entity(&name), character) {
+                    (Some(text), _) => value.push_str(text),
+                    (None, Some(character)) => value.push(character),
+                    (None, None) => {}
+                }
+            }
+            Event::End(element) => {
+                depth = depth.saturating_sub(1);
+                match element.local_name().as_ref() {
+                    "FIELD" if tables == 1 => layout.fields.push(Span { end: now, ..field }),
+                    "TD" if tables == 1 => {
+                        row.cells.push(Span { end: now, ..cell });
+                        row.texts.push(std::mem::take(&mut value));
+                        in_cell = false;
+                    }
+                    "TR" if tables == 1 => {
+                        row.span.end = now;
+                        layout.rows.push(std::mem::take(&mut row));
+                    }
+                    "TABLE" => {
+                        table.end = now;
+                        match (tables, table_name.take()) {
+                            (1, _) => layout.table = table,
+                            (_, Some(name)) => layout.others.push((name, table)),
+                            (_, None) => {}
+                        }
+                        // What follows belongs to no table, least of all to the first.
+                        tables = tables.max(1) + usize::from(tables == 1);
+                    }
+                    _ => {}
+                }
+                last_end = now;
+            }
+            Event::Eof if depth > 0 => return Err(fail("is a VOTable that ends before its end")),
+            Event::Eof => break,
+            _ => {}
+        }
+        before = now;
+    }
+    if layout.fields.is_empty() {
+        return Err(fail("is a VOTable without a table"));
+    }
+    layout.names = layout.facts.iter().map(|fact| fact.name.clone()).collect();
+    Ok(layout)
+}
+
+impl VoTableLayout {
+    fn note_time_system(&mut self, element: &BytesStart<'_>) {
+        let scale = match attribute(element, "timescale").as_deref() {
+            Some("UTC") => TimeScale::UTC,
+            Some("TAI") => TimeScale::TAI,
+            Some("TT") => TimeScale::TT,
+            Some("TDB") => TimeScale::TDB,
+            _ => return,
+        };
+        if let Some(id) = attribute(element, "ID") {
+            self.time_systems.insert(id, scale);
+        }
+    }
+}
+
+/// Reads a VOTable.
+///
+/// # Errors
+/// As [`votable_layout`].
+pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
+    let layout = votable_layout(path, text)?;
+    let mut table = RawTable::new(ScheduleFormat::VoTable, layout.names);
+    let width = table.names.len();
+    let rows = layout.rows.iter().map(|row| cells(row.texts.iter().map(String::as_str), width));
+    table.rows = rows.collect();
+    for (index, fact) in layout.facts.iter().enumerate() {
+        if let Some(unit) = fact.unit.clone().filter(|unit| !unit.is_empty()) {
+            table.units.insert(fact.name.clone(), unit);
+        }
+        if let Some(scale) = fact.time_system.as_ref().and_then(|id| layout.time_systems.get(id)) {
+            table.time_scales.insert(fact.name.clone(), *scale);
+        }
+        let Some(null) = &fact.null else { continue };
+        for row in table.rows.iter_mut().flatten() {
+            if row.get(index).is_some_and(|cell| matches!(cell, Cell::Text(text) if text == null)) {
+                row[index] = Cell::Missing;
+            }
+        }
+    }
+    Ok(table)
+}
+
+fn facts(element: &BytesStart<'_>) -> FieldFacts {
+    let said = |name: &str| attribute(element, name);
+    FieldFacts {
+        name: said("name").or_else(|| said("ID")).unwrap_or_default(),
+        unit: said("unit"),
+        null: None,
+        time_system: said("ref"),
+    }
+}
+
+fn attribute(element: &BytesStart<'_>, name: &str) -> Option<String> {
+    let found = element.attributes().with_checks(false).flatten().find(|one| one.key.as_ref() == name)?;
+    let text = found.value.to_string();
+    Some(quick_xml::escape::unescape(&text).map_or(text.clone(), |plain| plain.into_owned()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "<?xml version=\"1.0\"?>\n<VOTABLE version=\"1.4\" xmlns=\"http://www.ivoa.net/xml/VOTable/v1.3\">\n <RESOURCE>\n\
+        <TIMESYS ID=\"t\" timescale=\"TAI\" refposition=\"TOPOCENTER\" timeorigin=\"MJD-origin\"/>\n <TABLE>\n  <FIELD name=\"id\" datatype=\"long\">\n\
+        <VALUES null=\"-9\"/></FIELD>\n  <FIELD name=\"start_mjd\" datatype=\"double\" ref=\"t\" unit=\"d\"/>\n  <DATA><TABLEDATA>\n   \
+        <TR><TD>7</TD><TD> 60536.1 </TD></TR>\n   <TR><TD>-9</TD><TD/></TR>\n  </TABLEDATA></DATA>\n </TABLE>\n\
+        <TABLE name=\"streaks\"><FIELD name=\"x\"/><DATA><TABLEDATA><TR><TD>a &amp; b</TD></TR></TABLEDATA></DATA></TABLE></RESOURCE></VOTABLE>\n";
+
+    #[test]
+    fn the_first_table_with_its_header_and_its_places() {
+        let path = Path::new("t.vot");
+        let table = read(path, TEXT).unwrap();
+        assert_eq!(table.names, ["id", "start_mjd"]);
+        assert_eq!(table.time_scales.get("start_mjd"), Some(&TimeScale::TAI));
+        assert_eq!(table.rows.len(), 2);
+        assert_eq!(table.rows[0].as_ref().unwrap()[1], Cell::Text("60536.1".into()));
+        assert_eq!(*table.rows[1].as_ref().unwrap(), [Cell::Missing, Cell::Missing]);
+        let layout = votable_layout(path, TEXT).unwrap();
+        let shown = |span: &Span| &TEXT[span.start..span.end];
+        assert_eq!(shown(&layout.fields[1]), "<FIELD name=\"start_mjd\" datatype=\"double\" ref=\"t\" unit=\"d\"/>");
+        assert_eq!(shown(&layout.rows[1].span), "<TR><TD>-9</TD><TD/></TR>");
+        assert_eq!(shown(&layout.rows[1].cells[1]), "<TD/>");
+        assert_eq!(layout.others.len(), 1);
+        assert!(shown(&layout.others[0].1).starts_with("<TABLE name=\"streaks\">"));
+        assert!(shown(&layout.table).ends_with("</TABLE>") && !shown(&layout.table).contains("streaks"));
+        let binary = TEXT.replace("TABLEDATA", "BINARY2");
+        assert!(read(path, &binary).unwrap_err().to_string().contains("not in TABLEDATA"));
+    }
+}

@@ -1,0 +1,156 @@
+//! Target lists: name, place and length of exposure, in every syntax that schedules are read in.
+
+use std::path::Path;
+
+use hifitime::Epoch;
+
+use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
+use crate::passes::Exposure;
+
+use super::error::ScheduleError;
+use super::formats::{Cell, display, read_raw};
+use super::rows::LONGEST_EXPOSURE_S;
+use super::windows::WindowTarget;
+
+const NAME: &[&str] = &["name", "target_name", "starname", "target"];
+const UNIQUE_ID: &[&str] = &["unique_id", "id"];
+const RIGHT_ASCENSION: &[&str] = &["ra_deg", "ra", "s_ra"];
+const DECLINATION: &[&str] = &["dec_deg", "dec", "s_dec"];
+const EXPOSURE: &[&str] = &["exposure_s", "exposure", "duration_s", "exptime", "exp_time", "t_exptime"];
+const ROTATION: &[&str] = &["rotation_deg"];
+const BAND: &[&str] = &["band", "filter"];
+
+/// One row of a target list.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ListedTarget {
+    /// Its name; the row's number from 1 where the cell is empty.
+    pub name: String,
+    /// What a scheduler knows it by; the name where the list has no such column.
+    pub unique_id: String,
+    /// What to look for windows of, or why the row has none.
+    pub target: Result<WindowTarget, String>,
+}
+
+/// Reads a target list (CSV, ECSV, JSON and whatever else schedules are read in): `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or
+/// exposure)` and, if known, `unique_id, rotation_deg, band`.
+///
+/// Numbers are degrees and seconds, ICRS; texts like `12h34m56s` and `-30d30m` are understood. A row whose target has no place stays, with its reason.
+/// Rows without a length or a rotation of their own take `duration_s` and `rotation_rad`.
+///
+/// # Errors
+/// As [`Schedule::read`](super::Schedule::read); missing columns.
+pub fn read_targets(
+    path: &Path,
+    duration_s: Option<f64>,
+    rotation_rad: f64,
+) -> Result<Vec<ListedTarget>, ScheduleError> {
+    let table = read_raw(path)?;
+    let place = |wanted: &[&str]| wanted.iter().find_map(|name| table.names.iter().position(|found| found == name));
+    let columns = [place(NAME), place(RIGHT_ASCENSION), place(DECLINATION), place(EXPOSURE)];
+    let needed = [("name", true), ("ra_deg", true), ("dec_deg", true), ("exposure_s", duration_s.is_none())];
+    let missing: Vec<&str> = columns
+        .iter()
+        .zip(needed)
+        .filter_map(|(column, (name, is_needed))| (column.is_none() && is_needed).then_some(name))
+        .collect();
+    if !missing.is_empty() {
+        return Err(ScheduleError::MissingTargetColumns {
+            path: display(path),
+            missing: missing.join(", "),
+            found: table.names.join(", "),
+        });
+    }
+    if table.rows.is_empty() {
+        return Err(ScheduleError::NoRows { path: display(path) });
+    }
+    let (unique_id, rotation, band) = (place(UNIQUE_ID), place(ROTATION), place(BAND));
+    let [name, right_ascension, declination, exposure] = columns;
+    let listed = table.rows.iter().enumerate().map(|(row, cells)| {
+        let numbered = (row + 1).to_string();
+        let cells = match cells {
+            Ok(cells) => cells,
+            Err(reason) => {
+                return ListedTarget { name: numbered.clone(), unique_id: numbered, target: Err(reason.clone()) };
+            }
+        };
+        let cell = |column: Option<usize>| column.and_then(|column| cells.get(column)).unwrap_or(&Cell::Missing);
+        let name = cell(name).text().unwrap_or(numbered);
+        let parts = Parts {
+            right_ascension: cell(right_ascension),
+            declination: cell(declination),
+            exposure: cell(exposure),
+            rotation: cell(rotation),
+        };
+        let target = parts.exposure(&name, duration_s, rotation_rad);
+        let target = target.map(|exposure| WindowTarget { exposure, band: cell(band).text() });
+        ListedTarget { unique_id: cell(unique_id).text().unwrap_or_else(|| name.clone()), name, target }
+    });
+    Ok(listed.collect())
+}
+
+struct Parts<'a> {
+    right_ascension: &'a Cell,
+    declination: &'a Cell,
+    exposure: &'a Cell,
+    rotation: &'a Cell,
+}
+
+impl Parts<'_> {
+    fn exposure(&self, name: &str, duration_s: Option<f64>, rotation_rad: f64) -> Result<Exposure, String> {
+        let place =
+            |cell: &Cell, what: &str| cell.text().ok_or_else(|| format!("{what} is missing: the target has no place"));
+        let right_ascension_deg =
+            parse_right_ascension_deg(&place(self.right_ascension, "right ascension")?).map_err(|e| e.to_string())?;
+        let declination_deg =
+            parse_declination_deg(&place(self.declination, "declination")?).map_err(|e| e.to_string())?;
+        let duration_s = match (self.exposure, duration_s) {
+            (Cell::Missing, Some(duration_s)) => duration_s,
+            (cell, _) => cell.number().map_err(|what| format!("exposure {what}"))?,
+        };
+        if !(0.0..=LONGEST_EXPOSURE_S).contains(&duration_s) {
+            return Err(format!("exposure is {duration_s} s, allowed 0 to {LONGEST_EXPOSURE_S}"));
+        }
+        let rotation_rad = match self.rotation {
+            Cell::Missing => rotation_rad,
+            cell => cell.number().map_err(|what| format!("rotation {what}"))?.to_radians(),
+        };
+        Ok(Exposure {
+            id: name.to_owned(),
+            // Windows say when it may start.
+            start: Epoch::from_gregorian_utc_at_midnight(2000, 1, 1),
+            duration_s,
+            pointing: Direction::from_lon_lat_rad(right_ascension_deg.to_radians(), declination_deg.to_radians()),
+            rotation_rad,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn read(name: &str, text: &str, duration_s: Option<f64>) -> Result<Vec<ListedTarget>, ScheduleError> {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join(name);
+        std::fs::write(&path, text).unwrap();
+        read_targets(&path, duration_s, 0.0)
+    }
+
+    #[test]
+    fn one_list_in_its_spellings() {
+        let csv = "name,ra,dec,exposure\nM 31,00h42m44s,+41d16m09s,300\nwhere,,,60\nlong,1,2,-3\n";
+        let targets = read("t.csv", csv, None).unwrap();
+        let exposure = &targets[0].target.as_ref().unwrap().exposure;
+        assert!((exposure.pointing.longitude_rad().to_degrees() - 10.683_333).abs() < 1e-5);
+        assert_eq!((exposure.duration_s, targets[0].unique_id.as_str()), (300.0, "M 31"));
+        assert_eq!(targets[1].target, Err("right ascension is missing: the target has no place".into()));
+        assert!(targets[2].target.as_ref().unwrap_err().contains("-3 s, allowed 0 to 86400"));
+        let json = r#"{"targets": [{"unique_id": 7, "starname": "HD 1", "ra_deg": 10.5, "dec_deg": -3, "band": "r"}]}"#;
+        let target = read("t.json", json, Some(30.0)).unwrap().remove(0);
+        assert_eq!((target.unique_id.as_str(), target.name.as_str()), ("7", "HD 1"));
+        let target = target.target.unwrap();
+        assert_eq!((target.exposure.duration_s, target.band.as_deref()), (30.0, Some("r")));
+        let message = read("t.csv", "name,ra\nx,1\n", None).unwrap_err().to_string();
+        assert!(message.contains("missing dec_deg, exposure_s; found name, ra"), "{message}");
+    }
+}

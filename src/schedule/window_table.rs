@@ -1,0 +1,250 @@
+//! Windows as tables, and in the shapes that schedulers of observatories take.
+
+use hifitime::{Duration, Epoch, TimeScale};
+use serde_json::{Value as Json, json};
+
+use crate::frames::seconds_between;
+use crate::table::{Column, Kind, Table, format_utc};
+
+use super::targets::ListedTarget;
+use super::windows::{ClearWindow, TargetWindows};
+
+/// A target with its windows.
+#[derive(Copy, Clone)]
+pub struct FoundWindows<'a> {
+    /// The row of the list.
+    pub listed: &'a ListedTarget,
+    /// What was found; `None` where the row is no target.
+    pub found: Option<&'a TargetWindows>,
+}
+
+impl FoundWindows<'_> {
+    fn windows(&self) -> &[ClearWindow] {
+        self.found.map_or(&[], |found| &found.windows)
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.listed.target.as_ref().map_or(f64::NAN, |target| target.exposure.duration_s)
+    }
+}
+
+/// One row a window: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s`.
+pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
+    let rows = all.iter().flat_map(|one| {
+        one.windows().iter().map(move |window| {
+            let pointing = one.listed.target.as_ref().map(|target| target.exposure.pointing).ok();
+            vec![
+                one.listed.name.as_str().into(),
+                one.listed.unique_id.as_str().into(),
+                window.first.into(),
+                window.last.into(),
+                seconds_between(window.first, window.last).into(),
+                pointing.map(|pointing| pointing.longitude_rad().to_degrees()).into(),
+                pointing.map(|pointing| pointing.latitude_rad().to_degrees()).into(),
+                one.duration_s().into(),
+            ]
+        })
+    });
+    let time = |name, description| Column { kind: Kind::Time { decimals: 3 }, ..Column::time(name, description) };
+    Table {
+        columns: vec![
+            Column::new("name", Kind::Text, "The list's name of the target."),
+            Column::new(
+                "unique_id",
+                Kind::Text,
+                "What the scheduler knows it by; the name where the list says nothing.",
+            ),
+            time("first_start_utc", "Earliest shutter opening of the window."),
+            time("last_start_utc", "Latest shutter opening of the window; the exposure ends its length later."),
+            Column::real("length_s", "s", 3, "Latest less earliest opening."),
+            Column::real("ra_deg", "deg", 7, "Right ascension of the field's centre, ICRS."),
+            Column::real("dec_deg", "deg", 7, "Declination of the field's centre."),
+            Column::real("exposure_s", "s", 3, "Length of the exposure."),
+        ],
+        rows: rows.collect(),
+    }
+}
+
+/// One row a target: `name, unique_id, n_windows, clear_s, observable_s, n_dodged, reason`.
+pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
+    let sum_s =
+        |windows: &[ClearWindow]| -> f64 { windows.iter().map(|one| seconds_between(one.first, one.last)).sum() };
+    let rows = all.iter().map(|one| {
+        let reason = match (&one.listed.target, one.found) {
+            (Err(reason), _) => Some(reason.clone()),
+            (Ok(_), Some(found)) if found.observable.is_empty() => Some("never up in the dark".to_owned()),
+            (Ok(_), Some(found)) if found.windows.is_empty() => Some("never clear".to_owned()),
+            _ => None,
+        };
+        vec![
+            one.listed.name.as_str().into(),
+            one.listed.unique_id.as_str().into(),
+            one.windows().len().into(),
+            sum_s(one.windows()).into(),
+            one.found.map(|found| sum_s(&found.observable)).into(),
+            one.found.map_or(0, |found| found.dodged.len()).into(),
+            reason.into(),
+        ]
+    });
+    Table {
+        columns: vec![
+            Column::new("name", Kind::Text, "The list's name of the target."),
+            Column::new("unique_id", Kind::Text, "What the scheduler knows it by."),
+            Column::new("n_windows", Kind::Integer, "Windows found."),
+            Column::real("clear_s", "s", 3, "Length of all of them."),
+            Column::real("observable_s", "s", 3, "Length of the openings that altitude and Sun allow."),
+            Column::new("n_dodged", Kind::Integer, "Passes that part the windows."),
+            Column::new("reason", Kind::Text, "Why there is no window; empty where there is one."),
+        ],
+        rows: rows.collect(),
+    }
+}
+
+/// A scheduler whose shape windows are written in.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum WindowShape {
+    /// `windows` of requests of the LCO observation portal: a request, its overhead included, lies inside one.
+    Lco,
+    /// Absolute time constraints of an ESO p2 observation block: the block begins inside one.
+    EsoP2,
+    /// AstroQ's `custom.csv`: allowed stretches of time.
+    AstroQ,
+}
+
+impl WindowShape {
+    /// By its name on the command line: `lco`, `eso-p2`, `astroq`.
+    pub fn by_name(name: &str) -> Option<Self> {
+        match name {
+            "lco" => Some(WindowShape::Lco),
+            "eso-p2" => Some(WindowShape::EsoP2),
+            "astroq" => Some(WindowShape::AstroQ),
+            _ => None,
+        }
+    }
+
+    /// The text of the file.
+    ///
+    /// `overhead_s` passes from the beginning of a request or block to the opening of its shutter (slew, acquisition). What a shape has no
+    /// digits for is rounded inwards (seconds for LCO and AstroQ, minutes for p2), and a window that is gone by then is left out.
+    pub fn text(self, all: &[FoundWindows<'_>], overhead_s: f64) -> String {
+        match self {
+            WindowShape::Lco => pretty(&json!({ "requests": all.iter().map(|one| {
+                let windows = spans(one, |window, duration_s| (window.first, -overhead_s, window.last, duration_s), 1.0);
+                let windows: Vec<Json> = windows
+                    .map(|(start, end)| json!({"start": format_utc(start, 0), "end": format_utc(end, 0)}))
+                    .collect();
+                json!({"name": one.listed.name, "windows": windows})
+            }).collect::<Vec<_>>() })),
+            WindowShape::EsoP2 => pretty(&json!(all.iter().map(|one| {
+                let windows = spans(one, |window, _| (window.first, -overhead_s, window.last, -overhead_s), 60.0);
+                let minutes = |epoch: Epoch| format_utc(epoch, 0).chars().take(16).collect::<String>();
+                let windows: Vec<Json> =
+                    windows.map(|(from, to)| json!({"from": minutes(from), "to": minutes(to)})).collect();
+                json!({"name": one.listed.name, "obId": one.listed.unique_id, "absoluteTimeConstraints": windows})
+            }).collect::<Vec<_>>())),
+            WindowShape::AstroQ => {
+                let mut text = "unique_id,starname,start,stop\n".to_owned();
+                for one in all {
+                    for (start, stop) in
+                        spans(one, |window, duration_s| (window.first, 0.0, window.last, duration_s), 1.0)
+                    {
+                        let cells = [&one.listed.unique_id, &one.listed.name].map(|cell| quoted(cell));
+                        let time = |epoch| format_utc(epoch, 0).trim_end_matches('Z').to_owned();
+                        text += &format!("{},{},{},{}\n", cells[0], cells[1], time(start), time(stop));
+                    }
+                }
+                text
+            }
+        }
+    }
+}
+
+/// Windows with something added to their ends (seconds), rounded inwards to whole steps of UTC.
+fn spans(
+    one: &FoundWindows<'_>,
+    ends: impl Fn(&ClearWindow, f64) -> (Epoch, f64, Epoch, f64),
+    step_s: f64,
+) -> impl Iterator<Item = (Epoch, Epoch)> {
+    let duration_s = one.duration_s();
+    let nanoseconds = |seconds: f64| (seconds * 1e9).round() as i128;
+    let utc = |epoch: Epoch, add_s: f64| {
+        epoch.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds() + nanoseconds(add_s)
+    };
+    let moment = |steps: i128| {
+        Epoch::from_duration(Duration::from_total_nanoseconds(steps * nanoseconds(step_s)), TimeScale::UTC)
+    };
+    let found: Vec<(Epoch, Epoch)> = one
+        .windows()
+        .iter()
+        .filter_map(|window| {
+            let (first, first_add_s, last, last_add_s) = ends(window, duration_s);
+            let step = nanoseconds(step_s);
+            let (start, end) =
+                (moment(-(-utc(first, first_add_s)).div_euclid(step)), moment(utc(last, last_add_s).div_euclid(step)));
+            (seconds_between(start, end) > 0.0).then_some((start, end))
+        })
+        .collect();
+    found.into_iter()
+}
+
+fn pretty(document: &Json) -> String {
+    serde_json::to_string_pretty(document).unwrap_or_default() + "\n"
+}
+
+/// A cell of CSV, quoted where it must be.
+fn quoted(cell: &str) -> String {
+    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frames::Direction;
+    use crate::passes::Exposure;
+    use crate::schedule::{WindowTarget, parse_instant};
+
+    fn utc(text: &str) -> Epoch {
+        parse_instant(text, None).unwrap()
+    }
+
+    #[test]
+    fn shapes_round_inwards_and_leave_room_for_overheads() {
+        let exposure = Exposure {
+            id: "a".into(),
+            start: utc("2000-01-01T00:00:00Z"),
+            duration_s: 30.0,
+            pointing: Direction::from_lon_lat_rad(1.0, 0.5),
+            rotation_rad: 0.0,
+        };
+        let listed = ListedTarget {
+            name: "a, b".into(),
+            unique_id: "7".into(),
+            target: Ok(WindowTarget { exposure, band: None }),
+        };
+        let windows = [
+            ("2024-08-14T01:00:00.200Z", "2024-08-14T01:05:00.800Z"),
+            ("2024-08-14T02:00:10Z", "2024-08-14T02:00:10.5Z"),
+        ];
+        let found = TargetWindows {
+            windows: windows.iter().map(|(a, b)| ClearWindow { first: utc(a), last: utc(b) }).collect(),
+            ..TargetWindows::default()
+        };
+        let all = [FoundWindows { listed: &listed, found: Some(&found) }];
+        let json =
+            |shape: WindowShape, overhead_s| serde_json::from_str::<Json>(&shape.text(&all, overhead_s)).unwrap();
+        let lco = json(WindowShape::Lco, 0.0);
+        assert_eq!(
+            lco["requests"][0]["windows"],
+            json!([{"start": "2024-08-14T01:00:01Z", "end": "2024-08-14T01:05:30Z"}, {"start": "2024-08-14T02:00:10Z", "end": "2024-08-14T02:00:40Z"}])
+        );
+        assert_eq!(json(WindowShape::Lco, 90.0)["requests"][0]["windows"][0]["start"], "2024-08-14T00:58:31Z");
+        assert_eq!(
+            json(WindowShape::EsoP2, 60.0)[0]["absoluteTimeConstraints"],
+            json!([{"from": "2024-08-14T01:00", "to": "2024-08-14T01:04"}])
+        );
+        assert_eq!(
+            WindowShape::AstroQ.text(&all, 0.0),
+            "unique_id,starname,start,stop\n7,\"a, b\",2024-08-14T01:00:01,2024-08-14T01:05:30\n7,\"a, b\",2024-08-14T02:00:10,2024-08-14T02:00:40\n"
+        );
+    }
+}
