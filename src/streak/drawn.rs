@@ -8,7 +8,7 @@ use super::light::{Source, SourcePart};
 use super::optics::{Optics, OpticsError};
 use super::render::{PathError, draw};
 use super::tracking::Tracking;
-use crate::camera::{Patch, PixelPosition};
+use crate::camera::{Patch, PixelPosition, RadialProfile};
 use crate::frames::{Direction, Gcrs, seconds_after};
 
 /// Why a source cannot be drawn.
@@ -61,7 +61,7 @@ pub struct DrawnStreak<'a> {
     pub patch: Patch,
     /// Evenly spaced in time from the first to the last moment over the chip; empty where only the light's fringe touches it.
     pub points: Vec<StreakPoint>,
-    /// Full width at half maximum of the light across the streak where it is brightest, arcsec and pixels.
+    /// Full width at half maximum of the light across the streak, arcsec; of a light that stands still about the same.
     pub width_arcsec: f64,
     /// The same in pixels.
     pub width_pix: f64,
@@ -145,7 +145,25 @@ fn draw_way(
     let [from_s, to_s] = way.inside_s.unwrap_or([nodes[0].time_s, nodes[nodes.len() - 1].time_s]);
     let range_km = range_at(part, 0.5 * (from_s + to_s));
     let profile = shot.optics.profile(range_km, part.radius_m, scale_arcsec)?;
-    Ok(Some((draw(&way.path, &profile, chip.rows, chip.columns), profile.fwhm_pix())))
+    let (from, to) = (way.path.point_at(from_s), way.path.point_at(to_s));
+    let width_pix = width_across(&profile, (to.y - from.y).atan2(to.x - from.x));
+    Ok(Some((draw(&way.path, &profile, chip.rows, chip.columns), width_pix)))
+}
+
+/// Full width at half maximum of a line of light across its direction, pixels averaged as the detector does. A ring may have two maxima: the width is that between the
+/// outermost places of half the greatest.
+fn width_across(profile: &RadialProfile, angle_rad: f64) -> f64 {
+    const LOOKS: usize = 400;
+    let step_pix = profile.pixel_reach_pix().min(4.0 * profile.fwhm_pix() + 2.0) / LOOKS as f64;
+    let light = |across_pix: f64| profile.line(across_pix, angle_rad);
+    let half = 0.5 * (0..=LOOKS).map(|look| light(look as f64 * step_pix)).fold(0.0, f64::max);
+    let last = (0..LOOKS).rev().find(|look| light(*look as f64 * step_pix) >= half).unwrap_or(0) as f64 * step_pix;
+    let (mut inside, mut outside) = (last, last + step_pix);
+    for _ in 0..40 {
+        let middle = 0.5 * (inside + outside);
+        if light(middle) >= half { inside = middle } else { outside = middle }
+    }
+    2.0 * inside
 }
 
 /// Distance at a moment, km: the straight line between the two nearest points.
@@ -240,5 +258,24 @@ impl DrawnStreak<'_> {
     /// Light of the whole streak in the frame, as the magnitude of a star of as many counts.
     pub fn total_magnitude(&self) -> f64 {
         self.zero_point_mag - 2.5 * self.patch.sum().log10()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::camera::{Blur, Seeing};
+
+    #[test]
+    fn verif_a_streak_of_moffats_is_wider_than_a_star() {
+        let width = |seeing| width_across(&RadialProfile::of(&Blur::seeing(seeing)).unwrap(), 0.0);
+        // Along a line a Gaussian stays what it is; a Moffat of exponent β becomes one of β - 1/2. Pixels add 1/12 to the variance.
+        assert!(
+            (width(Seeing::Gaussian { fwhm_pix: 8.0 }) - 8.0f64.hypot(2.3548 * (1.0f64 / 12.0).sqrt())).abs() < 0.02
+        );
+        let (beta, alpha) = (3.5, 8.0 / (2.0 * (2f64.powf(1.0 / 3.5) - 1.0).sqrt()));
+        let line = 2.0 * alpha * (2f64.powf(1.0 / (beta - 0.5)) - 1.0).sqrt();
+        let moffat = width(Seeing::Moffat { fwhm_pix: 8.0, beta });
+        assert!(moffat > line && moffat < line + 0.1, "{moffat} {line}");
     }
 }

@@ -87,7 +87,12 @@ static FIELDS: &[Field] = &[
         (row.streak.rate_arcsec_s / 3600.0).into()
     }),
     field(
-        Column::real("width_pix", "pix", 3, "Full width at half maximum of a point's image: seeing, defocus, size."),
+        Column::real(
+            "width_pix",
+            "pix",
+            3,
+            "Full width at half maximum across the streak: seeing, defocus, size, pixel.",
+        ),
         |row| row.streak.width_pix.into(),
     ),
     field(Column::real("width_arcsec", "arcsec", 3, "The same."), |row| row.streak.width_arcsec.into()),
