@@ -5,6 +5,8 @@ use hifitime::Epoch;
 use crate::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
 use crate::passes::{Exposure, Viewpoint};
 
+use super::shift::Interval;
+
 /// Exposures whose orientation of the Earth is sampled together, seconds.
 const GROUP_S: f64 = 43_200.0;
 
@@ -17,6 +19,14 @@ const LIMB_LOOK_EVERY_S: f64 = 10.0;
 /// for an hour. From an orbit it is the lowest angle above the Earth's limb, looked at every 10 s; not a number where the telescope's own elements give no
 /// place.
 pub fn lowest_altitudes_rad(exposures: &[&Exposure], viewpoint: &Viewpoint, eop: &EopTable) -> Vec<f64> {
+    lowest_altitudes_over(exposures, viewpoint, &|start, end| OrientationTable::new(start, end, eop))
+}
+
+/// Who knows how the Earth is turned between two moments.
+pub(super) type Earth<'a> = &'a dyn Fn(Epoch, Epoch) -> OrientationTable;
+
+/// As [`lowest_altitudes_rad`], with the Earth of whoever keeps it.
+pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoint, earth: Earth<'_>) -> Vec<f64> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&index| exposures[index].start);
     let mut altitudes = vec![f64::NAN; exposures.len()];
@@ -29,7 +39,7 @@ pub fn lowest_altitudes_rad(exposures: &[&Exposure], viewpoint: &Viewpoint, eop:
             slot => {
                 let length_s = exposure.duration_s.max(GROUP_S);
                 let end = seconds_after(exposure.start, length_s);
-                slot.insert(OrientationTable::new(exposure.start, end, eop))
+                slot.insert(earth(exposure.start, end))
             }
         };
         let opened_s = start_s(table.reference());
@@ -62,22 +72,22 @@ const BEFORE_SETTING_S: f64 = 0.01;
 /// How much later each exposure may start, at most `max_delay_s`, so that its pointing is still up as it ends, seconds.
 ///
 /// Pointings that are up at their scheduled closing; the sky position stays the same, so that a pointing that sinks sets.
-pub fn last_starts_s(exposures: &[&Exposure], viewpoint: &Viewpoint, eop: &EopTable, max_delay_s: f64) -> Vec<f64> {
-    let lowest_rad = lowest_altitudes_rad(exposures, viewpoint, eop);
+pub fn last_starts_s(exposures: &[&Exposure], viewpoint: &Viewpoint, earth: Earth<'_>, max_delay_s: f64) -> Vec<f64> {
+    let lowest_rad = lowest_altitudes_over(exposures, viewpoint, earth);
     let fastest_rad_s = if viewpoint.site().is_some() { FASTEST_SINKING_RAD_S } else { FASTEST_LIMB_RAD_S };
     let each = exposures.iter().zip(lowest_rad);
     each.map(|(exposure, lowest_rad)| {
         if lowest_rad > fastest_rad_s * max_delay_s {
             return max_delay_s;
         }
-        last_start_s(exposure, viewpoint, eop, max_delay_s)
+        last_start_s(exposure, viewpoint, earth, max_delay_s)
     })
     .collect()
 }
 
-fn last_start_s(exposure: &Exposure, viewpoint: &Viewpoint, eop: &EopTable, max_delay_s: f64) -> f64 {
+fn last_start_s(exposure: &Exposure, viewpoint: &Viewpoint, earth: Earth<'_>, max_delay_s: f64) -> f64 {
     let end = seconds_after(exposure.start, exposure.duration_s + max_delay_s);
-    let table = OrientationTable::new(exposure.start, end, eop);
+    let table = earth(exposure.start, end);
     let is_up = |delay_s: f64| altitude_rad(exposure, viewpoint, &table, exposure.duration_s + delay_s) >= 0.0;
     let look_every_s = if viewpoint.site().is_some() { LOOK_EVERY_S } else { LIMB_LOOK_EVERY_S };
     let mut up_s = 0.0_f64;
@@ -95,6 +105,42 @@ fn last_start_s(exposure: &Exposure, viewpoint: &Viewpoint, eop: &EopTable, max_
         return (up_s - BEFORE_SETTING_S).max(0.0);
     }
     max_delay_s
+}
+
+/// When a pointing stands below an altitude during a time, seconds after its beginning; crossings are good to a hundredth of a second.
+///
+/// Where the telescope's own elements give no place it counts as below.
+pub(super) fn times_below(
+    time: &Exposure,
+    viewpoint: &Viewpoint,
+    earth: Earth<'_>,
+    altitude_limit_rad: f64,
+) -> Vec<Interval> {
+    let table = earth(time.start, seconds_after(time.start, time.duration_s));
+    let is_up = |at_s: f64| altitude_rad(time, viewpoint, &table, at_s) >= altitude_limit_rad;
+    let look_every_s = if viewpoint.site().is_some() { LOOK_EVERY_S } else { LIMB_LOOK_EVERY_S };
+    let looks = (time.duration_s / look_every_s).ceil().max(1.0);
+    let mut below = Vec::new();
+    let mut was_up = is_up(0.0);
+    let mut since_s = (!was_up).then_some(0.0);
+    for look in 1..=looks as usize {
+        let (mut before_s, mut after_s) =
+            (time.duration_s * (look - 1) as f64 / looks, time.duration_s * look as f64 / looks);
+        let up = is_up(after_s);
+        if up != was_up {
+            while after_s - before_s > BEFORE_SETTING_S {
+                let middle_s = 0.5 * (before_s + after_s);
+                if is_up(middle_s) == was_up { before_s = middle_s } else { after_s = middle_s }
+            }
+            match since_s.take() {
+                Some(start_s) => below.push(Interval { start_s, end_s: after_s }),
+                None => since_s = Some(before_s),
+            }
+        }
+        was_up = up;
+    }
+    below.extend(since_s.map(|start_s| Interval { start_s, end_s: time.duration_s }));
+    below
 }
 
 #[cfg(test)]
@@ -126,11 +172,12 @@ mod tests {
             })
             .collect();
         assert_eq!(low.len(), 1);
-        let last_s = last_starts_s(&[&low[0]], &viewpoint, &eop, 7200.0)[0];
+        let earth = |start, end| OrientationTable::new(start, end, &eop);
+        let last_s = last_starts_s(&[&low[0]], &viewpoint, &earth, 7200.0)[0];
         assert!((0.0..3600.0).contains(&last_s), "{last_s}");
         let at = |delay_s| lowest(&of(crate::frames::seconds_after(low[0].start, delay_s)));
         assert!(at(last_s) >= 0.0 && at(last_s + 0.1) < 0.0, "{last_s}: {} {}", at(last_s), at(last_s + 0.1));
-        assert_eq!(last_starts_s(&[&low[0]], &viewpoint, &eop, 0.5 * last_s), [0.5 * last_s]);
+        assert_eq!(last_starts_s(&[&low[0]], &viewpoint, &earth, 0.5 * last_s), [0.5 * last_s]);
     }
 
     #[test]

@@ -20,6 +20,7 @@ mod rows;
 mod scheduled;
 mod shift;
 mod streak_table;
+mod window;
 
 pub use annotate::{AnnotateError, Annotation, annotate};
 pub use error::ScheduleError;
@@ -32,7 +33,8 @@ pub use instant::{InstantError, is_covered, parse_instant};
 pub use judge::{CameraLimits, Expected, LimitKind, Rules, flag};
 pub(crate) use policy::one_line as toml_error_on_one_line;
 pub use policy::{MagnitudeLimit, OfTelescope, Policy, PolicyError};
-pub use report::{FlagReport, FlagRequest, flag_exposures};
+pub use report::{FlagReport, FlagRequest, flag_exposures, judge_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
-pub use shift::{Interval, next_clear_start};
+pub use shift::{Interval, clear_starts, next_clear_start};
 pub use streak_table::{StreakRow, streak_table};
+pub use window::{Blocking, ClearWindow, Target, clear_windows};

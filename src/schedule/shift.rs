@@ -24,18 +24,11 @@ pub fn next_clear_start(
     from_s: f64,
     max_delay_s: f64,
 ) -> Option<f64> {
-    // An exposure from s to s + D meets [a, b] with margin m while a - m - D <= s <= b + m: each interval forbids starts.
-    let mut forbidden: Vec<(f64, f64)> = blocked
-        .iter()
-        .map(|interval| (interval.start_s - margin_s - duration_s - guard_s, interval.end_s + margin_s + guard_s))
-        .collect();
-    let is_finite = forbidden.iter().all(|(first, last)| first.is_finite() && last.is_finite());
-    if !is_finite || !from_s.is_finite() || max_delay_s.is_nan() {
+    if !from_s.is_finite() || max_delay_s.is_nan() {
         return None;
     }
-    forbidden.sort_by(|a, b| a.0.total_cmp(&b.0));
     let mut start_s = from_s;
-    for (first, last) in forbidden {
+    for (first, last) in forbidden_starts(blocked, duration_s, margin_s, guard_s)? {
         if first > start_s {
             // Sorted by their beginning: all later ones begin later still.
             break;
@@ -43,6 +36,52 @@ pub fn next_clear_start(
         start_s = start_s.max(last);
     }
     (start_s - from_s <= max_delay_s).then_some(start_s)
+}
+
+/// All starts from `first_s` to `last_s` of an exposure that meets no interval, as stretches in order of time; margins and guard as for
+/// [`next_clear_start`]. Both ends of a stretch are clear starts.
+///
+/// Empty where nothing is clear, or where a number is not finite.
+pub fn clear_starts(
+    blocked: &[Interval],
+    duration_s: f64,
+    margin_s: f64,
+    guard_s: f64,
+    first_s: f64,
+    last_s: f64,
+) -> Vec<Interval> {
+    let mut stretches = Vec::new();
+    let Some(forbidden) = forbidden_starts(blocked, duration_s, margin_s, guard_s) else { return stretches };
+    let mut start_s = first_s;
+    for (first, last) in forbidden {
+        if first > last_s {
+            break;
+        }
+        if first > start_s {
+            stretches.push(Interval { start_s, end_s: first });
+        }
+        start_s = start_s.max(last);
+    }
+    if start_s <= last_s {
+        stretches.push(Interval { start_s, end_s: last_s });
+    }
+    stretches
+}
+
+/// First and last start that each interval forbids, by the first; `None` where a number is not finite.
+fn forbidden_starts(
+    blocked: &[Interval],
+    duration_s: f64,
+    margin_s: f64,
+    guard_s: f64,
+) -> Option<Vec<(f64, f64)>> {
+    // An exposure from s to s + D meets [a, b] with margin m while a - m - D <= s <= b + m: each interval forbids starts.
+    let mut forbidden: Vec<(f64, f64)> = blocked
+        .iter()
+        .map(|interval| (interval.start_s - margin_s - duration_s - guard_s, interval.end_s + margin_s + guard_s))
+        .collect();
+    forbidden.sort_by(|a, b| a.0.total_cmp(&b.0));
+    forbidden.iter().all(|(first, last)| first.is_finite() && last.is_finite()).then_some(forbidden)
 }
 
 #[cfg(test)]
@@ -66,6 +105,46 @@ mod tests {
                 interval.end_s < start_s - margin_s || interval.start_s > start_s + duration_s + margin_s
             })
         })
+    }
+
+    #[test]
+    fn clear_stretches_are_what_is_left() {
+        let blocked = [Interval { start_s: 50.0, end_s: 52.0 }, Interval { start_s: 51.0, end_s: 60.0 }];
+        // 10 s long, 1 s margin: starts from 39 to 61 are forbidden.
+        let stretches = |first_s, last_s| clear_starts(&blocked, 10.0, 1.0, 0.0, first_s, last_s);
+        let interval = |start_s, end_s| Interval { start_s, end_s };
+        assert_eq!(stretches(0.0, 100.0), [interval(0.0, 39.0), interval(61.0, 100.0)]);
+        assert_eq!(stretches(40.0, 100.0), [interval(61.0, 100.0)]);
+        assert_eq!(stretches(0.0, 30.0), [interval(0.0, 30.0)]);
+        assert_eq!(stretches(45.0, 55.0), []);
+        assert_eq!(clear_starts(&[interval(f64::NAN, 1.0)], 10.0, 0.0, 0.0, 0.0, 9.0), []);
+    }
+
+    proptest! {
+        #[test]
+        fn verif_stretches_begin_where_waiting_ends(
+            starts in prop::collection::vec((0.0..500.0, 0.0..30.0), 0..12),
+            duration_s in 0.0..60.0,
+            margin_s in 0.0..5.0,
+            from_s in 0.0..500.0,
+        ) {
+            let blocked: Vec<Interval> =
+                starts.iter().map(|(start_s, length_s)| Interval { start_s: *start_s, end_s: start_s + length_s }).collect();
+            let stretches = clear_starts(&blocked, duration_s, margin_s, 0.0, from_s, from_s + 700.0);
+            let first = next_clear_start(&blocked, duration_s, margin_s, 0.0, from_s, 700.0);
+            prop_assert_eq!(stretches.first().map(|stretch| stretch.start_s), first);
+            for stretch in &stretches {
+                // Inside a stretch nothing has to wait.
+                let middle_s = 0.5 * (stretch.start_s + stretch.end_s);
+                prop_assert_eq!(next_clear_start(&blocked, duration_s, margin_s, 0.0, middle_s, 700.0), Some(middle_s));
+            }
+            for pair in stretches.windows(2) {
+                // Between two of them nothing may start.
+                let between_s = 0.5 * (pair[0].end_s + pair[1].start_s);
+                let next = next_clear_start(&blocked, duration_s, margin_s, 0.0, between_s, 700.0);
+                prop_assert_eq!(next, Some(pair[1].start_s));
+            }
+        }
     }
 
     #[test]
