@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::frames::{EopTable, seconds_after, seconds_between};
+use crate::frames::{seconds_after, seconds_between};
 use crate::orbit::LeftOut;
 use crate::passes::{Chance, Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::PhotometryOptions;
@@ -37,8 +37,6 @@ pub struct FlagRequest<'a> {
     pub telescope: Option<&'a Telescope>,
     /// Band, system, extinction.
     pub photometry: &'a PhotometryOptions,
-    /// The Earth's orientation, for the horizon.
-    pub eop: &'a EopTable,
 }
 
 /// Every row judged.

@@ -55,7 +55,6 @@ impl Engine {
             policy: &self.policy,
             telescope: self.telescope.as_ref(),
             photometry: &self.photometry,
-            eop: &prepared.eop,
         }
     }
 
@@ -271,17 +270,30 @@ impl Engine {
             found.extend(places.into_iter().zip(answer.by_exposure).map(|(place, passes)| (place, prepared.clone(), passes)));
         }
         found.sort_by_key(|(place, ..)| *place);
-        let rows = found.iter().flat_map(|(place, prepared, passes)| {
-            passes.iter().map(|pass| StreakRow {
-                exposure: &exposures[*place],
-                pass,
-                elements: &prepared.sky.elements()[pass.element_index],
-                satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
-                telescope: self.telescope.as_ref(),
-                photometry: &self.photometry,
+        let rows: Vec<StreakRow<'_>> = found
+            .iter()
+            .flat_map(|(place, prepared, passes)| {
+                passes.iter().map(|pass| StreakRow {
+                    exposure: &exposures[*place],
+                    pass,
+                    elements: &prepared.sky.elements()[pass.element_index],
+                    satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
+                    telescope: self.telescope.as_ref(),
+                    photometry: &self.photometry,
+                })
             })
-        });
-        Ok((streak_table(rows, true, samples > 0), warnings))
+            .collect();
+        let mut table = streak_table(rows.iter().copied(), true, samples > 0);
+        table.columns.push(LOST);
+        for (cells, row) in table.rows.iter_mut().zip(&rows) {
+            let lost = self.telescope.as_ref().map(|telescope| {
+                let width_arcsec = telescope.width_arcsec(row.pass.mid.range_km, row.satellite_size_m);
+                let length_deg = row.pass.streak_length_rad.to_degrees();
+                telescope.lost_pixel_fraction(length_deg, width_arcsec, field.area_deg2())
+            });
+            cells.push(lost.into());
+        }
+        Ok((table, warnings))
     }
 
     fn windows(&self, targets: &[Target], blocking: Blocking) -> PyResult<Vec<(usize, ClearWindow)>> {
@@ -298,6 +310,14 @@ impl Engine {
         Ok(found)
     }
 }
+
+/// What a scheduler weighs a single streak by.
+const LOST: Column = Column::real(
+    "lost_pixel_fraction",
+    "",
+    6,
+    "Share of the field's pixels that the nominal streak costs; missing without a telescope.",
+);
 
 /// The order of the words in Python's `VERDICTS`.
 fn code(verdict: Verdict) -> u8 {

@@ -119,9 +119,9 @@ def test_below_the_horizon_is_invalid(model):
 def test_altaz_targets(model):
     frame = AltAz(obstime=Time(START[:-1], scale="utc"), location=model.location)
     target = SkyCoord(alt=[30, 60] * u.deg, az=[280, 260] * u.deg, frame=frame)
-    # Within the field; the pointing follows the stars, half a degree in two minutes.
-    passes = model.passes(target, START, 120.0)
+    # Within the field; the pointing follows the stars, two and a half degrees in ten minutes.
+    passes = model.passes(target, START, 600.0)
     for place, altitude_deg in enumerate([30.0, 60.0]):
         mine = passes[passes["exposure_id"] == place]
         assert len(mine) > 0
-        assert np.all(np.abs(mine["altitude_deg"].to_value("deg") - altitude_deg) < 1.75 + 0.55)
+        assert np.all(np.abs(mine["altitude_deg"].to_value("deg") - altitude_deg) < 1.75 + 2.6)

@@ -128,7 +128,6 @@ fn judge_rows(
         policy,
         telescope: telescope.as_ref(),
         photometry,
-        eop: &prepared.eop,
     };
     let rows: Vec<_> = schedule.exposures.iter().collect();
     let mut report = FlagReport::default();
