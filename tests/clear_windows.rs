@@ -104,8 +104,7 @@ fn verif_starts_within_are_clear_and_between_are_not() {
 fn windows_end_at_the_altitude_asked_for() {
     let (sky, field) = (sky(), Field::circle(3.5f64.to_radians()).expect("a field"));
     let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
-    let request =
-        FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+    let request = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
     let eop = EopTable::embedded();
     let altitude_rad = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], sky.viewpoint(), &eop)[0];
     // As high as the second target stands half way: it sinks or rises through it.

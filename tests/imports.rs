@@ -23,10 +23,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("measured", &["catalogue", "frames", "geometry", "healpix", "orbit", "photometry", "quantile", "table"]),
     ("fit", &["elementary", "geometry", "measured", "photometry", "quantile", "table"]),
     ("checks", &["frames", "geometry", "measured", "photometry", "table"]),
-    (
-        "streak",
-        &["camera", "catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"],
-    ),
+    ("streak", &["camera", "catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),
 ];

@@ -33,13 +33,8 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
     let telescope = Telescope::by_name("rubin").expect("a preset");
     let policy = Policy { max_lost_fraction: Some(LIMIT), ..Policy::default() };
     let photometry = PhotometryOptions::default();
-    let request = FlagRequest {
-        sky: &sky,
-        field: &field,
-        policy: &policy,
-        telescope: Some(&telescope),
-        photometry: &photometry,
-    };
+    let request =
+        FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: Some(&telescope), photometry: &photometry };
     let row = |number: usize, start: Epoch| ScheduledExposure {
         id: number.to_string(),
         row: number,

@@ -69,12 +69,7 @@ pub fn clear_starts(
 }
 
 /// First and last start that each interval forbids, by the first; `None` where a number is not finite.
-fn forbidden_starts(
-    blocked: &[Interval],
-    duration_s: f64,
-    margin_s: f64,
-    guard_s: f64,
-) -> Option<Vec<(f64, f64)>> {
+fn forbidden_starts(blocked: &[Interval], duration_s: f64, margin_s: f64, guard_s: f64) -> Option<Vec<(f64, f64)>> {
     // An exposure from s to s + D meets [a, b] with margin m while a - m - D <= s <= b + m: each interval forbids starts.
     let mut forbidden: Vec<(f64, f64)> = blocked
         .iter()

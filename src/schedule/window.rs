@@ -58,8 +58,11 @@ pub fn clear_windows(
     request: &FlagRequest<'_>,
 ) -> Result<Vec<Vec<ClearWindow>>, SkyError> {
     let margin_s = request.policy.margin_or_default_s();
-    let parts: Vec<(usize, Exposure)> =
-        targets.iter().enumerate().flat_map(|(of, target)| parts(&target.time, margin_s).map(move |part| (of, part))).collect();
+    let parts: Vec<(usize, Exposure)> = targets
+        .iter()
+        .enumerate()
+        .flat_map(|(of, target)| parts(&target.time, margin_s).map(move |part| (of, part)))
+        .collect();
     let exposures: Vec<Exposure> = parts.iter().map(|(_, part)| part.clone()).collect();
     let answer = request.sky.field_passes(&exposures, request.field, &pass_options(request))?;
     let camera =
@@ -84,7 +87,8 @@ pub fn clear_windows(
         let earth = |start, end| request.sky.orientation_over(start, end);
         let below = times_below(&target.time, request.sky.viewpoint(), &earth, target.min_altitude_rad);
         // The horizon needs no margin.
-        let without_margin = |below: Interval| Interval { start_s: below.start_s + margin_s, end_s: below.end_s - margin_s };
+        let without_margin =
+            |below: Interval| Interval { start_s: below.start_s + margin_s, end_s: below.end_s - margin_s };
         blocked.extend(below.into_iter().map(without_margin));
         let last_s = target.time.duration_s - target.exposure_s;
         clear_starts(&blocked, target.exposure_s, margin_s, GUARD_S, 0.0, last_s)

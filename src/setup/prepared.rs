@@ -156,7 +156,8 @@ impl Stock {
             provenance.state("shells", stated);
             // One epoch for all questions of a day, so that a schedule and a single exposure of it see the same satellites.
             let satellites = synthetic(&self.constellations, start_of_utc_day(first));
-            let names: Vec<&str> = self.constellations.iter().map(|constellation| constellation.name.as_str()).collect();
+            let names: Vec<&str> =
+                self.constellations.iter().map(|constellation| constellation.name.as_str()).collect();
             warnings.push(format!(
                 "{} satellites are synthetic (shells {}): none of them is claimed to be there",
                 satellites.len(),

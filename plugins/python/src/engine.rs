@@ -10,8 +10,8 @@ use pyo3::types::{PyDict, PyList};
 use streakcast::passes::{Exposure, Field, FieldPass, HorizonPass, PassOptions, TrackPoint};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
-    Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Target, Verdict,
-    clear_windows, flag_exposures, flag_table, judge_exposures, streak_table,
+    Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Target,
+    Verdict, clear_windows, flag_exposures, flag_table, judge_exposures, streak_table,
 };
 use streakcast::setup::{Prepared, SetupError};
 use streakcast::table::{Column, Kind, Table, Value};
@@ -77,7 +77,8 @@ impl Engine {
         let field = self.field()?;
         let mut flags: Vec<Option<ExposureFlag>> = vec![None; rows.len()];
         let mut warnings = Vec::new();
-        let starts: Vec<Epoch> = rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
+        let starts: Vec<Epoch> =
+            rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
         for Night { prepared, places } in self.nights(starts.iter().copied())? {
             let asked: Vec<&ScheduledExposure> = places.iter().map(|place| &rows[*place]).collect();
             let report = ask(&asked, &self.request(field, &prepared)).map_err(failure::asked)?;
@@ -244,7 +245,8 @@ impl Engine {
                 .sky
                 .horizon_passes(start, end, min_altitude_deg.to_radians(), &options)
                 .map_err(failure::asked)?;
-            passes.retain(|pass| !lit_only || points(pass).into_iter().flatten().any(|point| point.brightness.is_some()));
+            passes
+                .retain(|pass| !lit_only || points(pass).into_iter().flatten().any(|point| point.brightness.is_some()));
             let warnings = left_out(&prepared, &failed, start)?.into_iter().collect();
             Ok((horizon_table(&passes, &prepared), warnings))
         })?;
@@ -267,7 +269,9 @@ impl Engine {
             let asked: Vec<Exposure> = places.iter().map(|place| exposures[*place].clone()).collect();
             let answer = prepared.sky.field_passes(&asked, field, &options).map_err(failure::asked)?;
             warnings.extend(left_out(&prepared, &answer.left_out, asked[0].start)?);
-            found.extend(places.into_iter().zip(answer.by_exposure).map(|(place, passes)| (place, prepared.clone(), passes)));
+            found.extend(
+                places.into_iter().zip(answer.by_exposure).map(|(place, passes)| (place, prepared.clone(), passes)),
+            );
         }
         found.sort_by_key(|(place, ..)| *place);
         let rows: Vec<StreakRow<'_>> = found

@@ -115,7 +115,8 @@ fn sky_view(asked: &Asked, sun_altitude_deg: f64, sun_azimuth_deg: f64, height_k
     let is_said = setup.site.is_some() || setup.mpc.is_some() || setup.lat.is_some() || setup.lon.is_some();
     let earth = if is_said { Earth::Ellipsoid(setup.site().map_err(failure::setup)?) } else { Earth::Sphere };
     let (azimuth, altitude) = (sun_azimuth_deg.to_radians(), sun_altitude_deg.to_radians());
-    let view = SkyView::new(&asked.model, earth, height_km, azimuth, altitude, asked.options).map_err(failure::asked)?;
+    let view =
+        SkyView::new(&asked.model, earth, height_km, azimuth, altitude, asked.options).map_err(failure::asked)?;
     Ok(view.with_shadow(setup.shadow().map_err(failure::setup)?))
 }
 

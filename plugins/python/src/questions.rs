@@ -57,9 +57,14 @@ pub fn times_from_text<'py>(py: Python<'py>, texts: Vec<String>, scale: Option<&
 #[pyfunction]
 pub fn times_from_mjd<'py>(py: Python<'py>, mjd: Column<'py>, scale: &str) -> PyResult<TwoParts<'py>> {
     let scale = parse_time_scale(scale).map_err(crate::failure::asked)?;
-    let epochs = mjd.as_array().iter().enumerate().map(|(index, mjd)| {
-        epoch_from_mjd(*mjd, scale).map_err(|error| PyValueError::new_err(format!("mjd[{index}]: {error}")))
-    }).collect::<PyResult<Vec<Epoch>>>()?;
+    let epochs = mjd
+        .as_array()
+        .iter()
+        .enumerate()
+        .map(|(index, mjd)| {
+            epoch_from_mjd(*mjd, scale).map_err(|error| PyValueError::new_err(format!("mjd[{index}]: {error}")))
+        })
+        .collect::<PyResult<Vec<Epoch>>>()?;
     Ok(parts(py, epochs.into_iter()))
 }
 
@@ -109,10 +114,9 @@ impl Columns<'_> {
 pub fn start_of(index: usize, jd1: f64, jd2: f64) -> PyResult<Epoch> {
     let jd = jd1 + jd2;
     // Far outside, the count of nanoseconds itself would not fit.
-    let epoch = (jd.is_finite() && (0.0..5e6).contains(&jd)).then(|| epoch_of(jd1, jd2)).filter(|epoch| is_covered(*epoch));
-    epoch.ok_or_else(|| {
-        PyValueError::new_err(format!("time[{index}] is JD {jd}; allowed: the years 1957 to 2099"))
-    })
+    let epoch =
+        (jd.is_finite() && (0.0..5e6).contains(&jd)).then(|| epoch_of(jd1, jd2)).filter(|epoch| is_covered(*epoch));
+    epoch.ok_or_else(|| PyValueError::new_err(format!("time[{index}] is JD {jd}; allowed: the years 1957 to 2099")))
 }
 
 /// A number within its range, or an error that names it.
@@ -127,7 +131,9 @@ pub fn within(what: &str, index: usize, value: f64, least: f64, most: f64, unit:
 pub fn rows(exposures: Vec<Exposure>, bands: &[String]) -> PyResult<Vec<ScheduledExposure>> {
     if bands.len() > 1 && bands.len() != exposures.len() {
         let (given, wanted) = (bands.len(), exposures.len());
-        return Err(PyValueError::new_err(format!("{given} bands for {wanted} exposures; allowed: one, or one for each")));
+        return Err(PyValueError::new_err(format!(
+            "{given} bands for {wanted} exposures; allowed: one, or one for each"
+        )));
     }
     let band = |row: usize| bands.get(row).or(bands.first()).cloned();
     Ok(exposures

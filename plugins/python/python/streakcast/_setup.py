@@ -41,7 +41,7 @@ def document(arguments: dict[str, Any]) -> dict[str, Any]:
 
 def absolute(path: Any) -> str:
     """A path that means the same file in another process."""
-    return os.path.abspath(os.fspath(path))
+    return str(os.path.abspath(os.fspath(path)))
 
 
 def _plain(key: str, value: Any) -> Any:

@@ -201,7 +201,7 @@ class StreakModel:
     def _made(self) -> tuple[_core.Skies, _core.Engine]:
         state = self._state
         text, config = json.dumps(state["setup"]), state["config"]
-        hashes = {path: _sha256(path) for path in sorted(_core.setup_files(text, config))}
+        hashes = {path: _sha256(path) for path in _files(text, config)}
         known = state["files"]
         if known is not None and known != hashes:
             changed = ", ".join(path for path, digest in hashes.items() if known.get(path) != digest)
@@ -268,9 +268,9 @@ class StreakModel:
         model = self._of_state({**self._state, "setup": setup, "files": None})
         config = self._state["config"]
         model._opened = (skies, _core.Engine(skies, json.dumps(setup), config))
-        files = _core.setup_files(json.dumps(setup), config)
         known = self._state["files"]
-        model._state["files"] = {path: known.get(path) or _sha256(path) for path in sorted(files)}
+        files = _files(json.dumps(setup), config)
+        model._state["files"] = {path: known.get(path) or _sha256(path) for path in files}
         return model
 
     def changed_files(self) -> list[str]:
@@ -685,6 +685,11 @@ def _by_place(columns: list[dict[str, Any]]) -> list[dict[str, Any]]:
     description = "Place of the exposure in the question (flat, from 0)."
     missing = np.zeros(len(places), dtype=bool)
     return [{**first, "kind": "integer", "values": places, "missing": missing, "description": description}, *columns[1:]]
+
+
+def _files(setup: str, config: Union[str, None]) -> list[str]:
+    """All files that a setup names."""
+    return sorted(os.fspath(path) for path in _core.setup_files(setup, config))
 
 
 def _sha256(path: str) -> Union[str, None]:
