@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import datetime
 import sys
-from typing import Any, Union
+from typing import Any, NamedTuple, Union
 
 import numpy as np
 import numpy.typing as npt
@@ -21,6 +21,15 @@ _ALLOWED = (
 )
 
 
+class TwoPartTai(NamedTuple):
+    """What a moment has become already: two-part Julian dates, TAI."""
+
+    #: Midnights and noons.
+    jd1: FloatArray
+    #: The rest of the day.
+    jd2: FloatArray
+
+
 def is_time(value: object) -> bool:
     """True for an `astropy.time.Time`; astropy is not imported for it."""
     module = sys.modules.get("astropy.time")
@@ -29,6 +38,8 @@ def is_time(value: object) -> bool:
 
 def to_tai(value: TimeLike, scale: Union[str, None], what: str = "time") -> tuple[FloatArray, FloatArray]:
     """Two-part Julian dates, TAI, in the shape of what was given."""
+    if isinstance(value, TwoPartTai):
+        return value.jd1, value.jd2
     if is_time(value):
         if np.any(getattr(value, "mask", False)):
             index = int(np.flatnonzero(np.ravel(value.mask))[0])

@@ -348,6 +348,33 @@ class StreakModel:
         """
         return self._open()[0].satellites(*self._moment(time, scale))
 
+    def night(self, time: TimeLike, *, scale: Union[str, None] = None) -> int:
+        """Which night a moment belongs to: a number that grows by one from noon to noon (the site's mean Sun).
+
+        Parameters
+        ----------
+        time : time
+            The moment.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of a bare number.
+
+        Returns
+        -------
+        int
+            The whole part of MJD at the site's noon before; 0 for all moments where the model has an ``epoch``.
+        """
+        return self._open()[0].night(*self._moment(time, scale))
+
+    def key(self) -> str:
+        """What an answer depends on besides the question, in one text: arguments and hashes of all files.
+
+        Returns
+        -------
+        str
+        """
+        self._open()
+        return json.dumps([self._state[part] for part in ("setup", "config", "epoch", "files")], sort_keys=True)
+
     def provenance(self, time: TimeLike, *, scale: Union[str, None] = None) -> dict[str, Any]:
         """What the answers of a night rest on: files with hashes and epochs, site, models, the Earth's orientation.
 
@@ -647,8 +674,8 @@ class StreakModel:
 
     def _moment(self, time: TimeLike, scale: Union[str, None]) -> tuple[float, float]:
         jd1, jd2 = to_tai(time, self._scale(scale))
-        if jd1.shape != ():
-            raise ValueError(f"time has the shape {jd1.shape}; allowed: one moment")
+        if np.shape(jd1) != ():
+            raise ValueError(f"time has the shape {np.shape(jd1)}; allowed: one moment")
         return float(jd1), float(jd2)
 
     def _question(
