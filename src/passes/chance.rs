@@ -8,8 +8,6 @@
 //!    the line of sight, and the same place some revolutions before and after, as far as 3.5 sigma reach.
 //! 2. There, the exact chords of [`crossing_odds`].
 //!
-//! Of elements so old that delays span many revolutions, a few stand for all.
-//!
 //! What is left out: delays beyond 3.5 sigma (0.05 % of each satellite's chance). What is simplified: the planes do not turn during the
 //! delay (5° a day at most), and the site stands still before and after the exposure. For a telescope in orbit only the passes and
 //! near misses of [`Sky::field_passes`] are summed.
@@ -49,10 +47,6 @@ const MOST_STEPS: usize = 8;
 const PLACE_S: f64 = 1.0;
 /// All of a stretch up to this long is looked at without looking for a place first, seconds.
 const SHORT_S: f64 = 40.0;
-/// Revolutions before and after that are looked at one by one; of more, as many in even steps.
-const MOST_TURNS: i32 = 4;
-/// Delays are followed this far at most, revolutions: 3.5 sigma of the oldest elements are fewer.
-const LONGEST_REACH_TURNS: f64 = 1e6;
 /// A stretch around that place is made twice as long until both of its ends lie outside the field, at most this often.
 const MOST_DOUBLINGS: usize = 6;
 
@@ -255,12 +249,8 @@ impl Question<'_> {
         };
         let mut best: Option<Place> = None;
         let period_s = nearest.period_s;
-        let turns = (reach_s / period_s).ceil().min(LONGEST_REACH_TURNS) as i32;
-        // Of many revolutions a few stand for those around them: along the delays their chances follow a Gaussian, whose sum in steps of
-        // 7/8 sigma is its integral to 1e-11 (Poisson).
-        let stride = (turns / MOST_TURNS).max(1);
-        let steps = turns / stride;
-        for turn in (-steps..=steps).map(|step| step * stride) {
+        let turns = (reach_s / period_s).ceil() as i32;
+        for turn in -turns..=turns {
             let guess_s = nearest.time_s + f64::from(turn) * period_s;
             let there = match turn {
                 0 => nearest,
@@ -275,9 +265,7 @@ impl Question<'_> {
             if there.time_s < first_s - half_s || there.time_s > last_s + half_s {
                 continue;
             }
-            let Some(mut place) = self.around(&arc, &there, half_s, sigma) else { continue };
-            place.odds.probability *= f64::from(stride);
-            place.odds.streak_length_rad *= f64::from(stride);
+            let Some(place) = self.around(&arc, &there, half_s, sigma) else { continue };
             match &mut best {
                 Some(best) => {
                     // Delays of different revolutions exclude one another.
