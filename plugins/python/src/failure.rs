@@ -32,7 +32,8 @@ pub fn as_arguments(message: &str) -> String {
 
 /// Runs what takes long without the interpreter's lock.
 pub fn without_lock<T: Send>(py: Python<'_>, work: impl FnOnce() -> PyResult<T> + Send) -> PyResult<T> {
-    let answer = py.detach(|| catch_unwind(AssertUnwindSafe(work)));
+    let pool = crate::pool::pool()?;
+    let answer = py.detach(|| catch_unwind(AssertUnwindSafe(|| pool.install(work))));
     answer.unwrap_or_else(|cause| {
         let text = cause.downcast_ref::<String>().map(String::as_str).or(cause.downcast_ref::<&str>().copied());
         Err(PyRuntimeError::new_err(format!("internal error, please report it: {}", text.unwrap_or("no message"))))

@@ -6,6 +6,7 @@ mod columns;
 mod engine;
 mod failure;
 mod light;
+mod pool;
 mod questions;
 mod skies;
 

@@ -1,5 +1,6 @@
 """What takes long runs without the interpreter's lock."""
 
+import multiprocessing
 import sys
 import threading
 import time
@@ -79,3 +80,19 @@ def test_answers_do_not_depend_on_who_asks_at_the_same_time(model):
         thread.join()
     assert [answers[place] for place in range(40)] == expected
     assert sum(expected) > 0
+
+
+def _ask_in_child(model, pipe):
+    pipe.send(model.assess(TARGET, START, 30.0).n_streaks)
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_forked_child_has_threads_of_its_own(model):
+    expected = model.assess(TARGET, START, 30.0).n_streaks
+    here, there = multiprocessing.Pipe()
+    child = multiprocessing.get_context("fork").Process(target=_ask_in_child, args=(model, there), daemon=True)
+    child.start()
+    # A child that waits for its parent's threads would wait for ever.
+    answered = here.poll(60)
+    child.terminate() if not answered else child.join()
+    assert answered and here.recv() == expected
