@@ -118,7 +118,7 @@ impl OrientationTable {
     /// The part from `start` to `end` of what this table covers, seconds counted from `start`; a tenth of the time of making it, and the same
     /// to rounding. `eop` is the table of the Earth's orientation that this one was made of.
     pub fn part(&self, start: Epoch, end: Epoch, eop: &EopTable) -> Self {
-        Self::with_slow(start, end, eop, self.slow.from_seconds(seconds_between(self.reference, start)))
+        Self::with_slow(start, end, eop, self.slow.counted_from(seconds_between(self.reference, start)))
     }
 
     fn with_slow(start: Epoch, end: Epoch, eop: &EopTable, slow: Sampled<9>) -> Self {

@@ -34,7 +34,7 @@ impl<const N: usize> Sampled<N> {
     }
 
     /// The same nodes with another zero of time, `seconds` after the one they have.
-    pub(crate) fn from_seconds(&self, seconds: f64) -> Self {
+    pub(crate) fn counted_from(&self, seconds: f64) -> Self {
         Self { first_s: self.first_s - seconds, nodes: self.nodes.clone() }
     }
 

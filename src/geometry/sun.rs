@@ -67,7 +67,7 @@ impl SunTable {
 
     /// The same table with seconds counted from another moment that it covers.
     pub fn part(&self, start: Epoch) -> Self {
-        Self { reference: start, samples: self.samples.from_seconds(seconds_between(self.reference, start)) }
+        Self { reference: start, samples: self.samples.counted_from(seconds_between(self.reference, start)) }
     }
 
     /// The epoch from which seconds count: the `start` given.
