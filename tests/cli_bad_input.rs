@@ -382,7 +382,7 @@ fn an_annotation_that_cannot_be_written_is_refused_before_any_work() {
         &["no/such", "cannot"],
     );
     let (_, help, _) = run(&[&["annotate", "--help"]]);
-    assert!(help.contains("The schedule: opsim SQLite or CSV"), "{help}");
+    assert!(help.contains("The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV"), "{help}");
 }
 
 #[test]

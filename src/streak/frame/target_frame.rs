@@ -25,7 +25,7 @@ pub enum TargetError {
         /// The file.
         path: String,
         /// What is wrong.
-        source: ExposureError,
+        source: Box<ExposureError>,
     },
     /// No image in it.
     #[error("{path}: holds no image of two axes (masks, weights and tables do not count)")]
@@ -207,7 +207,7 @@ fn exposure(headers: &[&Header; 2], said: &FrameSaid, path: &str) -> Result<(Epo
     if let (Some(start), Some(duration_s)) = (said.start, said.duration_s) {
         return Ok((start, duration_s));
     }
-    let failed = |source| TargetError::Exposure { path: path.to_owned(), source };
+    let failed = |source: ExposureError| TargetError::Exposure { path: path.to_owned(), source: Box::new(source) };
     // What is said takes the place of what may be missing or wrong in the header.
     let duration_s =
         said.duration_s.map_or_else(|| ExposureTime::duration_from_headers(headers), Ok).map_err(failed)?;

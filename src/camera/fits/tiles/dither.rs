@@ -50,7 +50,7 @@ mod tests {
         // FITS standard 4.0, appendix I: the 10000th seed is 1043618065.
         let dither = Dither::new();
         assert_eq!(dither.numbers[COUNT - 1], (1_043_618_065f64 / 2_147_483_647.0) as f32);
-        assert_eq!(dither.of_tile(1).nth(0), Some(f64::from(dither.numbers[(dither.numbers[0] * 500.0) as usize])));
+        assert_eq!(dither.of_tile(1).next(), Some(f64::from(dither.numbers[(dither.numbers[0] * 500.0) as usize])));
         // After the end of the table the next start is taken.
         assert_eq!(dither.of_tile(3).count_up_to(20_000), 20_000);
     }
