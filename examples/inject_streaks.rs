@@ -39,7 +39,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             name: SourceName::Random(number),
             mag_source: "random".to_owned(),
             element_age_days: None,
-            parts: Source::parts(track, &Modulation::default(), 1.0, None),
+            parts: Source::parts(track, &Modulation::default(), 0.0, 1.0, None),
         })
         .collect();
 

@@ -120,9 +120,10 @@ fn verif_many_frames_go_to_a_folder_each_with_its_own_streaks() {
     let mut lengths = column(&rows, "x1_pix");
     lengths.dedup();
     assert_eq!(lengths.len(), 6, "no two streaks are the same");
-    // The second frame is the first of a run with the next seed.
+    // Any frame of a set is made alone from the seed that its truth names.
     let alone = path(&folder, "alone.fits");
-    done(&[&["inject", "--synthetic", &description, "-o", &alone, "--seed", "4"], RANDOM]);
+    let seed = column(&rows, "seed")[2].clone();
+    done(&[&["inject", "--synthetic", &description, "-o", &alone, "--seed", &seed], RANDOM]);
     assert_eq!(values(&alone, 0), values(&format!("{out}/frame-0002.fits"), 0));
 }
 
@@ -177,35 +178,131 @@ fn verif_satellites_of_a_shell_cross_a_wide_frame() {
     assert!((total - first["total_magnitude"].as_f64().unwrap()).abs() < 2e-3);
 }
 
+/// A wide synthetic frame under a constellation, 4 s long, while its first satellite of the evening crosses it.
+fn wide(folder: &TempDir, more: &[&str]) -> Vec<csv::StringRecord> {
+    let pointing = ["--shells", "starlink-gen1", "--mpc", "X05", "--ra", "198.9", "--dec", "7.7"];
+    let evening = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--fov", "2deg", "--quiet"];
+    let passes = common::cli::json(&[&["passes"], &pointing, &evening]);
+    let middle: hifitime::Epoch = passes["passes"][0]["mid_utc"].as_str().unwrap().parse().unwrap();
+    let start = streakcast::table::format_utc(middle - hifitime::Unit::Second * 2.0, 3);
+    let (description, output, truth) = (path(folder, "wide.toml"), path(folder, "wide.fits"), path(folder, "wide.csv"));
+    let text = SKY
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 20.0");
+    fs::write(&description, text).unwrap();
+    let question = [&pointing[..], &["--start", &start, "--exposure", "4s"]].concat();
+    done(&[
+        &["inject", "--synthetic", &description, "-o", &output, "--truth", &truth, "--seeing", "60arcsec", "--quiet"],
+        &question,
+        more,
+    ]);
+    records(&fs::read_to_string(&truth).unwrap())
+}
+
 #[test]
-fn verif_a_telescope_that_follows_the_satellite_sees_a_point() {
+fn verif_a_followed_satellite_is_a_point_with_all_its_light() {
     let folder = TempDir::new().unwrap();
-    let (plain, truth) = (synthetic(&folder, "plain.fits", &["--pixels-only"]), path(&folder, "truth.csv"));
+    let rows = wide(&folder, &[]);
+    let brightest = numbers(&rows, "magnitude")
+        .iter()
+        .enumerate()
+        .min_by(|a, b| a.1.total_cmp(b.1))
+        .map(|(index, _)| index)
+        .unwrap();
+    let [norad, length] = ["norad_id", "length_pix"].map(|name| column(&rows, name)[brightest].clone());
+    let [rate, angle, magnitude, zero_point] =
+        ["angular_rate_deg_s", "position_angle_deg", "magnitude", "zero_point_mag"]
+            .map(|name| numbers(&rows, name)[brightest]);
+    assert!(length.parse::<f64>().unwrap() > 20.0, "{length}");
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let follow = format!("--track-rate={},{}", 3600.0 * rate * sin, 3600.0 * rate * cos);
+    let followed = wide(&folder, &[&follow]);
+    let index =
+        column(&followed, "norad_id").iter().position(|id| *id == norad).expect("the satellite is in the frame");
+    // It moves along its orbit, the telescope along a great circle at the rate of the middle: a few pixels of 30" in 4 s.
+    assert!(numbers(&followed, "length_pix")[index] < 6.0);
+    // All the light of the 4 s is in one place: 10^(-0.4 (m - ZP)), m that of the middle, which changes by a few hundredths over 4 s.
+    let expected = 10f64.powf(-0.4 * (magnitude - zero_point));
+    let counts = numbers(&followed, "counts")[index];
+    assert!((counts / expected - 1.0).abs() < 0.05, "{counts} {expected}");
+    // A point keeps its magnitude; a streak looks fainter.
+    let effective = |rows: &[csv::StringRecord], index: usize| numbers(rows, "effective_magnitude")[index];
+    assert!(
+        (effective(&followed, index) - magnitude).abs() < 1.5
+            && effective(&rows, brightest) > effective(&followed, index) + 1.0
+    );
+}
+
+#[test]
+fn verif_the_middle_is_the_middle_and_a_flash_is_seen() {
+    let folder = TempDir::new().unwrap();
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
+    let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
     let one = [
         "--random-streaks",
         "1",
         "--magnitude",
-        "8",
+        "9",
         "--streak-rate-deg-s",
         "0.01",
         "--seeing",
         "2.5arcsec",
         "--quiet",
         "--seed",
-        "21",
+        "2",
     ];
-    let mut lengths = Vec::new();
-    let still = path(&folder, "still.fits");
-    done(&[&["inject", "--image", &plain, "-o", &still, "--truth", &truth], &one]);
-    let rows = records(&fs::read_to_string(&truth).unwrap());
-    lengths.push(numbers(&rows, "length_pix")[0]);
-    let angle = numbers(&rows, "position_angle_deg")[0].to_radians();
-    let rate = numbers(&rows, "angular_rate_deg_s")[0] * 3600.0;
-    let follow = format!("--track-rate={},{}", rate * angle.sin(), rate * angle.cos());
-    done(&[&["inject", "--image", &plain, "-o", &still, "--truth", &truth, &follow], &one]);
-    let followed = numbers(&records(&fs::read_to_string(&truth).unwrap()), "length_pix");
-    lengths.push(followed[0]);
-    assert!(lengths[0] > 100.0 && lengths[1] < 0.2, "{lengths:?}");
+    let ask = |more: &[&str]| {
+        done(&[&["inject", "--image", &plain, "-o", &output, "--truth", &truth], &one, more]);
+        records(&fs::read_to_string(&truth).unwrap())
+    };
+    let [two, eleven] = ["2", "11"].map(|points| ask(&["--truth-points", points]));
+    assert_eq!(column(&two, "magnitude"), column(&eleven, "magnitude"));
+    assert!(
+        (numbers(&two, "surface_brightness_mag_arcsec2")[0] - numbers(&eleven, "surface_brightness_mag_arcsec2")[0])
+            .abs()
+            < 2e-3
+    );
+    let flash = ask(&["--glint", "5,0,0.1"]);
+    // The flash of magnitude 5 on light of 9: 4.97 at its height, and its own light, 0.1 s × 1.064, in 30 s.
+    assert!((numbers(&flash, "magnitude_peak")[0] - 4.97).abs() < 0.03, "{:?}", column(&flash, "magnitude_peak"));
+    let gained = numbers(&flash, "counts")[0] - numbers(&eleven, "counts")[0];
+    let expected = 10f64.powf(-0.4 * (5.0 - numbers(&flash, "zero_point_mag")[0])) * 0.106_447 / 30.0;
+    assert!((gained / expected - 1.0).abs() < 0.01, "{gained} {expected}");
+}
+
+#[test]
+fn verif_faint_light_is_not_rounded_away() {
+    let folder = TempDir::new().unwrap();
+    // Whole counts of 16 bits: a streak whose brightest pixel is below one count.
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only", "--seed", "1"]);
+    let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
+    for (more, noise) in [(&["--no-noise"][..], 0.0), (&["--gain", "8"], 1.0 / 8.0)] {
+        let (mut added, mut wanted, mut pixels) = (0.0, 0.0, 0.0);
+        for seed in ["3", "4", "5", "6"] {
+            let streak = [
+                "--random-streaks",
+                "1",
+                "--magnitude",
+                "12.5",
+                "--streak-rate-deg-s",
+                "0.5",
+                "--seeing",
+                "4arcsec",
+                "--quiet",
+                "--seed",
+                seed,
+            ];
+            done(&[&["inject", "--image", &plain, "-o", &output, "--truth", &truth], &streak, more]);
+            let (old, new) = (values(&plain, 0), values(&output, 0));
+            added += old.iter().zip(&new).map(|(old, new)| f64::from(new - old)).sum::<f64>();
+            pixels += old.iter().zip(&new).filter(|(old, new)| old != new).count() as f64;
+            wanted += numbers(&records(&fs::read_to_string(&truth).unwrap()), "counts").iter().sum::<f64>();
+        }
+        // A pixel of x counts becomes 1 with probability x: the variance of each is below 1/4 of a count; photons add theirs. Five sigma.
+        let sigma = (4.0 * 0.25 * 400.0 * 40.0 + noise * wanted).sqrt();
+        assert!((added - wanted).abs() < 5.0 * sigma && pixels > 500.0, "{added} {wanted} ± {sigma}, {pixels} pixels");
+        assert!(wanted > 10.0 * sigma, "the test can fail: {wanted} {sigma}");
+    }
 }
 
 #[test]
@@ -219,6 +316,8 @@ fn verif_bad_input_gets_one_clear_line_and_no_output() {
     let text = path(&folder, "text.fits");
     fs::write(&text, "no FITS at all").unwrap();
     let missing_folder = path(&folder, "nowhere/out.fits");
+    let plain_csv = path(&folder, "curve.csv");
+    fs::write(&plain_csv, "time_s,delta_mag\n0,0\n1,1\n").unwrap();
     let image = |file: &str| vec!["inject".to_owned(), "--image".to_owned(), file.to_owned()];
     let random = &RANDOM[..4];
     let seeing = &["--seeing", "2arcsec"][..];
@@ -232,7 +331,7 @@ fn verif_bad_input_gets_one_clear_line_and_no_output() {
         (&plain, &output, [random, seeing, &["--psf", "moffat:1"]].concat(), &["moffat:1", "2 to 100"]),
         (&plain, &output, [random, seeing, &["--hdu", "4"]].concat(), &["no HDU 4", "0 to 0"]),
         (&plain, &output, [random, seeing, &["--glint", "3,0"]].concat(), &["--glint", "3 numbers"]),
-        (&plain, &output, [random, seeing, &["--tumbling", "0,1"]].concat(), &["period", "1e-4 to 1e5"]),
+        (&plain, &output, [random, seeing, &["--tumbling", "0,1"]].concat(), &["period", "0.02 to 1e5"]),
         (&plain, &output, [random, seeing, &["--exposure", "0s"]].concat(), &["exposure", "above 0"]),
         (&plain, &output, [random, seeing, &["--mask-bits", "sdss"]].concat(), &["sdss", "lsst, desdm"]),
         (&plain, &output, [random, seeing, &["--truth", "t.parquet"]].concat(), &["t.parquet", ".csv"]),
@@ -241,6 +340,15 @@ fn verif_bad_input_gets_one_clear_line_and_no_output() {
         (&plain, &output, seeing.to_vec(), &["--elements", "--shells", "--random-streaks"]),
         (&plain, &output, [&["--shells", "oneweb"], seeing].concat(), &["site", "--mpc"]),
         (&plain, &output, [&["--magnitude", "5"], seeing].concat(), &["--random-streaks"]),
+        (&plain, &output, [random, seeing, &["--fov", "1deg"]].concat(), &["--fov", "the frame itself"]),
+        (&plain, &output, [random, seeing, &["--frames", "2"]].concat(), &["--frames", "--synthetic"]),
+        (&plain, &output, [random, seeing, &["--truth-points", "100000000"]].concat(), &["truth-points", "2 to 10000"]),
+        (
+            &plain,
+            &output,
+            [random, seeing, &["--truth", &plain_csv, "--light-curve", &plain_csv]].concat(),
+            &["input", "overwritten"],
+        ),
     ] {
         let command: Vec<String> = image(file);
         let command: Vec<&str> = command.iter().map(String::as_str).collect();

@@ -7,11 +7,11 @@ use hifitime::Epoch;
 use nalgebra::Vector3;
 use streakcast::camera::{FrameFile, PixelPosition, Wcs};
 use streakcast::catalogue::{Catalogue, ElementSet, ReadOptions};
-use streakcast::frames::{Direction, EopTable, Gcrs};
+use streakcast::frames::{Direction, EopTable, Gcrs, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, ModelChoice, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
-use streakcast::streak::{Modulation, SatelliteLight, SkyTrack, satellites};
+use streakcast::streak::{Modulation, SatelliteLight, SkyPoint, SkyTrack, Tracking, satellites};
 
 const FRAME: &str = "frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz";
 /// STARLINK-1102.
@@ -30,6 +30,7 @@ fn track(elements: &ElementSet, exposure: &Exposure) -> Option<SkyTrack> {
         photometry: &PhotometryOptions::default(),
         modulation: &Modulation::default(),
         resolve_panels: false,
+        tracking: &Tracking::Sidereal,
     };
     let found = satellites(&sky, &eop, exposure, 1.0f64.to_radians(), &light).unwrap();
     found.sources.into_iter().next().map(|source| source.parts[0].track.clone())
@@ -49,34 +50,27 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_it_was_seen() {
         pointing: seen[0],
         rotation_rad: 0.0,
     };
-    for (file, most_arcmin) in
-        [("supgp/starlink_supgp_2020-02-23.tle", 15.0), ("supgp/starlink_supgp_2020-02-25.tle", 15.0)]
+    // Elements 11.5 days old, and 9.5 days old within a manoeuvre: how far beside the streak the track runs, arcmin.
+    for (file, age_days, beside_arcmin) in
+        [("supgp/starlink_supgp_2020-02-23.tle", 11.48, 0.45), ("supgp/starlink_supgp_2020-02-25.tle", 9.48, 27.04)]
     {
         let catalogue = Catalogue::read(&[folder.join("tle").join(file)], &ReadOptions::default()).unwrap();
         let elements = catalogue.element_sets.iter().find(|one| one.norad_id.0 == NORAD).unwrap();
-        let track = track(elements, &exposure);
-        println!("{file} {:?}", track.as_ref().map(|t| t.points.len()));
-        let Some(track) = track else { continue };
-        // The pole of the great circle through the two points of the track nearest to the streak.
-        let near = track
-            .points
-            .windows(2)
-            .min_by(|a, b| a[0].direction.separation_rad(&seen[0]).total_cmp(&b[0].direction.separation_rad(&seen[0])))
-            .unwrap();
-        let pole: Vector3<f64> = near[0].direction.vector().cross(near[1].direction.vector()).normalize();
-        let off = |d: &Direction<Gcrs>| d.vector().dot(&pole).asin().to_degrees() * 60.0;
-        println!(
-            "{file}: off {:.3}' {:.3}' time {:.2} s PA seen {:.3} predicted {:.3} mag {:?} rate {:.1}\"/s range {}",
-            off(&seen[0]),
-            off(&seen[1]),
-            near[0].time_s,
-            seen[0].position_angle_rad(&seen[1]).to_degrees(),
-            near[0].direction.position_angle_rad(&near[1].direction).to_degrees(),
-            near[0].magnitude,
-            near[0].direction.separation_rad(&near[1].direction).to_degrees() * 3600.0
-                / (near[1].time_s - near[0].time_s),
-            near[0].range_km
-        );
-        let _ = most_arcmin;
+        assert!((seconds_between(elements.epoch, exposure.start) / 86_400.0 - age_days).abs() < 0.01, "{file}");
+        let track = track(elements, &exposure).expect("the satellite passes within a degree");
+        // The great circle through the two points of the track nearest to the streak.
+        let away = |pair: &[SkyPoint]| pair[0].direction.separation_rad(&seen[0]);
+        let near = track.points.windows(2).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
+        let [from, to] = [near[0].direction, near[1].direction];
+        let pole: Vector3<f64> = from.vector().cross(to.vector()).normalize();
+        let beside = |place: &Direction<Gcrs>| (place.vector().dot(&pole).asin().to_degrees() * 60.0).abs();
+        for place in &seen {
+            assert!((beside(place) - beside_arcmin).abs() < 0.05, "{file}: {:.3}'", beside(place));
+        }
+        // The line was measured over 70 pixels to half a pixel at its ends: 0.4 degrees.
+        let turned = (from.position_angle_rad(&to) - seen[1].position_angle_rad(&seen[0])).to_degrees();
+        assert!(turned.abs() < 0.4, "{file}: {turned:.3} deg");
+        // Chip S28 is 9' by 18', and the streak crosses all of it: a track 0.45' beside it lies on the chip, at a time within the exposure.
+        assert!((0.0..120.0).contains(&near[0].time_s));
     }
 }

@@ -21,7 +21,7 @@ pub use detector::{
     Amplifier, Bleeding, Crosstalk, Detector, DetectorError, NonLinearity, Quantisation, ReadoutCorner, Saturated,
     Saturation, Vignetting,
 };
-pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, Stated, ZeroPoint};
+pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, PixelUnit, Stated, ZeroPoint};
 #[cfg(feature = "fits")]
 pub use fits::{
     Bitpix, Cells, Changed, FrameCopy, FrameError, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat,

@@ -67,8 +67,14 @@ pub struct DrawnStreak<'a> {
     pub width_pix: f64,
     /// Length between its ends on the chip, pixels.
     pub length_pix: f64,
-    /// Speed half way, arcsec/s.
+    /// Half way in time over the chip; `None` where only the light's fringe touches it.
+    pub middle: Option<StreakPoint>,
+    /// Brightest magnitude over the chip; `None` in the dark.
+    pub peak_magnitude: Option<f64>,
+    /// Mean speed among the stars, arcsec/s.
     pub rate_arcsec_s: f64,
+    /// Mean speed over the pixels, arcsec/s: another one where the telescope follows something.
+    pub frame_rate_arcsec_s: f64,
     /// Counts of a star of magnitude 0 in the chip's frame, as -2.5 log10: the zero point that was used.
     pub zero_point_mag: f64,
 }
@@ -82,6 +88,8 @@ pub struct StreakPoint {
     pub at: PixelPosition,
     /// Where on the sky: the place among the stars, whatever the telescope follows. In the stand-in's sky where the frame has none.
     pub direction: Direction<Gcrs>,
+    /// The place that the frame's world coordinates give to this pixel.
+    pub frame_direction: Direction<Gcrs>,
     /// Magnitude as if it stood still; `None` in the dark.
     pub magnitude: Option<f64>,
     /// Light per second, in the frame's unit.
@@ -163,15 +171,21 @@ fn told<'a>(
     width_pix: f64,
 ) -> DrawnStreak<'a> {
     let path = &way.path;
+    let told_at = |time_s: f64| point(path.point_at(time_s), path.rate_at(time_s), time_s, chip, shot);
     let points: Vec<StreakPoint> = way.inside_s.map_or_else(Vec::new, |[from_s, to_s]| {
         let last = shot.truth_points.max(2) - 1;
-        let times_s = (0..=last).map(|index| from_s + (to_s - from_s) * index as f64 / last as f64);
-        times_s.filter_map(|time_s| point(path.point_at(time_s), path.rate_at(time_s), time_s, chip, shot)).collect()
+        (0..=last).filter_map(|index| told_at(from_s + (to_s - from_s) * index as f64 / last as f64)).collect()
+    });
+    let brightest = way.inside_s.map(|[from_s, to_s]| {
+        let inside = path.nodes().iter().filter(|node| (from_s..=to_s).contains(&node.time_s));
+        inside.map(|node| node.rate).chain([path.rate_at(from_s), path.rate_at(to_s)]).fold(0.0, f64::max)
     });
     let ends = points.first().zip(points.last());
     let seconds = way.inside_s.map_or(0.0, |[from_s, to_s]| to_s - from_s);
+    let length_pix = ends.map_or(0.0, |_| points.windows(2).map(|pair| pair[0].at.distance(pair[1].at)).sum());
     let arc_arcsec: f64 =
         points.windows(2).map(|pair| pair[0].direction.separation_rad(&pair[1].direction).to_degrees() * 3600.0).sum();
+    let a_second = |way: f64| if seconds > 0.0 { way / seconds } else { 0.0 };
     DrawnStreak {
         source,
         part: part.label,
@@ -179,10 +193,13 @@ fn told<'a>(
         chip: &chip.name,
         is_on_sky: chip.is_on_sky,
         patch,
-        length_pix: ends.map_or(0.0, |_| points.windows(2).map(|pair| pair[0].at.distance(pair[1].at)).sum()),
+        length_pix,
+        middle: way.inside_s.and_then(|[from_s, to_s]| told_at(0.5 * (from_s + to_s))),
+        peak_magnitude: brightest.and_then(|rate| chip.scale.magnitude(rate)),
         width_arcsec: width_pix * chip.pixel_scale_arcsec(),
         width_pix,
-        rate_arcsec_s: if seconds > 0.0 { arc_arcsec / seconds } else { 0.0 },
+        rate_arcsec_s: a_second(arc_arcsec),
+        frame_rate_arcsec_s: a_second(length_pix * chip.pixel_scale_arcsec()),
         points,
         zero_point_mag: chip.scale.zero_point_mag(),
     }
@@ -194,6 +211,7 @@ fn point(at: PixelPosition, rate: f64, time_s: f64, chip: &Chip, shot: &Shot<'_>
         epoch: seconds_after(shot.opened, time_s),
         at,
         direction: shot.tracking.stood(&frame, time_s, &shot.centre),
+        frame_direction: frame,
         magnitude: chip.scale.magnitude(rate),
         rate,
     })
@@ -203,16 +221,6 @@ impl DrawnStreak<'_> {
     /// The first and the last moment on the chip.
     pub fn ends(&self) -> Option<[&StreakPoint; 2]> {
         Some([self.points.first()?, self.points.last()?])
-    }
-
-    /// The moment half way.
-    pub fn middle(&self) -> Option<&StreakPoint> {
-        self.points.get(self.points.len() / 2)
-    }
-
-    /// The brightest of its points.
-    pub fn peak_magnitude(&self) -> Option<f64> {
-        self.points.iter().filter_map(|point| point.magnitude).min_by(f64::total_cmp)
     }
 
     /// Direction of motion in the frame, degrees from the x axis (columns growing) towards the y axis, [0, 360).

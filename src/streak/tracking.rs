@@ -34,6 +34,16 @@ impl Tracking {
         self.carried(seen, 1.0, time_s, centre)
     }
 
+    /// How far the frame moves among the stars from where its WCS holds, within an exposure of this length, radians.
+    pub fn reach_rad(&self, exposure_s: f64) -> f64 {
+        match *self {
+            Self::Sidereal => 0.0,
+            Self::Rate { east_rad_s, north_rad_s, reference_s } => {
+                east_rad_s.hypot(north_rad_s) * reference_s.abs().max((exposure_s - reference_s).abs())
+            }
+        }
+    }
+
     /// Carried along with the telescope (1) or against it (-1).
     fn carried(
         &self,

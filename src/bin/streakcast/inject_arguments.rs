@@ -78,13 +78,13 @@ pub struct StreakArguments {
     /// Magnitude of random streaks, as if they stood still: one, or from the brightest to the faintest, as 4,8
     #[arg(long, value_name = "MAG[,MAG]", value_parser = numbers::<1, 2>, allow_hyphen_values = true)]
     pub magnitude: Option<Numbers>,
-    /// Speed of random streaks, deg/s, the slower first; it sets their distance too. 0.2,0.8 where unsaid: low satellites
+    /// Speed of random streaks over the frame, deg/s, the slower first; it sets their distance too. 0.2,0.8 where unsaid: low satellites
     #[arg(long, value_name = "RATE[,RATE]", value_parser = numbers::<1, 2>, allow_hyphen_values = true)]
     pub streak_rate_deg_s: Option<Numbers>,
     /// A tumbling body: period s, amplitude mag from faintest to brightest, and where in the period (turns) the shutter opens
     #[arg(long, value_name = "S,MAG[,TURNS]", value_parser = numbers::<2, 3>, allow_hyphen_values = true)]
     pub tumbling: Option<Numbers>,
-    /// A flash: its magnitude, seconds after the middle of the track, full width s; may be said several times
+    /// A flash: its magnitude, seconds after the light passes nearest to the frame's middle, full width s; may be said several times
     #[arg(long, value_name = "MAG,S,S", value_parser = numbers::<3, 3>, allow_hyphen_values = true)]
     pub glint: Vec<Numbers>,
     /// A light curve of one's own: CSV of time_s after the shutter opened and delta_mag
@@ -93,7 +93,7 @@ pub struct StreakArguments {
     /// Chassis and solar array as two lights side by side, where a model has them
     #[arg(long)]
     pub resolve_panels: bool,
-    /// Width of a star's image (FWHM) with its unit, as 1.2arcsec; the header's or the telescope's where unsaid
+    /// Width of a star's image (FWHM) with its unit, as 1.2arcsec; the telescope's where unsaid
     #[arg(long, value_name = "ANGLE")]
     pub seeing: Option<String>,
     /// Form of a star's image: gaussian, moffat (β 3.5), moffat:BETA, double
@@ -121,7 +121,7 @@ pub struct CountArguments {
     #[arg(long)]
     pub no_noise: bool,
     /// The same seed gives the same frame
-    #[arg(long, value_name = "N", default_value_t = 0)]
+    #[arg(long, value_name = "N", default_value_t = 0, value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64))]
     pub seed: u64,
 }
 

@@ -32,8 +32,33 @@ pub struct ZeroPoint {
     pub keyword: String,
 }
 
+/// What pixels hold.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum PixelUnit {
+    /// Counts, or what is not said.
+    Counts,
+    /// Electrons.
+    Electrons,
+    /// A flux, calibrated: nanomaggies, janskys.
+    Flux,
+}
+
+/// A unit as BUNIT spells it, and whether it is one a second.
+fn parsed_unit(text: &str) -> (PixelUnit, bool) {
+    let unit = text.to_ascii_lowercase().replace([' ', '*', '^', '(', ')'], "");
+    let ends = ["/second", "/sec", "/s", "second-1", "sec-1", "s-1", "persecond", "persec"];
+    let bare = ends.iter().find_map(|end| unit.strip_suffix(end));
+    let name = bare.unwrap_or(&unit).trim_end_matches(['.', '/']);
+    let kind = match name {
+        "e" | "e-" | "electron" | "electrons" | "photon" | "photons" => PixelUnit::Electrons,
+        "nanomaggy" | "nanomaggies" | "nmgy" | "jy" | "mjy" | "ujy" | "njy" | "microjy" | "nanojy" => PixelUnit::Flux,
+        _ => PixelUnit::Counts,
+    };
+    (kind, bare.is_some())
+}
+
 /// What a header says of its detector and its photometry; each with the keyword that said it, `None` where nothing does or it makes no sense (a gain of 0).
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct Calibration {
     /// Magnitude zero point.
     pub zero_point: Option<ZeroPoint>,
@@ -47,6 +72,10 @@ pub struct Calibration {
     pub band: Option<Stated<String>>,
     /// BUNIT, the unit of the pixels.
     pub unit: Option<Stated<String>>,
+    /// What that is; counts where nothing is said.
+    pub pixel_unit: PixelUnit,
+    /// True where pixels hold what came in a second, not in the whole exposure.
+    pub is_rate: bool,
 }
 
 /// Zero points under their names, and what those who write them mean.
@@ -69,6 +98,8 @@ impl Calibration {
     /// From the headers of a frame in the order in which they count: that of the image, then the primary one.
     pub fn from_headers(headers: &[&Header]) -> Self {
         let keywords = Keywords(headers);
+        let (pixel_unit, is_rate) =
+            keywords.text(&["BUNIT"]).map_or((PixelUnit::Counts, false), |(_, unit)| parsed_unit(&unit));
         let stated_text = |names: &[&str]| keywords.text(names).map(|(keyword, value)| Stated { value, keyword });
         Self {
             zero_point: zero_point(keywords),
@@ -87,6 +118,8 @@ impl Calibration {
             ),
             band: stated_text(&["FILTER", "BAND", "FILTNAM", "FILTER01", "FILTER1", "INSFLNAM", "FILTERS", "FILTER2"]),
             unit: stated_text(&["BUNIT"]),
+            pixel_unit,
+            is_rate,
         }
     }
 }
@@ -139,7 +172,7 @@ fn zero_point(keywords: Keywords<'_>) -> Option<ZeroPoint> {
         let is_said = ["/s", "per sec", "1 sec", "s-1", "s^-1"].iter().any(|words| comment.contains(words));
         let said = is_said.then_some(CountBasis::Second);
         // Pixels that are rates already: the frame's own counts are those of a second.
-        let is_rate = ["/s", "/sec", "s-1", "s^-1"].iter().any(|end| unit.ends_with(end));
+        let is_rate = parsed_unit(&unit).1;
         let basis = if is_rate { Some(CountBasis::Frame) } else { said.or(*meant) };
         Some(ZeroPoint { mag, basis, keyword })
     })

@@ -8,5 +8,5 @@ mod exposure_time;
 mod keywords;
 mod moment;
 
-pub use calibration::{Calibration, CountBasis, Stated, ZeroPoint};
+pub use calibration::{Calibration, CountBasis, PixelUnit, Stated, ZeroPoint};
 pub use exposure_time::{ExposureError, ExposureTime};

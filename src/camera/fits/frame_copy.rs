@@ -60,7 +60,8 @@ impl FrameCopy {
     }
 
     /// Adds light to pixels of one row, from `first_column` on: physical values. What is added several times to one pixel is summed up and stored once in
-    /// the end, as [`change`](FrameCopy::change) stores it; [`finish`](FrameCopy::finish) says what came of it.
+    /// the end; [`finish`](FrameCopy::finish) says what came of it. Where pixels can take certain values alone (whole numbers, quantised tiles), light between
+    /// two of them goes to one or the other, by a fraction that belongs to the pixel: its sum over many pixels is right, however faint it is.
     ///
     /// # Errors
     /// As [`change`](FrameCopy::change).

@@ -103,6 +103,11 @@ impl PixelFormat {
         self.zero + self.scale * stored
     }
 
+    /// How far apart stored values are; 0 for floating numbers.
+    pub(super) fn step(&self) -> f64 {
+        if self.bitpix.is_integer() { self.scale.abs() } else { 0.0 }
+    }
+
     /// The least and the greatest value of pixels that hold whole numbers as they are (BSCALE 1); `None` for all others.
     pub fn whole_range(&self) -> Option<(f64, f64)> {
         let (least, greatest) = self.bitpix.range();

@@ -9,7 +9,7 @@ use thiserror::Error;
 use super::super::chip::{Chip, circle_of};
 use super::super::count_scale::{CountScale, CountScaleError};
 use crate::camera::{
-    Calibration, CountBasis, ExposureError, ExposureTime, FrameError, FrameFile, Header, Wcs, WcsError,
+    Calibration, CountBasis, ExposureError, ExposureTime, FrameError, FrameFile, Header, PixelUnit, Wcs, WcsError,
 };
 use crate::frames::{Direction, Gcrs};
 
@@ -258,6 +258,8 @@ fn target_chip(
         (None, None) => return Err(TargetError::NoZeroPoint { path: path.to_owned(), hdu }),
     };
     let scale = match basis {
+        // Of a frame whose own unit is that of a second the two are the same.
+        CountBasis::Second if calibration.is_rate => CountScale::of_frame(mag, exposure_s),
         CountBasis::Frame => CountScale::of_frame(mag, exposure_s),
         CountBasis::Second => CountScale::of_a_second(mag, exposure_s),
     };
@@ -265,18 +267,17 @@ fn target_chip(
     let [rows, columns] = file.image_size(hdu)?;
     let info = file.hdu(hdu)?;
     let name = info.name.clone();
-    let unit = calibration.unit.map(|unit| unit.value.to_ascii_lowercase().replace(' ', "")).unwrap_or_default();
-    let is_rate = ["/s", "/sec", "s-1", "s^-1", "s**-1"].iter().any(|end| unit.ends_with(end));
-    let is_electrons =
-        ["e-", "electron", "electrons", "e"].contains(&unit.trim_end_matches("/s").trim_end_matches("/sec"));
-    let gain = said.gain_e_adu.or(if is_electrons { Some(1.0) } else { calibration.gain_e_adu.map(|gain| gain.value) });
-    // A unit that is a flux has no electrons: a gain in the header is that of the counts it was made from.
-    let is_flux = ["nanomaggy", "nanomaggies", "nmgy", "njy", "jy", "mjy", "ujy"].contains(&unit.as_str());
+    let is_flux = calibration.pixel_unit == PixelUnit::Flux;
+    // A gain in the header of electrons or of a flux is that of the counts they were made from.
+    let gain_e_adu = said.gain_e_adu.or(match calibration.pixel_unit {
+        PixelUnit::Electrons => Some(1.0),
+        PixelUnit::Flux => None,
+        PixelUnit::Counts => calibration.gain_e_adu.map(|gain| gain.value),
+    });
+    let is_rate = calibration.is_rate;
     Ok(TargetChip {
         chip: Chip { hdu, name, rows, columns, wcs, is_on_sky, scale },
-        electrons_a_unit: gain
-            .filter(|_| !is_flux || said.gain_e_adu.is_some())
-            .map(|gain| if is_rate { gain * exposure_s } else { gain }),
+        electrons_a_unit: gain_e_adu.map(|gain| if is_rate { gain * exposure_s } else { gain }),
         whole_range: info.format.whole_range(),
         saturation: calibration.saturation_adu.map(|level| level.value).filter(|_| !is_flux && !is_rate),
     })

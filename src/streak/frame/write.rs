@@ -35,7 +35,7 @@ pub struct InjectOptions {
     /// False adds the light alone; true adds the noise of its own electrons where the gain is known, and holds pixels below their saturation where that is
     /// known.
     pub noise: bool,
-    /// A detector of one's own: its stages count instead, its gain being that of the frame.
+    /// A detector of one's own: its stages count instead. Its gain is not looked at: that of the frame counts ([`TargetChip::electrons_a_unit`]).
     pub detector: Option<Detector>,
     /// The same seed gives the same frame.
     pub seed: u64,
@@ -80,7 +80,7 @@ pub fn inject(
             continue;
         }
         let detector = detector(target, options);
-        if options.noise && detector.is_none() {
+        if (options.noise || options.detector.is_some()) && detector.is_none() {
             report.without_gain.push(target.chip.hdu);
         }
         let noise = if options.tell { noise_of_chip(frame, target)? } else { 0.0 };
@@ -110,16 +110,18 @@ pub fn inject(
 
 /// What turns the light of a chip into counts; `None` adds the light as it is.
 fn detector(target: &TargetChip, options: &InjectOptions) -> Option<Detector> {
-    match &options.detector {
-        Some(detector) => Some(Detector { shot_noise: detector.shot_noise && options.noise, ..detector.clone() }),
-        None if options.noise => {
-            let gain_e_adu = target.electrons_a_unit?;
+    if !options.noise && options.detector.is_none() {
+        return None;
+    }
+    let gain_e_adu = target.electrons_a_unit?;
+    Some(match &options.detector {
+        Some(detector) => Detector { gain_e_adu, shot_noise: detector.shot_noise && options.noise, ..detector.clone() },
+        None => {
             let saturation =
                 target.saturation.map(|level| Saturation { full_well_e: level * gain_e_adu, bleeding: Bleeding::Off });
-            Some(Detector { gain_e_adu, saturation, quantisation: quantisation(target), ..Detector::default() })
+            Detector { gain_e_adu, saturation, quantisation: quantisation(target), ..Detector::default() }
         }
-        None => None,
-    }
+    })
 }
 
 /// Whole counts, where the frame has such: light of less than a count is then not lost by rounding, but makes a count now and then. Numbers of 32 bits are
@@ -177,12 +179,13 @@ fn expose(
         let differs = |column: &usize| old[*column] != new[*column] && !old[*column].is_nan();
         let Some(first) = (0..old.len()).find(differs) else { continue };
         let end = (0..old.len()).rev().find(differs).map_or(first, |last| last) + 1;
-        copy.change(hdu, row, first..end, |pixels| {
-            for (pixel, (old, new)) in pixels.iter_mut().zip(old[first..end].iter().zip(&new[first..end])) {
-                // The difference: values of 32 bits and more have digits that single precision does not hold.
-                *pixel += f64::from(*new) - f64::from(*old);
-            }
-        })?;
+        // The difference: values of 32 bits and more have digits that single precision does not hold.
+        let added: Vec<f32> = old[first..end]
+            .iter()
+            .zip(&new[first..end])
+            .map(|(old, new)| if old.is_nan() { 0.0 } else { new - old })
+            .collect();
+        copy.add(hdu, row, first, &added)?;
     }
     Ok(())
 }

@@ -49,6 +49,9 @@ pub enum RandomStreakError {
 /// The speed of low satellites past an observer, km/s: with the rate it sets the distance, and so the defocus.
 const PASSING_KM_S: f64 = 7.6;
 
+/// Stars and noise are drawn from the same seed; streaks have a stream of their own.
+const OWN_STREAM: u64 = 0x5354_5245_414b_5321;
+
 /// Points along one track.
 const POINTS: usize = 65;
 
@@ -87,7 +90,7 @@ impl RandomStreaks {
         radius_rad: f64,
         place: impl Fn([f64; 3], f64) -> Option<Direction<Gcrs>>,
     ) -> Vec<SkyTrack> {
-        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        let mut random = ChaCha8Rng::seed_from_u64(seed ^ OWN_STREAM);
         let number = match self.number {
             StreakNumber::Exactly(number) => number,
             // A mean of nothing has no distribution: there are no streaks.

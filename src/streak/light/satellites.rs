@@ -2,12 +2,13 @@
 
 use super::modulation::Modulation;
 use super::resolved::ResolvedPanels;
-use super::sky_track::SkyTrack;
+use super::sky_track::{SkyPoint, SkyTrack};
 use super::source::{Source, SourceName};
 use crate::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, seconds_after};
 use crate::orbit::LeftOut;
 use crate::passes::{Exposure, Field, FieldError, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::PhotometryOptions;
+use crate::streak::tracking::Tracking;
 use thiserror::Error;
 
 /// Points along a pass: the light changes by less than a thousandth from one to the next but in the penumbra, which has dozens of its own.
@@ -36,6 +37,8 @@ pub struct SatelliteLight<'a> {
     pub modulation: &'a Modulation,
     /// Chassis and solar array apart, where a model has them.
     pub resolve_panels: bool,
+    /// What the telescope follows.
+    pub tracking: &'a Tracking,
 }
 
 /// The satellites of one exposure.
@@ -47,7 +50,8 @@ pub struct Satellites {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Every satellite that is lit anywhere within `radius_rad` (and a little more) of the exposure's pointing while the shutter is open.
+/// Every satellite that is lit anywhere within `radius_rad` (and a little more) of what the frame looks at while the shutter is open. Where the telescope follows
+/// something, that is the whole strip of the sky that the frame goes over.
 ///
 /// # Errors
 /// [`SatelliteError`]: an exposure that the sky cannot be asked about, a field of more than half the sky.
@@ -58,7 +62,8 @@ pub fn satellites(
     radius_rad: f64,
     light: &SatelliteLight<'_>,
 ) -> Result<Satellites, SatelliteError> {
-    let field = Field::circle(2.0 * (radius_rad + MARGIN_RAD))?;
+    let reach_rad = light.tracking.reach_rad(exposure.duration_s);
+    let field = Field::circle(2.0 * (radius_rad + reach_rad + MARGIN_RAD))?;
     let options = PassOptions { samples: SAMPLES, photometry: *light.photometry, ..PassOptions::default() };
     let mut answer = sky.field_passes(std::slice::from_ref(exposure), &field, &options)?;
     let passes = answer.by_exposure.pop().unwrap_or_default();
@@ -69,12 +74,14 @@ pub fn satellites(
 fn source(sky: &Sky, eop: &EopTable, exposure: &Exposure, pass: &FieldPass, light: &SatelliteLight<'_>) -> Source {
     let model = sky.model(pass.element_index);
     let track = SkyTrack::of_pass(pass, exposure);
+    let seen = |point: &SkyPoint| light.tracking.seen(&point.direction, point.time_s, &exposure.pointing);
+    let middle_s = track.closest_s(&exposure.pointing, seen).unwrap_or(0.0);
     let panels = light.resolve_panels.then(|| panels(sky, eop, exposure, pass, light)).flatten();
     Source {
         name: SourceName::Satellite { norad_id: pass.norad_id, name: sky.elements()[pass.element_index].name.clone() },
         mag_source: model.source().to_string(),
         element_age_days: Some(pass.element_age_days),
-        parts: Source::parts(&track, light.modulation, 0.5 * model.size_m(), panels.as_ref()),
+        parts: Source::parts(&track, light.modulation, middle_s, 0.5 * model.size_m(), panels.as_ref()),
     }
 }
 

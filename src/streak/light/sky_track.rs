@@ -84,9 +84,20 @@ impl SkyTrack {
         Direction::from_vector(sum.normalize())
     }
 
-    /// Half way in time between the first point and the last, seconds after the shutter opened.
-    pub fn middle_s(&self) -> Option<f64> {
-        Some(0.5 * (self.points.first()?.time_s + self.points.last()?.time_s))
+    /// When it passes most closely by a place that may move: `seen` turns a point's direction into that of the place's own sky. Seconds after the shutter
+    /// opened; `None` for a track without points.
+    pub fn closest_s(&self, place: &Direction<Gcrs>, seen: impl Fn(&SkyPoint) -> Direction<Gcrs>) -> Option<f64> {
+        let away = |index: usize| seen(&self.points[index]).separation_rad(place);
+        let nearest = (0..self.points.len()).min_by(|&a, &b| away(a).total_cmp(&away(b)))?;
+        if nearest == 0 || nearest + 1 == self.points.len() {
+            return Some(self.points[nearest].time_s);
+        }
+        // The vertex of the parabola through the squares of three distances.
+        let [before, here, after] = [nearest - 1, nearest, nearest + 1].map(|index| away(index).powi(2));
+        let (from_s, to_s) = (self.points[nearest - 1].time_s, self.points[nearest + 1].time_s);
+        let bend = before - 2.0 * here + after;
+        let shift = if bend > 0.0 { 0.5 * (before - after) / bend } else { 0.0 };
+        Some(self.points[nearest].time_s + shift.clamp(-1.0, 1.0) * 0.5 * (to_s - from_s))
     }
 }
 
@@ -117,7 +128,8 @@ mod tests {
             assert!(point.magnitude.is_none_or(|magnitude| (magnitude - 5.0 - point.time_s).abs() < 1e-9));
         }
         assert_eq!(track.refined(100.0), track);
-        assert_eq!(track.middle_s(), Some(4.0));
+        let nearest_s = track.closest_s(&circle(3.3), |point| point.direction).unwrap();
+        assert!((nearest_s - 3.3).abs() < 0.01, "{nearest_s}");
     }
 
     #[test]

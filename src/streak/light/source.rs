@@ -58,13 +58,16 @@ pub struct SourcePart {
 
 impl Source {
     /// The parts of a track in changing light: one disk as large as the satellite, or its two panels.
+    ///
+    /// Glints count from `middle_s` after the shutter opened.
     pub fn parts(
         track: &SkyTrack,
         modulation: &Modulation,
+        middle_s: f64,
         radius_m: f64,
         panels: Option<&ResolvedPanels>,
     ) -> Vec<SourcePart> {
-        let track = modulation.applied(track);
+        let track = modulation.applied(track, middle_s);
         match panels {
             None => vec![SourcePart { label: "whole", track, radius_m }],
             Some(panels) => {

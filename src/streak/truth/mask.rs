@@ -102,7 +102,10 @@ mod tests {
             width_arcsec: 3.0,
             width_pix: 3.0,
             length_pix: 0.0,
+            middle: None,
+            peak_magnitude: None,
             rate_arcsec_s: 0.0,
+            frame_rate_arcsec_s: 0.0,
             zero_point_mag: 25.0,
         };
         let (left, right) = (streak(20.0), streak(26.0));

@@ -92,11 +92,9 @@ static FIELDS: &[Field] = &[
     ),
     field(Column::real("width_arcsec", "arcsec", 3, "The same."), |row| row.streak.width_arcsec.into()),
     field(Column::real("magnitude", "mag", 3, "Half way, as if it stood still; empty in the dark."), |row| {
-        row.streak.middle().and_then(|point| point.magnitude).into()
+        row.streak.middle.and_then(|point| point.magnitude).into()
     }),
-    field(Column::real("magnitude_peak", "mag", 3, "Brightest of the points along the streak."), |row| {
-        row.streak.peak_magnitude().into()
-    }),
+    field(Column::real("magnitude_peak", "mag", 3, "Brightest over the chip."), |row| row.streak.peak_magnitude.into()),
     field(
         Column::real(
             "effective_magnitude",
@@ -148,9 +146,9 @@ fn dec_deg(row: &TruthRow<'_>, point: &StreakPoint) -> Value {
 
 /// A function of magnitude, width, rate and exposure half way.
 fn spread(row: &TruthRow<'_>, function: impl Fn(f64, f64, f64, f64) -> f64) -> Value {
-    let magnitude = row.streak.middle().and_then(|point| point.magnitude);
+    let magnitude = row.streak.middle.and_then(|point| point.magnitude);
     magnitude
-        .map(|magnitude| function(magnitude, row.streak.width_arcsec, row.streak.rate_arcsec_s, row.exposure_s))
+        .map(|magnitude| function(magnitude, row.streak.width_arcsec, row.streak.frame_rate_arcsec_s, row.exposure_s))
         .into()
 }
 
@@ -210,13 +208,13 @@ pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
     ];
     let trail = |row: &TruthRow<'_>| {
         let streak = row.streak;
-        let (middle, angle_deg) = (streak.middle()?, streak.angle_deg()?);
+        let (middle, angle_deg) = (streak.middle.filter(|_| streak.is_on_sky)?, streak.angle_deg()?);
         // Σ counts = flux(mag) × length                        lsst.source.injection, make_galsim_trail
         let mag = streak.zero_point_mag - 2.5 * (streak.patch.sum() / streak.length_pix).log10();
         Some(vec![
             row.number.into(),
-            ra_deg(row, middle),
-            dec_deg(row, middle),
+            middle.frame_direction.longitude_rad().to_degrees().into(),
+            middle.frame_direction.latitude_rad().to_degrees().into(),
             "Trail".into(),
             mag.into(),
             streak.length_pix.into(),

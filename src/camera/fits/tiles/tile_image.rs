@@ -159,6 +159,16 @@ impl TileImage {
         Ok(values)
     }
 
+    /// How far apart the values are that one pixel can take, physical; 0 where they lie as close as floating numbers do.
+    pub fn step(&self, row: usize, column: usize) -> f64 {
+        let (number, _) = self.place(row, column);
+        let Some(tile) = self.tiles.get(&number).filter(|tile| matches!(tile.numbers, Numbers::Whole(_))) else {
+            return 0.0;
+        };
+        let tile_scale = if self.quantisation == Quantisation::None { 1.0 } else { tile.scale };
+        (self.format.scale * tile_scale).abs()
+    }
+
     /// Sets the physical value of one pixel that was read before and has a value.
     pub fn set(&mut self, row: usize, column: usize, value: f64) -> Outcome {
         let (number, index) = self.place(row, column);

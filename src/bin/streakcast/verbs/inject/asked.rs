@@ -25,6 +25,9 @@ const USUAL_WIDE_SHARE: f64 = 0.1;
 /// Speeds of random streaks where none are said, deg/s: satellites of 550 km low in the sky and overhead.
 const USUAL_RATES_DEG_S: [f64; 2] = [0.2, 0.8];
 
+/// The most points of truth along one streak.
+const MOST_TRUTH_POINTS: usize = 10_000;
+
 /// What is to be done with every frame.
 pub struct Asked {
     pub said: FrameSaid,
@@ -62,7 +65,14 @@ impl Asked {
                 "no streaks; say --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG"
             ));
         }
-        let detector = typed.counts.detector.as_deref().map(detector).transpose()?;
+        refuse_idle(typed)?;
+        let (detector, own_gain) = match typed.counts.detector.as_deref().map(detector).transpose()? {
+            Some((detector, own_gain)) => (Some(detector), own_gain),
+            None => (None, None),
+        };
+        if own_gain.is_some() && typed.counts.gain.is_some() {
+            return Err(anyhow!("--gain, and a gain_e_adu in the file of --detector; allowed: one of them"));
+        }
         let synthetic = typed.synthetic.as_deref().map(synthetic).transpose()?;
         if synthetic.is_some() && detector.is_some() {
             return Err(anyhow!(
@@ -82,7 +92,7 @@ impl Asked {
                 duration_s,
                 hdus: typed.exposure.hdu.clone(),
                 zero_point: zero_point(&typed.counts),
-                gain_e_adu: positive("gain", typed.counts.gain)?,
+                gain_e_adu: positive("gain", typed.counts.gain)?.or(own_gain),
                 pixel_scale_arcsec,
             },
             scheduled,
@@ -261,8 +271,39 @@ fn text_of(what: &str, path: &Path) -> anyhow::Result<String> {
     fs::read_to_string(path).with_context(|| format!("{what} {}", path.display())).map_err(|error| anyhow!("{error:#}"))
 }
 
-fn detector(path: &Path) -> anyhow::Result<Detector> {
-    Detector::from_toml(&text_of("detector", path)?).map_err(|error| anyhow!("detector {}: {error}", path.display()))
+/// A detector, and its gain where the file says one.
+fn detector(path: &Path) -> anyhow::Result<(Detector, Option<f64>)> {
+    let text = text_of("detector", path)?;
+    let detector = Detector::from_toml(&text).map_err(|error| anyhow!("detector {}: {error}", path.display()))?;
+    let says_gain = toml::from_str::<toml::Table>(&text).is_ok_and(|table| table.contains_key("gain_e_adu"));
+    let own_gain = says_gain.then_some(detector.gain_e_adu);
+    Ok((detector, own_gain))
+}
+
+/// Refuses options that would do nothing.
+fn refuse_idle(typed: &InjectArguments) -> anyhow::Result<()> {
+    let (shared, exposure) = (&typed.shared, &typed.exposure);
+    let of_frames = [
+        ("--fov", shared.fov.is_some()),
+        ("--field", shared.field.is_some()),
+        ("--rotation", shared.rotation.is_some()),
+        ("--min-probability", shared.min_probability.is_some()),
+    ];
+    if let Some((option, _)) = of_frames.iter().find(|(_, is_said)| *is_said) {
+        return Err(anyhow!("{option} is for verbs that ask about a field; the field of inject is the frame itself"));
+    }
+    let of_synthetic =
+        [("--frames", typed.frames.is_some()), ("--ra", exposure.ra.is_some()), ("--dec", exposure.dec.is_some())];
+    if let Some((option, _)) = of_synthetic.iter().find(|(_, is_said)| *is_said && typed.synthetic.is_none()) {
+        return Err(anyhow!("{option} is for --synthetic; a frame on file says where it is"));
+    }
+    if typed.synthetic.is_some() && !exposure.hdu.is_empty() {
+        return Err(anyhow!("--hdu is for frames on file; a synthetic one has one image"));
+    }
+    if !(2..=MOST_TRUTH_POINTS).contains(&typed.truth.truth_points) {
+        return Err(anyhow!("truth-points {}; allowed: 2 to {MOST_TRUTH_POINTS}", typed.truth.truth_points));
+    }
+    Ok(())
 }
 
 fn synthetic(path: &Path) -> anyhow::Result<SyntheticFrame> {

@@ -1,7 +1,8 @@
 //! Whose light goes into a frame: satellites of a sky, or random streaks.
 
+use std::path::Path;
+
 use anyhow::anyhow;
-use hifitime::Epoch;
 use serde_json::json;
 use streakcast::frames::{Direction, Gcrs, seconds_after};
 use streakcast::geometry::Site;
@@ -9,8 +10,8 @@ use streakcast::passes::Exposure;
 use streakcast::photometry::{Band, PhotometryOptions};
 use streakcast::setup::{Prepared, Setup, SiteSetup};
 use streakcast::streak::{
-    Chip, RandomStreaks, SatelliteLight, Source, SourceName, SourcePart, StreakNumber, TargetFrame, direction_on,
-    satellites,
+    Chip, RandomStreaks, SatelliteLight, SkyTrack, Source, SourceName, SourcePart, StreakNumber, TargetFrame,
+    direction_on, satellites,
 };
 use streakcast::table::Provenance;
 
@@ -32,7 +33,7 @@ impl Lights {
         if asked.random.is_some() {
             return Ok(Self::Random);
         }
-        let setup = with_site(setup, frames, notices);
+        let setup = with_site(setup, frames, notices)?;
         let ends = frames.iter().map(|frame| seconds_after(frame.opened, frame.exposure_s));
         let (Some(first), Some(last)) = (frames.iter().map(|frame| frame.opened).min(), ends.max()) else {
             return Err(anyhow!("no frame"));
@@ -71,7 +72,9 @@ impl Lights {
                     pointing: centre,
                     rotation_rad: 0.0,
                 };
-                let light = SatelliteLight { photometry, modulation: &asked.modulation, resolve_panels };
+                let tracking = asked.tracking(frame.exposure_s);
+                let light =
+                    SatelliteLight { photometry, modulation: &asked.modulation, resolve_panels, tracking: &tracking };
                 Ok(satellites(&prepared.sky, &prepared.eop, &exposure, radius_rad, &light)?.sources)
             }
             (Self::Random, Some(random)) => Ok(random_sources(random, asked, frame, (centre, radius_rad), seed)),
@@ -80,21 +83,34 @@ impl Lights {
     }
 }
 
-/// Where no site is said, that of the observatory that the header names.
-fn with_site(setup: &Setup, frames: &[TargetFrame], notices: &Notices) -> Setup {
-    let is_said =
-        setup.site.is_some() || setup.mpc.is_some() || setup.lat.is_some() || setup.observer_elements.is_some();
-    let named = frames.iter().find_map(|frame| frame.observatory.as_deref());
-    match named.filter(|_| !is_said).and_then(|name| Site::by_name(name).ok()) {
-        Some(site) => {
+/// Where no site is said, that of the observatory that the headers name.
+fn with_site(setup: &Setup, frames: &[TargetFrame], notices: &Notices) -> anyhow::Result<Setup> {
+    if setup.site.is_some() || setup.mpc.is_some() || setup.lat.is_some() || setup.observer_elements.is_some() {
+        return Ok(setup.clone());
+    }
+    let mut sites: Vec<Site> = Vec::new();
+    for named in frames.iter().filter_map(|frame| frame.observatory.as_deref()) {
+        if let Ok(site) = Site::by_name(named)
+            && !sites.iter().any(|known| known.name == site.name)
+        {
+            sites.push(site);
+        }
+    }
+    match &sites[..] {
+        [] => Ok(setup.clone()),
+        [site] => {
             notices.say(&format!(
                 "site {} ({}) from the header",
                 site.name,
                 site.mpc_code.as_deref().unwrap_or("no code")
             ));
-            Setup { site: Some(SiteSetup::Name(site.name)), ..setup.clone() }
+            Ok(Setup { site: Some(SiteSetup::Name(site.name.clone())), ..setup.clone() })
         }
-        None => setup.clone(),
+        [first, second, ..] => Err(anyhow!(
+            "frames of two observatories ({}, {}); inject into those of each apart",
+            first.name,
+            second.name
+        )),
     }
 }
 
@@ -113,17 +129,20 @@ fn random_sources(
         number => number,
     };
     let streaks = RandomStreaks { number, ..random.streaks };
+    // Drawn in the frame's own sky, so that streaks cross it whatever the telescope follows; tracks reach across the whole frame wherever they pass.
+    let tracks = streaks.tracks(seed, frame.exposure_s, 2.5 * radius_rad, |drawn, _| direction_on(chips(), drawn));
     let tracking = asked.tracking(frame.exposure_s);
-    let place = |drawn: [f64; 3], time_s: f64| -> Option<Direction<Gcrs>> {
-        direction_on(chips(), drawn).map(|seen| tracking.stood(&seen, time_s, &centre))
-    };
-    // Tracks cross the whole frame wherever on it they pass, and reach beyond.
-    let tracks = streaks.tracks(seed, frame.exposure_s, 2.5 * radius_rad, place);
-    let source = |(number, track): (usize, _)| Source {
-        name: SourceName::Random(number),
-        mag_source: "random".to_owned(),
-        element_age_days: None,
-        parts: Source::parts(&track, &asked.modulation, RANDOM_RADIUS_M, None),
+    let source = |(number, mut track): (usize, SkyTrack)| {
+        let middle_s = track.closest_s(&centre, |point| point.direction).unwrap_or(0.0);
+        for point in &mut track.points {
+            point.direction = tracking.stood(&point.direction, point.time_s, &centre);
+        }
+        Source {
+            name: SourceName::Random(number),
+            mag_source: "random".to_owned(),
+            element_age_days: None,
+            parts: Source::parts(&track, &asked.modulation, middle_s, RANDOM_RADIUS_M, None),
+        }
     };
     (1..).zip(tracks).map(source).collect()
 }
@@ -142,13 +161,14 @@ pub fn photometry_of(setup: &Setup, frame: &TargetFrame, notices: &Notices) -> a
     let name = word.map(|word| word.trim_end_matches('\'').to_owned());
     match name.as_deref().map(str::parse::<Band>) {
         Some(Ok(_)) => Ok(Setup { band: name, ..setup.clone() }.photometry()?),
-        Some(Err(_)) => {
+        // Random streaks have a magnitude and no band.
+        Some(Err(_)) if setup.elements.is_some() || setup.shells.is_some() => {
             let filter = frame.filter.as_deref().unwrap_or_default();
             notices
                 .warn(&[format!("filter {filter:?} is no band that magnitudes are known in: V is taken; say --band")]);
             Ok(setup.photometry()?)
         }
-        None => Ok(setup.photometry()?),
+        _ => Ok(setup.photometry()?),
     }
 }
 
@@ -175,18 +195,18 @@ fn shortened(value: &serde_json::Value) -> String {
 pub fn state(
     provenance: &mut Provenance,
     frame: &TargetFrame,
+    image: &Path,
     asked: &Asked,
     photometry: &PhotometryOptions,
     seed: u64,
-    exposure: (Epoch, f64),
 ) {
     super::super::judged::state_scales(provenance, "utc", photometry);
     provenance.state(
         "options",
         json!({
-            "image": frame.file.path().display().to_string(),
-            "start_utc": streakcast::table::format_utc(exposure.0, 6),
-            "exposure_s": exposure.1,
+            "image": image.display().to_string(),
+            "start_utc": streakcast::table::format_utc(frame.opened, 6),
+            "exposure_s": frame.exposure_s,
             "seeing_arcsec": asked.optics.seeing_arcsec,
             "psf": format!("{:?}", asked.optics.form),
             "outer_radius_m": asked.optics.outer_radius_m,

@@ -21,8 +21,8 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Names of all outputs: that typed where there is one frame, else files of the frames' own names in the folder typed.
-    pub fn new(typed: &InjectArguments) -> anyhow::Result<Self> {
+    /// Names of all outputs: that typed where there is one frame, else files of the frames' own names in the folder typed. `inputs` are files that are read.
+    pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let frames = frames(typed)?;
         frames.iter().try_for_each(|path| check(path))?;
         let beside = |path: &Option<PathBuf>| -> anyhow::Result<Option<Output>> {
@@ -38,6 +38,19 @@ impl Outputs {
             }
             check(picture)?;
             all.push(picture);
+        }
+        if outputs.frames.len() > 1
+            && all.len()
+                > outputs.frames.len() + usize::from(outputs.truth.is_some()) + usize::from(outputs.trails.is_some())
+        {
+            return Err(anyhow!(
+                "--preview and --preview-marked are for one frame; there are {}",
+                outputs.frames.len()
+            ));
+        }
+        let read: BTreeSet<PathBuf> = inputs.iter().filter_map(|path| path.canonicalize().ok()).collect();
+        if let Some(both) = all.iter().find(|path| path.canonicalize().is_ok_and(|path| read.contains(&path))) {
+            return Err(anyhow!("{} is an input and would be overwritten; name another output", both.display()));
         }
         let apart: BTreeSet<&PathBuf> = all.iter().copied().collect();
         if apart.len() < all.len() {
@@ -61,6 +74,9 @@ impl Outputs {
     }
 }
 
+/// The most frames of one run.
+const MOST_FRAMES: usize = 100_000;
+
 /// CSV where the name says no format.
 fn text_format(path: &Path) -> anyhow::Result<Option<&'static str>> {
     let end = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
@@ -74,8 +90,8 @@ fn text_format(path: &Path) -> anyhow::Result<Option<&'static str>> {
 
 fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
     let count = if typed.synthetic.is_some() { typed.frames.unwrap_or(1) } else { typed.image.len() };
-    if count == 0 {
-        return Err(anyhow!("frames 0; allowed: 1 or more"));
+    if !(1..=MOST_FRAMES).contains(&count) {
+        return Err(anyhow!("frames {count}; allowed: 1 to {MOST_FRAMES}"));
     }
     if count == 1 && !typed.output.is_dir() {
         return Ok(vec![typed.output.clone()]);

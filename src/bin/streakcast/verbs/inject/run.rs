@@ -2,19 +2,16 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::anyhow;
-use hifitime::Epoch;
 use rayon::prelude::*;
 use streakcast::camera::PixelPosition;
 use streakcast::frames::Direction;
 use streakcast::setup::Setup;
 use streakcast::streak::{
-    DrawnStreak, FrameSaid, InjectOptions, Injected, Shot, Source, SourceName, SyntheticShot, TargetFrame,
-    draw_on_chip, inject,
+    DrawnStreak, InjectOptions, Injected, Shot, Source, SourceName, TargetFrame, draw_on_chip, inject,
 };
-use streakcast::table::ScratchFolder;
 
 use super::asked::Asked;
+use super::frames::Frames;
 use super::light::{Lights, history, is_seen, photometry_of, state};
 use super::outputs::{Outputs, Told};
 use crate::failure::Outcome;
@@ -23,38 +20,30 @@ use crate::notices::Notices;
 #[cfg(feature = "plot")]
 use crate::output::write_bytes;
 
-/// When synthetic frames with random streaks are taken where nobody says: it changes nothing but the header.
-const SOME_DAY: &str = "2000-01-01T12:00:00Z";
-
 pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     let setup = typed.shared.setup(Setup::default())?;
     let notices = super::super::judged::begin(&setup)?;
-    let outputs = Outputs::new(&typed)?;
-    let mut asked = Asked::new(&typed, &setup)?;
-    let folder = outputs.frames[0].parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let scratch = asked.synthetic.is_some().then(|| ScratchFolder::new(folder)).transpose()?;
-    let images = match &scratch {
-        Some(scratch) => synthetic_frames(&mut asked, &typed, &setup, outputs.frames.len(), scratch)?,
-        None => typed.image.clone(),
-    };
-    let frames =
-        images.iter().map(|path| Ok(TargetFrame::open(path, &asked.said)?)).collect::<anyhow::Result<Vec<_>>>()?;
-    for frame in &frames {
+    let outputs = Outputs::new(&typed, &inputs(&typed, &setup))?;
+    let asked = Asked::new(&typed, &setup)?;
+    let frames = Frames::open(&typed, &setup, &asked, &outputs.frames)?;
+    let known = frames.known();
+    for frame in known {
         let left_out = frame
             .left_out
             .iter()
             .map(|(hdu, error)| format!("{}: HDU {hdu} is left out: {error}", frame.file.path().display()));
         notices.warn(&left_out.collect::<Vec<_>>());
     }
-    let lights = Lights::prepare(&setup, &asked, &frames, &notices)?;
+    let lights = Lights::prepare(&setup, &asked, known, &notices)?;
 
-    let all: Vec<Done> = frames
+    let count = outputs.frames.len();
+    let all: Vec<Done> = outputs
+        .frames
         .par_iter()
-        .zip(&outputs.frames)
         .enumerate()
-        .map(|(index, (frame, output))| {
-            let seed = typed.counts.seed.wrapping_add(index as u64);
-            one(&typed, &setup, &asked, &lights, frame, output, seed, &notices)
+        .map(|(index, output)| {
+            let seed = seed_of(typed.counts.seed, index, count);
+            frames.with(index, seed, |frame| one(&typed, &setup, &asked, &lights, frame, output, seed, &notices))
         })
         .collect::<anyhow::Result<_>>()?;
 
@@ -65,15 +54,11 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
         told.append(done.told);
     }
     let mut provenance = lights.provenance();
-    let photometry = photometry_of(&setup, &frames[0], &Notices::new(true))?;
-    state(
-        &mut provenance,
-        &frames[0],
-        &asked,
-        &photometry,
-        typed.counts.seed,
-        (frames[0].opened, frames[0].exposure_s),
-    );
+    if let Some(first) = known.first() {
+        let photometry = photometry_of(&setup, first, &Notices::new(true))?;
+        let image = typed.image.first().or(typed.synthetic.as_ref()).unwrap_or(&typed.output);
+        state(&mut provenance, first, image, &asked, &photometry, typed.counts.seed);
+    }
     outputs.write_tables(&told, &provenance)?;
     Ok(Outcome::Done)
 }
@@ -151,7 +136,7 @@ fn drawn_sources<'a>(streaks: &[DrawnStreak<'a>]) -> Vec<&'a Source> {
 }
 
 fn words(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected) -> String {
-    let brightest = streaks.iter().filter_map(DrawnStreak::peak_magnitude).min_by(f64::total_cmp);
+    let brightest = streaks.iter().filter_map(|streak| streak.peak_magnitude).min_by(f64::total_cmp);
     let of = match sources {
         [] => return "no streak: nothing that shines crosses the frame; the output is a copy".to_owned(),
         [Source { name: SourceName::Random(_), .. }, ..] => "random lights".to_owned(),
@@ -180,48 +165,33 @@ fn warnings(frame: &TargetFrame, injected: &Injected) -> Vec<String> {
     if hdus.is_empty() { Vec::new() } else { vec![without_gain] }
 }
 
-/// Makes the synthetic frames, each from a seed of its own, and says what they hold to those who read them.
-fn synthetic_frames(
-    asked: &mut Asked,
-    typed: &InjectArguments,
-    setup: &Setup,
-    count: usize,
-    scratch: &ScratchFolder,
-) -> anyhow::Result<Vec<PathBuf>> {
-    let Some(synthetic) = asked.synthetic.clone() else { return Ok(Vec::new()) };
-    let is_random = asked.random.is_some();
-    let opened: Epoch = match asked.said.start {
-        Some(start) => start,
-        None if is_random => streakcast::setup::parse_moment(SOME_DAY, None)?,
-        None => {
-            return Err(anyhow!(
-                "no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID"
-            ));
-        }
-    };
-    let exposure_s = asked
-        .said
-        .duration_s
-        .ok_or_else(|| anyhow!("no length of the exposure; say --exposure 30s or --schedule FILE --row ID"))?;
-    let centre = match (&asked.scheduled, &typed.exposure.ra, &typed.exposure.dec) {
-        (_, Some(ra), Some(dec)) => Direction::from_lon_lat_rad(
-            streakcast::frames::parse_right_ascension_deg(ra)?.to_radians(),
-            streakcast::frames::parse_declination_deg(dec)?.to_radians(),
-        ),
-        (Some(exposure), None, None) => exposure.pointing,
-        (None, None, None) if is_random => Direction::from_lon_lat_rad(0.0, 0.0),
-        _ => return Err(anyhow!("no centre of the frame; say --ra 188.5 --dec=-30.5 or --schedule FILE --row ID")),
-    };
-    let photometry = setup.photometry()?;
-    let paths: Vec<PathBuf> = (0..count).map(|index| scratch.path().join(format!("{index}.fits"))).collect();
-    paths.par_iter().enumerate().try_for_each(|(index, path)| {
-        let seed = typed.counts.seed.wrapping_add(index as u64);
-        let shot =
-            SyntheticShot { opened, exposure_s, centre, optics: &asked.optics, filter: photometry.band.name(), seed };
-        synthetic.write(&shot, path)
-    })?;
-    asked.said = FrameSaid { start: None, duration_s: None, ..asked.said.clone() };
-    Ok(paths)
+/// Files that are read: no output may take their place.
+fn inputs(typed: &InjectArguments, setup: &Setup) -> Vec<PathBuf> {
+    let elements = setup.elements.as_ref().map_or(&[][..], |elements| elements.as_slice());
+    let one = [
+        &typed.synthetic,
+        &typed.exposure.schedule,
+        &typed.streaks.light_curve,
+        &typed.counts.detector,
+        &typed.shared.config,
+        &typed.shared.eop,
+        &typed.shared.qs_mag,
+        &typed.shared.observer_elements,
+    ];
+    typed.image.iter().chain(elements).chain(one.into_iter().flatten()).cloned().collect()
+}
+
+/// The seed of one frame: as it was said where there is one frame, else mixed with the frame's number, so that neighbouring seeds share no frame.
+fn seed_of(seed: u64, index: usize, count: usize) -> u64 {
+    if count == 1 {
+        return seed;
+    }
+    // SplitMix64's finalizer; below 2^53, so that a table of any kind holds it.
+    let mut z =
+        seed.wrapping_mul(0xd1b5_4a32_d192_ed03).wrapping_add((index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (z ^ (z >> 31)) >> 11
 }
 
 /// Pictures of the chip with the longest streak; of the first one where there is none.

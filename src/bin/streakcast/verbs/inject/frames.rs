@@ -1,0 +1,121 @@
+//! The frames that streaks go into: those on file, or synthetic ones, each made when its turn comes.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::anyhow;
+use hifitime::Epoch;
+use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
+use streakcast::setup::{Setup, parse_moment};
+use streakcast::streak::{FrameSaid, SyntheticFrame, SyntheticShot, TargetFrame};
+use streakcast::table::ScratchFolder;
+
+use super::asked::Asked;
+use crate::inject_arguments::InjectArguments;
+
+/// When synthetic frames with random streaks are taken where nobody says: it changes nothing but the header.
+const SOME_DAY: &str = "2000-01-01T12:00:00Z";
+
+pub struct Frames<'a> {
+    /// Frames on file; of synthetic ones a first one, that says when and where all are.
+    known: Vec<TargetFrame>,
+    maker: Option<Maker<'a>>,
+}
+
+/// What makes synthetic frames.
+struct Maker<'a> {
+    synthetic: &'a SyntheticFrame,
+    asked: &'a Asked,
+    said: FrameSaid,
+    opened: Epoch,
+    exposure_s: f64,
+    centre: Direction<Gcrs>,
+    filter: &'static str,
+    scratch: ScratchFolder,
+}
+
+impl<'a> Frames<'a> {
+    pub fn open(typed: &InjectArguments, setup: &Setup, asked: &'a Asked, outputs: &[PathBuf]) -> anyhow::Result<Self> {
+        let Some(synthetic) = &asked.synthetic else {
+            let open = |path: &PathBuf| Ok(TargetFrame::open(path, &asked.said)?);
+            return Ok(Self { known: typed.image.iter().map(open).collect::<anyhow::Result<_>>()?, maker: None });
+        };
+        let folder = outputs.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
+        let maker = Maker {
+            synthetic,
+            asked,
+            said: FrameSaid { start: None, duration_s: None, ..asked.said.clone() },
+            opened: opened(asked)?,
+            exposure_s: asked
+                .said
+                .duration_s
+                .ok_or_else(|| anyhow!("no length of the exposure; say --exposure 30s or --schedule FILE --row ID"))?,
+            centre: centre(typed, asked)?,
+            filter: setup.photometry()?.band.name(),
+            scratch: ScratchFolder::new(folder.unwrap_or(Path::new(".")))?,
+        };
+        let first = maker.make(0, 0)?;
+        Ok(Self { known: vec![first], maker: Some(maker) })
+    }
+
+    /// Those that are known before any is worked on.
+    pub fn known(&self) -> &[TargetFrame] {
+        &self.known
+    }
+
+    /// Works on one of them.
+    pub fn with<T>(
+        &self,
+        index: usize,
+        seed: u64,
+        work: impl FnOnce(&TargetFrame) -> anyhow::Result<T>,
+    ) -> anyhow::Result<T> {
+        match &self.maker {
+            None => work(self.known.get(index).ok_or_else(|| anyhow!("no frame {index}"))?),
+            Some(maker) => {
+                let frame = maker.make(index + 1, seed)?;
+                let answer = work(&frame);
+                // Its streaks are in a copy; the scratch folder goes away with whatever cannot be removed now.
+                let _ = std::fs::remove_file(frame.file.path());
+                answer
+            }
+        }
+    }
+}
+
+impl Maker<'_> {
+    fn make(&self, number: usize, seed: u64) -> anyhow::Result<TargetFrame> {
+        let path = self.scratch.path().join(format!("{number}.fits"));
+        let shot = SyntheticShot {
+            opened: self.opened,
+            exposure_s: self.exposure_s,
+            centre: self.centre,
+            optics: &self.asked.optics,
+            filter: self.filter,
+            seed,
+        };
+        self.synthetic.write(&shot, &path)?;
+        Ok(TargetFrame::open(&path, &self.said)?)
+    }
+}
+
+fn opened(asked: &Asked) -> anyhow::Result<Epoch> {
+    match asked.said.start {
+        Some(start) => Ok(start),
+        None if asked.random.is_some() => Ok(parse_moment(SOME_DAY, None)?),
+        None => {
+            Err(anyhow!("no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID"))
+        }
+    }
+}
+
+fn centre(typed: &InjectArguments, asked: &Asked) -> anyhow::Result<Direction<Gcrs>> {
+    match (&asked.scheduled, &typed.exposure.ra, &typed.exposure.dec) {
+        (_, Some(ra), Some(dec)) => Ok(Direction::from_lon_lat_rad(
+            parse_right_ascension_deg(ra)?.to_radians(),
+            parse_declination_deg(dec)?.to_radians(),
+        )),
+        (Some(exposure), None, None) => Ok(exposure.pointing),
+        (None, None, None) if asked.random.is_some() => Ok(Direction::from_lon_lat_rad(0.0, 0.0)),
+        _ => Err(anyhow!("no centre of the frame; say --ra 188.5 --dec=-30.5 or --schedule FILE --row ID")),
+    }
+}
