@@ -3,8 +3,8 @@
 use hifitime::Epoch;
 use streakcast::catalogue::Constellation;
 use streakcast::frames::{Direction, EopTable, seconds_after, seconds_between};
-use streakcast::geometry::{Observer, Site};
-use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
+use streakcast::geometry::{EarthLimb, Observer, Site};
+use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, Sky, SkyError};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{
     Blocking, ClearWindow, FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, Verdict, WindowRequest,
@@ -123,4 +123,34 @@ fn windows_end_at_the_altitude_asked_for() {
     // Higher than anything stands: nothing.
     let none = windows(1.57, Blocking::Any, &request);
     assert!(none.iter().all(Vec::is_empty));
+}
+
+#[test]
+fn windows_from_an_orbit_end_at_the_limb() {
+    let elements = Constellation::by_name("starlink-gen1").expect("shells").element_sets(dusk());
+    let observer = OrbitingObserver::new(&elements[0], EarthLimb::default()).expect("an orbit");
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    let (sky, eop) = (Sky::new(elements, observer, EopTable::embedded(), &choice), EopTable::embedded());
+    let field = Field::circle(0.5f64.to_radians()).expect("a field");
+    let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
+    let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+    // Two thirds of an orbit: every target that the limb covers at all rises or sets.
+    let target = WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, 1), band: None };
+    let ask = |max_sun_altitude_rad| {
+        let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad };
+        clear_windows(std::slice::from_ref(&target), dusk(), seconds_after(dusk(), SPAN_S), &request)
+    };
+    let lowest_rad = |start: Epoch| lowest_altitudes_rad(&[&exposure(start, EXPOSURE_S, 1)], sky.viewpoint(), &eop)[0];
+    let found = ask(None).expect("windows").by_target.remove(0);
+    let (first, last) = (dusk(), seconds_after(dusk(), SPAN_S));
+    let ends: Vec<Epoch> = found.observable.iter().flat_map(|window| [window.first, window.last]).collect();
+    assert!(!ends.is_empty() && ends.iter().any(|end| *end != first && *end != last), "{ends:?}");
+    for window in &found.observable {
+        assert!(lowest_rad(window.first) >= -1e-5 && lowest_rad(window.last) >= -1e-5, "{window:?}");
+        // A second beyond, the limb stands in the way.
+        for beyond in [seconds_after(window.first, -1.0), seconds_after(window.last, 1.0)] {
+            assert!(beyond < first || beyond > last || lowest_rad(beyond) < 0.0, "{window:?}");
+        }
+    }
+    assert!(matches!(ask(Some(-0.2)), Err(SkyError::NoHorizon { .. })));
 }
