@@ -20,8 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
     // 2. Who looks: Rubin Observatory by its MPC code, and how the Earth stands.
     let observer = Observer::new(Site::by_mpc_code("X05")?);
-    let eop = EopTable::embedded();
-    let sky = Sky::new(elements, observer, eop.clone(), &ModelChoice::new(&ModelLibrary::embedded())?);
+    let sky = Sky::new(elements, observer, EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
 
     // 3. What is asked: three exposures of 30 s with a field 3.5 degrees across.
     let field = Field::circle(3.5_f64.to_radians())?;
@@ -39,7 +38,6 @@ fn main() -> Result<(), Box<dyn Error>> {
         policy: &policy,
         telescope: None,
         photometry: &PhotometryOptions::default(),
-        eop: &eop,
     };
     let report = flag_exposures(&exposures.iter().collect::<Vec<_>>(), &request)?;
 

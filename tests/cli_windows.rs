@@ -11,7 +11,9 @@ use serde_json::Value;
 use streakcast::frames::{EopTable, Orientation, seconds_after, seconds_between};
 use streakcast::geometry::SunState;
 use streakcast::passes::{Exposure, PassOptions};
-use streakcast::schedule::{Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad, parse_instant};
+use streakcast::schedule::{
+    Blocking, FlagRequest, Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad, parse_instant,
+};
 use streakcast::setup::Setup;
 
 const LIMIT_MAG: f64 = 6.5;
@@ -33,12 +35,14 @@ fn verif_windows_are_what_passes_says() {
     let policy = Policy::from_toml(&format!("limit_mag = {LIMIT_MAG}\nmargin_s = {MARGIN_S}")).unwrap();
     let (min_altitude_deg, max_sun_altitude_deg) = (30.0_f64, -10.0_f64);
     let request = WindowRequest {
-        sky: &prepared.sky,
-        field: &field,
-        policy: &policy,
-        telescope: None,
-        photometry: &photometry,
-        eop: &prepared.eop,
+        against: FlagRequest {
+            sky: &prepared.sky,
+            field: &field,
+            policy: &policy,
+            telescope: None,
+            photometry: &photometry,
+        },
+        blocking: Blocking::Limits,
         min_altitude_rad: min_altitude_deg.to_radians(),
         max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
     };

@@ -32,15 +32,9 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
     let telescope = Telescope::by_name("rubin").expect("a preset");
     let policy = Policy { max_lost_fraction: Some(LIMIT), ..Policy::default() };
-    let (photometry, eop) = (PhotometryOptions::default(), EopTable::embedded());
-    let request = FlagRequest {
-        sky: &sky,
-        field: &field,
-        policy: &policy,
-        telescope: Some(&telescope),
-        photometry: &photometry,
-        eop: &eop,
-    };
+    let photometry = PhotometryOptions::default();
+    let request =
+        FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: Some(&telescope), photometry: &photometry };
     let row = |number: usize, start: Epoch| ScheduledExposure {
         id: number.to_string(),
         row: number,

@@ -19,7 +19,7 @@ use nalgebra::Matrix3;
 use super::earth_orientation::{EarthOrientationParameters, EopTable};
 use super::frame::{Gcrs, Itrs, Teme};
 use super::sampled::Sampled;
-use super::time::{tai_minus_utc_s, tt_jd, ut1_jd};
+use super::time::{seconds_between, tai_minus_utc_s, tt_jd, ut1_jd};
 use super::vector::Rotation;
 use crate::constants::DAY_S;
 
@@ -108,12 +108,22 @@ impl OrientationTable {
     ///
     /// Where the Earth orientation table ends within the span, the step to UT1 = UTC is spread over half a day.
     pub fn new(start: Epoch, end: Epoch, eop: &EopTable) -> Self {
-        let at_start = eop.at(start);
-        let offset_s = at_start.ut1_minus_utc_s - tai_minus_utc_s(start);
         let slow = Sampled::new(start, end, |epoch| {
             let slow = slow_matrix(epoch, eop.at(epoch).ut1_minus_utc_s);
             std::array::from_fn(|k| slow[(k / 3, k % 3)])
         });
+        Self::with_slow(start, end, eop, slow)
+    }
+
+    /// The part from `start` to `end` of what this table covers, seconds counted from `start`; a tenth of the time of making it, and the same
+    /// to rounding. `eop` is the table of the Earth's orientation that this one was made of.
+    pub fn part(&self, start: Epoch, end: Epoch, eop: &EopTable) -> Self {
+        Self::with_slow(start, end, eop, self.slow.counted_from(seconds_between(self.reference, start)))
+    }
+
+    fn with_slow(start: Epoch, end: Epoch, eop: &EopTable, slow: Sampled<9>) -> Self {
+        let at_start = eop.at(start);
+        let offset_s = at_start.ut1_minus_utc_s - tai_minus_utc_s(start);
         let parameters = Sampled::new(start, end, |epoch| {
             let parameters = eop.at(epoch);
             [parameters.ut1_minus_utc_s - tai_minus_utc_s(epoch) - offset_s, parameters.xp_rad, parameters.yp_rad]
@@ -189,6 +199,27 @@ mod tests {
                     ),
                 ] {
                     assert!(error < TABLE_TOLERANCE_RAD, "{what} {seconds} s after {start}: {error}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn verif_parts_are_tables() {
+        let eop = EopTable::embedded();
+        for day in ["2024-08-13T00:00:00 UTC", "2016-12-30T00:00:00 UTC"] {
+            let day: Epoch = day.parse().expect("an epoch");
+            let whole = OrientationTable::new(day, seconds_after(day, 3.0 * DAY_S), &eop);
+            for hours in [0.0, 11.99, 23.9, 40.1] {
+                let start = seconds_after(day, hours * 3600.0);
+                let end = seconds_after(start, 30_000.0);
+                let (part, alone) = (whole.part(start, end, &eop), OrientationTable::new(start, end, &eop));
+                assert_eq!(part.reference(), start);
+                for seconds in [0.0, 777.7, 30_000.0] {
+                    let (part, alone) = (part.at_s(seconds).itrs_to_gcrs, alone.at_s(seconds).itrs_to_gcrs);
+                    let difference = largest_difference(part.matrix(), alone.matrix());
+                    // Over a leap second the nodes lie a second apart: two interpolations of the same function.
+                    assert!(difference < TABLE_TOLERANCE_RAD, "{day} {hours} h {seconds} s: {difference}");
                 }
             }
         }

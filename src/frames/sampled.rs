@@ -33,6 +33,11 @@ impl<const N: usize> Sampled<N> {
         Self { first_s, nodes }
     }
 
+    /// The same nodes with another zero of time, `seconds` after the one they have.
+    pub(crate) fn counted_from(&self, seconds: f64) -> Self {
+        Self { first_s: self.first_s - seconds, nodes: self.nodes.clone() }
+    }
+
     /// The node before `seconds` (never the last one) and the way to the next as a fraction. Outside of the nodes the fraction leaves [0, 1].
     fn locate(&self, seconds: f64) -> (usize, f64) {
         let place = (seconds - self.first_s) / STEP_S;

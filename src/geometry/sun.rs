@@ -6,7 +6,7 @@
 use hifitime::Epoch;
 
 use crate::constants::{AU_KM, DAY_S};
-use crate::frames::{Gcrs, Position, Sampled, Velocity, tt_jd};
+use crate::frames::{Gcrs, Position, Sampled, Velocity, seconds_between, tt_jd};
 
 /// Sun and Earth at one moment.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -63,6 +63,11 @@ impl SunTable {
     /// Covers `start` to `end`; some 35 µs for each half day, at least four. Outside, the ends are prolonged: good for another half day.
     pub fn new(start: Epoch, end: Epoch) -> Self {
         Self { reference: start, samples: Sampled::new(start, end, numbers) }
+    }
+
+    /// The same table with seconds counted from another moment that it covers.
+    pub fn part(&self, start: Epoch) -> Self {
+        Self { reference: start, samples: self.samples.counted_from(seconds_between(self.reference, start)) }
     }
 
     /// The epoch from which seconds count: the `start` given.

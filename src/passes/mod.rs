@@ -1,5 +1,6 @@
 //! Which satellites cross a field while the shutter is open, and what the telescope sees of them.
 
+mod almanac;
 mod chance;
 mod crossing;
 mod expose;

@@ -6,6 +6,7 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 use thiserror::Error;
 
+use super::almanac::Almanac;
 use super::expose::Run;
 use super::exposure::Exposure;
 use super::field::Field;
@@ -19,7 +20,7 @@ use super::windows::{Wanted, Windows};
 use crate::catalogue::ElementSet;
 use crate::constants::DAY_S;
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
-use crate::geometry::{ShadowModel, SunTable};
+use crate::geometry::ShadowModel;
 use crate::orbit::{
     Arc, LeftOut, OrbitClass, OrbitError, OrbitUncertainty, Reach, SatelliteIndex, Window, uncertainty,
 };
@@ -94,6 +95,7 @@ pub struct Sky {
     shadow: ShadowModel,
     eop: EopTable,
     windows: Windows,
+    almanac: Almanac,
 }
 
 impl Sky {
@@ -116,6 +118,7 @@ impl Sky {
             shadow: ShadowModel::default(),
             eop,
             windows: Windows::default(),
+            almanac: Almanac::default(),
         }
     }
 
@@ -154,6 +157,11 @@ impl Sky {
 
     pub(super) fn index(&self) -> &SatelliteIndex {
         &self.index
+    }
+
+    /// The Earth's orientation from `start` to `end`, as every answer of this sky takes it.
+    pub fn orientation_over(&self, start: Epoch, end: Epoch) -> OrientationTable {
+        self.almanac.over(start, end, &self.eop).0
     }
 
     /// One-sigma errors of a satellite's prediction at an age of its elements.
@@ -277,12 +285,8 @@ impl Sky {
     /// Sun and Earth alone.
     pub(super) fn scene_without_windows(&self, start: Epoch, span_s: f64) -> Scene {
         let end = seconds_after(start, span_s);
-        Scene {
-            start,
-            orientation: OrientationTable::new(start, end, &self.eop),
-            sun: SunTable::new(start, end),
-            windows: Vec::new(),
-        }
+        let (orientation, sun) = self.almanac.over(start, end, &self.eop);
+        Scene { start, orientation, sun, windows: Vec::new() }
     }
 
     fn scene(&self, start: Epoch, span_s: f64, near_misses: bool) -> Scene {

@@ -17,6 +17,14 @@ const LIMB_LOOK_EVERY_S: f64 = 10.0;
 /// for an hour. From an orbit it is the lowest angle above the Earth's limb, looked at every 10 s; not a number where the telescope's own elements give no
 /// place.
 pub fn lowest_altitudes_rad(exposures: &[&Exposure], viewpoint: &Viewpoint, eop: &EopTable) -> Vec<f64> {
+    lowest_altitudes_over(exposures, viewpoint, &|start, end| OrientationTable::new(start, end, eop))
+}
+
+/// Who knows how the Earth is turned between two moments.
+pub(super) type Earth<'a> = &'a dyn Fn(Epoch, Epoch) -> OrientationTable;
+
+/// As [`lowest_altitudes_rad`], with the Earth of whoever keeps it.
+pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoint, earth: Earth<'_>) -> Vec<f64> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&index| exposures[index].start);
     let mut altitudes = vec![f64::NAN; exposures.len()];
@@ -29,7 +37,7 @@ pub fn lowest_altitudes_rad(exposures: &[&Exposure], viewpoint: &Viewpoint, eop:
             slot => {
                 let length_s = exposure.duration_s.max(GROUP_S);
                 let end = seconds_after(exposure.start, length_s);
-                slot.insert(OrientationTable::new(exposure.start, end, eop))
+                slot.insert(earth(exposure.start, end))
             }
         };
         let opened_s = start_s(table.reference());
@@ -45,7 +53,8 @@ pub fn lowest_altitudes_rad(exposures: &[&Exposure], viewpoint: &Viewpoint, eop:
     altitudes
 }
 
-fn altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, table: &OrientationTable, seconds: f64) -> f64 {
+/// How high a pointing stands so many seconds after a table's reference, radians; not a number where the telescope's own elements give no place.
+pub(super) fn altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, table: &OrientationTable, seconds: f64) -> f64 {
     let epoch = seconds_after(table.reference(), seconds);
     viewpoint.pointing_altitude_rad(&exposure.pointing, epoch, &table.at_s(seconds)).unwrap_or(f64::NAN)
 }
@@ -56,30 +65,35 @@ const FASTEST_SINKING_RAD_S: f64 = 7.3e-5;
 const LOOK_EVERY_S: f64 = 60.0;
 /// Nor towards the limb faster than a low orbit turns and its distance changes, rad/s.
 const FASTEST_LIMB_RAD_S: f64 = 3e-3;
+/// How often it is looked whether a pointing is still up, seconds.
+pub(super) fn look_every_s(viewpoint: &Viewpoint) -> f64 {
+    if viewpoint.site().is_some() { LOOK_EVERY_S } else { LIMB_LOOK_EVERY_S }
+}
+
 /// A last start is given so much too early rather than too late, seconds.
 const BEFORE_SETTING_S: f64 = 0.01;
 
 /// How much later each exposure may start, at most `max_delay_s`, so that its pointing is still up as it ends, seconds.
 ///
 /// Pointings that are up at their scheduled closing; the sky position stays the same, so that a pointing that sinks sets.
-pub fn last_starts_s(exposures: &[&Exposure], viewpoint: &Viewpoint, eop: &EopTable, max_delay_s: f64) -> Vec<f64> {
-    let lowest_rad = lowest_altitudes_rad(exposures, viewpoint, eop);
+pub fn last_starts_s(exposures: &[&Exposure], viewpoint: &Viewpoint, earth: Earth<'_>, max_delay_s: f64) -> Vec<f64> {
+    let lowest_rad = lowest_altitudes_over(exposures, viewpoint, earth);
     let fastest_rad_s = if viewpoint.site().is_some() { FASTEST_SINKING_RAD_S } else { FASTEST_LIMB_RAD_S };
     let each = exposures.iter().zip(lowest_rad);
     each.map(|(exposure, lowest_rad)| {
         if lowest_rad > fastest_rad_s * max_delay_s {
             return max_delay_s;
         }
-        last_start_s(exposure, viewpoint, eop, max_delay_s)
+        last_start_s(exposure, viewpoint, earth, max_delay_s)
     })
     .collect()
 }
 
-fn last_start_s(exposure: &Exposure, viewpoint: &Viewpoint, eop: &EopTable, max_delay_s: f64) -> f64 {
+fn last_start_s(exposure: &Exposure, viewpoint: &Viewpoint, earth: Earth<'_>, max_delay_s: f64) -> f64 {
     let end = seconds_after(exposure.start, exposure.duration_s + max_delay_s);
-    let table = OrientationTable::new(exposure.start, end, eop);
+    let table = earth(exposure.start, end);
     let is_up = |delay_s: f64| altitude_rad(exposure, viewpoint, &table, exposure.duration_s + delay_s) >= 0.0;
-    let look_every_s = if viewpoint.site().is_some() { LOOK_EVERY_S } else { LIMB_LOOK_EVERY_S };
+    let look_every_s = look_every_s(viewpoint);
     let mut up_s = 0.0_f64;
     while up_s < max_delay_s {
         let next_s = (up_s + look_every_s).min(max_delay_s);
@@ -126,11 +140,12 @@ mod tests {
             })
             .collect();
         assert_eq!(low.len(), 1);
-        let last_s = last_starts_s(&[&low[0]], &viewpoint, &eop, 7200.0)[0];
+        let earth = |start, end| OrientationTable::new(start, end, &eop);
+        let last_s = last_starts_s(&[&low[0]], &viewpoint, &earth, 7200.0)[0];
         assert!((0.0..3600.0).contains(&last_s), "{last_s}");
         let at = |delay_s| lowest(&of(crate::frames::seconds_after(low[0].start, delay_s)));
         assert!(at(last_s) >= 0.0 && at(last_s + 0.1) < 0.0, "{last_s}: {} {}", at(last_s), at(last_s + 0.1));
-        assert_eq!(last_starts_s(&[&low[0]], &viewpoint, &eop, 0.5 * last_s), [0.5 * last_s]);
+        assert_eq!(last_starts_s(&[&low[0]], &viewpoint, &earth, 0.5 * last_s), [0.5 * last_s]);
     }
 
     #[test]

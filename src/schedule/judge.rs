@@ -129,7 +129,7 @@ pub fn flag(
         brightest_mag: counted.iter().filter_map(|pass| peak_magnitude(pass)).min_by(f64::total_cmp),
         expected_lost_pixel_fraction: lost,
         p_any: expected.p_any,
-        streak_length_deg: nominal().map(|pass| pass.streak_length_rad.to_degrees()).sum(),
+        streak_length_deg: nominal().map(|pass| pass.streak_length_rad.to_degrees()).fold(0.0, |sum, one| sum + one),
         reasons,
         next_clear_start: clear.then_some(exposure.start),
         delay_s: clear.then_some(0.0),
@@ -167,6 +167,13 @@ fn broken_limits(pass: &FieldPass, magnitude: f64, band: Option<&str>, rules: &R
         (magnitude < limit).then(|| format!(", brighter than the {name} {limit}"))
     };
     limits.into_iter().filter_map(words).collect()
+}
+
+/// True where a pass makes an exposure one to avoid: probable enough, and brighter than a limit.
+pub(super) fn is_to_avoid(pass: &FieldPass, band: Option<&str>, rules: &Rules<'_>) -> bool {
+    counts(pass, rules.policy)
+        && pass.probability >= rules.policy.avoid_probability()
+        && peak_magnitude(pass).is_some_and(|magnitude| !broken_limits(pass, magnitude, band, rules).is_empty())
 }
 
 /// True where a lit pass is a streak to this policy: it crosses, or is a near miss more probable than the policy lets pass.

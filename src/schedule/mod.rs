@@ -37,7 +37,7 @@ pub use instant::{InstantError, is_covered, parse_instant};
 pub use judge::{CameraLimits, Expected, LimitKind, Rules, flag};
 pub(crate) use policy::one_line as toml_error_on_one_line;
 pub use policy::{MagnitudeLimit, OfTelescope, Policy, PolicyError};
-pub use report::{FlagReport, FlagRequest, flag_exposures};
+pub use report::{FlagReport, FlagRequest, flag_exposures, judge_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 pub use shard::{Shard, ShardError};
 pub use shift::{Interval, clear_starts, next_clear_start};
@@ -45,4 +45,6 @@ pub use streak_table::{StreakRow, streak_table};
 pub use targets::{ListedTarget, read_targets};
 pub use waiting::{share_of_stale, wait_for};
 pub use window_table::{FoundWindows, WindowShape, window_table, window_target_table};
-pub use windows::{ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows, night_of};
+pub use windows::{
+    Blocking, ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows, night_of,
+};

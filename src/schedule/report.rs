@@ -2,7 +2,7 @@
 
 use std::collections::HashMap;
 
-use crate::frames::{EopTable, seconds_after, seconds_between};
+use crate::frames::{seconds_after, seconds_between};
 use crate::orbit::LeftOut;
 use crate::passes::{Chance, Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::PhotometryOptions;
@@ -10,7 +10,7 @@ use crate::telescope::Telescope;
 
 use super::camera::Camera;
 use super::exposure_flag::{ExposureFlag, Verdict};
-use super::horizon::{last_starts_s, lowest_altitudes_rad};
+use super::horizon::{last_starts_s, lowest_altitudes_over};
 use super::judge::{CameraLimits, Expected, Rules, counts, flag};
 use super::policy::Policy;
 use super::scheduled::ScheduledExposure;
@@ -26,6 +26,7 @@ const MOST_STEPS: f64 = 60.0;
 const LATE_SIGMAS: f64 = 3.0;
 
 /// What exposures are judged against.
+#[derive(Copy, Clone)]
 pub struct FlagRequest<'a> {
     /// The satellites over the site.
     pub sky: &'a Sky,
@@ -37,8 +38,6 @@ pub struct FlagRequest<'a> {
     pub telescope: Option<&'a Telescope>,
     /// Band, system, extinction.
     pub photometry: &'a PhotometryOptions,
-    /// The Earth's orientation, for the horizon.
-    pub eop: &'a EopTable,
 }
 
 /// Every row judged.
@@ -74,16 +73,40 @@ impl FlagReport {
 /// # Errors
 /// [`SkyError`] only where the sky cannot answer at all.
 pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
+    let Judged { mut report, mut flags, above } = judge(rows, request)?;
+    let waits = shift(&above, request, &mut flags, &mut report)?;
+    if request.policy.min_probability.is_some() || request.policy.max_lost_fraction.is_some() {
+        confirm(&above, waits, request, &mut flags)?;
+    }
+    Ok(finished(report, flags))
+}
+
+/// As [`flag_exposures`] without waiting: margins count for nothing, and only what is clear has a next clear start. Less than half the
+/// time, for who asks about many exposures and starts them when scheduled or not at all.
+///
+/// # Errors
+/// As [`flag_exposures`].
+pub fn judge_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
+    let Judged { report, flags, .. } = judge(rows, request)?;
+    Ok(finished(report, flags))
+}
+
+/// Verdicts of the exposures as scheduled.
+struct Judged<'a> {
+    report: FlagReport,
+    /// By row.
+    flags: Vec<Option<ExposureFlag>>,
+    /// The rows that could be judged.
+    above: Vec<(usize, &'a Exposure)>,
+}
+
+fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Result<Judged<'a>, SkyError> {
     let mut report = FlagReport { passes: vec![Vec::new(); rows.len()], ..FlagReport::default() };
     let mut flags: Vec<Option<ExposureFlag>> = vec![None; rows.len()];
-    let judged: Vec<(usize, &Exposure)> = above_the_horizon(rows, request, &mut flags);
+    let above: Vec<(usize, &Exposure)> = above_the_horizon(rows, request, &mut flags);
 
-    let exposures: Vec<Exposure> = judged.iter().map(|(_, exposure)| (*exposure).clone()).collect();
-    let options = PassOptions {
-        min_probability: request.policy.min_probability,
-        photometry: *request.photometry,
-        ..PassOptions::default()
-    };
+    let exposures: Vec<Exposure> = above.iter().map(|(_, exposure)| (*exposure).clone()).collect();
+    let options = pass_options(request);
     let mut answer = request.sky.field_passes(&exposures, request.field, &options)?;
     report.left_out.append(&mut answer.left_out);
 
@@ -92,19 +115,28 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
     let camera =
         request.telescope.map(|telescope| Camera { telescope, sky: request.sky, photometry: request.photometry });
     let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
-    for (((row, exposure), passes), chances) in judged.iter().zip(answer.by_exposure).zip(chances) {
+    for (((row, exposure), passes), chances) in above.iter().zip(answer.by_exposure).zip(chances) {
         let expected = expected_of(&chances, request);
         flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &expected, &rules));
         report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
-    let waits = shift(&judged, request, &mut flags, &mut report)?;
-    if request.policy.min_probability.is_some() || request.policy.max_lost_fraction.is_some() {
-        confirm(&judged, waits, request, &mut flags)?;
-    }
+    Ok(Judged { report, flags, above })
+}
+
+fn finished(mut report: FlagReport, flags: Vec<Option<ExposureFlag>>) -> FlagReport {
     report.name_each_once();
     // Every row has one by now: those above the horizon were judged, the others are invalid.
     report.flags = flags.into_iter().flatten().collect();
-    Ok(report)
+    report
+}
+
+/// What is asked of the sky for every verdict.
+pub(super) fn pass_options(request: &FlagRequest<'_>) -> PassOptions {
+    PassOptions {
+        min_probability: request.policy.min_probability,
+        photometry: *request.photometry,
+        ..PassOptions::default()
+    }
 }
 
 /// Sorts out the rows that cannot be judged, with their reasons.
@@ -121,7 +153,8 @@ fn above_the_horizon<'a>(
         }
     }
     let exposures: Vec<&Exposure> = judged.iter().map(|(_, exposure)| *exposure).collect();
-    let altitudes_rad = lowest_altitudes_rad(&exposures, request.sky.viewpoint(), request.eop);
+    let earth = |start, end| request.sky.orientation_over(start, end);
+    let altitudes_rad = lowest_altitudes_over(&exposures, request.sky.viewpoint(), &earth);
     let mut altitudes = altitudes_rad.into_iter();
     judged.retain(|(row, exposure)| {
         let altitude_rad = altitudes.next().unwrap_or(f64::NAN);
@@ -185,15 +218,12 @@ fn shift(
             ..(*exposure).clone()
         })
         .collect();
-    let options = PassOptions {
-        min_probability: policy.min_probability,
-        photometry: *request.photometry,
-        ..PassOptions::default()
-    };
+    let options = pass_options(request);
     let answer = request.sky.field_passes(&long, request.field, &options)?;
     report.left_out.extend(answer.left_out);
     let waiting_exposures: Vec<&Exposure> = waiting.iter().map(|(_, exposure)| *exposure).collect();
-    let last_starts = last_starts_s(&waiting_exposures, request.sky.viewpoint(), request.eop, max_delay_s);
+    let earth = |start, end| request.sky.orientation_over(start, end);
+    let last_starts = last_starts_s(&waiting_exposures, request.sky.viewpoint(), &earth, max_delay_s);
     for (((row, exposure), passes), last_start_s) in waiting.iter().zip(&answer.by_exposure).zip(last_starts) {
         let Some(flag) = flags[*row].as_mut() else { continue };
         let blocked = |late: &dyn Fn(&FieldPass) -> f64| -> Vec<Interval> {
@@ -273,11 +303,7 @@ fn confirm(
     flags: &mut [Option<ExposureFlag>],
 ) -> Result<(), SkyError> {
     let policy = request.policy;
-    let options = PassOptions {
-        min_probability: policy.min_probability,
-        photometry: *request.photometry,
-        ..PassOptions::default()
-    };
+    let options = pass_options(request);
     let scheduled: HashMap<usize, &Exposure> = judged.iter().copied().collect();
     while !waits.is_empty() {
         let (open, later): (Vec<Wait>, Vec<Exposure>) = waits

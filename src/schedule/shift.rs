@@ -109,6 +109,47 @@ mod tests {
     }
 
     #[test]
+    fn clear_stretches_are_what_is_left() {
+        let blocked = [Interval { start_s: 50.0, end_s: 52.0 }, Interval { start_s: 51.0, end_s: 60.0 }];
+        // 10 s long, 1 s margin: starts from 39 to 61 are forbidden.
+        let interval = |start_s, end_s| Interval { start_s, end_s };
+        let stretches = |first_s, last_s| clear_starts(&blocked, 10.0, 1.0, 0.0, interval(first_s, last_s));
+        assert_eq!(stretches(0.0, 100.0), [interval(0.0, 39.0), interval(61.0, 100.0)]);
+        assert_eq!(stretches(40.0, 100.0), [interval(61.0, 100.0)]);
+        assert_eq!(stretches(0.0, 30.0), [interval(0.0, 30.0)]);
+        assert_eq!(stretches(45.0, 55.0), []);
+        assert_eq!(clear_starts(&[interval(f64::NAN, 1.0)], 10.0, 0.0, 0.0, interval(0.0, 9.0)), []);
+    }
+
+    proptest! {
+        #[test]
+        fn verif_stretches_begin_where_waiting_ends(
+            starts in prop::collection::vec((0.0..500.0, 0.0..30.0), 0..12),
+            duration_s in 0.0..60.0,
+            margin_s in 0.0..5.0,
+            from_s in 0.0..500.0,
+        ) {
+            let blocked: Vec<Interval> =
+                starts.iter().map(|(start_s, length_s)| Interval { start_s: *start_s, end_s: start_s + length_s }).collect();
+            let allowed = Interval { start_s: from_s, end_s: from_s + 700.0 };
+            let stretches = clear_starts(&blocked, duration_s, margin_s, 0.0, allowed);
+            let first = next_clear_start(&blocked, duration_s, margin_s, 0.0, from_s, 700.0);
+            prop_assert_eq!(stretches.first().map(|stretch| stretch.start_s), first);
+            for stretch in &stretches {
+                // Inside a stretch nothing has to wait.
+                let middle_s = 0.5 * (stretch.start_s + stretch.end_s);
+                prop_assert_eq!(next_clear_start(&blocked, duration_s, margin_s, 0.0, middle_s, 700.0), Some(middle_s));
+            }
+            for pair in stretches.windows(2) {
+                // Between two of them nothing may start.
+                let between_s = 0.5 * (pair[0].end_s + pair[1].start_s);
+                let next = next_clear_start(&blocked, duration_s, margin_s, 0.0, between_s, 700.0);
+                prop_assert_eq!(next, Some(pair[1].start_s));
+            }
+        }
+    }
+
+    #[test]
     fn waiting_ends_where_the_last_touching_satellite_leaves() {
         let blocked = [
             Interval { start_s: 5.0, end_s: 6.0 },

@@ -2,40 +2,40 @@
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
+use crate::frames::{OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, Field, FieldPass, PassOptions, Sky, SkyError};
-use crate::photometry::PhotometryOptions;
-use crate::telescope::Telescope;
+use crate::passes::{Exposure, FieldPass, SkyError, Viewpoint};
 
 use super::camera::Camera;
-use super::judge::{CameraLimits, Rules, is_dodged};
-use super::policy::Policy;
-use super::report::{GUARD_S, TICK_S, intervals, late_s};
+use super::horizon::{altitude_rad, look_every_s};
+use super::judge::{CameraLimits, Rules, counts, is_dodged, is_to_avoid};
+use super::report::{FlagRequest, GUARD_S, TICK_S, intervals, late_s, pass_options};
 use super::shift::{Interval, clear_starts};
 
-/// Between looks at altitudes, seconds: the sky turns by a quarter of a degree.
-const LOOK_EVERY_S: f64 = 60.0;
 /// Risings and settings are found to this, seconds, and never given too early or too late.
 const SETTING_TOLERANCE_S: f64 = 1e-3;
 
+/// Which satellites keep an exposure from being clear.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub enum Blocking {
+    /// Every one that is lit: the verdict of an exposure in a window is `clear`.
+    #[default]
+    Any,
+    /// Those that the policy's limits of magnitude forbid: the verdict is not `avoid` for any single satellite.
+    Avoided,
+    /// Those brighter than a limit, however improbable unless the policy says; every lit one where no limit applies to the band.
+    Limits,
+}
+
 /// What windows are looked for against.
 pub struct WindowRequest<'a> {
-    /// The satellites over the site.
-    pub sky: &'a Sky,
-    /// The field of view.
-    pub field: &'a Field,
-    /// The rules: the magnitude limits, the margin, the probability. What is expected of all satellites together
-    /// (`max_lost_fraction`) makes no windows and is not looked at.
-    pub policy: &'a Policy,
-    /// The telescope, whose limits a policy may name.
-    pub telescope: Option<&'a Telescope>,
-    /// Band, system, extinction.
-    pub photometry: &'a PhotometryOptions,
-    /// The Earth's orientation, for the horizon.
-    pub eop: &'a EopTable,
-    /// The target's lowest altitude while the shutter is open, radians, without refraction.
+    /// Sky, field, telescope, and the rules: the magnitude limits, the margin, the probability. What is expected of all satellites together
+    /// (`max_lost_fraction`) and the longest wait (`max_delay_s`) make no windows and are not looked at.
+    pub against: FlagRequest<'a>,
+    /// Which satellites matter.
+    pub blocking: Blocking,
+    /// The target's lowest altitude while the shutter is open, radians, without refraction; above the Earth's limb for a telescope in orbit.
     pub min_altitude_rad: f64,
     /// The Sun's highest altitude while the shutter is open, radians; `None` for day and night.
     pub max_sun_altitude_rad: Option<f64>,
@@ -79,27 +79,28 @@ pub struct WindowReport {
     pub left_out: Vec<LeftOut>,
 }
 
-/// All clear windows of shutter openings from `from` to `to`.
+/// All clear windows of shutter openings from `from` to `to`; none where `to` is before `from`.
 ///
-/// An exposure that opens in a window meets no satellite that the policy dodges: none brighter, at its peak in the field, than a limit;
-/// none that is lit at all where no limit applies to the band. The margin of the policy is kept at both ends, so that a shutter that
-/// opens up to a margin late is still clear. With a `min_probability` near misses count, and every satellite may be three sigmas early or late.
+/// An exposure that opens in a window meets no satellite that `blocking` names. The margin of the policy is kept at both ends, so that a shutter
+/// that opens up to a margin late is still clear. With a `min_probability` near misses count, and every satellite may be three sigmas early or late.
 /// A pass counts whole: a window ends before a satellite enters even where it would be faint or dark until the shutter closes.
 ///
-/// Target and Sun are looked at once a minute: a target that culminates above its limit for less than that has no window.
+/// Target and Sun are looked at once a minute (the limb every 10 s): a target that culminates above its limit for less than that has no window.
 ///
 /// # Errors
-/// [`SkyError`] where the sky cannot answer; a telescope in orbit has no horizon.
+/// [`SkyError`] where the sky cannot answer; a limit for the Sun, where a telescope in orbit has no horizon.
 pub fn clear_windows(
     targets: &[WindowTarget],
     from: Epoch,
     to: Epoch,
     request: &WindowRequest<'_>,
 ) -> Result<WindowReport, SkyError> {
-    let viewpoint = request.sky.viewpoint();
-    let observer = viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: viewpoint.name().to_string() })?;
-    let margin_s = request.policy.margin_or_default_s();
-    let span_s = seconds_between(from, to).max(0.0);
+    let FlagRequest { sky, field, policy, telescope, photometry } = request.against;
+    let margin_s = policy.margin_or_default_s();
+    let span_s = seconds_between(from, to);
+    if span_s < 0.0 {
+        return Ok(WindowReport { by_target: vec![TargetWindows::default(); targets.len()], left_out: Vec::new() });
+    }
     let looks: Vec<Exposure> = targets
         .iter()
         .map(|target| Exposure {
@@ -108,31 +109,28 @@ pub fn clear_windows(
             ..target.exposure.clone()
         })
         .collect();
-    let options = PassOptions {
-        min_probability: request.policy.min_probability,
-        photometry: *request.photometry,
-        ..PassOptions::default()
+    let answer = sky.field_passes(&looks, field, &pass_options(&request.against))?;
+    let camera = telescope.map(|telescope| Camera { telescope, sky, photometry });
+    let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
+    let blocks = |pass: &FieldPass, band: Option<&str>| match request.blocking {
+        Blocking::Any => counts(pass, policy),
+        Blocking::Avoided => is_to_avoid(pass, band, &rules),
+        Blocking::Limits => is_dodged(pass, band, &rules),
     };
-    let answer = request.sky.field_passes(&looks, request.field, &options)?;
-    let camera =
-        request.telescope.map(|telescope| Camera { telescope, sky: request.sky, photometry: request.photometry });
-    let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     let longest_s = targets.iter().map(|target| target.exposure.duration_s).fold(0.0, f64::max);
-    let heavens = Heavens::new(observer, from, span_s + longest_s, request.eop);
+    let heavens = Heavens::new(request, from, span_s + longest_s)?;
     let by_target = targets
         .iter()
         .zip(answer.by_exposure)
         .map(|(target, passes)| {
             let dodged: Vec<FieldPass> =
-                passes.into_iter().filter(|pass| is_dodged(pass, target.band.as_deref(), &rules)).collect();
+                passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref())).collect();
             let exposure = &target.exposure;
             let asked = Exposure { start: from, ..exposure.clone() };
-            let blocked: Vec<Interval> = dodged
-                .iter()
-                .flat_map(|pass| intervals(pass, &asked, margin_s, late_s(pass, request.policy)))
-                .collect();
+            let blocked: Vec<Interval> =
+                dodged.iter().flat_map(|pass| intervals(pass, &asked, margin_s, late_s(pass, policy))).collect();
             let observable: Vec<Interval> = heavens
-                .observable(exposure, request)
+                .observable(exposure)
                 .into_iter()
                 .filter_map(|stretch| {
                     // The whole exposure lies in the stretch: s >= a and s + D <= b.
@@ -161,40 +159,58 @@ fn window(from: Epoch, stretch: Interval) -> Option<ClearWindow> {
     (first_s <= last_s).then(|| ClearWindow { first: seconds_after(from, first_s), last: seconds_after(from, last_s) })
 }
 
-/// Sky and Sun over a site.
+/// Target and Sun over a site, or target and limb.
 struct Heavens<'a> {
-    observer: &'a Observer,
+    viewpoint: &'a Viewpoint,
+    min_altitude_rad: f64,
     orientation: OrientationTable,
-    sun: SunTable,
+    sun: Option<SunLimit<'a>>,
     span_s: f64,
 }
 
+/// How high the Sun may stand.
+struct SunLimit<'a> {
+    observer: &'a Observer,
+    sun: SunTable,
+    most_rad: f64,
+}
+
 impl<'a> Heavens<'a> {
-    fn new(observer: &'a Observer, from: Epoch, span_s: f64, eop: &EopTable) -> Self {
+    fn new(request: &WindowRequest<'a>, from: Epoch, span_s: f64) -> Result<Self, SkyError> {
+        let viewpoint = request.against.sky.viewpoint();
         let end = seconds_after(from, span_s);
-        let orientation = OrientationTable::new(from, end, eop);
-        Self { observer, orientation, sun: SunTable::new(from, end), span_s }
+        let limit = |most_rad: f64| {
+            let no_horizon = || SkyError::NoHorizon { observer: viewpoint.name().to_string() };
+            let observer = viewpoint.site().ok_or_else(no_horizon)?;
+            Ok(SunLimit { observer, sun: SunTable::new(from, end), most_rad })
+        };
+        Ok(Self {
+            viewpoint,
+            min_altitude_rad: request.min_altitude_rad,
+            orientation: request.against.sky.orientation_over(from, end),
+            sun: request.max_sun_altitude_rad.map(limit).transpose()?,
+            span_s,
+        })
     }
 
     /// When the target is up and the Sun is down, seconds.
-    fn observable(&self, exposure: &Exposure, request: &WindowRequest<'_>) -> Vec<Interval> {
-        let target_rad = |seconds: f64| {
-            let state = self.observer.state(&self.orientation.at_s(seconds));
-            (state.horizon * exposure.pointing).latitude_rad() - request.min_altitude_rad
-        };
+    fn observable(&self, exposure: &Exposure) -> Vec<Interval> {
+        let target_rad =
+            |seconds: f64| altitude_rad(exposure, self.viewpoint, &self.orientation, seconds) - self.min_altitude_rad;
+        let every_s = look_every_s(self.viewpoint);
+        let up = stretches(target_rad, Interval { start_s: 0.0, end_s: self.span_s }, every_s);
+        let Some(SunLimit { observer, sun, most_rad }) = &self.sun else { return up };
         let sun_rad = |seconds: f64| {
-            let state = self.observer.state(&self.orientation.at_s(seconds));
-            let sine = state.sine_of_altitude(&(self.sun.at_s(seconds).sun - state.position));
-            request.max_sun_altitude_rad.map_or(1.0, |most_rad| most_rad - sine.clamp(-1.0, 1.0).asin())
+            let state = observer.state(&self.orientation.at_s(seconds));
+            let sine = state.sine_of_altitude(&(sun.at_s(seconds).sun - state.position));
+            most_rad - sine.clamp(-1.0, 1.0).asin()
         };
-        let all = Interval { start_s: 0.0, end_s: self.span_s };
-        let up = stretches(target_rad, all);
-        up.into_iter().flat_map(|stretch| stretches(sun_rad, stretch)).collect()
+        up.into_iter().flat_map(|stretch| stretches(sun_rad, stretch, every_s)).collect()
     }
 }
 
-/// Where a function is 0 or more, seen once a minute, its borders bisected and given on the inner side.
-fn stretches(value: impl Fn(f64) -> f64, within: Interval) -> Vec<Interval> {
+/// Where a function is 0 or more, seen every so many seconds, its borders bisected and given on the inner side.
+fn stretches(value: impl Fn(f64) -> f64, within: Interval, every_s: f64) -> Vec<Interval> {
     let is_in = |seconds: f64| value(seconds) >= 0.0;
     // The last point on the side of `inside` that is still in.
     let border = |mut inside: f64, mut outside: f64| {
@@ -204,7 +220,7 @@ fn stretches(value: impl Fn(f64) -> f64, within: Interval) -> Vec<Interval> {
         }
         inside
     };
-    let steps = ((within.end_s - within.start_s) / LOOK_EVERY_S).ceil().max(1.0);
+    let steps = ((within.end_s - within.start_s) / every_s).ceil().max(1.0);
     let look = |step: f64| within.start_s + (within.end_s - within.start_s) * step / steps;
     let mut found = Vec::new();
     let mut began = is_in(within.start_s).then_some(within.start_s);
@@ -243,15 +259,15 @@ mod tests {
     fn stretches_lie_inside_and_reach_their_borders() {
         let within = Interval { start_s: 0.0, end_s: 3000.0 };
         // Up from 100 to 700, and from 1300 to 1900, and so on: a sine of half period 600 s.
-        let found = stretches(|s| ((s - 100.0) / 600.0 * std::f64::consts::PI).sin(), within);
+        let found = stretches(|s| ((s - 100.0) / 600.0 * std::f64::consts::PI).sin(), within, 60.0);
         let expected = [(100.0, 700.0), (1300.0, 1900.0), (2500.0, 3000.0)];
         assert_eq!(found.len(), expected.len());
         for (stretch, (start_s, end_s)) in found.iter().zip(expected) {
             assert!((0.0..2e-3).contains(&(stretch.start_s - start_s)), "{stretch:?}");
             assert!((0.0..2e-3).contains(&(end_s - stretch.end_s)), "{stretch:?}");
         }
-        assert_eq!(stretches(|_| 1.0, within), [within]);
-        assert!(stretches(|_| -1.0, within).is_empty());
+        assert_eq!(stretches(|_| 1.0, within, 60.0), [within]);
+        assert!(stretches(|_| -1.0, within, 60.0).is_empty());
     }
 
     #[test]

@@ -131,6 +131,28 @@ impl Setup {
         Setup::deserialize(keys).map_err(error)
     }
 
+    /// All files that it names: what an answer depends on besides the question.
+    pub fn files(&self) -> Vec<&Path> {
+        let mut files: Vec<&Path> = self.elements.iter().flat_map(OneOrMany::as_slice).map(PathBuf::as_path).collect();
+        files.extend([&self.eop, &self.observer_elements, &self.qs_mag].into_iter().flatten().map(PathBuf::as_path));
+        if let Some(FieldSetup::File(path)) = &self.field {
+            files.push(path);
+        }
+        if let Some(PolicySetup::File(path)) = &self.policy {
+            files.push(path);
+        }
+        if let Some(models) = &self.models {
+            files.extend(models.files.iter().chain(&models.qs_mag).map(PathBuf::as_path));
+        }
+        let telescope = match &self.telescope {
+            Some(TelescopeSetup::Name(name)) => Some(name),
+            _ => None,
+        };
+        let names = self.shells.iter().flat_map(OneOrMany::as_slice).chain(telescope);
+        files.extend(names.filter(|name| is_file_name(name)).map(Path::new));
+        files
+    }
+
     fn start_paths_from(&mut self, folder: &Path) {
         let place = |path: &mut PathBuf| *path = folder.join(&*path);
         match &mut self.elements {

@@ -15,6 +15,6 @@ mod units;
 pub use choices::{FieldSetup, ModelsSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, SiteTable, TelescopeSetup};
 pub use document::Setup;
 pub use error::SetupError;
-pub use prepared::Prepared;
+pub use prepared::{Prepared, Stock};
 pub use resolve::{MOST_SAMPLES, OLD_ELEMENTS_DAYS};
 pub use units::{parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};

@@ -7,7 +7,7 @@ use serde_json::json;
 
 use crate::catalogue::{Catalogue, Constellation, ElementSet, Generation, RecordError, Rejected, SourceFile};
 use crate::frames::{EopStatus, EopTable, seconds_after, seconds_between};
-use crate::geometry::Site;
+use crate::geometry::{ShadowModel, Site};
 use crate::orbit::LeftOut;
 use crate::passes::{ModelChoice, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::{ModelLibrary, StandardMagnitudes};
@@ -39,6 +39,17 @@ pub struct Prepared {
     pub warnings: Vec<String>,
 }
 
+/// All that a setup names, read once: skies for any times come out of it, and no file is asked again (but that of a telescope in orbit).
+#[derive(Clone, Debug)]
+pub struct Stock {
+    setup: Setup,
+    shadow: ShadowModel,
+    eop: EopTable,
+    catalogue: Option<Catalogue>,
+    constellations: Vec<Constellation>,
+    choice: ModelChoice,
+}
+
 impl Setup {
     /// Reads all that was named and makes the sky ready for questions from `first` to `last`.
     ///
@@ -48,66 +59,26 @@ impl Setup {
     /// # Errors
     /// Neither elements nor shells were said, or whatever is wrong with what was.
     pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<Prepared, SetupError> {
-        let middle = seconds_after(first, 0.5 * seconds_between(first, last));
-        let viewpoint = self.viewpoint(middle)?;
-        let shadow = self.shadow()?;
-        let eop = self.eop_table()?;
+        self.stock_with(self.catalogue(middle_of(first, last))?)?.prepare(first, last)
+    }
+
+    /// Reads all that was named, with every element set of every object, for skies of many nights.
+    ///
+    /// # Errors
+    /// As [`Setup::prepare`].
+    pub fn stock(&self) -> Result<Stock, SetupError> {
+        self.stock_with(self.whole_catalogue()?)
+    }
+
+    fn stock_with(&self, catalogue: Option<Catalogue>) -> Result<Stock, SetupError> {
+        let (shadow, eop) = (self.shadow()?, self.eop_table()?);
         let constellations = self.constellations()?;
-        let catalogue = self.catalogue(middle)?;
         if catalogue.is_none() && constellations.is_empty() {
             let allowed = "--elements FILE..., or, without any download, --shells starlink-gen1 (synthetic; see streakcast shells)";
             return Err(SetupError::Missing { what: "satellites", allowed });
         }
-        let mut warnings = Vec::new();
-        let mut provenance = Provenance::new();
-        let mut elements: Vec<ElementSet> = Vec::new();
-        if let Some(catalogue) = catalogue {
-            provenance.state("elements", catalogue.sources.iter().map(source_json).collect::<Vec<_>>());
-            warnings.extend(catalogue_warnings(&catalogue));
-            provenance.attach("rejected_count", catalogue.rejected.len());
-            provenance
-                .attach("rejected", catalogue.rejected.iter().take(LISTED).map(rejected_json).collect::<Vec<_>>());
-            warnings.extend(age_warning(&catalogue.element_sets, first, last));
-            elements = catalogue.element_sets;
-        }
-        if !constellations.is_empty() {
-            let stated: Vec<_> = constellations.iter().map(constellation_json).collect();
-            provenance.state("shells", stated);
-            // One epoch for all questions of a day, so that a schedule and a single exposure of it see the same satellites.
-            let satellites = synthetic(&constellations, start_of_utc_day(first));
-            let names: Vec<&str> = constellations.iter().map(|constellation| constellation.name.as_str()).collect();
-            warnings.push(format!(
-                "{} satellites are synthetic (shells {}): none of them is claimed to be there",
-                satellites.len(),
-                names.join(", ")
-            ));
-            elements.extend(satellites);
-        }
-        warnings.extend(eop_warning(&eop, first, last));
-        provenance.state("satellites", elements.len());
-        provenance.state("earth_orientation", eop.describe());
-        match &viewpoint {
-            Viewpoint::Site(observer) => {
-                provenance.state("site", site_json(observer.site()));
-                provenance.state("frame", "ICRS astrometric topocentric");
-            }
-            Viewpoint::Orbit(observer) => {
-                provenance.state("observer", self.observer_json(observer));
-                provenance.state("frame", "ICRS astrometric, from the observer's orbit");
-                warnings.extend(observer_warning(observer, first, last));
-            }
-        }
-        provenance.state("shadow", shadow.name());
-
         let choice = self.model_choice()?;
-        let sky = Sky::new(elements, viewpoint, eop.clone(), &choice).with_shadow(shadow);
-        if sky.left_out().len() == sky.elements().len() {
-            return Err(nothing_propagates(&sky, sky.left_out(), middle));
-        }
-        let models: BTreeSet<String> =
-            (0..sky.elements().len()).map(|index| sky.model(index).source().to_string()).collect();
-        provenance.state("models", models.into_iter().collect::<Vec<_>>());
-        Ok(Prepared { sky, eop, provenance, warnings })
+        Ok(Stock { setup: self.clone(), shadow, eop, catalogue, constellations, choice })
     }
 
     fn observer_json(&self, observer: &OrbitingObserver) -> serde_json::Value {
@@ -155,6 +126,73 @@ impl Setup {
     }
 }
 
+impl Stock {
+    /// The files of elements as they were read; none where all satellites are synthetic.
+    pub fn sources(&self) -> &[SourceFile] {
+        self.catalogue.as_ref().map_or(&[], |catalogue| &catalogue.sources)
+    }
+
+    /// The sky ready for questions from `first` to `last`, as of [`Setup::prepare`].
+    ///
+    /// # Errors
+    /// No site or a bad one; none of the satellites has a place at that time.
+    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<Prepared, SetupError> {
+        let middle = middle_of(first, last);
+        let viewpoint = self.setup.viewpoint(middle)?;
+        let mut warnings = Vec::new();
+        let mut provenance = Provenance::new();
+        let mut elements: Vec<ElementSet> = Vec::new();
+        if let Some(catalogue) = &self.catalogue {
+            provenance.state("elements", catalogue.sources.iter().map(source_json).collect::<Vec<_>>());
+            warnings.extend(catalogue_warnings(catalogue));
+            provenance.attach("rejected_count", catalogue.rejected.len());
+            provenance
+                .attach("rejected", catalogue.rejected.iter().take(LISTED).map(rejected_json).collect::<Vec<_>>());
+            elements = catalogue.at(middle);
+            warnings.extend(age_warning(&elements, first, last));
+        }
+        if !self.constellations.is_empty() {
+            let stated: Vec<_> = self.constellations.iter().map(constellation_json).collect();
+            provenance.state("shells", stated);
+            // One epoch for all questions of a day, so that a schedule and a single exposure of it see the same satellites.
+            let satellites = synthetic(&self.constellations, start_of_utc_day(first));
+            let names: Vec<&str> =
+                self.constellations.iter().map(|constellation| constellation.name.as_str()).collect();
+            warnings.push(format!(
+                "{} satellites are synthetic (shells {}): none of them is claimed to be there",
+                satellites.len(),
+                names.join(", ")
+            ));
+            elements.extend(satellites);
+        }
+        warnings.extend(eop_warning(&self.eop, first, last));
+        provenance.state("satellites", elements.len());
+        provenance.state("earth_orientation", self.eop.describe());
+        match &viewpoint {
+            Viewpoint::Site(observer) => {
+                provenance.state("site", site_json(observer.site()));
+                provenance.state("frame", "ICRS astrometric topocentric");
+            }
+            Viewpoint::Orbit(observer) => {
+                provenance.state("observer", self.setup.observer_json(observer));
+                provenance.state("frame", "ICRS astrometric, from the observer's orbit");
+                warnings.extend(observer_warning(observer, first, last));
+            }
+        }
+        provenance.state("shadow", self.shadow.name());
+
+        let eop = self.eop.clone();
+        let sky = Sky::new(elements, viewpoint, eop.clone(), &self.choice).with_shadow(self.shadow);
+        if sky.left_out().len() == sky.elements().len() {
+            return Err(nothing_propagates(&sky, sky.left_out(), middle));
+        }
+        let models: BTreeSet<String> =
+            (0..sky.elements().len()).map(|index| sky.model(index).source().to_string()).collect();
+        provenance.state("models", models.into_iter().collect::<Vec<_>>());
+        Ok(Prepared { sky, eop, provenance, warnings })
+    }
+}
+
 impl Prepared {
     /// A warning that names satellites left out, where there are any.
     ///
@@ -175,6 +213,10 @@ impl Prepared {
             first.reason
         )))
     }
+}
+
+fn middle_of(first: Epoch, last: Epoch) -> Epoch {
+    seconds_after(first, 0.5 * seconds_between(first, last))
 }
 
 fn nothing_propagates(sky: &Sky, left_out: &[LeftOut], moment: Epoch) -> SetupError {

@@ -195,10 +195,20 @@ impl Setup {
     /// # Errors
     /// A file that cannot be read or holds none.
     pub fn catalogue(&self, moment: Epoch) -> Result<Option<Catalogue>, SetupError> {
+        self.read_elements(&self.read_options(moment))
+    }
+
+    /// The files of element sets with every set of every object; `None` where no file was said.
+    pub(super) fn whole_catalogue(&self) -> Result<Option<Catalogue>, SetupError> {
+        let accept_bad_checksums = self.accept_bad_checksums.unwrap_or(false);
+        self.read_elements(&ReadOptions { accept_bad_checksums, keep: Keep::All })
+    }
+
+    fn read_elements(&self, options: &ReadOptions) -> Result<Option<Catalogue>, SetupError> {
         let Some(paths) = self.elements.as_ref().map(OneOrMany::as_slice).filter(|paths| !paths.is_empty()) else {
             return Ok(None);
         };
-        Ok(Some(Catalogue::read(paths, &self.read_options(moment))?))
+        Ok(Some(Catalogue::read(paths, options)?))
     }
 
     pub(super) fn read_options(&self, moment: Epoch) -> ReadOptions {

@@ -140,14 +140,7 @@ fn judge_rows(
     let Asked { field, telescope, policy, photometry } = asked;
     let prepared = setup.prepare(first, last)?;
     notices.warn(&prepared.warnings);
-    let request = FlagRequest {
-        sky: &prepared.sky,
-        field,
-        policy,
-        telescope: telescope.as_ref(),
-        photometry,
-        eop: &prepared.eop,
-    };
+    let request = FlagRequest { sky: &prepared.sky, field, policy, telescope: telescope.as_ref(), photometry };
     let rows: Vec<_> = schedule.exposures.iter().collect();
     let mut report = FlagReport::default();
     let bar = notices.progress(rows.len());

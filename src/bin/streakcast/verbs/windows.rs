@@ -5,8 +5,8 @@ use hifitime::Epoch;
 use serde_json::json;
 use streakcast::frames::seconds_between;
 use streakcast::schedule::{
-    FoundWindows, ListedTarget, WindowReport, WindowRequest, WindowShape, WindowTarget, clear_windows, night_of,
-    parse_instant, read_targets, window_table, window_target_table,
+    Blocking, FlagRequest, FoundWindows, ListedTarget, WindowReport, WindowRequest, WindowShape, WindowTarget,
+    clear_windows, night_of, parse_instant, read_targets, window_table, window_target_table,
 };
 use streakcast::setup::{Setup, parse_duration_s, parse_moment};
 use streakcast::table::{Section, format_utc};
@@ -60,12 +60,14 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     notices.warn(&prepared.warnings);
     let targets: Vec<WindowTarget> = listed.iter().filter_map(|one| one.target.clone().ok()).collect();
     let request = WindowRequest {
-        sky: &prepared.sky,
-        field: &field,
-        policy: &policy,
-        telescope: telescope.as_ref(),
-        photometry: &photometry,
-        eop: &prepared.eop,
+        against: FlagRequest {
+            sky: &prepared.sky,
+            field: &field,
+            policy: &policy,
+            telescope: telescope.as_ref(),
+            photometry: &photometry,
+        },
+        blocking: Blocking::Limits,
         min_altitude_rad: min_altitude_deg.to_radians(),
         max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
     };

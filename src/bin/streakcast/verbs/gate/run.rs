@@ -10,7 +10,8 @@ use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
 use streakcast::passes::{Exposure, FieldPass};
 use streakcast::schedule::{
-    ClearWindow, TargetWindows, WindowRequest, WindowTarget, clear_windows, share_of_stale, wait_for,
+    Blocking, ClearWindow, FlagRequest, TargetWindows, WindowRequest, WindowTarget, clear_windows, share_of_stale,
+    wait_for,
 };
 use streakcast::setup::{OLD_ELEMENTS_DAYS, Prepared, SetupError, SiteSetup, SiteTable};
 use streakcast::table::format_utc;
@@ -157,12 +158,14 @@ fn answer(
     let prepared = prepare(request, &site, satellites_before, said, notices)?;
     let now = request.clock.now();
     let window_request = WindowRequest {
-        sky: &prepared.sky,
-        field: &request.field,
-        policy: &request.policy,
-        telescope: request.telescope.as_ref(),
-        photometry: &request.photometry,
-        eop: &prepared.eop,
+        against: FlagRequest {
+            sky: &prepared.sky,
+            field: &request.field,
+            policy: &request.policy,
+            telescope: request.telescope.as_ref(),
+            photometry: &request.photometry,
+        },
+        blocking: Blocking::Limits,
         min_altitude_rad: 0.0,
         max_sun_altitude_rad: None,
     };

@@ -1,0 +1,36 @@
+"""Satellites crossing astronomers' exposures: which, when, where and how bright.
+
+>>> import streakcast
+>>> model = streakcast.StreakModel(site="Rubin Observatory", shells="starlink-gen1", telescope="rubin", limit_mag=7)
+>>> answer = model.assess((198.9, 7.7), "2026-08-14T23:29:05Z", 30.0)
+>>> answer.crosses
+True
+
+`StreakModel` holds satellites, site, field of view, brightness models and policy, and answers questions over arrays of exposures.
+`body_map`, `sky_map`, `standard_magnitudes` and `sky_magnitudes` ask the brightness models alone.
+
+Times say their scale: an `astropy.time.Time`, a text that ends in ``Z``, or numbers with ``scale="utc"`` (or ``"tai"``, ``"tt"``).
+A bare number raises `TypeError`: TAI read as UTC is 37 s off, and a satellite crosses a field within seconds.
+"""
+
+from ._core import SetupError, StreakcastError, __version__
+from .errors import ChangedFileError, StreakcastWarning
+from .light import body_map, model_names, sky_magnitudes, sky_map, standard_magnitudes
+from .model import Assessment, ClearWindows, Site, StreakModel
+
+__all__ = [
+    "Assessment",
+    "ChangedFileError",
+    "ClearWindows",
+    "SetupError",
+    "Site",
+    "StreakModel",
+    "StreakcastError",
+    "StreakcastWarning",
+    "__version__",
+    "body_map",
+    "model_names",
+    "sky_magnitudes",
+    "sky_map",
+    "standard_magnitudes",
+]

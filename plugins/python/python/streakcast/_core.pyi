@@ -1,0 +1,88 @@
+from pathlib import Path
+from typing import Any, Optional
+
+import numpy as np
+import numpy.typing as npt
+
+_Reals = npt.NDArray[np.float64]
+_Times = tuple[_Reals, _Reals, npt.NDArray[np.int64]]
+_Columns = list[dict[str, Any]]
+
+__version__: str
+
+class StreakcastError(ValueError): ...
+class SetupError(StreakcastError): ...
+
+def times_from_text(texts: list[str], scale: Optional[str] = None) -> tuple[_Reals, _Reals]: ...
+def times_from_mjd(mjd: _Reals, scale: str) -> tuple[_Reals, _Reals]: ...
+def setup_files(setup: str, config: Optional[str] = None) -> list[Path]: ...
+def model_names(setup: str) -> list[str]: ...
+def body_map(
+    setup: str,
+    model: str,
+    sun_latitude_deg: float,
+    height_km: float,
+    step_deg: Optional[float] = None,
+    nside: Optional[int] = None,
+) -> tuple[_Columns, str]: ...
+def sky_map(
+    setup: str,
+    model: str,
+    sun_altitude_deg: float,
+    sun_azimuth_deg: float,
+    height_km: float,
+    step_deg: Optional[float] = None,
+    nside: Optional[int] = None,
+) -> tuple[_Columns, str]: ...
+def standard_magnitudes(
+    setup: str,
+    model: str,
+    sun_latitude_deg: _Reals,
+    observer_longitude_deg: _Reals,
+    observer_latitude_deg: _Reals,
+    height_km: _Reals,
+) -> _Reals: ...
+def sky_magnitudes(
+    setup: str,
+    model: str,
+    azimuth_deg: _Reals,
+    altitude_deg: _Reals,
+    sun_altitude_deg: float,
+    sun_azimuth_deg: float,
+    height_km: float,
+) -> tuple[_Reals, _Reals]: ...
+
+class Skies:
+    def __new__(
+        cls, setup: str, config: Optional[str] = None, epoch: Optional[tuple[float, float]] = None
+    ) -> Skies: ...
+    @property
+    def site(self) -> Optional[tuple[str, float, float, float]]: ...
+    def night(self, jd1: float, jd2: float) -> int: ...
+    def provenance(self, jd1: float, jd2: float) -> str: ...
+    def news(self) -> list[str]: ...
+    def element_files(self) -> list[tuple[str, str]]: ...
+    def satellites(self, jd1: float, jd2: float) -> int: ...
+
+class Engine:
+    def __new__(cls, skies: Skies, setup: str, config: Optional[str] = None) -> Engine: ...
+    @property
+    def time_scale(self) -> Optional[str]: ...
+    @property
+    def field_radius_deg(self) -> Optional[float]: ...
+    @property
+    def field_area_deg2(self) -> Optional[float]: ...
+    def judge(self, asked: dict[str, _Reals], bands: list[str]) -> tuple[dict[str, Any], list[str]]: ...
+    def flags(self, asked: dict[str, _Reals], bands: list[str]) -> tuple[_Columns, list[str]]: ...
+    def passes(self, asked: dict[str, _Reals], include_dark: bool, samples: int) -> tuple[_Columns, list[str]]: ...
+    def clear_windows(
+        self,
+        asked: dict[str, _Reals],
+        bands: list[str],
+        exposure_s: float,
+        min_altitude_deg: float,
+        avoided_only: bool,
+    ) -> dict[str, Any]: ...
+    def visible_passes(
+        self, start: tuple[float, float], end: tuple[float, float], min_altitude_deg: float, lit_only: bool
+    ) -> tuple[_Columns, list[str]]: ...

@@ -1,0 +1,143 @@
+"""Arguments of a model to the setup document that every face of streakcast fills."""
+
+from __future__ import annotations
+
+import os
+from typing import Any
+
+from ._core import SetupError
+from ._quantities import is_of, scalar
+
+#: What decides which satellites are where, and how bright; all else is a question of field and policy.
+SKY_KEYS = frozenset(
+    {
+        "elements", "shells", "accept_bad_checksums", "site", "mpc", "lat", "lon", "height", "observer_elements",
+        "observer_norad", "limb_height_km", "shadow", "eop", "qs_mag", "models",
+    }
+)  # fmt: skip
+#: What an engine adds to a sky.
+ENGINE_KEYS = frozenset(
+    {
+        "fov", "field", "telescope", "band", "mag_system", "earthshine", "extinction", "sun_distance", "limit_mag",
+        "min_probability", "policy", "max_delay", "time_scale",
+    }
+)  # fmt: skip
+
+
+def document(arguments: dict[str, Any]) -> dict[str, Any]:
+    """The document of what was said: numbers, texts, lists and dictionaries, with absolute paths."""
+    said: dict[str, Any] = {}
+    for key, value in arguments.items():
+        if value is None:
+            continue
+        if key == "mjd_scale":
+            key = "time_scale"
+        if key not in SKY_KEYS and key not in ENGINE_KEYS:
+            allowed = ", ".join(sorted(SKY_KEYS | ENGINE_KEYS - {"time_scale"} | {"config", "epoch", "mjd_scale"}))
+            raise TypeError(f"StreakModel has no argument '{key}'; allowed: {allowed}")
+        said[key] = _CONVERTERS.get(key, _plain)(key, value)
+    return said
+
+
+def absolute(path: Any) -> str:
+    """A path that means the same file in another process."""
+    return str(os.path.abspath(os.fspath(path)))
+
+
+def _plain(key: str, value: Any) -> Any:
+    """What JSON holds; numbers of NumPy as numbers."""
+    if isinstance(value, dict):
+        return {str(name): _plain(key, item) for name, item in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [_plain(key, item) for item in value]
+    if isinstance(value, (str, bool, int, float)):
+        return value
+    if isinstance(value, os.PathLike):
+        return absolute(value)
+    item = getattr(value, "item", None)
+    if item is not None and getattr(value, "shape", None) == () and not is_of("astropy.units", "Quantity", value):
+        return item()
+    raise SetupError(f"{key} is {type(value).__name__}; allowed: text, numbers, and lists and dictionaries of these")
+
+
+def _paths(key: str, value: Any) -> list[str]:
+    if isinstance(value, (str, os.PathLike)):
+        return [absolute(value)]
+    try:
+        return [absolute(path) for path in value]
+    except TypeError:
+        raise SetupError(f"{key} is {type(value).__name__}; allowed: a path, or a list of paths") from None
+
+
+def _path(key: str, value: Any) -> str:
+    if not isinstance(value, (str, os.PathLike)):
+        raise SetupError(f"{key} is {type(value).__name__}; allowed: a path")
+    return absolute(value)
+
+
+def _path_or_table(key: str, value: Any) -> Any:
+    return _plain(key, value) if isinstance(value, dict) else _path(key, value)
+
+
+def _names(key: str, value: Any) -> Any:
+    """Names of what is known, or TOML files."""
+    if isinstance(value, dict):
+        return _plain(key, value)
+    if isinstance(value, (list, tuple)):
+        return [_names(key, item) for item in value]
+    text = os.fspath(value) if isinstance(value, (str, os.PathLike)) else None
+    if text is None:
+        raise SetupError(f"{key} is {type(value).__name__}; allowed: a name or a TOML file")
+    return absolute(text) if text.endswith(".toml") else text
+
+
+def _site(key: str, value: Any) -> Any:
+    if is_of("astropy.coordinates", "EarthLocation", value):
+        geodetic = value.to_geodetic("WGS84")
+        name = getattr(value.info, "name", None) or "site"
+        return {
+            "name": str(name),
+            "latitude_deg": float(geodetic.lat.to_value("deg")),
+            "longitude_deg": float(geodetic.lon.to_value("deg")),
+            "height_m": float(geodetic.height.to_value("m")),
+        }
+    return _plain(key, value)
+
+
+def _angle(key: str, value: Any) -> Any:
+    """A `Quantity` as the text that a unit belongs to; bare numbers go through, and are refused for want of one."""
+    if is_of("astropy.units", "Quantity", value):
+        return f"{scalar(value, 'deg', key)!r}deg"
+    return _plain(key, value)
+
+
+def _seconds(key: str, value: Any) -> Any:
+    if is_of("astropy.units", "Quantity", value):
+        return f"{scalar(value, 's', key)!r}s"
+    return _plain(key, value)
+
+
+def _models(key: str, value: Any) -> Any:
+    table = _plain(key, value)
+    if not isinstance(table, dict):
+        raise SetupError("models is no dictionary; allowed: {'files': [...], 'generations': {...}, 'qs_mag': ...}")
+    for paths in ("files", "qs_mag"):
+        if paths in table:
+            table[paths] = _paths(key, table[paths]) if paths == "files" else _path(key, table[paths])
+    return table
+
+
+_CONVERTERS = {
+    "elements": _paths,
+    "shells": _names,
+    "telescope": _names,
+    "eop": _path,
+    "qs_mag": _path,
+    "observer_elements": _path,
+    "field": _path_or_table,
+    "policy": _path_or_table,
+    "site": _site,
+    "fov": _angle,
+    "max_delay": _seconds,
+    "models": _models,
+}

@@ -1,0 +1,83 @@
+"""Columns of the library as an astropy `QTable`, or as a dictionary of arrays where astropy is not there."""
+
+from __future__ import annotations
+
+import importlib.util
+from typing import Any, Union
+
+import numpy as np
+
+#: `QTable` where astropy is there, else a dictionary of arrays.
+TableLike = Any
+
+
+def wants_qtable(output: str) -> bool:
+    """Whether an answer is to be a `QTable`."""
+    if output not in ("auto", "qtable", "dict"):
+        raise ValueError(f"output '{output}'; allowed: auto, qtable, dict")
+    return output == "qtable" or (output == "auto" and importlib.util.find_spec("astropy") is not None)
+
+
+def table_of(columns: list[dict[str, Any]], output: str, meta: Union[dict[str, Any], None] = None) -> TableLike:
+    """The answer in the form asked for."""
+    if wants_qtable(output):
+        return _qtable(columns, meta or {})
+    return {column["name"]: _array(column) for column in columns}
+
+
+def _array(column: dict[str, Any]) -> Any:
+    kind = column["kind"]
+    if kind == "time":
+        return column["utc_ns"].view("datetime64[ns]")
+    if kind == "text":
+        return np.array(column["values"], dtype=np.str_)
+    if kind == "list":
+        return column["values"]
+    if kind in ("integer", "boolean") and column["missing"].any():
+        return np.ma.MaskedArray(column["values"], mask=column["missing"])
+    return column["values"]
+
+
+def _qtable(columns: list[dict[str, Any]], meta: dict[str, Any]) -> Any:
+    from astropy.table import Column, MaskedColumn, QTable
+    from astropy.units import Quantity
+
+    table = QTable(meta=meta)
+    for column in columns:
+        name, kind = column["name"], column["kind"]
+        cells: Any
+        if kind == "time":
+            cells = time_of(column["jd1"], column["jd2"])
+        elif kind == "real" and column["unit"]:
+            cells = Quantity(column["values"], column["unit"], copy=False)
+        elif kind == "list":
+            cells = np.empty(len(column["values"]), dtype=object)
+            cells[:] = column["values"]
+            cells = Column(cells)
+        else:
+            array = _array(column)
+            cells = MaskedColumn(array) if isinstance(array, np.ma.MaskedArray) else Column(array)
+        table[name] = cells
+        table[name].info.description = column["description"]
+    return table
+
+
+def time_of(jd1: Any, jd2: Any) -> Any:
+    """An astropy `Time`, UTC, of two-part Julian dates, TAI; what is not a number is masked."""
+    from astropy.time import Time
+
+    missing = np.isnan(jd1)
+    if not missing.any():
+        return _utc(Time(jd1, jd2, format="jd", scale="tai"))
+    # A moment in the place of what is missing, for the way to UTC; then the mask.
+    moment = np.where(missing, 2_451_545.0, jd1)
+    time = _utc(Time(moment, np.where(missing, 0.0, jd2), format="jd", scale="tai")).copy()
+    time[missing] = np.ma.masked
+    return time
+
+
+def _utc(time: Any) -> Any:
+    utc = time.utc
+    utc.format = "isot"
+    utc.precision = 6
+    return utc

@@ -1,0 +1,101 @@
+"""Moments of every kind to two-part Julian dates, TAI."""
+
+from __future__ import annotations
+
+import datetime
+import sys
+from typing import Any, NamedTuple, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+
+FloatArray = npt.NDArray[np.float64]
+#: An `astropy.time.Time`, ISO 8601 text, an aware `datetime`, or with a named scale numbers (MJD) and `numpy.datetime64`.
+TimeLike = Any
+
+_ALLOWED = (
+    "give an astropy Time, a text that ends in Z, an aware datetime, or say the scale of these numbers (MJD): "
+    'scale="utc", "tai" or "tt"; read in the wrong one they are 37 s off, and a satellite crosses a field within seconds'
+)
+
+
+class TwoPartTai(NamedTuple):
+    """What a moment has become already: two-part Julian dates, TAI."""
+
+    #: Midnights and noons.
+    jd1: FloatArray
+    #: The rest of the day.
+    jd2: FloatArray
+
+
+def is_time(value: object) -> bool:
+    """True for an `astropy.time.Time`; astropy is not imported for it."""
+    module = sys.modules.get("astropy.time")
+    return module is not None and isinstance(value, module.Time)
+
+
+def to_tai(value: TimeLike, scale: Union[str, None], what: str = "time") -> tuple[FloatArray, FloatArray]:
+    """Two-part Julian dates, TAI, in the shape of what was given."""
+    if isinstance(value, TwoPartTai):
+        return value.jd1, value.jd2
+    if is_time(value):
+        if np.any(getattr(value, "mask", False)):
+            index = int(np.flatnonzero(np.ravel(value.mask))[0])
+            raise ValueError(f"{what}[{index}] is masked; allowed: moments")
+        tai = value.tai
+        return np.asarray(tai.jd1, dtype=np.float64), np.asarray(tai.jd2, dtype=np.float64)
+    if isinstance(value, (int, float)) and not isinstance(value, bool):
+        return _from_mjd(np.asarray(value, dtype=np.float64), scale, what)
+    if isinstance(value, (str, datetime.datetime)):
+        return _from_text(np.asarray(_text(value, what)), scale, what)
+    array = np.asarray(value)
+    if array.dtype.kind in "iuf":
+        return _from_mjd(array.astype(np.float64), scale, what)
+    if array.dtype.kind == "M":
+        if scale is None:
+            raise TypeError(f"{what} is numpy.datetime64, which names no time scale; {_ALLOWED}")
+        return _from_text(np.datetime_as_string(array), scale, what)
+    if array.dtype.kind == "U":
+        return _from_text(array, scale, what)
+    if array.dtype.kind == "O" and array.size:
+        texts = np.array([_text(item, what) for item in array.ravel()]).reshape(array.shape)
+        return _from_text(texts, scale, what)
+    if array.size == 0:
+        return np.zeros(array.shape), np.zeros(array.shape)
+    raise TypeError(f"{what} is {type(value).__name__}, which is no time; {_ALLOWED}")
+
+
+def _text(value: object, what: str) -> str:
+    if isinstance(value, datetime.datetime):
+        return value.isoformat()
+    if isinstance(value, str):
+        return value
+    raise TypeError(f"{what} has {type(value).__name__}, which is no time; {_ALLOWED}")
+
+
+def _from_mjd(array: FloatArray, scale: Union[str, None], what: str) -> tuple[FloatArray, FloatArray]:
+    if scale is None:
+        raise TypeError(f"{what} is a bare number without a time scale; {_ALLOWED}")
+    jd1, jd2 = _core.times_from_mjd(array.ravel(), scale)
+    return jd1.reshape(array.shape), jd2.reshape(array.shape)
+
+
+def _from_text(array: npt.NDArray[Any], scale: Union[str, None], what: str) -> tuple[FloatArray, FloatArray]:
+    texts = array.ravel().tolist()
+    if scale is None:
+        for index, text in enumerate(texts):
+            if not _names_its_zone(text):
+                raise TypeError(f"{what}[{index}] '{text}' names no time scale; {_ALLOWED}")
+    jd1, jd2 = _core.times_from_text(texts, scale)
+    return jd1.reshape(array.shape), jd2.reshape(array.shape)
+
+
+def _names_its_zone(text: str) -> bool:
+    """False for what is a moment but for its scale; what is no moment at all is left to the library to refuse."""
+    try:
+        _core.times_from_text([text], None)
+    except ValueError as error:
+        return "names no time scale" not in str(error)
+    return True

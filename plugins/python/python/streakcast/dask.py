@@ -1,0 +1,179 @@
+"""A survey's visits over a Dask cluster, night by night; needs ``distributed`` and ``pyarrow``."""
+
+from __future__ import annotations
+
+import hashlib
+import json
+import os
+import tempfile
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._quantities import number
+from ._times import TwoPartTai, to_tai
+from .model import StreakModel
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+#: What a table of visits has to have.
+COLUMNS = ("ra_deg", "dec_deg", "start", "exposure_s")
+
+
+def annotate(
+    visits: "Mapping[str, Any]",
+    model: StreakModel,
+    client: Any,
+    folder: "Union[str, os.PathLike[str]]",
+    *,
+    scale: Union[str, None] = None,
+    retries: int = 3,
+) -> list[Path]:
+    """Verdicts of a survey's visits, one Parquet file a night.
+
+    Each night is one task. Its worker reads the model's files by their paths (a worker keeps what it has read), works on one thread,
+    and puts the night's file into its place whole. Nights whose file is there for the same visits and the same model are left alone, so that a
+    run that was stopped goes on where it was. A task whose worker dies is given to another.
+
+    Parameters
+    ----------
+    visits : mapping of columns
+        ``ra_deg, dec_deg, start, exposure_s`` and, where there are, ``rotation_deg, band``: arrays ``(n,)``, a `QTable` or a data frame.
+    model : StreakModel
+        What the visits are asked of; its files must be readable by every worker under the same paths.
+    client : distributed.Client
+        The cluster.
+    folder : path
+        Where the files go: ``night-<number>.parquet``; a file system that all workers share.
+    scale : {"utc", "tai", "tt"}, optional
+        Scale of bare numbers (MJD) in ``start``; the model's ``mjd_scale`` where not said.
+    retries : int
+        How often a night that failed is tried again.
+
+    Returns
+    -------
+    list of Path
+        The nights' files in order of time. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``, ``brightest_mag``,
+        ``lost_fraction``, ``p_any``, ``streak_length_deg``; see `read` for all of them together.
+
+    Raises
+    ------
+    ValueError
+        A column is missing, or columns differ in length.
+    """
+    missing = [name for name in COLUMNS if name not in _names(visits)]
+    if missing:
+        raise ValueError(f"visits have no column {', '.join(missing)}; needed are {', '.join(COLUMNS)}")
+    jd1, jd2 = to_tai(_column(visits, "start"), model.mjd_scale if scale is None else scale, "start")
+    columns: dict[str, npt.NDArray[Any]] = {"jd1": np.ravel(jd1), "jd2": np.ravel(jd2)}
+    for name, unit in (("ra_deg", "deg"), ("dec_deg", "deg"), ("exposure_s", "s"), ("rotation_deg", "deg")):
+        if name in _names(visits):
+            columns[name] = np.ravel(number(_column(visits, name), unit, name))
+    if "band" in _names(visits):
+        columns["band"] = np.ravel(np.asarray(_column(visits, "band"), dtype=np.str_))
+    lengths = {name: len(column) for name, column in columns.items()}
+    if len(set(lengths.values())) > 1:
+        raise ValueError(f"columns of visits differ in length: {lengths}")
+
+    place = Path(folder).absolute()
+    place.mkdir(parents=True, exist_ok=True)
+    nights = np.array([model.night(TwoPartTai(first, second)) for first, second in zip(columns["jd1"], columns["jd2"])], dtype=np.int64)
+    files, tasks = [], []
+    for night in np.unique(nights):
+        rows = np.flatnonzero(nights == night)
+        part = {name: column[rows] for name, column in columns.items()}
+        path = place / f"night-{int(night):05d}.parquet"
+        key = _digest(part, rows, model)
+        files.append(path)
+        if not _is_done(path, key):
+            tasks.append(
+                client.submit(_one_night, part, rows, model, str(path), key, retries=retries, key=f"night-{int(night)}-{key[:16]}")
+            )
+    client.gather(tasks)
+    return files
+
+
+def read(files: "list[Path]") -> dict[str, npt.NDArray[Any]]:
+    """All nights together, in the order of the visits.
+
+    Parameters
+    ----------
+    files : list of Path
+        What `annotate` returned.
+
+    Returns
+    -------
+    dict of arrays, ``(n_visits,)`` each
+    """
+    import pyarrow
+    import pyarrow.parquet
+
+    table = pyarrow.concat_tables([pyarrow.parquet.read_table(path).replace_schema_metadata() for path in files])
+    columns = {name: table[name].to_numpy() for name in table.column_names}
+    order = np.argsort(columns["visit"], kind="stable")
+    return {name: column[order] for name, column in columns.items()}
+
+
+def _names(visits: "Mapping[str, Any]") -> list[str]:
+    names = getattr(visits, "colnames", None) or getattr(visits, "columns", None)
+    return [str(name) for name in (visits.keys() if names is None else names)]
+
+
+def _column(visits: "Mapping[str, Any]", name: str) -> Any:
+    column = visits[name]
+    # A data frame's column is no array.
+    return column.to_numpy() if hasattr(column, "to_numpy") else column
+
+
+def _digest(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], model: StreakModel) -> str:
+    """What a night's answer depends on."""
+    digest = hashlib.sha256(json.dumps([_core.__version__, model.key()]).encode())
+    for name, column in sorted({**part, "visit": rows}.items()):
+        digest.update(name.encode())
+        digest.update(np.ascontiguousarray(column).tobytes())
+    return digest.hexdigest()
+
+
+def _is_done(path: Path, key: str) -> bool:
+    import pyarrow
+    import pyarrow.parquet
+
+    try:
+        metadata = pyarrow.parquet.read_schema(path).metadata or {}
+    except (OSError, pyarrow.ArrowInvalid):
+        return False
+    return bool(metadata.get(b"streakcast_visits") == key.encode())
+
+
+def _one_night(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], model: StreakModel, path: str, key: str) -> int:
+    """The task of a worker: how many visits it judged."""
+    import pyarrow
+    import pyarrow.parquet
+
+    # Dask gives each worker its cores; this counts where nothing has been asked in this process before.
+    os.environ.setdefault("RAYON_NUM_THREADS", "1")
+    answer = model.assess(
+        (part["ra_deg"], part["dec_deg"]),
+        TwoPartTai(part["jd1"], part["jd2"]),
+        part["exposure_s"],
+        rotation=part.get("rotation_deg", 0.0),
+        band=part.get("band"),
+    )
+    names = [name for name in answer._fields if name != "crosses"]
+    table = pyarrow.table({"visit": rows, **{name: getattr(answer, name) for name in names}})
+    table = table.replace_schema_metadata({"streakcast_visits": key, "streakcast_version": _core.__version__})
+    target = Path(path)
+    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as scratch:
+        try:
+            pyarrow.parquet.write_table(table, scratch)
+            scratch.flush()
+            os.fsync(scratch.fileno())
+        except BaseException:
+            os.unlink(scratch.name)
+            raise
+    os.replace(scratch.name, target)
+    return len(rows)

@@ -1,0 +1,208 @@
+"""Magnitudes and maps of brightness models: no satellites, no files of elements."""
+
+from __future__ import annotations
+
+import json
+from typing import Any, Union
+
+import numpy as np
+
+from . import _core
+from ._quantities import number, scalar
+from ._setup import document
+from ._tables import TableLike, table_of
+
+#: One number, or an array in the shape of the question.
+Numbers = Any
+
+
+def model_names(models: Any = None) -> list[str]:
+    """Names of the brightness models.
+
+    Parameters
+    ----------
+    models : dict, optional
+        ``{"files": [...]}``: model files beside the shipped ones.
+
+    Returns
+    -------
+    list of str
+    """
+    return _core.model_names(json.dumps(document({"models": models})))
+
+
+def standard_magnitudes(
+    model: str,
+    sun_latitude: Numbers,
+    observer_longitude: Numbers,
+    observer_latitude: Numbers,
+    height: Numbers = 550.0,
+    **light: Any,
+) -> Numbers:
+    """Magnitudes at 1000 km of directions in the satellite's own frame, in full sunlight, the Sun at 1 au.
+
+    Parameters
+    ----------
+    model : str
+        A name of `model_names`, or a path that ends in ``.json``.
+    sun_latitude : float, array or `~astropy.units.Quantity`
+        Of the Sun above the plane of the chassis, degrees.
+    observer_longitude, observer_latitude : float, array or `~astropy.units.Quantity`
+        Of the observer from the Sun's azimuth, and above the plane of the chassis, degrees.
+    height : float, array or `~astropy.units.Quantity`
+        Of the satellite above 6378.137 km, km; counts for earthshine alone.
+    **light
+        ``band, mag_system, earthshine, models``.
+
+    Returns
+    -------
+    float or array
+        In the broadcast shape; NaN where nothing lit is seen.
+    """
+    parts = np.broadcast_arrays(
+        number(sun_latitude, "deg", "sun_latitude"),
+        number(observer_longitude, "deg", "observer_longitude"),
+        number(observer_latitude, "deg", "observer_latitude"),
+        number(height, "km", "height"),
+    )
+    columns = [np.ascontiguousarray(part.reshape(-1)) for part in parts]
+    answer = _core.standard_magnitudes(_setup(light), str(model), *columns)
+    return float(answer[0]) if parts[0].shape == () else answer.reshape(parts[0].shape)
+
+
+def sky_magnitudes(
+    model: str,
+    azimuth: Numbers,
+    altitude: Numbers,
+    *,
+    sun_altitude: Numbers,
+    sun_azimuth: Numbers = 0.0,
+    height: Numbers = 550.0,
+    **light: Any,
+) -> tuple[Numbers, Numbers]:
+    """Apparent magnitudes of satellites of one height in directions over a site.
+
+    Parameters
+    ----------
+    model : str
+        A name of `model_names`, or a path that ends in ``.json``.
+    azimuth, altitude : float, array or `~astropy.units.Quantity`
+        Where the satellites stand: from north through east, above the horizon without refraction, degrees.
+    sun_altitude, sun_azimuth : float or `~astropy.units.Quantity`
+        Where the Sun stands, degrees; geometric, negative below the horizon.
+    height : float or `~astropy.units.Quantity`
+        Of the satellites above 6378.137 km, km.
+    **light
+        ``band, mag_system, earthshine, extinction, models, shadow``, and the site by ``site, mpc, lat, lon, height_m``; without a site
+        the Earth is a sphere.
+
+    Returns
+    -------
+    magnitude : float or array
+        NaN in the Earth's shadow, and where nothing lit is seen.
+    range_km : float or array
+        From observer to satellite.
+    """
+    parts = np.broadcast_arrays(number(azimuth, "deg", "azimuth"), number(altitude, "deg", "altitude"))
+    columns = [np.ascontiguousarray(part.reshape(-1)) for part in parts]
+    magnitude, range_km = _core.sky_magnitudes(
+        _setup(light),
+        str(model),
+        columns[0],
+        columns[1],
+        scalar(sun_altitude, "deg", "sun_altitude"),
+        scalar(sun_azimuth, "deg", "sun_azimuth"),
+        scalar(height, "km", "height"),
+    )
+    if parts[0].shape == ():
+        return float(magnitude[0]), float(range_km[0])
+    return magnitude.reshape(parts[0].shape), range_km.reshape(parts[0].shape)
+
+
+def body_map(
+    model: str,
+    *,
+    sun_latitude: Numbers,
+    height: Numbers = 550.0,
+    step: Union[Numbers, None] = None,
+    nside: Union[int, None] = None,
+    output: str = "auto",
+    **light: Any,
+) -> TableLike:
+    """Magnitudes at 1000 km over a satellite's own sky: what ``streakcast map body`` prints.
+
+    Parameters
+    ----------
+    model : str
+        A name of `model_names`, or a path that ends in ``.json``.
+    sun_latitude : float or `~astropy.units.Quantity`
+        Of the Sun above the plane of the chassis, degrees.
+    height : float or `~astropy.units.Quantity`
+        Of the satellite, km.
+    step : float or `~astropy.units.Quantity`, optional
+        Steps of a regular grid, degrees; 2 unless said otherwise.
+    nside : int, optional
+        HEALPix cells (RING) instead of steps.
+    output : {"auto", "qtable", "dict"}
+        As for `StreakModel.flags`.
+    **light
+        ``band, mag_system, earthshine, models``.
+
+    Returns
+    -------
+    QTable or dict of arrays, ``(n_directions,)`` each
+        ``observer_longitude_deg``, ``observer_latitude_deg``, ``standard_magnitude``; what they rest on is the table's ``meta``.
+    """
+    columns, facts = _core.body_map(
+        _setup(light),
+        str(model),
+        scalar(sun_latitude, "deg", "sun_latitude"),
+        scalar(height, "km", "height"),
+        None if step is None else scalar(step, "deg", "step"),
+        nside,
+    )
+    return table_of(columns, output, json.loads(facts))
+
+
+def sky_map(
+    model: str,
+    *,
+    sun_altitude: Numbers,
+    sun_azimuth: Numbers = 0.0,
+    height: Numbers = 550.0,
+    step: Union[Numbers, None] = None,
+    nside: Union[int, None] = None,
+    output: str = "auto",
+    **light: Any,
+) -> TableLike:
+    """Apparent magnitudes over the sky of a site: what ``streakcast map sky`` prints.
+
+    Parameters
+    ----------
+    model, sun_altitude, sun_azimuth, height, **light
+        As for `sky_magnitudes`.
+    step, nside, output
+        As for `body_map`.
+
+    Returns
+    -------
+    QTable or dict of arrays, ``(n_directions,)`` each
+        ``azimuth_deg``, ``altitude_deg``, ``range_km``, ``magnitude``; what they rest on is the table's ``meta``.
+    """
+    columns, facts = _core.sky_map(
+        _setup(light),
+        str(model),
+        scalar(sun_altitude, "deg", "sun_altitude"),
+        scalar(sun_azimuth, "deg", "sun_azimuth"),
+        scalar(height, "km", "height"),
+        None if step is None else scalar(step, "deg", "step"),
+        nside,
+    )
+    return table_of(columns, output, json.loads(facts))
+
+
+def _setup(light: dict[str, Any]) -> str:
+    if "height_m" in light:
+        light = {**light, "height": light["height_m"]}
+        del light["height_m"]
+    return json.dumps(document(light))

@@ -1,0 +1,140 @@
+//! Tables of the library as columns that NumPy and astropy understand.
+
+use hifitime::{Epoch, TimeScale};
+use numpy::{IntoPyArray, PyArray1};
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use streakcast::table::{Column, Kind, Table, Value};
+
+use crate::questions::two_parts;
+
+/// Nanoseconds from 1900-01-01 to 1970-01-01.
+const UNIX_ZERO_NS: i128 = 25_567 * 86_400 * 1_000_000_000;
+/// NumPy's `NaT`.
+const NOT_A_TIME: i64 = i64::MIN;
+
+/// One dictionary a column: `name`, `unit`, `description`, `kind` and what that kind needs.
+pub fn columns<'py>(py: Python<'py>, table: &Table) -> PyResult<Bound<'py, PyList>> {
+    let answer = PyList::empty(py);
+    for (index, column) in table.columns.iter().enumerate() {
+        let cells = table.rows.iter().filter_map(|row| row.get(index));
+        answer.append(column_of(py, column, cells)?)?;
+    }
+    Ok(answer)
+}
+
+fn column_of<'py, 'a>(
+    py: Python<'py>,
+    column: &Column,
+    cells: impl Iterator<Item = &'a Value>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let answer = PyDict::new(py);
+    answer.set_item("name", column.name)?;
+    answer.set_item("unit", column.unit)?;
+    answer.set_item("description", column.description)?;
+    let kind = match column.kind {
+        Kind::Real { .. } => {
+            answer.set_item("values", cells.map(real).collect::<Vec<f64>>().into_pyarray(py))?;
+            "real"
+        }
+        Kind::Integer => {
+            let (values, missing): (Vec<i64>, Vec<bool>) = cells.map(integer).unzip();
+            answer.set_item("values", values.into_pyarray(py))?;
+            answer.set_item("missing", missing.into_pyarray(py))?;
+            "integer"
+        }
+        Kind::Boolean => {
+            let cells = cells.map(|cell| match cell {
+                Value::Boolean(truth) => (*truth, false),
+                _ => (false, true),
+            });
+            let (values, missing): (Vec<bool>, Vec<bool>) = cells.unzip();
+            answer.set_item("values", values.into_pyarray(py))?;
+            answer.set_item("missing", missing.into_pyarray(py))?;
+            "boolean"
+        }
+        Kind::Time { .. } => {
+            let epochs: Vec<Option<Epoch>> = cells
+                .map(|cell| match cell {
+                    Value::Time(epoch) => Some(*epoch),
+                    _ => None,
+                })
+                .collect();
+            let (jd1, jd2, utc_ns) = times(py, &epochs);
+            answer.set_item("jd1", jd1)?;
+            answer.set_item("jd2", jd2)?;
+            answer.set_item("utc_ns", utc_ns)?;
+            "time"
+        }
+        Kind::Text => {
+            let texts: Vec<String> = cells.map(|cell| column.text(cell)).collect();
+            answer.set_item("values", texts)?;
+            "text"
+        }
+        Kind::List { .. } | Kind::Rows(_) => {
+            let values = PyList::empty(py);
+            for cell in cells {
+                values.append(nested(py, column, cell)?)?;
+            }
+            answer.set_item("values", values)?;
+            "list"
+        }
+    };
+    answer.set_item("kind", kind)?;
+    Ok(answer)
+}
+
+/// Two-part Julian dates (TAI), and nanoseconds of UTC since 1970.
+type Times<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<i64>>);
+
+/// Moments for astropy and for NumPy; what is missing is not a number, and not a time.
+pub fn times<'py>(py: Python<'py>, epochs: &[Option<Epoch>]) -> Times<'py> {
+    let (jd1, jd2): (Vec<f64>, Vec<f64>) =
+        epochs.iter().map(|epoch| epoch.map_or((f64::NAN, f64::NAN), two_parts)).unzip();
+    let utc_ns = |epoch: Epoch| {
+        let since_1900 = epoch.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds();
+        i64::try_from(since_1900 - UNIX_ZERO_NS).unwrap_or(NOT_A_TIME)
+    };
+    let utc: Vec<i64> = epochs.iter().map(|epoch| epoch.map_or(NOT_A_TIME, utc_ns)).collect();
+    (jd1.into_pyarray(py), jd2.into_pyarray(py), utc.into_pyarray(py))
+}
+
+fn real(cell: &Value) -> f64 {
+    match cell {
+        Value::Real(number) => *number,
+        Value::Integer(number) => *number as f64,
+        _ => f64::NAN,
+    }
+}
+
+fn integer(cell: &Value) -> (i64, bool) {
+    match cell {
+        Value::Integer(number) => (*number, false),
+        _ => (0, true),
+    }
+}
+
+/// A list of texts or numbers, or a list of dictionaries.
+fn nested<'py>(py: Python<'py>, column: &Column, cell: &Value) -> PyResult<Bound<'py, PyList>> {
+    match (cell, column.kind) {
+        (Value::List(items), _) => PyList::new(py, items),
+        (Value::Integers(items), _) => PyList::new(py, items),
+        (Value::Rows(rows), Kind::Rows(columns)) => {
+            let answer = PyList::empty(py);
+            for row in rows {
+                let entry = PyDict::new(py);
+                for (column, cell) in columns.iter().zip(row) {
+                    match cell {
+                        Value::Real(number) => entry.set_item(column.name, number)?,
+                        Value::Integer(number) => entry.set_item(column.name, number)?,
+                        Value::Null => entry.set_item(column.name, py.None())?,
+                        other => entry.set_item(column.name, column.text(other))?,
+                    }
+                }
+                answer.append(entry)?;
+            }
+            Ok(answer)
+        }
+        _ => Ok(PyList::empty(py)),
+    }
+}

@@ -1,0 +1,402 @@
+//! A field of view and a policy over skies: what is asked, question by question.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use hifitime::Epoch;
+use numpy::IntoPyArray;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use streakcast::frames::seconds_after;
+use streakcast::passes::{Exposure, Field, FieldPass, HorizonPass, PassOptions, TrackPoint};
+use streakcast::photometry::PhotometryOptions;
+use streakcast::schedule::{
+    Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict,
+    WindowRequest, WindowTarget, clear_windows, flag_exposures, flag_table, judge_exposures, streak_table,
+};
+use streakcast::setup::{Prepared, SetupError};
+use streakcast::table::{Column, Kind, Table, Value};
+use streakcast::telescope::Telescope;
+
+use crate::columns::{columns, times};
+use crate::failure;
+use crate::questions::{Columns, rows, scale_name, start_of, within};
+use crate::skies::{Skies, setup_of};
+
+/// An answer and what the user should know of it.
+type WithWarnings<T> = (T, Vec<String>);
+
+/// Skies with a field, a telescope, a policy and a band.
+#[pyclass(frozen, module = "streakcast._core")]
+pub struct Engine {
+    skies: Py<Skies>,
+    /// The field, or why there is none.
+    field: Result<Field, String>,
+    telescope: Option<Telescope>,
+    policy: Policy,
+    photometry: PhotometryOptions,
+    time_scale: Option<String>,
+}
+
+/// Rows of one night with their sky.
+struct Night {
+    prepared: Arc<Prepared>,
+    places: Vec<usize>,
+}
+
+impl Engine {
+    fn field(&self) -> PyResult<&Field> {
+        self.field.as_ref().map_err(|message| failure::SetupError::new_err(message.clone()))
+    }
+
+    fn request<'a>(&'a self, field: &'a Field, prepared: &'a Prepared) -> FlagRequest<'a> {
+        FlagRequest {
+            sky: &prepared.sky,
+            field,
+            policy: &self.policy,
+            telescope: self.telescope.as_ref(),
+            photometry: &self.photometry,
+        }
+    }
+
+    fn nights(&self, starts: impl Iterator<Item = Epoch>) -> PyResult<Vec<Night>> {
+        let skies = self.skies.get();
+        let mut nights: BTreeMap<i64, (Epoch, Vec<usize>)> = BTreeMap::new();
+        for (place, start) in starts.enumerate() {
+            nights.entry(skies.night_of(start)).or_insert((start, Vec::new())).1.push(place);
+        }
+        let night = |(start, places)| Ok(Night { prepared: skies.of(start)?, places });
+        nights.into_values().map(night).collect()
+    }
+
+    /// Asks night by night, and puts flags and passes back into their places.
+    fn report(
+        &self,
+        rows: &[ScheduledExposure],
+        ask: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::passes::SkyError>,
+    ) -> PyResult<WithWarnings<Vec<ExposureFlag>>> {
+        let field = self.field()?;
+        let mut flags: Vec<Option<ExposureFlag>> = vec![None; rows.len()];
+        let mut warnings = Vec::new();
+        let starts: Vec<Epoch> =
+            rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
+        for Night { prepared, places } in self.nights(starts.iter().copied())? {
+            let asked: Vec<&ScheduledExposure> = places.iter().map(|place| &rows[*place]).collect();
+            let report = ask(&asked, &self.request(field, &prepared)).map_err(failure::asked)?;
+            warnings.extend(left_out(&prepared, &report.left_out, starts[places[0]])?);
+            for (place, flag) in places.into_iter().zip(report.flags) {
+                flags[place] = Some(flag);
+            }
+        }
+        Ok((flags.into_iter().flatten().collect(), warnings))
+    }
+}
+
+fn left_out(prepared: &Prepared, left_out: &[streakcast::orbit::LeftOut], moment: Epoch) -> PyResult<Option<String>> {
+    prepared.left_out_warning(left_out, moment).map_err(failure::setup)
+}
+
+#[pymethods]
+impl Engine {
+    /// A setup (JSON) over skies that were made of the same setup.
+    #[new]
+    #[pyo3(signature = (skies, setup, config=None))]
+    fn new(py: Python<'_>, skies: Py<Skies>, setup: &str, config: Option<&str>) -> PyResult<Self> {
+        failure::without_lock(py, || {
+            let setup = setup_of(setup, config)?;
+            let field = match setup.field_of_view() {
+                Ok(field) => Ok(field),
+                // Passes above the horizon need none; whoever needs one is told then.
+                Err(error @ SetupError::Missing { .. }) => Err(failure::as_arguments(&error.to_string())),
+                Err(error) => return Err(failure::setup(error)),
+            };
+            Ok(Self {
+                skies,
+                field,
+                telescope: setup.telescope().map_err(failure::setup)?,
+                policy: setup.policy().map_err(failure::setup)?,
+                photometry: setup.photometry().map_err(failure::setup)?,
+                time_scale: setup.time_scale().map_err(failure::setup)?.map(scale_name),
+            })
+        })
+    }
+
+    /// The scale of bare numbers; `None` where none was said.
+    #[getter]
+    fn time_scale(&self) -> Option<&str> {
+        self.time_scale.as_deref()
+    }
+
+    /// Radius of the circle that holds the field, degrees; `None` without a field.
+    #[getter]
+    fn field_radius_deg(&self) -> Option<f64> {
+        self.field.as_ref().ok().map(|field| field.bounding_radius_rad().to_degrees())
+    }
+
+    /// Area of the field, square degrees; `None` without a field.
+    #[getter]
+    fn field_area_deg2(&self) -> Option<f64> {
+        self.field.as_ref().ok().map(Field::area_deg2)
+    }
+
+    /// Verdicts as plain arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`, `brightest_mag`, `lost_fraction`,
+    /// `p_any`, `streak_length_deg`.
+    #[pyo3(signature = (asked, bands))]
+    fn judge<'py>(
+        &self,
+        py: Python<'py>,
+        asked: Columns<'py>,
+        bands: Vec<String>,
+    ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
+        let rows = rows(asked.exposures()?, &bands)?;
+        let (flags, warnings) = failure::without_lock(py, || self.report(&rows, judge_exposures))?;
+        let answer = PyDict::new(py);
+        let reals = |value: fn(&ExposureFlag) -> f64| flags.iter().map(value).collect::<Vec<f64>>().into_pyarray(py);
+        let verdicts: Vec<u8> = flags.iter().map(|flag| code(flag.verdict)).collect();
+        let streaks: Vec<i64> = flags.iter().map(|flag| flag.n_streaks as i64).collect();
+        answer.set_item("verdict", verdicts.into_pyarray(py))?;
+        answer.set_item("n_streaks", streaks.into_pyarray(py))?;
+        answer.set_item("brightest_mag", reals(|flag| flag.brightest_mag.unwrap_or(f64::NAN)))?;
+        answer.set_item("lost_fraction", reals(|flag| flag.expected_lost_pixel_fraction.unwrap_or(f64::NAN)))?;
+        answer.set_item("p_any", reals(|flag| flag.p_any))?;
+        answer.set_item("streak_length_deg", reals(|flag| flag.streak_length_deg))?;
+        Ok((answer, warnings))
+    }
+
+    /// Verdicts with reasons and the next clear start, as the columns of `streakcast flag`.
+    fn flags<'py>(
+        &self,
+        py: Python<'py>,
+        asked: Columns<'py>,
+        bands: Vec<String>,
+    ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
+        let rows = rows(asked.exposures()?, &bands)?;
+        let (flags, warnings) = failure::without_lock(py, || self.report(&rows, flag_exposures))?;
+        Ok((columns(py, &flag_table(&flags))?, warnings))
+    }
+
+    /// One row a crossing, as the columns of `streakcast passes`.
+    fn passes<'py>(
+        &self,
+        py: Python<'py>,
+        asked: Columns<'py>,
+        include_dark: bool,
+        samples: usize,
+    ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
+        let exposures = asked.exposures()?;
+        if samples > streakcast::setup::MOST_SAMPLES {
+            let most = streakcast::setup::MOST_SAMPLES;
+            return Err(failure::asked(format!("samples {samples}; allowed: 0 to {most}")));
+        }
+        let (table, warnings) = failure::without_lock(py, || self.pass_table(&exposures, include_dark, samples))?;
+        Ok((columns(py, &table)?, warnings))
+    }
+
+    /// Stretches of clear starts: for each the target's place, the first and the last start.
+    fn clear_windows<'py>(
+        &self,
+        py: Python<'py>,
+        asked: Columns<'py>,
+        bands: Vec<String>,
+        exposure_s: f64,
+        min_altitude_deg: f64,
+        avoided_only: bool,
+    ) -> PyResult<Bound<'py, PyDict>> {
+        within("exposure", 0, exposure_s, 0.0, 86_400.0, "s")?;
+        within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
+        let rows = rows(asked.exposures()?, &bands)?;
+        let blocking = if avoided_only { Blocking::Avoided } else { Blocking::Any };
+        let found =
+            failure::without_lock(py, || self.windows(rows, exposure_s, min_altitude_deg.to_radians(), blocking))?;
+        let places: Vec<i64> = found.iter().map(|(place, _)| *place as i64).collect();
+        let answer = PyDict::new(py);
+        answer.set_item("target", places.into_pyarray(py))?;
+        let moments = |moment: fn(&ClearWindow) -> Epoch| {
+            times(py, &found.iter().map(|(_, window)| Some(moment(window))).collect::<Vec<_>>())
+        };
+        answer.set_item("first_start", moments(|window| window.first))?;
+        answer.set_item("last_start", moments(|window| window.last))?;
+        Ok(answer)
+    }
+
+    /// Rise, culmination and set of every satellite above an altitude between two moments.
+    #[pyo3(signature = (start, end, min_altitude_deg, lit_only))]
+    fn visible_passes<'py>(
+        &self,
+        py: Python<'py>,
+        start: (f64, f64),
+        end: (f64, f64),
+        min_altitude_deg: f64,
+        lit_only: bool,
+    ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
+        within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
+        let (start, end) = (start_of(0, start.0, start.1)?, start_of(1, end.0, end.1)?);
+        if end < start {
+            return Err(failure::asked("the end is before the start"));
+        }
+        let options = PassOptions { photometry: self.photometry, ..PassOptions::default() };
+        let (table, warnings) = failure::without_lock(py, || {
+            let prepared = self.skies.get().of(start)?;
+            let (mut passes, failed) = prepared
+                .sky
+                .horizon_passes(start, end, min_altitude_deg.to_radians(), &options)
+                .map_err(failure::asked)?;
+            passes
+                .retain(|pass| !lit_only || points(pass).into_iter().flatten().any(|point| point.brightness.is_some()));
+            let warnings = left_out(&prepared, &failed, start)?.into_iter().collect();
+            Ok((horizon_table(&passes, &prepared), warnings))
+        })?;
+        Ok((columns(py, &table)?, warnings))
+    }
+}
+
+impl Engine {
+    fn pass_table(&self, exposures: &[Exposure], include_dark: bool, samples: usize) -> PyResult<WithWarnings<Table>> {
+        let field = self.field()?;
+        let options = PassOptions {
+            include_dark,
+            samples,
+            min_probability: self.policy.min_probability,
+            photometry: self.photometry,
+        };
+        let mut found: Vec<(usize, Arc<Prepared>, Vec<FieldPass>)> = Vec::new();
+        let mut warnings = Vec::new();
+        for Night { prepared, places } in self.nights(exposures.iter().map(|exposure| exposure.start))? {
+            let asked: Vec<Exposure> = places.iter().map(|place| exposures[*place].clone()).collect();
+            let answer = prepared.sky.field_passes(&asked, field, &options).map_err(failure::asked)?;
+            warnings.extend(left_out(&prepared, &answer.left_out, asked[0].start)?);
+            found.extend(
+                places.into_iter().zip(answer.by_exposure).map(|(place, passes)| (place, prepared.clone(), passes)),
+            );
+        }
+        found.sort_by_key(|(place, ..)| *place);
+        let rows: Vec<StreakRow<'_>> = found
+            .iter()
+            .flat_map(|(place, prepared, passes)| {
+                passes.iter().map(|pass| StreakRow {
+                    exposure: &exposures[*place],
+                    pass,
+                    elements: &prepared.sky.elements()[pass.element_index],
+                    satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
+                    telescope: self.telescope.as_ref(),
+                    photometry: &self.photometry,
+                })
+            })
+            .collect();
+        let mut table = streak_table(rows.iter().copied(), true, samples > 0);
+        table.columns.push(LOST);
+        for (cells, row) in table.rows.iter_mut().zip(&rows) {
+            let lost = self.telescope.as_ref().map(|telescope| {
+                let width_arcsec = telescope.width_arcsec(row.pass.mid.range_km, row.satellite_size_m);
+                let length_deg = row.pass.streak_length_rad.to_degrees();
+                telescope.lost_pixel_fraction(length_deg, width_arcsec, field.area_deg2())
+            });
+            cells.push(lost.into());
+        }
+        Ok((table, warnings))
+    }
+
+    /// Windows with the places of their targets. Each row is the time in which a target could be exposed; rows of one time are asked together.
+    fn windows(
+        &self,
+        rows: Vec<ScheduledExposure>,
+        exposure_s: f64,
+        min_altitude_rad: f64,
+        blocking: Blocking,
+    ) -> PyResult<Vec<(usize, ClearWindow)>> {
+        let field = self.field()?;
+        let times: Vec<(Exposure, Option<String>)> =
+            rows.into_iter().filter_map(|row| Some((row.exposure.ok()?, row.band))).collect();
+        let mut found = Vec::new();
+        for Night { prepared, places } in self.nights(times.iter().map(|(time, _)| time.start))? {
+            let against = self.request(field, &prepared);
+            let request = WindowRequest { against, blocking, min_altitude_rad, max_sun_altitude_rad: None };
+            let mut together: BTreeMap<(Epoch, Epoch), Vec<usize>> = BTreeMap::new();
+            for place in places {
+                let (time, _) = &times[place];
+                // The shutter closes within the time.
+                let last = seconds_after(time.start, time.duration_s - exposure_s);
+                together.entry((time.start, last)).or_default().push(place);
+            }
+            for ((first, last), places) in together {
+                let target = |place: &usize| {
+                    let (time, band) = times[*place].clone();
+                    WindowTarget { exposure: Exposure { duration_s: exposure_s, ..time }, band }
+                };
+                let targets: Vec<WindowTarget> = places.iter().map(target).collect();
+                let report = clear_windows(&targets, first, last, &request).map_err(failure::asked)?;
+                for (place, target) in places.into_iter().zip(report.by_target) {
+                    found.extend(target.windows.into_iter().map(|window| (place, window)));
+                }
+            }
+        }
+        found.sort_by_key(|(place, _)| *place);
+        Ok(found)
+    }
+}
+
+/// What a scheduler weighs a single streak by.
+const LOST: Column = Column::real(
+    "lost_pixel_fraction",
+    "",
+    6,
+    "Share of the field's pixels that the nominal streak costs; missing without a telescope.",
+);
+
+/// The order of the words in Python's `VERDICTS`.
+fn code(verdict: Verdict) -> u8 {
+    match verdict {
+        Verdict::Clear => 0,
+        Verdict::Streaked => 1,
+        Verdict::Avoid => 2,
+        Verdict::Invalid => 3,
+    }
+}
+
+fn points(pass: &HorizonPass) -> [Option<&TrackPoint>; 3] {
+    [pass.rise.as_ref(), Some(&pass.culmination), pass.set.as_ref()]
+}
+
+const HORIZON: [Column; 20] = [
+    Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
+    Column::new("name", Kind::Text, "Name in the element set."),
+    Column::time("rise_utc", "Where the altitude reaches the wanted one; missing where it is above at the beginning."),
+    Column::time("culmination_utc", "Highest point within the time asked for."),
+    Column::time("set_utc", "Where the altitude falls below the wanted one; missing where it is above at the end."),
+    Column::real("rise_altitude_deg", "deg", 4, "Altitude at rise, without refraction."),
+    Column::real("culmination_altitude_deg", "deg", 4, "Altitude at culmination."),
+    Column::real("set_altitude_deg", "deg", 4, "Altitude at set."),
+    Column::real("rise_azimuth_deg", "deg", 4, "Azimuth at rise, from north through east."),
+    Column::real("culmination_azimuth_deg", "deg", 4, "Azimuth at culmination."),
+    Column::real("set_azimuth_deg", "deg", 4, "Azimuth at set."),
+    Column::real("rise_range_km", "km", 3, "Distance at rise."),
+    Column::real("culmination_range_km", "km", 3, "Distance at culmination."),
+    Column::real("set_range_km", "km", 3, "Distance at set."),
+    Column::real("rise_magnitude", "mag", 3, "Apparent magnitude at rise; missing in the Earth's shadow."),
+    Column::real("culmination_magnitude", "mag", 3, "Apparent magnitude at culmination."),
+    Column::real("set_magnitude", "mag", 3, "Apparent magnitude at set."),
+    Column::real("rise_magnitude_sigma", "mag", 3, "One sigma of it at rise."),
+    Column::real("culmination_magnitude_sigma", "mag", 3, "One sigma of it at culmination."),
+    Column::real("set_magnitude_sigma", "mag", 3, "One sigma of it at set."),
+];
+
+fn horizon_table(passes: &[HorizonPass], prepared: &Prepared) -> Table {
+    let row = |pass: &HorizonPass| {
+        let elements = &prepared.sky.elements()[pass.element_index];
+        let points = points(pass);
+        let mut row: Vec<Value> = vec![i64::from(pass.norad_id.0).into(), (&*elements.name).into()];
+        row.extend(points.iter().map(|point| point.map(|point| point.epoch).into()));
+        let numbers: [fn(&TrackPoint) -> Option<f64>; 5] = [
+            |point| point.altitude_rad.map(f64::to_degrees),
+            |point| point.azimuth_rad.map(f64::to_degrees),
+            |point| Some(point.range_km),
+            |point| point.brightness.as_ref().map(|brightness| brightness.magnitude.0),
+            |point| point.brightness.as_ref().map(|brightness| brightness.sigma_mag),
+        ];
+        for number in numbers {
+            row.extend(points.iter().map(|point| point.and_then(number).into()));
+        }
+        row
+    };
+    Table { columns: HORIZON.to_vec(), rows: passes.iter().map(row).collect() }
+}

@@ -1,0 +1,197 @@
+"""What is wrong is said with its name, its place and what is allowed; nothing panics."""
+
+import gzip
+
+import numpy as np
+import pytest
+from astropy import units as u
+from astropy.coordinates import SkyCoord
+from astropy.time import Time
+
+import streakcast
+from conftest import ROOT, START, TARGET
+
+GOOD = {"mpc": "X05", "shells": "starlink-gen1", "fov": "3.5deg"}
+
+
+@pytest.mark.parametrize(
+    "ra, dec, exposure, rotation, words",
+    [
+        ([10.0, np.nan], 0.0, 30.0, 0.0, r"ra\[1\] is NaN deg; allowed: -180 to 360 deg"),
+        ([10.0, 361.0], 0.0, 30.0, 0.0, r"ra\[1\] is 361 deg"),
+        (10.0, [0.0, 0.0, -90.1], 30.0, 0.0, r"dec\[2\] is -90.1 deg; allowed: -90 to 90 deg"),
+        (10.0, np.inf, 30.0, 0.0, r"dec\[0\] is inf deg"),
+        (10.0, 0.0, [30.0, -1.0], 0.0, r"exposure\[1\] is -1 s; allowed: 0 to 86400 s"),
+        (10.0, 0.0, 1e300, 0.0, r"exposure\[0\]"),
+        (10.0, 0.0, 30.0, np.nan, r"rotation\[0\] is NaN deg"),
+        ([1.0, 2.0], [1.0, 2.0, 3.0], 30.0, 0.0, r"shapes that do not fit together: ra \(2,\), dec \(3,\)"),
+        (np.ma.MaskedArray([1.0, 2.0], mask=[False, True]), 0.0, 30.0, 0.0, r"ra\[1\] is masked"),
+        (10.0, 0.0, 30.0 * u.deg, 0.0, "exposure: .*allowed: a number of s"),
+    ],
+)
+def test_bad_numbers(model, ra, dec, exposure, rotation, words):
+    for question in (model.assess, model.flags, model.passes):
+        with pytest.raises(ValueError, match=words):
+            question((ra, dec), START, exposure, rotation=rotation)
+
+
+@pytest.mark.parametrize("target", [None, 10.0, "10 20", (1.0,), (1.0, 2.0, 3.0), ("a", "b"), (None, 1.0), {"ra": 1}])
+def test_what_is_no_target(model, target):
+    with pytest.raises(TypeError, match="allowed"):
+        model.assess(target, START, 30.0)
+
+
+@pytest.mark.parametrize(
+    "start, words",
+    [
+        ("2026-13-14T23:29:05Z", "month 13 is out of range"),
+        ("yesterday Z", "is not a time"),
+        ("1900-01-01T00:00:00Z", "allowed: the years 1957 to 2099"),
+        ("2100-01-01T00:00:01Z", "allowed: the years 1957 to 2099"),
+        (Time(1e7, format="jd", scale="tai"), "allowed: the years 1957 to 2099"),
+        (["2026-08-14T23:29:05Z", "2026-08-14T23:29:61Z"], r"\[1\].*second 61 is out of range"),
+    ],
+)
+def test_bad_times(model, start, words):
+    with pytest.raises(ValueError, match=words):
+        model.assess(TARGET, start, 30.0)
+
+
+@pytest.mark.parametrize("mjd", [np.nan, np.inf, -1e300, 1e300, 2461266.5, 0.0])
+def test_bad_numbers_of_time(model, mjd):
+    with pytest.raises(ValueError, match=r"mjd\[0\]|time\[0\]"):
+        model.assess(TARGET, mjd, 30.0, scale="utc")
+
+
+def test_masked_times(model):
+    times = Time([START[:-1], START[:-1]], scale="utc").copy()
+    times[1] = np.ma.masked
+    with pytest.raises(ValueError, match=r"start\[1\] is masked"):
+        model.assess(TARGET, times, 30.0)
+
+
+@pytest.mark.parametrize(
+    "more, words",
+    [
+        ({"mpc": "ZZZ"}, "ZZZ"),
+        ({"mpc": None}, "no site"),
+        ({"mpc": None, "site": "Rubbin"}, "Rubin"),
+        ({"mpc": None, "site": {"latitude_deg": 91, "longitude_deg": 0}}, "91"),
+        ({"mpc": None, "site": {"latitude": 9}}, "unknown field `latitude`"),
+        ({"shells": None}, "no satellites"),
+        ({"shells": "starlink-gen9"}, "starlink-gen9"),
+        ({"elements": "/nowhere/gp.json"}, "/nowhere/gp.json"),
+        ({"elements": 7}, "allowed: a path"),
+        ({"fov": 3.5}, "fov '?3.5'?"),
+        ({"fov": "3.5"}, "unit"),
+        ({"fov": "0deg"}, "above 0 deg"),
+        ({"telescope": "hubble"}, "hubble"),
+        ({"limit_mag": 99}, "-30 to 40 mag"),
+        ({"limit_mag": "bright"}, "no magnitude limit"),
+        ({"policy": {"max_lost_fraction": 2.0}}, "above 0, at most 1"),
+        ({"policy": {"max_lost_fraction": 0.1}}, "no telescope"),
+        ({"policy": "/nowhere/policy.toml"}, "/nowhere/policy.toml"),
+        ({"models": {"files": ["/nowhere/model.json"]}}, "/nowhere/model.json"),
+        ({"models": {"generations": {"oneweb": "nothing"}}}, "nothing"),
+        ({"band": "q"}, "q"),
+        ({"mjd_scale": "local"}, "allowed: utc, tai, tt"),
+        ({"observer_norad": 1}, "exclude each other|no elements"),
+        ({"min_probability": 0}, "above 0"),
+    ],
+)
+def test_bad_setups(more, words):
+    with pytest.raises(streakcast.SetupError, match=words) as caught:
+        built = streakcast.StreakModel(**{**GOOD, **more})
+        built.assess(TARGET, START, 30.0)
+    # Flags of the command line are arguments here.
+    assert "--" not in str(caught.value)
+
+
+def test_arguments_that_do_not_exist():
+    with pytest.raises(TypeError, match="no argument 'fov_deg'; allowed: .*fov"):
+        streakcast.StreakModel(**GOOD, fov_deg=3.5)
+    with pytest.raises(ValueError, match="allowed: error, warn"):
+        streakcast.StreakModel(**GOOD, on_changed_file="ignore")
+    with pytest.raises(TypeError, match="scale"):
+        streakcast.StreakModel(**GOOD, epoch=61266.0)
+
+
+def test_no_field_is_said_when_one_is_needed():
+    model = streakcast.StreakModel(mpc="X05", shells="starlink-gen1")
+    with pytest.raises(streakcast.SetupError, match="no field of view; say fov"):
+        model.assess(TARGET, START, 30.0)
+    assert model.field_radius_deg is None
+    assert len(model.visible_passes(START, "2026-08-14T23:30:05Z")) > 0
+
+
+@pytest.mark.parametrize(
+    "content",
+    [
+        b"",
+        b"\x00\xff\xfe" * 1000,
+        b"ISS\n1 25544U\n2 25544\n",
+        gzip.compress(b"nothing")[:-4],
+        b'[{"OBJECT_NAME": "A"',
+        b"1 " * 100_000,
+        "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9990\n".encode(),
+    ],
+)
+def test_broken_element_files(tmp_path, content):
+    path = tmp_path / "broken.tle"
+    path.write_bytes(content)
+    with pytest.raises(streakcast.SetupError, match="broken.tle"):
+        streakcast.StreakModel(mpc="X05", fov="1deg", elements=path)
+    with pytest.raises(streakcast.SetupError, match=str(tmp_path)):
+        streakcast.StreakModel(mpc="X05", fov="1deg", elements=tmp_path)
+
+
+def test_hostile_numbers_never_panic(model):
+    generator = np.random.default_rng(7)
+    extremes = np.array([0.0, -0.0, 1e-300, 1e300, -1e300, np.inf, -np.inf, np.nan, 90.0, -90.0, 360.0, 5e-324, 86_400.0])
+    answered = 0
+    for _ in range(400):
+        ra, dec, mjd, exposure, rotation = generator.choice(np.append(extremes, [61266.97, 30.0]), 5)
+        try:
+            model.assess((ra, dec), mjd, exposure, rotation=rotation, scale="tai")
+            answered += 1
+        except ValueError:
+            pass
+    for pole in (90.0, -90.0):
+        model.assess(([0.0, 360.0, -180.0], pole), 61266.97, 0.0, scale="utc")
+    assert model.flags(TARGET, START, 0.0)["verdict"][0] in ("clear", "streaked", "avoid")
+
+
+def test_bad_maps():
+    with pytest.raises(streakcast.SetupError, match="unknown model 'v3'; known are"):
+        streakcast.body_map("v3", sun_latitude=-10)
+    with pytest.raises(ValueError, match="allowed"):
+        streakcast.sky_map("v2mini", sun_altitude=-100)
+    with pytest.raises(ValueError, match="exclude each other"):
+        streakcast.sky_map("v2mini", sun_altitude=-10, step=2, nside=8)
+    with pytest.raises(ValueError, match=r"altitude\[1\] is -1 deg"):
+        streakcast.sky_magnitudes("v2mini", 0.0, [10.0, -1.0], sun_altitude=-10)
+    with pytest.raises(ValueError, match=r"height\[0\]"):
+        streakcast.standard_magnitudes("v2mini", -10, 0, -60, height=np.nan)
+
+
+def test_bad_windows(model):
+    with pytest.raises(ValueError, match=r"end\[0\] is before the start"):
+        model.clear_windows(TARGET, START, "2026-08-14T23:00:00Z", 30.0)
+    with pytest.raises(ValueError, match="allowed: any, avoid"):
+        model.clear_windows(TARGET, START, "2026-08-15T00:00:00Z", 30.0, blocking="all")
+    with pytest.raises(ValueError, match="allowed: 0 to 86400 s"):
+        model.clear_windows(TARGET, START, "2026-08-17T00:00:00Z", 30.0)
+    with pytest.raises(ValueError, match="bands for 1 exposures|1 exposures"):
+        model.assess(TARGET, START, 30.0, band=["g", "r"])
+    empty = model.clear_windows(SkyCoord([], [], unit="deg"), START, "2026-08-15T00:00:00Z", 30.0)
+    assert len(empty.target) == 0
+    # An exposure longer than the time has no window.
+    assert len(model.clear_windows(TARGET, START, "2026-08-14T23:30:00Z", 300.0).target) == 0
+
+
+def test_a_configuration_file_says_the_same():
+    path = ROOT / "examples" / "streakcast.toml"
+    model = streakcast.StreakModel(config=path)
+    assert model.site is not None and model.assess(TARGET, START, 30.0).verdict in ("clear", "streaked", "avoid")
+    over = streakcast.StreakModel(config=path, fov="1deg")
+    assert over.field_radius_deg == pytest.approx(0.5)

@@ -1,0 +1,92 @@
+"""A survey over a cluster is the survey on one machine, whatever happens to its workers."""
+
+import os
+import signal
+import threading
+
+import numpy as np
+import pytest
+
+import streakcast
+import streakcast.dask
+
+distributed = pytest.importorskip("distributed")
+
+NIGHTS, EACH = 24, 60
+
+
+@pytest.fixture(scope="module")
+def visits():
+    """Every fortnight of a year a strip of visits after dusk at Cerro Pachon."""
+    generator = np.random.default_rng(20260814)
+    night, number = np.divmod(np.arange(NIGHTS * EACH), EACH)
+    # 0.97 of a UTC day: 23:17 UTC; the sidereal time grows by a degree a day.
+    start = 61_240.97 + 15 * night + number * 34 / 86_400
+    return {
+        "ra_deg": (175.0 + 15 * night * 0.98565 + generator.uniform(0, 30, len(night))) % 360,
+        "dec_deg": generator.uniform(-60, 0, len(night)),
+        "start": start,
+        "exposure_s": np.full(len(night), 30.0),
+        "band": generator.choice(np.array(["g", "r", "i"]), len(night)),
+    }
+
+
+@pytest.fixture(scope="module")
+def survey_model():
+    return streakcast.StreakModel(
+        mpc="X05", shells="starlink-gen1", telescope="rubin", limit_mag={"g": 7, "default": 6}, mjd_scale="utc"
+    )
+
+
+def same(answer, expected):
+    assert (answer["visit"] == np.arange(NIGHTS * EACH)).all()
+    assert (answer["verdict"] == np.ravel(expected.verdict)).all()
+    for name in ("n_streaks", "brightest_mag", "lost_fraction", "p_any", "streak_length_deg"):
+        # To the last bit: nights are asked as wholes on either side.
+        np.testing.assert_array_equal(answer[name], getattr(expected, name), err_msg=name)
+
+
+def test_verif_a_worker_killed_half_way_changes_nothing(visits, survey_model, tmp_path):
+    expected = survey_model.assess(
+        (visits["ra_deg"], visits["dec_deg"]), visits["start"], visits["exposure_s"], band=visits["band"]
+    )
+    assert 50 < expected.n_streaks.sum() < NIGHTS * EACH
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        victim = next(iter(client.run(os.getpid).values()))
+        killed = threading.Event()
+
+        def kill_half_way():
+            while len(list(tmp_path.glob("night-*.parquet"))) < NIGHTS // 3:
+                threading.Event().wait(0.005)
+            os.kill(victim, signal.SIGKILL)
+            killed.set()
+
+        watcher = threading.Thread(target=kill_half_way, daemon=True)
+        watcher.start()
+        files = streakcast.dask.annotate(visits, survey_model, client, tmp_path)
+        assert killed.is_set() and len(files) == NIGHTS
+        same(streakcast.dask.read(files), expected)
+        assert sorted(tmp_path.iterdir()) == sorted(files)
+
+        # A second run finds all nights done; one that is gone or of other visits is made again, and no other.
+        written = {path: path.stat().st_mtime_ns for path in files}
+        files[3].unlink()
+        files[5].write_bytes(b"half of a file")
+        again = streakcast.dask.annotate(visits, survey_model, client, tmp_path)
+        same(streakcast.dask.read(again), expected)
+        assert {path for path in files if path.stat().st_mtime_ns != written[path]} == {files[3], files[5]}
+        other = streakcast.dask.annotate(visits, survey_model.with_options(limit_mag=5), client, tmp_path)
+        assert all(path.stat().st_mtime_ns != written[path] for path in other)
+
+
+def test_what_is_no_survey_is_refused(visits, survey_model, tmp_path):
+    with pytest.raises(ValueError, match="no column exposure_s"):
+        fewer = {name: column for name, column in visits.items() if name != "exposure_s"}
+        streakcast.dask.annotate(fewer, survey_model, None, tmp_path)
+    with pytest.raises(ValueError, match="differ in length"):
+        streakcast.dask.annotate({**visits, "ra_deg": visits["ra_deg"][:-1]}, survey_model, None, tmp_path)
+    with pytest.raises(TypeError, match="scale"):
+        streakcast.dask.annotate(visits, survey_model.with_options(mjd_scale=None), None, tmp_path)

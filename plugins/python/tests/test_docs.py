@@ -1,0 +1,43 @@
+"""Everything public says what it takes, in which unit, and what comes back; types are there for checkers."""
+
+import inspect
+import re
+from pathlib import Path
+
+import pytest
+
+import streakcast
+
+FUNCTIONS = {
+    name: thing for name, thing in vars(streakcast).items() if inspect.isfunction(thing) and name in streakcast.__all__
+}
+METHODS = {
+    f"StreakModel.{name}": thing
+    for name, thing in vars(streakcast.StreakModel).items()
+    if inspect.isfunction(thing) and not name.startswith("_")
+}
+
+
+@pytest.mark.parametrize("name", [*FUNCTIONS, *METHODS])
+def test_every_argument_is_documented(name):
+    function = {**FUNCTIONS, **METHODS}[name]
+    text = inspect.getdoc(function)
+    arguments = [argument for argument in inspect.signature(function).parameters if argument != "self"]
+    if arguments:
+        assert "Parameters\n----------" in text
+        told = re.search(r"Parameters\n-+\n(.*?)(\n\n\w+\n-+|\Z)", text, re.DOTALL).group(1)
+        for argument in arguments:
+            assert re.search(rf"(^|\n|, |\*)(\*\*)?{argument}\b", told), argument
+    assert "Returns\n-------" in text
+
+
+def test_types_are_shipped():
+    folder = Path(streakcast.__file__).parent
+    assert (folder / "py.typed").is_file() and (folder / "_core.pyi").is_file()
+    for function in [*FUNCTIONS.values(), *METHODS.values()]:
+        assert "return" in function.__annotations__, function
+
+
+def test_all_is_all():
+    for name in streakcast.__all__:
+        assert hasattr(streakcast, name)

@@ -1,0 +1,21 @@
+"""The notebooks run from their first cell to their last, and their own assertions hold."""
+
+import nbformat
+import pytest
+from nbclient import NotebookClient
+
+from conftest import ROOT
+
+NOTEBOOKS = sorted((ROOT / "plugins" / "python" / "notebooks").glob("*.ipynb"))
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)
+def test_notebook(path):
+    notebook = nbformat.read(path, as_version=4)
+    nbformat.validate(notebook)
+    assert all(not cell.get("outputs") for cell in notebook.cells), "notebooks are kept without outputs"
+    NotebookClient(notebook, timeout=300, kernel_name="python3").execute()
+
+
+def test_there_is_one_for_each_use():
+    assert {path.stem for path in NOTEBOOKS} == {"maps", "scheduler", "streaks"}

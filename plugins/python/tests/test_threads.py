@@ -1,0 +1,98 @@
+"""What takes long runs without the interpreter's lock."""
+
+import multiprocessing
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+
+from conftest import START, TARGET
+
+
+def steps_while(work):
+    """How often another thread got to run while `work` did; no clock is asked.
+
+    Nobody is made to give the lock up here: the other thread does so at each step, this one only where the work itself does.
+    """
+    done = threading.Event()
+    begun = threading.Event()
+    steps = [0]
+
+    def count():
+        while not done.is_set():
+            steps[0] += 1
+            begun.set()
+            time.sleep(0)
+
+    interval = sys.getswitchinterval()
+    sys.setswitchinterval(1e4)
+    counter = threading.Thread(target=count)
+    counter.start()
+    try:
+        begun.wait()
+        before = steps[0]
+        work()
+        return steps[0] - before
+    finally:
+        done.set()
+        counter.join()
+        sys.setswitchinterval(interval)
+
+
+def test_a_thread_that_keeps_the_lock_is_noticed():
+    assert steps_while(lambda: sum(range(3_000_000))) == 0
+
+
+@pytest.mark.parametrize("question", ["judge", "flags", "passes", "visible_passes", "clear_windows"])
+def test_two_threads_overlap(model, question):
+    skies, engine = model._open()
+    many = np.full(3000, TARGET[0]) + np.linspace(0, 10, 3000), np.full(3000, TARGET[1])
+    asked, bands, _ = model._question(many, START, 30.0, 0.0, None, None)
+    few, _, _ = model._question((many[0][:20], many[1][:20]), START, 7200.0, 0.0, None, None)
+    night = model._moment(START, None)
+    end = (night[0], night[1] + 0.2)
+    work = {
+        "judge": lambda: engine.judge(asked, bands),
+        "flags": lambda: engine.flags({name: column[:500] for name, column in asked.items()}, bands),
+        "passes": lambda: engine.passes(asked, False, 0),
+        "visible_passes": lambda: engine.visible_passes(night, end, 10.0, True),
+        "clear_windows": lambda: engine.clear_windows(few, bands, 30.0, 0.0, False),
+    }[question]
+    work()
+    assert steps_while(work) > 10
+
+
+def test_answers_do_not_depend_on_who_asks_at_the_same_time(model):
+    starts = 61266.9785301 + np.arange(40) * 3e-4
+    expected = [model.assess(TARGET, start, 30.0, scale="utc").n_streaks for start in starts]
+    answers = {}
+
+    def ask(part):
+        for place in range(part, 40, 4):
+            answers[place] = model.assess(TARGET, starts[place], 30.0, scale="utc").n_streaks
+
+    threads = [threading.Thread(target=ask, args=(part,)) for part in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    assert [answers[place] for place in range(40)] == expected
+    assert sum(expected) > 0
+
+
+def _ask_in_child(model, pipe):
+    pipe.send(model.assess(TARGET, START, 30.0).n_streaks)
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_forked_child_has_threads_of_its_own(model):
+    expected = model.assess(TARGET, START, 30.0).n_streaks
+    here, there = multiprocessing.Pipe()
+    child = multiprocessing.get_context("fork").Process(target=_ask_in_child, args=(model, there), daemon=True)
+    child.start()
+    # A child that waits for its parent's threads would wait for ever.
+    answered = here.poll(60)
+    child.terminate() if not answered else child.join()
+    assert answered and here.recv() == expected

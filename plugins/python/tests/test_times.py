@@ -1,0 +1,98 @@
+"""Times say their scale, in every form; and the scale matters."""
+
+import datetime
+
+import numpy as np
+import pytest
+from astropy.time import Time
+
+from conftest import START, TARGET
+
+
+def every_form():
+    time = Time(START[:-1], scale="utc")
+    return [
+        (START, None),
+        (time, None),
+        (time.tt, None),
+        (time.tdb, None),
+        (datetime.datetime(2026, 8, 14, 23, 29, 5, tzinfo=datetime.timezone.utc), None),
+        (datetime.datetime(2026, 8, 15, 1, 29, 5, tzinfo=datetime.timezone(datetime.timedelta(hours=2))), None),
+        ("2026-08-14T20:29:05-03:00", None),
+        (START[:-1], "utc"),
+        (np.datetime64(START[:-1]), "utc"),
+        (time.utc.mjd, "utc"),
+        (time.tai.mjd, "tai"),
+        (time.tt.mjd, "tt"),
+        (time.tai.isot, "tai"),
+    ]
+
+
+@pytest.mark.parametrize("start, scale", every_form())
+def test_one_moment_in_every_form(model, start, scale):
+    expected = model.assess(TARGET, START, 30.0)
+    answer = model.assess(TARGET, start, 30.0, scale=scale)
+    assert answer.n_streaks == expected.n_streaks > 0
+    # A double of MJD is good to a microsecond; TDB is astropy's own, 2 ms of relativity computed the same way.
+    assert answer.streak_length_deg == pytest.approx(expected.streak_length_deg, abs=1e-4)
+
+
+@pytest.mark.parametrize(
+    "start",
+    [
+        61266.9785,
+        61266,
+        np.float32(61266.9785),
+        np.array([61266.9785, 61266.98]),
+        START[:-1],
+        [START, START[:-1]],
+        np.datetime64(START[:-1]),
+        datetime.datetime(2026, 8, 14, 23, 29, 5),
+        None,
+        object(),
+        [None],
+        True,
+    ],
+)
+def test_a_bare_time_is_a_type_error(model, start):
+    with pytest.raises(TypeError, match="scale"):
+        model.assess(TARGET, start, 30.0)
+    with pytest.raises(TypeError, match="scale"):
+        model.check_pointings(TARGET[0], TARGET[1], start, 30.0)
+
+
+def test_tai_read_as_utc_is_another_answer(model):
+    starts = Time(START[:-1], scale="utc").mjd + np.arange(60) / 1440.0
+    ra, dec = np.linspace(190.0, 210.0, 60), np.linspace(-20.0, 10.0, 60)
+    utc = model.assess((ra, dec), starts, 30.0, scale="utc")
+    tai = model.assess((ra, dec), starts, 30.0, scale="tai")
+    assert utc.crosses.sum() > 3
+    # 37 s later hardly any satellite is still in the field.
+    assert (utc.streak_length_deg != tai.streak_length_deg)[utc.crosses | tai.crosses].all()
+
+
+def test_the_models_own_scale(model):
+    mjd = Time(START[:-1], scale="utc").tai.mjd
+    tai = model.with_options(mjd_scale="tai")
+    assert tai.mjd_scale == "tai" and model.mjd_scale is None
+    assert tai.assess(TARGET, mjd, 30.0).n_streaks == model.assess(TARGET, START, 30.0).n_streaks
+    # A text that names its own zone keeps it.
+    assert tai.assess(TARGET, START, 30.0).n_streaks == model.assess(TARGET, START, 30.0).n_streaks
+    # What is said with the question goes before.
+    ours, theirs = tai.assess(TARGET, mjd, 30.0, scale="utc"), model.assess(TARGET, mjd, 30.0, scale="utc")
+    assert (ours.n_streaks, ours.p_any) == (theirs.n_streaks, theirs.p_any)
+
+
+@pytest.mark.parametrize("scale", ["ut1", "local", "", "UTC+1"])
+def test_scales_that_no_clock_keeps(model, scale):
+    with pytest.raises(ValueError, match="allowed: utc, tai, tt"):
+        model.assess(TARGET, 61266.9785, 30.0, scale=scale)
+
+
+def test_nanoseconds_survive_the_way_there_and_back(model):
+    start = Time("2026-08-14T23:29:05.123456789", scale="utc")
+    answer = model.flags(TARGET, start, 30.0)
+    clear = answer["next_clear_start_utc"][0]
+    waited = answer["delay_s"].value[0]
+    assert waited > 0.0
+    assert abs((clear - start).sec - waited) < 1e-6

@@ -1,0 +1,66 @@
+//! Sun and Earth of the last days asked about, kept from one question to the next.
+//!
+//! A scheduler asks visit by visit; without this, most of each answer's time would go into precession and nutation at the same few
+//! moments. The answers do not depend on what is kept, to rounding.
+
+use std::sync::{Arc, Mutex, PoisonError};
+
+use hifitime::Epoch;
+
+use crate::constants::DAY_S;
+use crate::frames::{EopTable, OrientationTable, mjd_utc, seconds_after, seconds_between};
+use crate::geometry::SunTable;
+
+/// Days that are kept.
+const KEPT: usize = 4;
+/// What is kept for a day reaches as far beyond its beginning, seconds.
+const REACH_S: f64 = 3.0 * DAY_S;
+/// Interpolation wants this much beyond the end, seconds.
+const BEYOND_S: f64 = DAY_S;
+
+/// From the beginning of a UTC day on.
+#[derive(Debug)]
+struct Day {
+    orientation: OrientationTable,
+    sun: SunTable,
+}
+
+/// The last days that were asked for, newest last.
+#[derive(Debug, Default)]
+pub(super) struct Almanac {
+    kept: Mutex<Vec<(i64, Arc<Day>)>>,
+}
+
+impl Clone for Almanac {
+    fn clone(&self) -> Self {
+        Self { kept: Mutex::new(self.kept.lock().unwrap_or_else(PoisonError::into_inner).clone()) }
+    }
+}
+
+impl Almanac {
+    /// Earth and Sun from `start` to `end`; `eop` is always the same.
+    pub fn over(&self, start: Epoch, end: Epoch, eop: &EopTable) -> (OrientationTable, SunTable) {
+        let day = self.day(start, eop);
+        if seconds_between(day.sun.reference(), end) + BEYOND_S > REACH_S {
+            return (OrientationTable::new(start, end, eop), SunTable::new(start, end));
+        }
+        (day.orientation.part(start, end, eop), day.sun.part(start))
+    }
+
+    fn day(&self, start: Epoch, eop: &EopTable) -> Arc<Day> {
+        let number = mjd_utc(start).floor();
+        let key = number as i64;
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, day)) = kept.iter().find(|(known, _)| *known == key) {
+            return day.clone();
+        }
+        let first = Epoch::from_mjd_utc(number);
+        let last = seconds_after(first, REACH_S);
+        let day =
+            Arc::new(Day { orientation: OrientationTable::new(first, last, eop), sun: SunTable::new(first, last) });
+        kept.push((key, day.clone()));
+        let surplus = kept.len().saturating_sub(KEPT);
+        kept.drain(..surplus);
+        day
+    }
+}
