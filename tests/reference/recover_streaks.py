@@ -28,8 +28,6 @@ FRAMES = DATA / "frames"
 ANGLE_DEG, PLACE_PIX, FLUX_SHARE, WIDTH_SHARE = 1.0, 2.0, 0.05, 0.10
 CASES = [
     ("synthetic", ["--synthetic", "examples/synthetic.toml", "--exposure", "30s"], 5.5, ["--seeing", "1.5arcsec"], 0),
-    ("2MASS galactic centre", ["--image", FRAMES / "clean/gc_2mass_k.fits", "--start", "2000-01-01T00:00:00Z", "--exposure", "8s"], -3.0,
-     ["--seeing", "9arcsec", "--zero-point", "24"], 0),
     ("Horsehead", ["--image", FRAMES / "clean/HorseHead.fits"], 4.5, ["--seeing", "3arcsec", "--zero-point", "34", "--gain", "1"], 0),
     ("SDSS", ["--image", FRAMES / "trailblazer/cutout_frame-i-008108-5-0025.fits"], 6.0, ["--seeing", "1.3arcsec"], 0),
     ("calexp", ["--image", FRAMES / "trailblazer/cutout_calexp-0941420_23.fits", "--start", "2020-03-06T00:04:15.41Z"], 5.0,
