@@ -67,6 +67,13 @@ impl Chip {
         within(at.x, self.columns) && within(at.y, self.rows)
     }
 
+    /// False where a track stays farther away from the chip than `margin_rad`.
+    pub fn is_near(&self, track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>, margin_rad: f64) -> bool {
+        self.circle().is_some_and(|(middle, radius_rad)| {
+            !near_stretches(&seen(track, tracking, centre), &middle, radius_rad + margin_rad).is_empty()
+        })
+    }
+
     /// The ways of a light over the chip and `margin_pix` around it, in the order of time. `centre` is what the telescope points at.
     ///
     /// 1. The part of the track that comes near the chip is found on the sky.
@@ -85,15 +92,8 @@ impl Chip {
         let Some((middle, radius_rad)) = self.circle() else { return Ok(Vec::new()) };
         let margin_rad = (margin_pix * self.pixel_scale_arcsec() / 3600.0).to_radians();
         let reach_rad = radius_rad + margin_rad;
-        let seen = SkyTrack {
-            points: track
-                .points
-                .iter()
-                .map(|point| SkyPoint { direction: tracking.seen(&point.direction, point.time_s, centre), ..*point })
-                .collect(),
-        };
         let mut paths = Vec::new();
-        for near in near_stretches(&seen, &middle, reach_rad) {
+        for near in near_stretches(&seen(track, tracking, centre), &middle, reach_rad) {
             let fine = refined_to_cross(&near, reach_rad);
             let mut run: Vec<PathNode> = Vec::new();
             for point in &fine.points {
@@ -142,6 +142,13 @@ impl Chip {
         let exit_s = times_s.get(last + 1).map_or(times_s[last], |&next_s| border(next_s, times_s[last]));
         Some([enter_s, exit_s])
     }
+}
+
+/// A track in the frame's own sky.
+fn seen(track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>) -> SkyTrack {
+    let in_frame =
+        |point: &SkyPoint| SkyPoint { direction: tracking.seen(&point.direction, point.time_s, centre), ..*point };
+    SkyTrack { points: track.points.iter().map(in_frame).collect() }
 }
 
 /// Stretches of a track, each with a point beyond on either side, that come within `reach_rad` of a place.

@@ -4,7 +4,7 @@ use hifitime::Epoch;
 use thiserror::Error;
 
 use super::chip::{Chip, ChipPath};
-use super::light::{Source, SourcePart};
+use super::light::{SkyPoint, Source, SourcePart};
 use super::optics::{Optics, OpticsError};
 use super::render::{PathError, draw};
 use super::tracking::Tracking;
@@ -98,7 +98,7 @@ pub struct StreakPoint {
 
 /// Everything that a source leaves on a chip, its lights apart. Empty where it leaves nothing.
 ///
-/// The image of a light keeps one width along a chip: that at the distance half way.
+/// The image of a light keeps one width along a chip: that at the distance where it passes nearest to the chip's middle.
 ///
 /// # Errors
 /// [`DrawError`] where a width is out of range or the way is none.
@@ -108,46 +108,24 @@ pub fn draw_on_chip<'a>(
     shot: &Shot<'_>,
 ) -> Result<Vec<DrawnStreak<'a>>, DrawError> {
     let mut drawn = Vec::new();
-    for part in &source.parts {
-        let scale_arcsec = chip.pixel_scale_arcsec();
-        // How far the light reaches is known when its distance is; the nearest end of the track reaches farthest.
-        let nearest_km = part.track.points.iter().map(|point| point.range_km).fold(f64::INFINITY, f64::min);
-        if !nearest_km.is_finite() {
-            continue;
-        }
-        let margin_pix = shot.optics.profile(nearest_km, part.radius_m, scale_arcsec)?.pixel_reach_pix();
+    let Some((middle, _)) = chip.circle() else { return Ok(drawn) };
+    let farthest_rad = shot.optics.farthest_rad();
+    for part in source.parts.iter().filter(|part| chip.is_near(&part.track, shot.tracking, &shot.centre, farthest_rad))
+    {
+        let seen = |point: &SkyPoint| shot.tracking.seen(&point.direction, point.time_s, &shot.centre);
+        let Some(nearest_s) = part.track.closest_s(&middle, seen) else { continue };
+        let profile = shot.optics.profile(range_at(part, nearest_s), part.radius_m, chip.pixel_scale_arcsec())?;
         let paths = chip
-            .paths(&part.track, shot.tracking, &shot.centre, margin_pix)
+            .paths(&part.track, shot.tracking, &shot.centre, profile.pixel_reach_pix())
             .map_err(|source| DrawError::Path { hdu: chip.hdu, source })?;
-        for way in paths {
-            let patch = draw_way(&way, part, chip, shot, scale_arcsec)?;
-            drawn.extend(
-                patch
-                    .filter(|(patch, _)| !patch.is_empty() && patch.sum() > 0.0)
-                    .map(|(patch, width_pix)| told(source, part, chip, shot, &way, patch, width_pix)),
-            );
+        for way in paths.iter().filter(|way| way.path.total() > 0.0) {
+            let patch = draw(&way.path, &profile, chip.rows, chip.columns);
+            if !patch.is_empty() && patch.sum() > 0.0 {
+                drawn.push(told(source, part, chip, shot, way, patch, &profile));
+            }
         }
     }
     Ok(drawn)
-}
-
-fn draw_way(
-    way: &ChipPath,
-    part: &SourcePart,
-    chip: &Chip,
-    shot: &Shot<'_>,
-    scale_arcsec: f64,
-) -> Result<Option<(Patch, f64)>, DrawError> {
-    if way.path.total() <= 0.0 {
-        return Ok(None);
-    }
-    let nodes = way.path.nodes();
-    let [from_s, to_s] = way.inside_s.unwrap_or([nodes[0].time_s, nodes[nodes.len() - 1].time_s]);
-    let range_km = range_at(part, 0.5 * (from_s + to_s));
-    let profile = shot.optics.profile(range_km, part.radius_m, scale_arcsec)?;
-    let (from, to) = (way.path.point_at(from_s), way.path.point_at(to_s));
-    let width_pix = width_across(&profile, (to.y - from.y).atan2(to.x - from.x));
-    Ok(Some((draw(&way.path, &profile, chip.rows, chip.columns), width_pix)))
 }
 
 /// Full width at half maximum of a line of light across its direction, pixels averaged as the detector does. A ring may have two maxima: the width is that between the
@@ -186,7 +164,7 @@ fn told<'a>(
     shot: &Shot<'_>,
     way: &ChipPath,
     patch: Patch,
-    width_pix: f64,
+    profile: &RadialProfile,
 ) -> DrawnStreak<'a> {
     let path = &way.path;
     let told_at = |time_s: f64| point(path.point_at(time_s), path.rate_at(time_s), time_s, chip, shot);
@@ -199,6 +177,8 @@ fn told<'a>(
         inside.map(|node| node.rate).chain([path.rate_at(from_s), path.rate_at(to_s)]).fold(0.0, f64::max)
     });
     let ends = points.first().zip(points.last());
+    let angle_rad = ends.map_or(0.0, |(from, to)| (to.at.y - from.at.y).atan2(to.at.x - from.at.x));
+    let width_pix = width_across(profile, angle_rad);
     let seconds = way.inside_s.map_or(0.0, |[from_s, to_s]| to_s - from_s);
     let length_pix = ends.map_or(0.0, |_| points.windows(2).map(|pair| pair[0].at.distance(pair[1].at)).sum());
     let arc_arcsec: f64 =

@@ -77,6 +77,13 @@ impl Optics {
         RadialProfile::of(&blur).map_err(|source| OpticsError::Blur { range_km, pixel_scale_arcsec, source })
     }
 
+    /// No light is drawn farther from its centre, radians: the widest wings, and rings of satellites at any height.
+    pub fn farthest_rad(&self) -> f64 {
+        const SEEINGS: f64 = 200.0;
+        const RINGS_RAD: f64 = 1e-3;
+        (SEEINGS * self.seeing_arcsec / 3600.0).to_radians().max(RINGS_RAD)
+    }
+
     /// A star's image on pixels of this size.
     pub fn seeing(&self, pixel_scale_arcsec: f64) -> Seeing {
         let fwhm_pix = self.seeing_arcsec / pixel_scale_arcsec;
