@@ -136,7 +136,8 @@ fn valid_least_squares_against_scipy() {
         let scipy = golden.numbers(key)[0];
         /// Both stop where the cost no longer falls in twelve digits.
         const COST: f64 = 1e-8;
-        assert!((fit.cost / scipy - 1.0).abs() < COST, "{key}: {} and {scipy}; {:?}", fit.cost, fit.costs);
+        Agreement::new("Least squares, plain and robust: the least cost", "SciPy 1.17", COST, "of it")
+            .see(fit.cost / scipy - 1.0);
         if loss == Loss::Squares {
             let truth = golden.numbers("truth");
             for ((i, parameter), (scipy, truth)) in
@@ -227,7 +228,8 @@ fn valid_autocorrelation_times_against_emcee() {
     let tau = autocorrelation_times(&chain, 0)[0];
     /// emcee sums the same products by a Fourier transform.
     const ROUNDING: f64 = 1e-9;
-    assert!((tau.steps / golden.numbers("emcee_recurrence_tau")[0] - 1.0).abs() < ROUNDING, "{tau:?}");
+    let mut times = Agreement::new("Autocorrelation times", "emcee 3.1.6", ROUNDING, "of them");
+    times.see(tau.steps / golden.numbers("emcee_recurrence_tau")[0] - 1.0);
     assert!(tau.is_trusted && !autocorrelation_times(&chain, steps - 200)[0].is_trusted);
 }
 

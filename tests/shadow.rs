@@ -2,6 +2,7 @@
 
 mod common;
 
+use common::agreement::Agreement;
 use std::collections::BTreeSet;
 
 use hifitime::Epoch;
@@ -29,7 +30,9 @@ fn valid_shadow_moments_against_skyfield() {
     let sets = Catalogue::read(&[path], &ReadOptions::default()).expect("the catalogue reads").element_sets;
     let eop = EopTable::embedded();
     let (mut satellites, mut rows) = (BTreeSet::new(), 0);
-    let (mut worst_ellipsoid_s, mut worst_cone_s, mut kinds_apart_s) = (0.0_f64, 0.0_f64, 0.0_f64);
+    let mut kinds_apart_s = 0.0_f64;
+    let mut of_ellipsoid = Agreement::new("Shadow entry and exit, ellipsoid", "Skyfield 1.55", MOMENT_S, "s");
+    let mut of_cone = Agreement::new("Shadow entry and exit, cone", "Skyfield 1.55", MOMENT_S, "s");
     let text = std::fs::read_to_string(common::golden_dir().join("shadow_golden.csv")).expect("the golden numbers");
     for line in text.lines().filter(|line| !line.starts_with('#')).skip(1) {
         let cells: Vec<&str> = line.split(',').collect();
@@ -66,18 +69,14 @@ fn valid_shadow_moments_against_skyfield() {
             }
             0.5 * (low + high)
         };
-        let ellipsoid_off_s = (moment(by_ellipsoid_s, &is_in) - by_ellipsoid_s).abs();
-        let cone_off_s = (moment(by_cone_s, &is_in_cone) - by_cone_s).abs();
-        assert!(ellipsoid_off_s < MOMENT_S && cone_off_s < MOMENT_S, "{line}: {ellipsoid_off_s} {cone_off_s}");
-        worst_ellipsoid_s = worst_ellipsoid_s.max(ellipsoid_off_s);
-        worst_cone_s = worst_cone_s.max(cone_off_s);
+        of_ellipsoid.see(moment(by_ellipsoid_s, &is_in) - by_ellipsoid_s);
+        of_cone.see(moment(by_cone_s, &is_in_cone) - by_cone_s);
         kinds_apart_s = kinds_apart_s.max((by_cone_s - by_ellipsoid_s).abs());
         satellites.insert(id.0);
         rows += 1;
     }
     println!(
-        "{} satellites, {rows} moments: within {worst_ellipsoid_s:.3} s of the ellipsoid, {worst_cone_s:.3} s of the cone with its own radius; \
-         cone and ellipsoid lie up to {kinds_apart_s:.1} s apart",
+        "{} satellites, {rows} moments; cone and ellipsoid lie up to {kinds_apart_s:.1} s apart",
         satellites.len()
     );
     assert!(satellites.len() == 56 && rows == 458, "{} {rows}", satellites.len());

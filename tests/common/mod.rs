@@ -1,6 +1,7 @@
 //! What the integration tests share: where the folder of real data is, and a loud word when it is not there.
 #![allow(dead_code)]
 
+pub mod agreement;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod elements;
