@@ -88,9 +88,10 @@ else
         --schedule examples/night.csv
     # In an environment of their own, from the package index; where there is none, STREAKCAST_PLUGINS=no leaves them out.
     if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
-        echo "*** SKIPPED plugins: STREAKCAST_PLUGINS=no"
+        echo "*** SKIPPED plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
     else
         step "plugins/test.sh" plugins/test.sh
+        step "docs/build.sh" docs/build.sh
     fi
 fi
 counts
