@@ -163,6 +163,26 @@ proptest! {
         prop_assert!(found < WAYS_TOLERANCE, "{found}");
     }
 
+    /// The same with wings, where ends are drawn by half lines, or not where the path bends or brightens too much for these.
+    #[test]
+    fn verif_ends_with_wings_agree_with_sums(
+        x in -20.0..130.0_f64, y in -20.0..120.0_f64, length in 0.5..300.0_f64, angle in 0.0..(2.0 * PI), log_bend in -6.0..-1.0_f64,
+        log_ramp in -5.0..-0.2_f64, beta in 2.3..4.0_f64, fwhm_pix in 1.0..4.0_f64, jump in proptest::option::of(0.0..3.0_f64),
+    ) {
+        let (bend, ramp) = (10f64.powf(log_bend), 10f64.powf(log_ramp));
+        let nodes = (0..5).map(|i| {
+            let t = f64::from(i) / 4.0;
+            let (u, v) = (length * t, length * bend * t * (t - 1.0));
+            let at = PixelPosition { x: x + u * angle.cos() - v * angle.sin(), y: y + u * angle.sin() + v * angle.cos() };
+            let rate_after = jump.filter(|_| i == 3);
+            PathNode { time_s: t, at, rate: 1.0 + ramp * (t + t * t), rate_after }
+        });
+        let path = path(nodes.collect());
+        let profile = RadialProfile::of(&Blur::seeing(Seeing::Moffat { fwhm_pix, beta })).expect("a profile");
+        let found = difference(&path, &profile, 110, 120);
+        prop_assert!(found < WAYS_TOLERANCE, "{found}");
+    }
+
     /// Light that lies on the frame is all there, and where it should be.
     #[test]
     fn verif_flux_and_centroid(

@@ -5,12 +5,11 @@ use std::f64::consts::PI;
 use super::blur::{Blur, BlurError, GREATEST_REACH_PIX};
 use super::curve::Curve;
 use super::disk::disk_mean;
+use super::edge::EdgeTable;
 use super::integrals::{Grain, HARMONICS, Panels, along_line, angle, flux, harmonics, pixel_nodes};
 use super::lanes::Lanes;
 use super::radii::Radii;
-
-/// What is cut off of the seeing's wings. The profile is scaled up by as much, so that drawn light is all there.
-const CUT_SHARE: f64 = 1e-5;
+use super::wings::CutSeeing;
 
 /// Half a pixel's diagonal: so much farther than the profile does its average over a pixel reach.
 const HALF_DIAGONAL_PIX: f64 = std::f64::consts::FRAC_1_SQRT_2;
@@ -18,11 +17,14 @@ const HALF_DIAGONAL_PIX: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Angular harmonics below this share of the peak are left out.
 const NEGLIGIBLE: f64 = 1e-6;
 
+/// Wings that reach so much farther than pixels have corners are worth a table of half lines.
+const WINGS: f64 = 1.3;
+
 /// A point's light on the detector: a function of the distance from its centre alone, of unit flux.
 ///
-/// Seeing, ring and disk are convolved by quadrature, each to better than 10⁻⁵ of the peak. The wings of the seeing are cut where 10⁻⁵ of
-/// its flux lies beyond, and the rest is scaled up: nothing is lost, and 10⁻⁵ of the light lies nearer than it should. Beside the
-/// profile are kept its averages over a pixel ([`RadialProfile::pixel`]) and those along a line ([`RadialProfile::line`]); both depend on
+/// Seeing, ring and disk are convolved by quadrature, each to better than 10⁻⁵ of the peak. The wings of the seeing are cut where 5·10⁻⁵ of
+/// its flux lies beyond and a line has 10⁻⁵ of its brightness; what is cut is added to the outermost of what is left, where it is not felt: nothing is
+/// lost, and 5·10⁻⁵ of the light lies nearer than it should. Beside the profile are kept its averages over a pixel ([`RadialProfile::pixel`]) and those along a line ([`RadialProfile::line`]); both depend on
 /// the direction too, since pixels are squares, and are kept as harmonics of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialProfile {
@@ -33,6 +35,7 @@ pub struct RadialProfile {
     round_from_pix: f64,
     line: [Curve; HARMONICS],
     line_second_moment: Lanes,
+    edge: Option<EdgeTable>,
     half_light_pix: f64,
     fwhm_pix: f64,
     variance_pix2: f64,
@@ -47,17 +50,17 @@ impl RadialProfile {
         blur.validate()?;
         let fwhm = blur.seeing.narrowest_fwhm_pix();
         let flat = blur.flat_radius_pix();
-        let seeing_reach = blur.seeing.radius_leaving(CUT_SHARE);
-        let reach = seeing_reach + flat;
+        let panels = Panels::new();
+        let seeing = CutSeeing::of(&blur.seeing, &panels);
+        let reach = seeing.reach_pix + flat;
         if reach > GREATEST_REACH_PIX {
             return Err(BlurError::Reach { reach_pix: reach });
         }
         // Steps of at most a twelfth of the seeing's sigma as far out as there are edges.
         let core = flat + 2.0 * fwhm;
         let intervals = (48.0 * core / (0.425 * fwhm)).ceil().clamp(256.0, 8192.0) as usize;
-        let panels = Panels::new();
         let grain = Grain { step_pix: 1.2 * fwhm, even_to_pix: flat + 2.5 * fwhm };
-        let mut profile = blurred(blur, seeing_reach, core, intervals, grain, &panels);
+        let mut profile = blurred(blur, &seeing, core, intervals, grain, &panels);
         let sum = flux(&profile, grain, &panels);
         profile.scale(1.0 / sum);
 
@@ -65,19 +68,28 @@ impl RadialProfile {
         let averaged = Radii::new(core, reach + HALF_DIAGONAL_PIX, intervals);
         let pixel = in_harmonics(averaged, |r, phi| {
             let (sin, cos) = phi.sin_cos();
-            nodes.iter().map(|([x, y], weight)| weight * profile.at((r * cos + x).hypot(r * sin + y))).sum()
+            nodes
+                .iter()
+                .map(|([x, y], weight)| weight * profile.at(((r * cos + x).powi(2) + (r * sin + y).powi(2)).sqrt()))
+                .sum()
         });
-        let line_alone = Curve::of(profile.radii(), |v| along_line(&profile, v, 0, grain, &panels));
+        let mut second = Vec::with_capacity(intervals + 1);
+        let line_alone = Curve::of(profile.radii(), |v| {
+            let [light, moment] = along_line(&profile, v, grain, &panels);
+            // Second moments of profile and pixel add up; the pixel's is 1/12 along each axis.
+            second.push(moment + light / 12.0);
+            light
+        });
+        let line_second_moment = Lanes::of(&Curve::from_values(profile.radii(), second));
         let line = in_harmonics(averaged, |v, phi| {
             let (sin, cos) = phi.sin_cos();
             nodes.iter().map(|([x, y], weight)| weight * line_alone.at((v + x * sin - y * cos).abs())).sum()
         });
-        // Second moments of profile and pixel add up; the pixel's is 1/12 along each axis.
-        let line_second_moment =
-            Lanes::of(&Curve::of(averaged, |v| along_line(&profile, v, 2, grain, &panels) + line_alone.at(v) / 12.0));
         let (half_light_pix, fwhm_pix) = (half_light(&profile, grain, &panels), full_width(&profile));
         let variance_pix2 = PI * panels.integrate(0.0, reach, 0.5 * fwhm, |r| r.powi(3) * profile.at(r));
         let round_from_pix = round_from(&pixel);
+        let edge = (averaged.end_pix() > WINGS * round_from_pix.max(1.0))
+            .then(|| EdgeTable::of(&pixel[0], round_from_pix.max(1.0)));
         let pixel_lanes = pixel.each_ref().map(Lanes::of);
         Ok(Self {
             blur: *blur,
@@ -87,6 +99,7 @@ impl RadialProfile {
             round_from_pix,
             line,
             line_second_moment,
+            edge,
             half_light_pix,
             fwhm_pix,
             variance_pix2,
@@ -163,6 +176,11 @@ impl RadialProfile {
         &self.line_second_moment
     }
 
+    /// Light of half a line far from its end; none where the profile has no wings.
+    pub fn edge(&self) -> Option<&EdgeTable> {
+        self.edge.as_ref()
+    }
+
     /// [`RadialProfile::pixel`] for `N` pixels at once, in single precision; `is_round` where all are farther than
     /// [`RadialProfile::round_from_pix`] from the centre.
     #[inline(always)]
@@ -210,8 +228,14 @@ impl RadialProfile {
 }
 
 /// Seeing with ring and disk, of any flux.
-fn blurred(blur: &Blur, seeing_reach: f64, core: f64, intervals: usize, grain: Grain, panels: &Panels) -> Curve {
-    let seeing = |r: f64| blur.seeing.at(r);
+fn blurred(blur: &Blur, cut: &CutSeeing, core: f64, intervals: usize, grain: Grain, panels: &Panels) -> Curve {
+    let seeing_reach = cut.reach_pix;
+    if blur.flat_radius_pix() == 0.0 {
+        return Curve::of(Radii::new(core, seeing_reach, intervals), |r| cut.at(r));
+    }
+    // By its own nodes, twice as close as need be: read millions of times.
+    let seeing = Curve::of(Radii::new(2.0 * grain.step_pix, seeing_reach, 512), |r| cut.at(r));
+    let seeing = |r: f64| seeing.at(r);
     let (outer, inner) = (blur.outer_radius_pix, blur.inner_radius_pix);
     let radii = Radii::new(core, seeing_reach + outer, intervals);
     let ring = if outer > 0.0 {

@@ -81,7 +81,7 @@ impl Seeing {
     }
 
     /// Share of the flux that lies beyond a radius.
-    fn beyond(&self, r_pix: f64) -> f64 {
+    pub(super) fn beyond(&self, r_pix: f64) -> f64 {
         let gaussian = |sigma: f64| (-0.5 * (r_pix / sigma).powi(2)).exp();
         match *self {
             Self::Gaussian { fwhm_pix } => gaussian(sigma_of(fwhm_pix)),
@@ -92,15 +92,27 @@ impl Seeing {
         }
     }
 
-    /// The radius beyond which lies this share of the flux, pixels.
-    pub(super) fn radius_leaving(&self, share: f64) -> f64 {
+    /// Brightness of a long line at a distance from it, in a unit of its own.
+    pub(super) fn line(&self, v_pix: f64) -> f64 {
+        let gaussian = |sigma: f64| (-0.5 * (v_pix / sigma).powi(2)).exp() / sigma;
+        match *self {
+            Self::Gaussian { fwhm_pix } => gaussian(sigma_of(fwhm_pix)),
+            Self::Moffat { fwhm_pix, beta } => (1.0 + (v_pix / alpha_of(fwhm_pix, beta)).powi(2)).powf(0.5 - beta),
+            Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, wide_share } => {
+                (1.0 - wide_share) * gaussian(sigma_of(fwhm_pix)) + wide_share * gaussian(sigma_of(wide_fwhm_pix))
+            }
+        }
+    }
+
+    /// The radius from which on something is true, pixels.
+    pub(super) fn radius_where(&self, is_true: impl Fn(f64) -> bool) -> f64 {
         let mut bounds = [0.0, self.narrowest_fwhm_pix()];
-        while self.beyond(bounds[1]) > share {
+        while !is_true(bounds[1]) {
             bounds = [bounds[1], 2.0 * bounds[1]];
         }
         for _ in 0..60 {
             let middle = 0.5 * (bounds[0] + bounds[1]);
-            bounds[usize::from(self.beyond(middle) <= share)] = middle;
+            bounds[usize::from(is_true(middle))] = middle;
         }
         bounds[1]
     }
