@@ -162,6 +162,7 @@ mod tests {
             let seeing = Seeing::Moffat { fwhm_pix: 3.5, beta };
             let blur = Blur { seeing, outer_radius_pix: outer, inner_radius_pix: 0.6 * outer, body_radius_pix: 0.0 };
             let profile = RadialProfile::of(&blur).unwrap();
+            let profile = profile.tables();
             let table = profile.edge().expect("wings");
             let peak = profile.line(0.0, 0.0).max(profile.line(outer, 0.0));
             for i in 0..12 {

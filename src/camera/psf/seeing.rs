@@ -6,9 +6,9 @@ use serde::Deserialize;
 
 use super::blur::BlurError;
 
-/// Narrowest profile that is allowed, full width at half maximum, pixels: narrower ones are not described by their pixel averages' angular
-/// harmonics up to the twelfth.
-const LEAST_FWHM_PIX: f64 = 1.0;
+/// Narrowest profile that is allowed, full width at half maximum, pixels. Drawing takes time with the inverse square of it, and a tenth of a pixel is as good as a
+/// point: what a narrower one would move from pixel to pixel lies within a tenth of a pixel from their borders.
+const LEAST_FWHM_PIX: f64 = 0.1;
 const GREATEST_FWHM_PIX: f64 = 100.0;
 /// Below 2 a Moffat profile has a hundredth of its light beyond 50 widths, where no camera has measured it.
 const LEAST_BETA: f64 = 2.0;
@@ -20,19 +20,19 @@ const GREATEST_BETA: f64 = 100.0;
 pub enum Seeing {
     /// exp(-r²/2σ²), FWHM = 2.3548 σ.
     Gaussian {
-        /// Width, \[1, 100\] pixels.
+        /// Width, \[0.1, 100\] pixels.
         fwhm_pix: f64,
     },
     /// (1 + r²/α²)^-β, FWHM = 2 α √(2^(1/β) - 1) (Moffat 1969, A&A 3, 455).
     Moffat {
-        /// Width, \[1, 100\] pixels.
+        /// Width, \[0.1, 100\] pixels.
         fwhm_pix: f64,
         /// Steepness of the wings, \[2, 100\]; 4.765 is turbulence (Trujillo et al. 2001), telescopes have 2.5 to 4.
         beta: f64,
     },
     /// A narrow and a wide Gaussian about the same centre.
     DoubleGaussian {
-        /// Width of the narrow one, \[1, 100\] pixels.
+        /// Width of the narrow one, \[0.1, 100\] pixels.
         fwhm_pix: f64,
         /// Width of the wide one, from that of the narrow one to 100 pixels.
         wide_fwhm_pix: f64,
@@ -49,6 +49,19 @@ impl Seeing {
                 fwhm_pix
             }
         }
+    }
+
+    /// The same in parts of a pixel, so many a side.
+    pub(super) fn magnified(&self, parts: f64) -> Self {
+        let mut finer = *self;
+        match &mut finer {
+            Self::Gaussian { fwhm_pix } | Self::Moffat { fwhm_pix, .. } => *fwhm_pix *= parts,
+            Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, .. } => {
+                *fwhm_pix *= parts;
+                *wide_fwhm_pix *= parts;
+            }
+        }
+        finer
     }
 
     /// # Errors

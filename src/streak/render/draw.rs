@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::camera::{Lanes, Patch, PatchRows, PixelPosition, RadialProfile};
+use crate::camera::{Lanes, Patch, PatchRows, PixelPosition, ProfileTables, RadialProfile};
 
 use super::chords::{Chord, Cutter, Stretch};
 use super::ends::End;
@@ -34,22 +34,43 @@ const GREATEST_TURNING_RAD: f64 = 1.2;
 /// The profile is the same along the whole path: take that of the middle of what is on the frame. Where the range changes by 1 % on the frame, the
 /// ring's edges are 0.5 % of its radius off at both sides of it.
 pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
-    let cutter = Cutter::new(path, rows, columns, profile.pixel_reach_pix());
-    match cutter.chords().and_then(|chords| prepared(&cutter, chords, profile)) {
-        Some((chords, ends)) => draw_along(&cutter, &chords, &ends, profile, rows, columns),
-        None => draw_summed_by(&cutter, profile, rows, columns),
-    }
+    on_parts(path, profile, rows, columns, |path, tables, rows, columns| {
+        let cutter = Cutter::new(path, rows, columns, tables.pixel_reach_pix());
+        match cutter.chords().and_then(|chords| prepared(&cutter, chords, tables)) {
+            Some((chords, ends)) => draw_along(&cutter, &chords, &ends, tables, rows, columns),
+            None => draw_summed_by(&cutter, tables, rows, columns),
+        }
+    })
 }
 
 /// The same by sums over points of the path throughout: slow, and what [`draw`] is held against.
 pub fn draw_summed(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
-    draw_summed_by(&Cutter::new(path, rows, columns, profile.pixel_reach_pix()), profile, rows, columns)
+    on_parts(path, profile, rows, columns, |path, tables, rows, columns| {
+        let cutter = Cutter::new(path, rows, columns, tables.pixel_reach_pix());
+        draw_summed_by(&cutter, tables, rows, columns)
+    })
+}
+
+/// Draws on the parts into which the profile cuts pixels, and sums these.
+fn on_parts(
+    path: &StreakPath,
+    profile: &RadialProfile,
+    rows: usize,
+    columns: usize,
+    draw: impl FnOnce(&StreakPath, &ProfileTables, usize, usize) -> Patch,
+) -> Patch {
+    let parts = profile.parts();
+    if parts.is_whole() {
+        return draw(path, profile.tables(), rows, columns);
+    }
+    let patch = draw(&path.in_parts(parts), profile.tables(), rows * parts.y, columns * parts.x);
+    patch.summed(parts.x, parts.y)
 }
 
 /// Chords with a mark whether their pixels are summed, cut where that changes, and ends for which tables do; none where chords will not do.
 type Prepared = Option<(Vec<(Chord, bool)>, Vec<End>)>;
 
-fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &RadialProfile) -> Prepared {
+fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &ProfileTables) -> Prepared {
     let reach = profile.pixel_reach_pix();
     let radius = 0.5 * profile.fwhm_pix() + profile.variance_pix2().sqrt().min(profile.half_light_pix());
     let turning: f64 = chords.iter().map(Chord::turning_rad).sum();
@@ -98,7 +119,7 @@ fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &RadialProfile) ->
 }
 
 /// Ends of the path near the frame for which tables do; the others join what is hard.
-fn ends(cutter: &Cutter<'_>, chords: &[Chord], profile: &RadialProfile, hard: &mut Vec<[f64; 2]>) -> Vec<End> {
+fn ends(cutter: &Cutter<'_>, chords: &[Chord], profile: &ProfileTables, hard: &mut Vec<[f64; 2]>) -> Vec<End> {
     let mut found = Vec::new();
     for (number, chord) in chords.iter().enumerate() {
         for is_start in [true, false] {
@@ -121,7 +142,7 @@ fn draw_along(
     cutter: &Cutter<'_>,
     marked: &[(Chord, bool)],
     ends: &[End],
-    profile: &RadialProfile,
+    profile: &ProfileTables,
     rows: usize,
     columns: usize,
 ) -> Patch {
@@ -172,7 +193,7 @@ struct Trees {
 }
 
 impl Trees {
-    fn of(cutter: &Cutter<'_>, marked: &[(Chord, bool)], ends: &[End], profile: &RadialProfile) -> Self {
+    fn of(cutter: &Cutter<'_>, marked: &[(Chord, bool)], ends: &[End], profile: &ProfileTables) -> Self {
         // A path that turns by at most 1.2 rad is at most 1.07 times as long as the distance between its ends.
         let reach = 1.1 * profile.pixel_reach_pix();
         let near = |[from, to]: [f64; 2], reach: f64| {
@@ -213,7 +234,7 @@ impl Trees {
 }
 
 /// Tables across the path for all chords that need one, and which of them each uses.
-fn tables(marked: &[(Chord, bool)], profile: &RadialProfile) -> (Vec<Lanes>, Vec<usize>) {
+fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Lanes>, Vec<usize>) {
     let mut tables = Vec::new();
     let mut table_of = vec![0; marked.len()];
     let step_rad = profile.line_angle_step_rad();
@@ -232,7 +253,7 @@ fn tables(marked: &[(Chord, bool)], profile: &RadialProfile) -> (Vec<Lanes>, Vec
     (tables, table_of)
 }
 
-fn draw_summed_by(cutter: &Cutter<'_>, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
+fn draw_summed_by(cutter: &Cutter<'_>, profile: &ProfileTables, rows: usize, columns: usize) -> Patch {
     let reach = profile.pixel_reach_pix();
     let mut extents = PatchRows::new(rows, columns);
     let stretches = cutter.stretches();

@@ -1,6 +1,6 @@
 //! Ends of a path near which it is straight and even enough for tables.
 
-use crate::camera::{EdgeTable, RadialProfile};
+use crate::camera::{EdgeTable, ProfileTables};
 
 use super::chords::Chord;
 use super::panels::LANES;
@@ -28,7 +28,7 @@ pub(super) struct End {
 
 impl End {
     /// The end of a chord, the path's first or last; none where tables will not do for it.
-    pub fn of(chords: &[Chord], chord: usize, is_start: bool, profile: &RadialProfile) -> Option<Self> {
+    pub fn of(chords: &[Chord], chord: usize, is_start: bool, profile: &ProfileTables) -> Option<Self> {
         let table = profile.edge()?;
         let own = &chords[chord];
         let (border, sign, a) =
@@ -48,7 +48,7 @@ impl End {
     }
 
     /// What a straight line of linear brightness leaves out at the distance from which tables are used, at most.
-    fn error(&self, chords: &[Chord], profile: &RadialProfile, from_pix: f64) -> f64 {
+    fn error(&self, chords: &[Chord], profile: &ProfileTables, from_pix: f64) -> f64 {
         let reach = profile.pixel_reach_pix();
         // Light λ, off by δλ, displaced by b, over a length at a distance σ along the line.
         let felt = |sigma: f64, length: f64, light: f64, off: f64, b: f64| {
@@ -86,7 +86,7 @@ impl End {
     }
 
     /// True where nothing that must be summed is near; `hard` are ways along the path.
-    pub fn is_clear_of(&self, hard: &[[f64; 2]], profile: &RadialProfile) -> bool {
+    pub fn is_clear_of(&self, hard: &[[f64; 2]], profile: &ProfileTables) -> bool {
         let margin = CLEAR * profile.pixel_reach_pix() + 4.0;
         hard.iter().all(|[from, to]| self.way_pix < from - margin || self.way_pix > to + margin)
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use crate::camera::{Lanes, Patch, RadialProfile};
+use crate::camera::{Lanes, Patch, ProfileTables};
 
 use super::chords::Chord;
 use super::ends::End;
@@ -25,7 +25,7 @@ pub(super) struct Strokes<'a> {
     pub trees_of: &'a [Range<usize>],
     /// Ends that are drawn by the profile's table of half lines, and the trees that reach each one's middle.
     pub ends: &'a [(End, Range<usize>)],
-    pub profile: &'a RadialProfile,
+    pub profile: &'a ProfileTables,
     pub runs: &'a [Run],
     pub patch: &'a mut Patch,
 }
@@ -75,7 +75,7 @@ impl NullaryFnOnce for Strokes<'_> {
 
 /// Light of panels in pixels of a row.
 #[inline(always)]
-fn summed(trees: &[PanelTree], profile: &RadialProfile, row: usize, first_column: usize, pixels: &mut [f32]) {
+fn summed(trees: &[PanelTree], profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
     for (block, out) in pixels.chunks_mut(LANES).enumerate() {
         let at = [(first_column + block * LANES) as f64, row as f64];
         let mut light = [0.0; LANES];
@@ -95,7 +95,7 @@ fn summed(trees: &[PanelTree], profile: &RadialProfile, row: usize, first_column
 ///
 /// I = λ(a₀) (1 + κv/2) L(v) + λ''/2 M₂(v).
 #[inline(always)]
-fn smooth(chord: &Chord, table: &Lanes, profile: &RadialProfile, row: usize, first_column: usize, pixels: &mut [f32]) {
+fn smooth(chord: &Chord, table: &Lanes, profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
     let [ux, uy] = chord.along;
     let (bow, half2) = (chord.bow as f32, (chord.half_pix * chord.half_pix) as f32);
     let curvature = chord.curvature() as f32;
