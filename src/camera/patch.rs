@@ -126,6 +126,25 @@ impl Patch {
         }
     }
 
+    /// The light in pixels of `x` columns by `y` rows of this one's, whose frame has whole numbers of them.
+    pub fn summed(&self, x: usize, y: usize) -> Self {
+        let mut extents = PatchRows::new(self.rows / y, self.columns / x);
+        for span in self.iter() {
+            let end = span.first_column + span.values.len();
+            extents.add(span.row / y, span.first_column / x..end.div_ceil(x));
+        }
+        let mut summed = extents.into_patch();
+        for span in self.iter() {
+            let first = span.first_column / x;
+            let end = (span.first_column + span.values.len()).div_ceil(x);
+            let out = summed.stretch_mut(span.row / y, first..end);
+            for (place, value) in (span.first_column - first * x..).zip(span.values) {
+                out[place / x] += value;
+            }
+        }
+        summed
+    }
+
     /// Pixels that hold at least `threshold`, as `(row, columns)`: for masks.
     pub fn footprint(&self, threshold: f32) -> Vec<(usize, Range<usize>)> {
         let mut found = Vec::new();

@@ -61,6 +61,11 @@ impl Chip {
         self.wcs.pixel_scale_arcsec(self.middle())
     }
 
+    /// How many times as wide on the sky as high a pixel in the middle is.
+    pub fn pixel_aspect(&self) -> f64 {
+        self.wcs.pixel_aspect(self.middle())
+    }
+
     /// True for a place on one of its pixels.
     pub fn holds(&self, at: PixelPosition) -> bool {
         let within = |value: f64, pixels: usize| (-0.5..=pixels as f64 - 0.5).contains(&value);

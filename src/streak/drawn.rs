@@ -114,7 +114,8 @@ pub fn draw_on_chip<'a>(
     {
         let seen = |point: &SkyPoint| shot.tracking.seen(&point.direction, point.time_s, &shot.centre);
         let Some(nearest_s) = part.track.closest_s(&middle, seen) else { continue };
-        let profile = shot.optics.profile(range_at(part, nearest_s), part.radius_m, chip.pixel_scale_arcsec())?;
+        let (scale_arcsec, aspect) = (chip.pixel_scale_arcsec(), chip.pixel_aspect());
+        let profile = shot.optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
         let paths = chip
             .paths(&part.track, shot.tracking, &shot.centre, profile.pixel_reach_pix())
             .map_err(|source| DrawError::Path { hdu: chip.hdu, source })?;
@@ -183,6 +184,10 @@ fn told<'a>(
     let length_pix = ends.map_or(0.0, |_| points.windows(2).map(|pair| pair[0].at.distance(pair[1].at)).sum());
     let arc_arcsec: f64 =
         points.windows(2).map(|pair| pair[0].direction.separation_rad(&pair[1].direction).to_degrees() * 3600.0).sum();
+    let frame_arc_arcsec: f64 = points
+        .windows(2)
+        .map(|pair| pair[0].frame_direction.separation_rad(&pair[1].frame_direction).to_degrees() * 3600.0)
+        .sum();
     let a_second = |way: f64| if seconds > 0.0 { way / seconds } else { 0.0 };
     DrawnStreak {
         source,
@@ -194,10 +199,10 @@ fn told<'a>(
         length_pix,
         middle: way.inside_s.and_then(|[from_s, to_s]| told_at(0.5 * (from_s + to_s))),
         peak_magnitude: brightest.and_then(|rate| chip.scale.magnitude(rate)),
-        width_arcsec: width_pix * chip.pixel_scale_arcsec(),
+        width_arcsec: width_pix * profile.mean_pixels_across(angle_rad) * chip.pixel_scale_arcsec(),
         width_pix,
         rate_arcsec_s: a_second(arc_arcsec),
-        frame_rate_arcsec_s: a_second(length_pix * chip.pixel_scale_arcsec()),
+        frame_rate_arcsec_s: a_second(frame_arc_arcsec),
         points,
         zero_point_mag: chip.scale.zero_point_mag(),
     }

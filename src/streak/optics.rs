@@ -58,11 +58,18 @@ pub struct Optics {
 }
 
 impl Optics {
-    /// The image of a disk of `radius_m` at `range_km` through a telescope that is focused on the stars, on pixels of `pixel_scale_arcsec`.
+    /// The image of a disk of `radius_m` at `range_km` through a telescope that is focused on the stars, on pixels of `pixel_scale_arcsec`
+    /// (the side of a square of their area), `aspect` times as wide as high.
     ///
     /// # Errors
     /// [`OpticsError`] where a width is out of what can be drawn.
-    pub fn profile(&self, range_km: f64, radius_m: f64, pixel_scale_arcsec: f64) -> Result<RadialProfile, OpticsError> {
+    pub fn profile(
+        &self,
+        range_km: f64,
+        radius_m: f64,
+        pixel_scale_arcsec: f64,
+        aspect: f64,
+    ) -> Result<RadialProfile, OpticsError> {
         if !(pixel_scale_arcsec > 0.0 && pixel_scale_arcsec.is_finite()) {
             return Err(OpticsError::PixelScale { given: pixel_scale_arcsec });
         }
@@ -74,7 +81,11 @@ impl Optics {
             inner_radius_pix: self.inner_radius_m * pixels_a_metre,
             body_radius_pix: radius_m * pixels_a_metre,
         };
-        RadialProfile::of(&blur).map_err(|source| OpticsError::Blur { range_km, pixel_scale_arcsec, source })
+        RadialProfile::on_oblong(&blur, aspect).map_err(|source| OpticsError::Blur {
+            range_km,
+            pixel_scale_arcsec,
+            source,
+        })
     }
 
     /// No light is drawn farther from its centre, radians: the widest wings, and rings of satellites at any height.
@@ -105,14 +116,15 @@ mod tests {
     fn verif_the_image_has_the_width_of_seeing_ring_and_body() {
         let optics =
             Optics { form: SeeingForm::Gaussian, seeing_arcsec: 0.7, outer_radius_m: 4.18, inner_radius_m: 2.558 };
-        let blur = *optics.profile(550.0, 2.0, 0.2).unwrap().blur();
+        let blur = *optics.profile(550.0, 2.0, 0.2, 1.0).unwrap().blur();
         assert_eq!(blur.seeing, Seeing::Gaussian { fwhm_pix: 0.7 / 0.2 });
         // Rubin's ring is 3.14" across at 550 km (science 11).
         assert!((2.0 * blur.outer_radius_pix * 0.2 - 3.135).abs() < 1e-3);
         assert!((blur.inner_radius_pix / blur.outer_radius_pix - 2.558 / 4.18).abs() < 1e-12);
         assert!((blur.body_radius_pix / blur.outer_radius_pix - 2.0 / 4.18).abs() < 1e-12);
-        let message = optics.profile(550.0, 2.0, 2.0).unwrap_err().to_string();
-        assert!(message.contains("550 km") && message.contains("fwhm_pix is 0.35"), "{message}");
-        assert!(optics.profile(550.0, 2.0, f64::NAN).is_err());
+        let message = optics.profile(550.0, 2.0, 20.0, 1.0).unwrap_err().to_string();
+        assert!(message.contains("550 km") && message.contains("fwhm_pix is 0.035"), "{message}");
+        assert!(optics.profile(550.0, 2.0, f64::NAN, 1.0).is_err());
+        assert!(optics.profile(550.0, 2.0, 0.2, 3.0).unwrap_err().to_string().contains("aspect is 3"));
     }
 }

@@ -5,7 +5,8 @@
 
 Straight streaks of one brightness are a thin box convolved with the profile by FFT at high accuracy; curved ones and ramps are sums of points
 along the path (Gauss's rule of eight nodes in stretches of two pixels), each drawn the same way. The defocused pupil is a disk less a disk, the
-body a disk. A pixel's value is the light in it. The path is x = x0 + vx t + ax t^2 and so on for t from 0 to 1, its rate r0 + r1 t.
+body a disk. A pixel's value is the light in it: GalSim integrates over pixels, so that seeing narrower than one is right too. Oblong pixels are GalSim's
+JacobianWCS; lengths of the blur are then in pixels of the mean scale, paths in pixels. The path is x = x0 + vx t + ax t^2 and so on for t from 0 to 1, its rate r0 + r1 t.
 """
 
 import datetime
@@ -43,27 +44,30 @@ def profile(seeing, a, b, c, outer, inner, body, params):
     return parts
 
 
-def image_of(blur, path):
+def image_of(blur, path, aspect):
+    wcs = galsim.JacobianWCS(math.sqrt(aspect), 0.0, 0.0, 1 / math.sqrt(aspect))
     x0, vx, ax, y0, vy, ay, r0, r1 = path
     image = galsim.ImageD(galsim.BoundsI(0, SIZE - 1, 0, SIZE - 1), init_value=0.0)
-    length = math.hypot(vx, vy)
+    wx, wy = vx * math.sqrt(aspect), vy / math.sqrt(aspect)
+    length = math.hypot(wx, wy)
     if ax == ay == r1 == 0:
         parts = profile(*blur, EXACT)
         if length > 0:
             # A box much thinner than the profile is a line.
-            parts.append(galsim.Box(length, 1e-3).rotate(math.atan2(vy, vx) * galsim.radians))
+            parts.append(galsim.Box(length, 1e-3).rotate(math.atan2(wy, wx) * galsim.radians))
         whole = galsim.Convolve(parts, gsparams=EXACT).withFlux(r0)
-        whole.drawImage(image=image, scale=1.0, center=galsim.PositionD(x0 + vx / 2, y0 + vy / 2), add_to_image=True)
+        whole.drawImage(image=image, wcs=wcs, center=galsim.PositionD(x0 + vx / 2, y0 + vy / 2), add_to_image=True)
         return image.array
     point = galsim.Convolve(profile(*blur, POINTS), gsparams=POINTS)
     nodes, weights = np.polynomial.legendre.leggauss(8)
-    stretches = int(length / 2)
+    # Of two pixels, or of two widths where these are less.
+    stretches = int(length / min(2.0, 2.0 * blur[1]))
     for stretch in range(stretches):
         for node, weight in zip(nodes, weights):
             t = (stretch + 0.5 * (1 + node)) / stretches
             light = 0.5 * weight / stretches * (r0 + r1 * t)
             at = galsim.PositionD(x0 + vx * t + ax * t * t, y0 + vy * t + ay * t * t)
-            point.withFlux(light).drawImage(image=image, scale=1.0, center=at, add_to_image=True)
+            point.withFlux(light).drawImage(image=image, wcs=wcs, center=at, add_to_image=True)
     return image.array
 
 
@@ -99,6 +103,21 @@ def cases():
     yield "curved ring", ring, (50.3, 60.0, 0.0, 70.2, 4.0, 6.0, 1000.0, 0.0)
     yield "ramp", gauss, (50.3, 55.0, 0.0, 70.2, 20.0, 0.0, 300.0, 1400.0)
     yield "curved ramp, speeding up", moffat, (50.3, 40.0, 15.0, 70.2, 4.0, 6.0, 1500.0, -900.0)
+    # Seeing narrower than a pixel.
+    for fwhm in [0.4, 0.55, 0.7, 0.9]:
+        yield f"gaussian of {fwhm} pixels", ("gaussian", fwhm, 0.0, 0.0, 0.0, 0.0, 0.0), straight(17.0)
+    yield "gaussian of 0.4 pixels along a row", ("gaussian", 0.4, 0.0, 0.0, 0.0, 0.0, 0.0), straight(0.0)
+    yield "gaussian of 0.15 pixels", ("gaussian", 0.15, 0.0, 0.0, 0.0, 0.0, 0.0), straight(73.0, length=31.0)
+    yield "moffat of 0.6 pixels", ("moffat", 0.6, 3.0, 0.0, 0.0, 0.0, 0.0), straight(30.0)
+    yield "double of 0.5 pixels", ("double", 0.5, 1.5, 0.2, 0.0, 0.0, 0.0), straight(17.0)
+    yield "ring under 0.6 pixels", ("gaussian", 0.6, 0.0, 0.0, 3.0, 1.8, 0.4), straight(17.0)
+    yield "point of 0.5 pixels", ("gaussian", 0.5, 0.0, 0.0, 0.0, 0.0, 0.0), (79.31, 0.0, 0.0, 80.64, 0.0, 0.0, 1000.0, 0.0)
+    yield "curved ramp of 0.7 pixels", ("gaussian", 0.7, 0.0, 0.0, 0.0, 0.0, 0.0), (50.3, 60.0, 0.0, 70.2, 4.0, 6.0, 300.0, 1400.0)
+    # Oblong pixels, half again and twice as wide as high, and higher than wide.
+    yield "gaussian on oblong pixels", gauss, straight(35.0), 1.5
+    yield "ring on oblong pixels", ring, straight(120.0), 2.0
+    yield "moffat on high pixels", ("moffat", 2.0, 3.5, 0.0, 0.0, 0.0, 0.0), straight(17.0), 0.5
+    yield "gaussian of 0.8 pixels on oblong pixels", ("gaussian", 0.8, 0.0, 0.0, 0.0, 0.0, 0.0), straight(60.0), 1.25
 
 
 def chosen(path):
@@ -113,12 +132,12 @@ def chosen(path):
 def main():
     today = datetime.date.today().isoformat()
     print(f"# GalSim {galsim.__version__}, tests/reference/make_streaks.py, {today}; frames of {SIZE} x {SIZE} pixels")
-    print("# case: name, seeing, fwhm or narrow fwhm, beta or wide fwhm, wide share, outer, inner and body radius, x0, vx, ax, y0, vy, ay, r0, r1, peak, sum")
+    print("# case: name, seeing, fwhm or narrow fwhm, beta or wide fwhm, wide share, outer, inner and body radius, x0, vx, ax, y0, vy, ay, r0, r1, peak, sum, width of pixels in their height where that is not 1")
     print("# other lines: row, column, light")
-    for name, blur, path in cases():
-        image = image_of(blur, path)
+    for name, blur, path, *aspect in cases():
+        image = image_of(blur, path, *(aspect or [1.0]))
         numbers = ",".join(f"{number!r}" for number in [*blur[1:], *path])
-        print(f"case,{name.replace(',', '')},{blur[0]},{numbers},{image.max():.8g},{image.sum():.8g}")
+        print(f"case,{name.replace(',', '')},{blur[0]},{numbers},{image.max():.8g},{image.sum():.8g}{''.join(f',{ratio}' for ratio in aspect)}")
         for row, column in chosen(path):
             print(f"{row},{column},{image[row, column]:.6g}")
 

@@ -55,6 +55,12 @@ impl Deltas {
             }
         }
     }
+
+    /// Blocks of pixels that light was added to, in order.
+    pub(super) fn touched(&self) -> impl Iterator<Item = Range<usize>> + '_ {
+        let blocks = self.slots.iter().enumerate().filter(|(_, slot)| **slot != 0);
+        blocks.map(|(block, _)| block * BLOCK_PIXELS..((block + 1) * BLOCK_PIXELS).min(self.pixels))
+    }
 }
 
 #[cfg(test)]
@@ -67,6 +73,7 @@ mod tests {
         deltas.add(10, &[1.0; 20]);
         deltas.add(15, &[0.5, 0.0]);
         deltas.add(99, &[2.0]);
+        assert_eq!(deltas.touched().collect::<Vec<_>>(), [0..16, 16..32, 96..100]);
         let mut all = Vec::new();
         deltas.take(12..40, |pixel, sum| all.push((pixel, sum)));
         assert_eq!(all.len(), 18);

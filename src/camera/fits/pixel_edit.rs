@@ -14,6 +14,11 @@ use super::hdu::{HduInfo, HduKind};
 use super::overlay::Overlay;
 use super::tiles::{Rebuilt, TileImage};
 
+/// Touched bytes that lie nearer to one another are rewritten together.
+const GAP: usize = 2048;
+/// Share of the data, as its inverse, up to which touched bytes are rewritten in a copy; with more of them all data pass through memory.
+const FEW: usize = 4;
+
 /// Bytes that go from the input to the output at once: whole pixels of every type.
 const CHUNK: usize = 1 << 20;
 
@@ -140,6 +145,42 @@ impl PixelEdit {
             Some(why) => Err(of_tiles(why)),
             None => tiles.rebuilt().map(Some).map_err(of_tiles),
         }
+    }
+
+    /// Parts of the data of an image as it is that are to change, bytes; `None` where they are many, or where there are tiles.
+    pub(super) fn few_parts(&self) -> Option<Vec<Range<usize>>> {
+        let StoredPixels::Plain(overlay) = &self.stored else { return None };
+        let size = self.info.format.bitpix.bytes();
+        let lit = self.light.touched().map(|pixels| pixels.start * size..pixels.end * size);
+        let mut all: Vec<Range<usize>> = lit.chain(overlay.touched()).collect();
+        all.sort_by_key(|range| range.start);
+        let mut parts: Vec<Range<usize>> = Vec::new();
+        for range in all {
+            match parts.last_mut() {
+                Some(last) if range.start < last.end + GAP => last.end = last.end.max(range.end),
+                _ => parts.push(range),
+            }
+        }
+        let touched: usize = parts.iter().map(Range::len).sum();
+        (touched < self.info.data_length as usize / FEW).then_some(parts)
+    }
+
+    /// Rewrites parts of the data in a copy of them that begins at `data_at` of the output.
+    pub(super) fn rewrite(
+        &mut self,
+        parts: &[Range<usize>],
+        input: &mut File,
+        mut output: &File,
+        data_at: u64,
+    ) -> io::Result<()> {
+        let mut chunk = Vec::new();
+        for part in parts {
+            input.seek(SeekFrom::Start(self.info.data_at + part.start as u64))?;
+            self.read_chunk(input, part.start, part.len(), &mut chunk)?;
+            output.seek(SeekFrom::Start(data_at + part.start as u64))?;
+            output.write_all(&chunk)?;
+        }
+        Ok(())
     }
 
     /// For an image as it is: its data from the input to the output, changed on the way; the sum of what was written, if it is wanted.

@@ -37,7 +37,7 @@ pub enum BlurError {
     },
     /// Wings too far out.
     #[error(
-        "all but 1e-5 of the light reaches {reach_pix:.0} pixels from its centre, allowed are {GREATEST_REACH_PIX}"
+        "all but 5e-5 of the light reaches {reach_pix:.0} pixels from its centre, allowed are {GREATEST_REACH_PIX}"
     )]
     Reach {
         /// As found.
@@ -80,6 +80,16 @@ impl Blur {
     /// Seeing alone: a star, or anything far away.
     pub fn seeing(seeing: Seeing) -> Self {
         Self { seeing, outer_radius_pix: 0.0, inner_radius_pix: 0.0, body_radius_pix: 0.0 }
+    }
+
+    /// The same in parts of a pixel, so many a side.
+    pub(super) fn magnified(&self, parts: f64) -> Self {
+        Self {
+            seeing: self.seeing.magnified(parts),
+            outer_radius_pix: parts * self.outer_radius_pix,
+            inner_radius_pix: parts * self.inner_radius_pix,
+            body_radius_pix: parts * self.body_radius_pix,
+        }
     }
 
     /// # Errors

@@ -71,7 +71,7 @@ impl Curve {
 
 /// Lagrange's weights of the nodes 0, 1, 2, 3.
 #[inline]
-fn cubic(x: f64) -> [f64; 4] {
+pub(super) fn cubic(x: f64) -> [f64; 4] {
     let (a, b, c, d) = (x, x - 1.0, x - 2.0, x - 3.0);
     [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
 }

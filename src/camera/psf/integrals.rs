@@ -20,6 +20,16 @@ impl Panels {
 
     /// ∫ from `from` to `to`, in equal panels no longer than `step`; 0 for an empty range.
     pub fn integrate(&self, from: f64, to: f64, step: f64, mut function: impl FnMut(f64) -> f64) -> f64 {
+        self.sum(from, to, step, |x, weight| weight * function(x))
+    }
+
+    /// ∫ from 0 to `to` of what has a grain.
+    pub fn integrate_outwards(&self, to: f64, grain: Grain, mut function: impl FnMut(f64) -> f64) -> f64 {
+        self.sum_outwards(to, grain, |x, weight| weight * function(x))
+    }
+
+    /// Sum over nodes `x` of something of their weights, which add up to the length.
+    fn sum(&self, from: f64, to: f64, step: f64, mut part: impl FnMut(f64, f64) -> f64) -> f64 {
         if to <= from {
             return 0.0;
         }
@@ -28,18 +38,18 @@ impl Panels {
         let mut sum = 0.0;
         for panel in 0..count as usize {
             let start = from + panel as f64 * width;
-            sum += self.0.iter().map(|(x, weight)| weight * function(start + x * width)).sum::<f64>();
+            sum += self.0.iter().map(|(x, weight)| part(start + x * width, weight * width)).sum::<f64>();
         }
-        sum * width
+        sum
     }
 
-    /// ∫ from 0 to `to` of what is smooth over `step` as far as `even_to` and over its distance beyond.
-    fn integrate_outwards(&self, to: f64, even_to: f64, step: f64, mut function: impl FnMut(f64) -> f64) -> f64 {
-        let mut end = even_to.min(to);
-        let mut sum = self.integrate(0.0, end, step, &mut function);
+    fn sum_outwards(&self, to: f64, grain: Grain, mut part: impl FnMut(f64, f64) -> f64) -> f64 {
+        let step = grain.step_pix;
+        let mut end = grain.even_to_pix.min(to);
+        let mut sum = self.sum(0.0, end, step, &mut part);
         while end < to {
             let next = (end + 0.5 * end.max(2.0 * step)).min(to);
-            sum += self.integrate(end, next, next - end, &mut function);
+            sum += self.sum(end, next, next - end, &mut part);
             end = next;
         }
         sum
@@ -58,15 +68,22 @@ pub(super) struct Grain {
 /// ∫ 2π r f(r) dr.
 pub(super) fn flux(profile: &Curve, grain: Grain, panels: &Panels) -> f64 {
     let end = profile.radii().end_pix();
-    panels.integrate_outwards(end, grain.even_to_pix, 0.5 * grain.step_pix, |r| 2.0 * PI * r * profile.at(r))
+    let grain = Grain { step_pix: 0.5 * grain.step_pix, ..grain };
+    panels.integrate_outwards(end, grain, |r| 2.0 * PI * r * profile.at(r))
 }
 
-/// ∫ u^power f(√(u² + v²)) du over a whole line that passes the centre at distance `v`; `power` is even.
-pub(super) fn along_line(profile: &Curve, v_pix: f64, power: i32, grain: Grain, panels: &Panels) -> f64 {
+/// ∫ f(√(u² + v²)) du over a whole line that passes the centre at distance `v`, and ∫ u² f du.
+pub(super) fn along_line(profile: &Curve, v_pix: f64, grain: Grain, panels: &Panels) -> [f64; 2] {
     let reach = profile.radii().end_pix();
     let to = (reach * reach - v_pix * v_pix).max(0.0).sqrt();
-    let even_to = (grain.even_to_pix.powi(2) - v_pix * v_pix).max(grain.step_pix.powi(2)).sqrt();
-    2.0 * panels.integrate_outwards(to, even_to, grain.step_pix, |u| u.powi(power) * profile.at(u.hypot(v_pix)))
+    let even_to_pix = (grain.even_to_pix.powi(2) - v_pix * v_pix).max(grain.step_pix.powi(2)).sqrt();
+    let mut second = 0.0;
+    let first = panels.sum_outwards(to, Grain { even_to_pix, ..grain }, |u, weight| {
+        let light = weight * profile.at((u * u + v_pix * v_pix).sqrt());
+        second += u * u * light;
+        light
+    });
+    [2.0 * first, 2.0 * second]
 }
 
 /// Nodes of a square pixel, offsets from its centre and weights that sum to 1.

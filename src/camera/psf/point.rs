@@ -5,12 +5,22 @@ use pulp::{Arch, NullaryFnOnce};
 use crate::camera::{Patch, PatchRows, PixelPosition};
 
 use super::profile::RadialProfile;
+use super::tables::ProfileTables;
 
 /// The light of a point in a frame of `rows` by `columns`: `flux` times the profile's average over each pixel.
 ///
 /// The sum over all pixels is `flux` to 10⁻⁵ where the whole profile lies on the frame. Nothing is drawn for a place or a flux that is not
 /// finite.
 pub fn draw_point(profile: &RadialProfile, at: PixelPosition, flux: f64, rows: usize, columns: usize) -> Patch {
+    let parts = profile.parts();
+    if !parts.is_whole() {
+        let finer = draw_on(profile.tables(), parts.place(at), flux, rows * parts.y, columns * parts.x);
+        return finer.summed(parts.x, parts.y);
+    }
+    draw_on(profile.tables(), at, flux, rows, columns)
+}
+
+fn draw_on(profile: &ProfileTables, at: PixelPosition, flux: f64, rows: usize, columns: usize) -> Patch {
     let reach = profile.pixel_reach_pix();
     let mut extents = PatchRows::new(rows, columns);
     if at.x.is_finite() && at.y.is_finite() && flux.is_finite() {
@@ -25,7 +35,7 @@ pub fn draw_point(profile: &RadialProfile, at: PixelPosition, flux: f64, rows: u
 const LANES: usize = 16;
 
 struct Point<'a> {
-    profile: &'a RadialProfile,
+    profile: &'a ProfileTables,
     at: PixelPosition,
     flux: f64,
     patch: &'a mut Patch,

@@ -6,9 +6,9 @@ use serde::Deserialize;
 
 use super::blur::BlurError;
 
-/// Narrowest profile that is allowed, full width at half maximum, pixels: narrower ones are not described by their pixel averages' angular
-/// harmonics up to the twelfth.
-const LEAST_FWHM_PIX: f64 = 1.0;
+/// Narrowest profile that is allowed, full width at half maximum, pixels. Drawing takes time with the inverse square of it, and a tenth of a pixel is as good as a
+/// point: what a narrower one would move from pixel to pixel lies within a tenth of a pixel from their borders.
+const LEAST_FWHM_PIX: f64 = 0.1;
 const GREATEST_FWHM_PIX: f64 = 100.0;
 /// Below 2 a Moffat profile has a hundredth of its light beyond 50 widths, where no camera has measured it.
 const LEAST_BETA: f64 = 2.0;
@@ -20,19 +20,19 @@ const GREATEST_BETA: f64 = 100.0;
 pub enum Seeing {
     /// exp(-r²/2σ²), FWHM = 2.3548 σ.
     Gaussian {
-        /// Width, \[1, 100\] pixels.
+        /// Width, \[0.1, 100\] pixels.
         fwhm_pix: f64,
     },
     /// (1 + r²/α²)^-β, FWHM = 2 α √(2^(1/β) - 1) (Moffat 1969, A&A 3, 455).
     Moffat {
-        /// Width, \[1, 100\] pixels.
+        /// Width, \[0.1, 100\] pixels.
         fwhm_pix: f64,
         /// Steepness of the wings, \[2, 100\]; 4.765 is turbulence (Trujillo et al. 2001), telescopes have 2.5 to 4.
         beta: f64,
     },
     /// A narrow and a wide Gaussian about the same centre.
     DoubleGaussian {
-        /// Width of the narrow one, \[1, 100\] pixels.
+        /// Width of the narrow one, \[0.1, 100\] pixels.
         fwhm_pix: f64,
         /// Width of the wide one, from that of the narrow one to 100 pixels.
         wide_fwhm_pix: f64,
@@ -49,6 +49,19 @@ impl Seeing {
                 fwhm_pix
             }
         }
+    }
+
+    /// The same in parts of a pixel, so many a side.
+    pub(super) fn magnified(&self, parts: f64) -> Self {
+        let mut finer = *self;
+        match &mut finer {
+            Self::Gaussian { fwhm_pix } | Self::Moffat { fwhm_pix, .. } => *fwhm_pix *= parts,
+            Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, .. } => {
+                *fwhm_pix *= parts;
+                *wide_fwhm_pix *= parts;
+            }
+        }
+        finer
     }
 
     /// # Errors
@@ -81,7 +94,7 @@ impl Seeing {
     }
 
     /// Share of the flux that lies beyond a radius.
-    fn beyond(&self, r_pix: f64) -> f64 {
+    pub(super) fn beyond(&self, r_pix: f64) -> f64 {
         let gaussian = |sigma: f64| (-0.5 * (r_pix / sigma).powi(2)).exp();
         match *self {
             Self::Gaussian { fwhm_pix } => gaussian(sigma_of(fwhm_pix)),
@@ -92,15 +105,27 @@ impl Seeing {
         }
     }
 
-    /// The radius beyond which lies this share of the flux, pixels.
-    pub(super) fn radius_leaving(&self, share: f64) -> f64 {
+    /// Brightness of a long line at a distance from it, in a unit of its own.
+    pub(super) fn line(&self, v_pix: f64) -> f64 {
+        let gaussian = |sigma: f64| (-0.5 * (v_pix / sigma).powi(2)).exp() / sigma;
+        match *self {
+            Self::Gaussian { fwhm_pix } => gaussian(sigma_of(fwhm_pix)),
+            Self::Moffat { fwhm_pix, beta } => (1.0 + (v_pix / alpha_of(fwhm_pix, beta)).powi(2)).powf(0.5 - beta),
+            Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, wide_share } => {
+                (1.0 - wide_share) * gaussian(sigma_of(fwhm_pix)) + wide_share * gaussian(sigma_of(wide_fwhm_pix))
+            }
+        }
+    }
+
+    /// The radius from which on something is true, pixels.
+    pub(super) fn radius_where(&self, is_true: impl Fn(f64) -> bool) -> f64 {
         let mut bounds = [0.0, self.narrowest_fwhm_pix()];
-        while self.beyond(bounds[1]) > share {
+        while !is_true(bounds[1]) {
             bounds = [bounds[1], 2.0 * bounds[1]];
         }
         for _ in 0..60 {
             let middle = 0.5 * (bounds[0] + bounds[1]);
-            bounds[usize::from(self.beyond(middle) <= share)] = middle;
+            bounds[usize::from(is_true(middle))] = middle;
         }
         bounds[1]
     }

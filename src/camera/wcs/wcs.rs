@@ -1,6 +1,6 @@
 //! Pixels to the sky and back.
 
-use nalgebra::{Matrix2, Matrix3, Vector2};
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
 
 use crate::frames::{Direction, Gcrs};
 
@@ -11,6 +11,9 @@ use super::error::WcsError;
 use super::header_terms::HeaderTerms;
 use super::projection::Projection;
 use super::sphere::NativePole;
+
+/// Arcseconds in a radian.
+const ARCSEC: f64 = 648_000.0 / std::f64::consts::PI;
 
 /// Frames are trusted this far beyond their edges in any case where the distortion allows it, pixels.
 const LEAST_MARGIN_PIX: f64 = 1000.0;
@@ -172,17 +175,23 @@ impl Wcs {
 
     /// Area of the sky on a pixel there, square arcseconds; NaN where [`to_sky`](Wcs::to_sky) has no answer.
     pub fn pixel_area_arcsec2(&self, place: PixelPosition) -> f64 {
+        match self.pixel_sides(place) {
+            Some([across, along]) => across.cross(&along).norm() * ARCSEC * ARCSEC,
+            None => f64::NAN,
+        }
+    }
+
+    /// How many times as wide on the sky (along rows) as high a pixel is there; NaN where [`to_sky`](Wcs::to_sky) has no answer.
+    pub fn pixel_aspect(&self, place: PixelPosition) -> f64 {
+        self.pixel_sides(place).map_or(f64::NAN, |[across, along]| across.norm() / along.norm())
+    }
+
+    /// From its left to its right side, and from its lower to its upper one.
+    fn pixel_sides(&self, place: PixelPosition) -> Option<[Vector3<f64>; 2]> {
         let half = 0.5;
         let at = |x: f64, y: f64| self.to_sky(PixelPosition { x: place.x + x, y: place.y + y });
-        let (Some(left), Some(right), Some(below), Some(above)) =
-            (at(-half, 0.0), at(half, 0.0), at(0.0, -half), at(0.0, half))
-        else {
-            return f64::NAN;
-        };
-        let across = right.vector() - left.vector();
-        let along = above.vector() - below.vector();
-        let arcsec = 1f64.to_degrees() * 3600.0;
-        across.cross(&along).norm() * arcsec * arcsec
+        let across = at(half, 0.0)?.vector() - at(-half, 0.0)?.vector();
+        Some([across, at(0.0, half)?.vector() - at(0.0, -half)?.vector()])
     }
 
     /// The cards that say the same, for undistorted frames of one of this library's own projections ([`tangent`](Wcs::tangent)); none for others, whose

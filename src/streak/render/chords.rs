@@ -100,6 +100,16 @@ impl<'a> Cutter<'a> {
         })
     }
 
+    /// True where the path begins with this chord, or ends.
+    pub fn is_end(&self, chord: &Chord, is_start: bool) -> bool {
+        let Stretch { piece, from_s, to_s } = chord.stretch;
+        if is_start {
+            piece == 0 && from_s == 0.0
+        } else {
+            piece + 1 == self.pieces.len() && to_s == self.pieces[piece].duration_s
+        }
+    }
+
     /// All stretches near the frame, none longer than allowed, with the way to their starts.
     pub fn stretches(&self) -> Vec<(Stretch, [f64; 2])> {
         let mut found = Vec::new();

@@ -2,12 +2,13 @@
 
 use std::ops::Range;
 
-use crate::camera::{Lanes, Patch, PatchRows, PixelPosition, RadialProfile};
+use crate::camera::{Lanes, Patch, PatchRows, PixelPosition, ProfileTables, RadialProfile};
 
 use super::chords::{Chord, Cutter, Stretch};
+use super::ends::End;
 use super::panels::PanelTree;
 use super::path::StreakPath;
-use super::runs::{Run, Source, beside, beyond};
+use super::runs::{Run, Source, around, beside, beyond};
 use super::strokes::{Strokes, draw as draw_strokes};
 
 /// Curvature times the profile's radius above which light is summed; what first order leaves out is 10⁻⁵ below it.
@@ -27,25 +28,49 @@ const GREATEST_TURNING_RAD: f64 = 1.2;
 /// the path whose profile lies on the frame to 10⁻⁴, a pixel's value is good to 10⁻⁴ of the peak, ends and jumps of brightness included.
 /// Where the path and its brightness are smooth, a pixel's light is that at its foot times the profile's integral along a line, with first-order
 /// corrections for curvature and second-order ones for brightness; elsewhere it is summed over points of the path. Both go over into one
-/// another without a seam: whatever is within the profile's reach of an end, a jump or a tight curve is summed.
+/// another without a seam: whatever is within the profile's reach of a jump or a tight curve is summed. So are ends, but that the wings about those
+/// that are straight and even come from a table of half lines.
 ///
 /// The profile is the same along the whole path: take that of the middle of what is on the frame. Where the range changes by 1 % on the frame, the
 /// ring's edges are 0.5 % of its radius off at both sides of it.
 pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
-    let cutter = Cutter::new(path, rows, columns, profile.pixel_reach_pix());
-    match cutter.chords().and_then(|chords| prepared(&cutter, chords, profile)) {
-        Some(chords) => draw_along(&cutter, &chords, profile, rows, columns),
-        None => draw_summed_by(&cutter, profile, rows, columns),
-    }
+    on_parts(path, profile, rows, columns, |path, tables, rows, columns| {
+        let cutter = Cutter::new(path, rows, columns, tables.pixel_reach_pix());
+        match cutter.chords().and_then(|chords| prepared(&cutter, chords, tables)) {
+            Some((chords, ends)) => draw_along(&cutter, &chords, &ends, tables, rows, columns),
+            None => draw_summed_by(&cutter, tables, rows, columns),
+        }
+    })
 }
 
 /// The same by sums over points of the path throughout: slow, and what [`draw`] is held against.
 pub fn draw_summed(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
-    draw_summed_by(&Cutter::new(path, rows, columns, profile.pixel_reach_pix()), profile, rows, columns)
+    on_parts(path, profile, rows, columns, |path, tables, rows, columns| {
+        let cutter = Cutter::new(path, rows, columns, tables.pixel_reach_pix());
+        draw_summed_by(&cutter, tables, rows, columns)
+    })
 }
 
-/// Chords with a mark whether their pixels are summed, cut where that changes; none where chords will not do.
-fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &RadialProfile) -> Option<Vec<(Chord, bool)>> {
+/// Draws on the parts into which the profile cuts pixels, and sums these.
+fn on_parts(
+    path: &StreakPath,
+    profile: &RadialProfile,
+    rows: usize,
+    columns: usize,
+    draw: impl FnOnce(&StreakPath, &ProfileTables, usize, usize) -> Patch,
+) -> Patch {
+    let parts = profile.parts();
+    if parts.is_whole() {
+        return draw(path, profile.tables(), rows, columns);
+    }
+    let patch = draw(&path.in_parts(parts), profile.tables(), rows * parts.y, columns * parts.x);
+    patch.summed(parts.x, parts.y)
+}
+
+/// Chords with a mark whether their pixels are summed, cut where that changes, and ends for which tables do; none where chords will not do.
+type Prepared = Option<(Vec<(Chord, bool)>, Vec<End>)>;
+
+fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &ProfileTables) -> Prepared {
     let reach = profile.pixel_reach_pix();
     let radius = 0.5 * profile.fwhm_pix() + profile.variance_pix2().sqrt().min(profile.half_light_pix());
     let turning: f64 = chords.iter().map(Chord::turning_rad).sum();
@@ -59,16 +84,6 @@ fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &RadialProfile) ->
     };
     // Ways along the path near which light is summed.
     let mut hard: Vec<[f64; 2]> = chords.iter().filter(|chord| is_hard(chord)).map(|chord| chord.way_pix).collect();
-    for chord in &chords {
-        let piece = &cutter.pieces[chord.stretch.piece];
-        if chord.stretch.from_s == 0.0 && chord.stretch.piece == 0 {
-            hard.push([chord.way_pix[0]; 2]);
-        }
-        let is_last = chord.stretch.piece + 1 == cutter.pieces.len();
-        if chord.stretch.to_s == piece.duration_s && (is_last || piece.ends_in_jump) {
-            hard.push([chord.way_pix[1]; 2]);
-        }
-    }
     // Where splines meet, brightness may begin to bend otherwise from one pixel to the next.
     for pair in chords.windows(2) {
         let [before, after] = [&cutter.pieces[pair[0].stretch.piece], &cutter.pieces[pair[1].stretch.piece]];
@@ -77,6 +92,13 @@ fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &RadialProfile) ->
             hard.push([pair[0].way_pix[1]; 2]);
         }
     }
+    for chord in &chords {
+        let piece = &cutter.pieces[chord.stretch.piece];
+        if chord.stretch.to_s == piece.duration_s && piece.ends_in_jump {
+            hard.push([chord.way_pix[1]; 2]);
+        }
+    }
+    let ends = ends(cutter, &chords, profile, &mut hard);
     let mut open: Vec<Chord> = chords.into_iter().rev().collect();
     let mut done = Vec::with_capacity(open.len());
     while let Some(chord) = open.pop() {
@@ -93,13 +115,34 @@ fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &RadialProfile) ->
             open.push(first);
         }
     }
-    Some(done)
+    Some((done, ends))
+}
+
+/// Ends of the path near the frame for which tables do; the others join what is hard.
+fn ends(cutter: &Cutter<'_>, chords: &[Chord], profile: &ProfileTables, hard: &mut Vec<[f64; 2]>) -> Vec<End> {
+    let mut found = Vec::new();
+    for (number, chord) in chords.iter().enumerate() {
+        for is_start in [true, false] {
+            if !cutter.is_end(chord, is_start) {
+                continue;
+            }
+            match End::of(chords, number, is_start, profile).filter(|end| end.is_clear_of(hard, profile)) {
+                Some(end) => found.push(end),
+                None => hard.push([chord.way_pix[usize::from(!is_start)]; 2]),
+            }
+        }
+    }
+    // One that is summed may be too near to another that came before it.
+    let (clear, near) = found.into_iter().partition(|end| end.is_clear_of(hard, profile));
+    hard.extend(Vec::into_iter(near).map(|end: End| [end.way_pix; 2]));
+    clear
 }
 
 fn draw_along(
     cutter: &Cutter<'_>,
     marked: &[(Chord, bool)],
-    profile: &RadialProfile,
+    ends: &[End],
+    profile: &ProfileTables,
     rows: usize,
     columns: usize,
 ) -> Patch {
@@ -109,20 +152,23 @@ fn draw_along(
     for (number, (chord, is_summed)) in marked.iter().enumerate() {
         let source = if *is_summed { Source::Summed(number) } else { Source::Smooth(number) };
         beside(chord, reach, source, &extents, &mut runs);
-        let stretch = chord.stretch;
-        if stretch.piece == 0 && stretch.from_s == 0.0 {
-            beyond(&chord.start, true, reach, source, &extents, &mut runs);
-        }
-        let is_last = stretch.piece + 1 == cutter.pieces.len();
-        if is_last && stretch.to_s == cutter.pieces[stretch.piece].duration_s {
-            beyond(&chord.end, false, reach, source, &extents, &mut runs);
+        for (is_start, border) in [(true, &chord.start), (false, &chord.end)] {
+            if *is_summed && cutter.is_end(chord, is_start) {
+                beyond(border, is_start, reach, source, &extents, &mut runs);
+            }
         }
     }
+    // After the smooth light, which they correct, and each middle after all edges.
+    for (number, end) in ends.iter().enumerate() {
+        around(end.at, end.from_pix, reach, [Source::Edge(number), Source::Middle(number)], &extents, &mut runs);
+    }
+    runs.sort_by_key(|run| matches!(run.source, Source::Middle(_)));
     for run in &runs {
         extents.add(run.row, run.columns.clone());
     }
     let mut patch = extents.into_patch();
-    let (trees, trees_of) = trees(cutter, marked, profile);
+    let Trees { trees, of_chords, of_ends } = Trees::of(cutter, marked, ends, profile);
+    let ends: Vec<(End, Range<usize>)> = ends.iter().copied().zip(of_ends).collect();
     let (tables, table_of) = tables(marked, profile);
     let chords: Vec<Chord> = marked.iter().map(|(chord, _)| *chord).collect();
     draw_strokes(Strokes {
@@ -130,7 +176,8 @@ fn draw_along(
         tables: &tables,
         table_of: &table_of,
         trees: &trees,
-        trees_of: &trees_of,
+        trees_of: &of_chords,
+        ends: &ends,
         profile,
         runs: &runs,
         patch: &mut patch,
@@ -138,46 +185,56 @@ fn draw_along(
     patch
 }
 
-/// Panels of all chords within reach of one that is summed, and which of them each needs.
-fn trees(
-    cutter: &Cutter<'_>,
-    marked: &[(Chord, bool)],
-    profile: &RadialProfile,
-) -> (Vec<PanelTree>, Vec<Range<usize>>) {
-    // A path that turns by at most 1.2 rad is at most 1.07 times as long as the distance between its ends.
-    let reach = 1.1 * profile.pixel_reach_pix();
-    let near = |number: usize| {
-        let [from, to] = marked[number].0.way_pix;
-        let start = marked.partition_point(|(chord, _)| chord.way_pix[1] < from - reach);
-        start..marked.partition_point(|(chord, _)| chord.way_pix[0] <= to + reach)
-    };
-    let mut is_wanted = vec![false; marked.len()];
-    for number in (0..marked.len()).filter(|number| marked[*number].1) {
-        is_wanted[near(number)].fill(true);
-    }
-    // Neighbours of one piece become one tree: the longer the panels that distant pixels use, the fewer.
-    let mut trees: Vec<(Stretch, [f64; 2])> = Vec::new();
-    for ((chord, _), _) in marked.iter().zip(&is_wanted).filter(|(_, is_wanted)| **is_wanted) {
-        match trees.last_mut() {
-            Some((last, way)) if last.piece == chord.stretch.piece && last.to_s == chord.stretch.from_s => {
-                last.to_s = chord.stretch.to_s;
-                way[1] = chord.way_pix[1];
+/// Panels of all chords within reach of what is summed, and which of them each chord and each end needs.
+struct Trees {
+    trees: Vec<PanelTree>,
+    of_chords: Vec<Range<usize>>,
+    of_ends: Vec<Range<usize>>,
+}
+
+impl Trees {
+    fn of(cutter: &Cutter<'_>, marked: &[(Chord, bool)], ends: &[End], profile: &ProfileTables) -> Self {
+        // A path that turns by at most 1.2 rad is at most 1.07 times as long as the distance between its ends.
+        let reach = 1.1 * profile.pixel_reach_pix();
+        let near = |[from, to]: [f64; 2], reach: f64| {
+            let start = marked.partition_point(|(chord, _)| chord.way_pix[1] < from - reach);
+            start..marked.partition_point(|(chord, _)| chord.way_pix[0] <= to + reach)
+        };
+        let of_chord = |(chord, is_summed): &(Chord, bool)| if *is_summed { near(chord.way_pix, reach) } else { 0..0 };
+        let of_end = |end: &End| near([end.way_pix; 2], reach + 1.1 * end.from_pix);
+        let mut is_wanted = vec![false; marked.len()];
+        for range in marked.iter().map(of_chord).chain(ends.iter().map(of_end)) {
+            is_wanted[range].fill(true);
+        }
+        // Neighbours of one piece become one tree: the longer the panels that distant pixels use, the fewer.
+        let mut trees: Vec<(Stretch, [f64; 2])> = Vec::new();
+        for ((chord, _), _) in marked.iter().zip(&is_wanted).filter(|(_, is_wanted)| **is_wanted) {
+            match trees.last_mut() {
+                Some((last, way)) if last.piece == chord.stretch.piece && last.to_s == chord.stretch.from_s => {
+                    last.to_s = chord.stretch.to_s;
+                    way[1] = chord.way_pix[1];
+                }
+                _ => trees.push((chord.stretch, chord.way_pix)),
             }
-            _ => trees.push((chord.stretch, chord.way_pix)),
+        }
+        let trees_of = |chords: Range<usize>| {
+            if chords.is_empty() {
+                return 0..0;
+            }
+            let [from, to] = [marked[chords.start].0.way_pix[0], marked[chords.end - 1].0.way_pix[1]];
+            let start = trees.partition_point(|(_, way)| way[1] <= from);
+            start..trees.partition_point(|(_, way)| way[0] < to)
+        };
+        Self {
+            of_chords: marked.iter().map(of_chord).map(&trees_of).collect(),
+            of_ends: ends.iter().map(of_end).map(&trees_of).collect(),
+            trees: trees.iter().map(|(stretch, _)| PanelTree::of(cutter, *stretch, profile)).collect(),
         }
     }
-    let trees_of = |(number, (_, is_summed)): (usize, &(Chord, bool))| {
-        let chords = if *is_summed { near(number) } else { return 0..0 };
-        let [from, to] = [marked[chords.start].0.way_pix[0], marked[chords.end - 1].0.way_pix[1]];
-        let start = trees.partition_point(|(_, way)| way[1] <= from);
-        start..trees.partition_point(|(_, way)| way[0] < to)
-    };
-    let trees_of = marked.iter().enumerate().map(trees_of).collect();
-    (trees.iter().map(|(stretch, _)| PanelTree::of(cutter, *stretch, profile)).collect(), trees_of)
 }
 
 /// Tables across the path for all chords that need one, and which of them each uses.
-fn tables(marked: &[(Chord, bool)], profile: &RadialProfile) -> (Vec<Lanes>, Vec<usize>) {
+fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Lanes>, Vec<usize>) {
     let mut tables = Vec::new();
     let mut table_of = vec![0; marked.len()];
     let step_rad = profile.line_angle_step_rad();
@@ -196,7 +253,7 @@ fn tables(marked: &[(Chord, bool)], profile: &RadialProfile) -> (Vec<Lanes>, Vec
     (tables, table_of)
 }
 
-fn draw_summed_by(cutter: &Cutter<'_>, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
+fn draw_summed_by(cutter: &Cutter<'_>, profile: &ProfileTables, rows: usize, columns: usize) -> Patch {
     let reach = profile.pixel_reach_pix();
     let mut extents = PatchRows::new(rows, columns);
     let stretches = cutter.stretches();
@@ -216,6 +273,7 @@ fn draw_summed_by(cutter: &Cutter<'_>, profile: &RadialProfile, rows: usize, col
         table_of: &[],
         trees: &trees,
         trees_of: std::slice::from_ref(&all),
+        ends: &[],
         profile,
         runs: &runs,
         patch: &mut patch,

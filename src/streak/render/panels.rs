@@ -3,7 +3,7 @@
 //! A stretch of path is a panel of eight nodes of Gauss's rule in time. Near by, panels are short against the profile; farther out, where its
 //! wings are smooth, a panel of twice the length does as well, so panels form a tree and each pixel uses the longest that are good enough.
 
-use crate::camera::RadialProfile;
+use crate::camera::ProfileTables;
 use crate::quadrature::gauss_legendre;
 
 use super::chords::{Cutter, Stretch};
@@ -37,7 +37,7 @@ pub(super) struct PanelTree {
 }
 
 impl PanelTree {
-    pub fn of(cutter: &Cutter<'_>, stretch: Stretch, profile: &RadialProfile) -> Self {
+    pub fn of(cutter: &Cutter<'_>, stretch: Stretch, profile: &ProfileTables) -> Self {
         let rule = gauss_legendre(NODES);
         let mut panels = Vec::new();
         grow(cutter, stretch, profile, &rule, &mut panels);
@@ -51,7 +51,7 @@ impl PanelTree {
 
     /// Adds its light to `used` neighbouring pixels of a row, at most [`LANES`], of which the first is at `[x, y]`.
     #[inline(always)]
-    pub fn add_to(&self, first: [f64; 2], used: usize, profile: &RadialProfile, light: &mut [f32; LANES]) {
+    pub fn add_to(&self, first: [f64; 2], used: usize, profile: &ProfileTables, light: &mut [f32; LANES]) {
         let half = 0.5 * (used as f64 - 1.0);
         let reach = profile.pixel_reach_pix();
         // Two a level, and a tree of 32 levels would be longer than any path.
@@ -80,7 +80,7 @@ impl PanelTree {
 
 impl Panel {
     #[inline(always)]
-    fn add_to(&self, first: [f64; 2], profile: &RadialProfile, is_round: bool, light: &mut [f32; LANES]) {
+    fn add_to(&self, first: [f64; 2], profile: &ProfileTables, is_round: bool, light: &mut [f32; LANES]) {
         for ((x, y), weight) in self.x.iter().zip(self.y).zip(self.light) {
             let dx = (first[0] - x) as f32;
             let dx: [f32; LANES] = std::array::from_fn(|lane| dx + lane as f32);
@@ -96,7 +96,7 @@ impl Panel {
 fn grow(
     cutter: &Cutter<'_>,
     stretch: Stretch,
-    profile: &RadialProfile,
+    profile: &ProfileTables,
     rule: &[(f64, f64)],
     panels: &mut Vec<Panel>,
 ) -> u32 {

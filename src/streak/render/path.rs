@@ -2,7 +2,7 @@
 
 use thiserror::Error;
 
-use crate::camera::PixelPosition;
+use crate::camera::{Parts, PixelPosition};
 use crate::quadrature::gauss_legendre;
 
 use super::spline::{Cubic, held_slopes, smooth_slopes};
@@ -129,6 +129,16 @@ impl StreakPath {
 
     pub(super) fn pieces(&self) -> &[Piece] {
         &self.pieces
+    }
+
+    /// The same path over the parts into which pixels are cut.
+    pub(super) fn in_parts(&self, parts: Parts) -> Self {
+        let nodes = self.nodes.iter().map(|node| PathNode { at: parts.place(node.at), ..*node });
+        let pieces = self.pieces.iter().map(|piece| {
+            let PixelPosition { x, y } = parts.place(PixelPosition { x: 0.0, y: 0.0 });
+            Piece { x: piece.x.scaled(parts.x as f64, x), y: piece.y.scaled(parts.y as f64, y), ..*piece }
+        });
+        Self { nodes: nodes.collect(), pieces: pieces.collect() }
     }
 
     /// ∫ rate dt: all the light of the path, on the frame or not.

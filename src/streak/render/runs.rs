@@ -13,6 +13,10 @@ pub(super) enum Source {
     Smooth(usize),
     /// All panels near the chord of this number, summed.
     Summed(usize),
+    /// What the end of this number changes in the light of smooth chords.
+    Edge(usize),
+    /// All panels near the end of this number, summed, in place of what is there.
+    Middle(usize),
 }
 
 /// Neighbouring pixels of a row.
@@ -100,5 +104,34 @@ pub(super) fn beyond(
         if !columns.is_empty() {
             runs.push(Run { row, columns, source });
         }
+    }
+}
+
+/// Pixels within `reach_pix` of an end: those within `from_pix` of it apart from those farther out.
+pub(super) fn around(
+    at: [f64; 2],
+    from_pix: f64,
+    reach_pix: f64,
+    [edge, middle]: [Source; 2],
+    frame: &PatchRows,
+    runs: &mut Vec<Run>,
+) {
+    for row in frame.rows_within(at[1] - reach_pix, at[1] + reach_pix) {
+        let dy = row as f64 - at[1];
+        let disc = |radius: f64| {
+            let half = (radius.powi(2) - dy.powi(2)).max(0.0).sqrt();
+            if dy.abs() < radius { frame.columns_within(at[0] - half, at[0] + half) } else { 0..0 }
+        };
+        let (outer, inner) = (disc(reach_pix), disc(from_pix));
+        let parts = if inner.is_empty() {
+            [(outer, edge), (0..0, edge), (0..0, middle)]
+        } else {
+            [(outer.start..inner.start, edge), (inner.end..outer.end, edge), (inner, middle)]
+        };
+        runs.extend(parts.into_iter().filter(|(columns, _)| !columns.is_empty()).map(|(columns, source)| Run {
+            row,
+            columns,
+            source,
+        }));
     }
 }

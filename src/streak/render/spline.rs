@@ -113,6 +113,12 @@ impl Cubic {
         Self { powers: [values[0], slopes[0], second, third] }
     }
 
+    /// `factor` times it, and `offset` more.
+    pub fn scaled(&self, factor: f64, offset: f64) -> Self {
+        let [a, b, c, d] = self.powers.map(|power| factor * power);
+        Self { powers: [a + offset, b, c, d] }
+    }
+
     #[inline]
     pub fn at(&self, time: f64) -> f64 {
         let [a, b, c, d] = self.powers;

@@ -4,9 +4,10 @@ use std::ops::Range;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use crate::camera::{Lanes, Patch, RadialProfile};
+use crate::camera::{Lanes, Patch, ProfileTables};
 
 use super::chords::Chord;
+use super::ends::End;
 use super::panels::{LANES, PanelTree};
 use super::runs::{Run, Source};
 
@@ -22,7 +23,9 @@ pub(super) struct Strokes<'a> {
     pub trees: &'a [PanelTree],
     /// Of each chord: the trees that reach its pixels.
     pub trees_of: &'a [Range<usize>],
-    pub profile: &'a RadialProfile,
+    /// Ends that are drawn by the profile's table of half lines, and the trees that reach each one's middle.
+    pub ends: &'a [(End, Range<usize>)],
+    pub profile: &'a ProfileTables,
     pub runs: &'a [Run],
     pub patch: &'a mut Patch,
 }
@@ -53,18 +56,34 @@ impl NullaryFnOnce for Strokes<'_> {
                 }
                 Source::Summed(number) => {
                     let trees = &self.trees[self.trees_of[number].clone()];
-                    for (block, out) in pixels.chunks_mut(LANES).enumerate() {
-                        let at = [(first_column + block * LANES) as f64, run.row as f64];
-                        let mut light = [0.0; LANES];
-                        for tree in trees {
-                            tree.add_to(at, out.len(), self.profile, &mut light);
-                        }
-                        for (pixel, light) in out.iter_mut().zip(light) {
-                            *pixel += light;
-                        }
+                    summed(trees, self.profile, run.row, first_column, pixels);
+                }
+                Source::Edge(number) => {
+                    if let Some(table) = self.profile.edge() {
+                        self.ends[number].0.add_to(table, run.row, first_column, pixels);
                     }
                 }
+                Source::Middle(number) => {
+                    pixels.fill(0.0);
+                    let trees = &self.trees[self.ends[number].1.clone()];
+                    summed(trees, self.profile, run.row, first_column, pixels);
+                }
             }
+        }
+    }
+}
+
+/// Light of panels in pixels of a row.
+#[inline(always)]
+fn summed(trees: &[PanelTree], profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
+    for (block, out) in pixels.chunks_mut(LANES).enumerate() {
+        let at = [(first_column + block * LANES) as f64, row as f64];
+        let mut light = [0.0; LANES];
+        for tree in trees {
+            tree.add_to(at, out.len(), profile, &mut light);
+        }
+        for (pixel, light) in out.iter_mut().zip(light) {
+            *pixel += light;
         }
     }
 }
@@ -76,7 +95,7 @@ impl NullaryFnOnce for Strokes<'_> {
 ///
 /// I = λ(a₀) (1 + κv/2) L(v) + λ''/2 M₂(v).
 #[inline(always)]
-fn smooth(chord: &Chord, table: &Lanes, profile: &RadialProfile, row: usize, first_column: usize, pixels: &mut [f32]) {
+fn smooth(chord: &Chord, table: &Lanes, profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
     let [ux, uy] = chord.along;
     let (bow, half2) = (chord.bow as f32, (chord.half_pix * chord.half_pix) as f32);
     let curvature = chord.curvature() as f32;
