@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use streakcast::camera::{Header, ImageValues, Pixels};
 use streakcast::injection::{
-    ArrayInjected, InjectionError, InjectionSaid, Injections, inject_frames, inject_into_array,
+    ArrayInjected, InjectionError, InjectionSaid, Injections, SkyOf, inject_frames, inject_into_array,
 };
 use streakcast::setup::Setup;
 use streakcast::table::format_utc;
@@ -25,9 +25,10 @@ pub fn utc_text(jd1: f64, jd2: f64) -> PyResult<String> {
     Ok(format_utc(start_of(0, jd1, jd2)?, 9))
 }
 
-/// Puts streaks into the file that is said, or into an image: `summary`, `truth`, `points`, `trails`, `bits`, `provenance`, `warnings`, and for
+/// Puts streaks into the file that is said, or into an image: `summary`, `truth`, `points`, `trails`, `bits`, `warnings`, and for
 /// an image `image` and `mask`. `output` is the file to write; for an image a folder for what is in between.
 #[pyfunction]
+#[expect(clippy::too_many_arguments)]
 #[pyo3(signature = (said, setup, config, skies, output, image=None, header=None))]
 pub fn inject<'py>(
     py: Python<'py>,
@@ -45,12 +46,12 @@ pub fn inject<'py>(
     let cards = Header::from_text(header.unwrap_or_default());
     let (told, changed) = failure::without_lock(py, || {
         let sky = skies.as_ref().map(|skies| move |moment: Epoch| skies.get().prepared(moment));
-        let sky: Option<streakcast::injection::SkyOf<'_>> = sky.as_ref().map(|sky| sky as _);
+        let sky = sky.as_ref().map(|sky| sky as SkyOf<'_>);
         match &image {
-            None => Ok((inject_frames(&said, &setup, sky, &[output]).map_err(failure)?, None)),
+            None => Ok((inject_frames(&said, &setup, sky, &[output]).map_err(exception)?, None)),
             Some(image) => {
                 let ArrayInjected { image, mask, told } =
-                    inject_into_array(&said, &setup, sky, image, &cards, Path::new(&output)).map_err(failure)?;
+                    inject_into_array(&said, &setup, sky, image, &cards, Path::new(&output)).map_err(exception)?;
                 Ok((told, Some((image, mask))))
             }
         }
@@ -66,7 +67,7 @@ pub fn inject<'py>(
 }
 
 /// A setup's error is one of the setup here too.
-fn failure(error: InjectionError) -> PyErr {
+fn exception(error: InjectionError) -> PyErr {
     match error {
         InjectionError::Setup(error) => failure::setup(error),
         other => failure::asked(failure::as_arguments(&other.to_string())),
