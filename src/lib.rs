@@ -24,6 +24,8 @@ pub mod fit;
 pub mod frames;
 pub mod geometry;
 pub mod healpix;
+#[cfg(feature = "fits")]
+pub mod injection;
 pub mod maps;
 pub mod measured;
 pub mod orbit;

@@ -40,6 +40,10 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         ],
     ),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
+    (
+        "injection",
+        &["camera", "frames", "geometry", "passes", "photometry", "schedule", "setup", "streak", "table", "telescope"],
+    ),
     ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),
 ];
 

@@ -220,7 +220,7 @@ fn inside_polygon(
 }
 
 /// Sorts chords and joins those that touch or overlap.
-fn merge(mut chords: Vec<Chord>) -> Vec<Chord> {
+pub(super) fn merge(mut chords: Vec<Chord>) -> Vec<Chord> {
     chords.sort_by(|a, b| a.enter_s.total_cmp(&b.enter_s));
     let mut merged: Vec<Chord> = Vec::with_capacity(chords.len());
     for chord in chords {

@@ -2,6 +2,7 @@
 
 mod almanac;
 mod chance;
+mod circle_path;
 mod crossing;
 mod expose;
 mod exposure;
@@ -9,11 +10,13 @@ mod field;
 mod horizon;
 mod look;
 mod models;
+mod places;
 mod probability;
 mod scene;
 mod sightline;
 mod sky;
 mod track;
+mod two_body;
 mod viewpoint;
 mod windows;
 

@@ -94,21 +94,31 @@ pub(super) fn crossing_odds(
     sigmas: Sigmas,
 ) -> Odds {
     let sigma_rad = sigmas.cross_track_rad;
-    if sigma_rad <= 0.0 {
-        return odds_of(&nominal.chords, track, exposure_s, sigmas.along_track_s);
-    }
     let radius_rad = field.bounding_radius_rad();
-    if nominal.min_separation_rad > radius_rad + 2.0 * REACH_SIGMAS * sigma_rad {
+    if sigma_rad > 0.0 && nominal.min_separation_rad > radius_rad + 2.0 * REACH_SIGMAS * sigma_rad {
         return Odds::default();
     }
-    let shifted = |shift_rad: f64| {
+    let through_rad = || across(&track(nominal.closest_s)).map_or(0.0, |across| field.centre().dot(&across));
+    over_shifts(sigma_rad, radius_rad, through_rad, |shift_rad| {
         if shift_rad == 0.0 {
-            return odds_of(&nominal.chords, track, exposure_s, sigmas.along_track_s);
+            return odds_of(&nominal.chords, length_on(track), exposure_s, sigmas.along_track_s);
         }
         let shifted = |time_s: f64| shifted_across(&track(time_s), shift_rad);
         let chords = cross(&shifted, searched_s.0, searched_s.1, field).chords;
-        odds_of(&chords, &shifted, exposure_s, sigmas.along_track_s)
-    };
+        odds_of(&chords, length_on(&shifted), exposure_s, sigmas.along_track_s)
+    })
+}
+
+/// The odds of shifted paths, averaged over a normal distribution of shifts; `through_rad` is the shift that leads through the centre of the field.
+pub(super) fn over_shifts(
+    sigma_rad: f64,
+    radius_rad: f64,
+    through_rad: impl FnOnce() -> f64,
+    shifted: impl Fn(f64) -> Odds,
+) -> Odds {
+    if sigma_rad <= 0.0 {
+        return shifted(0.0);
+    }
     let mut total = Odds::default();
     let mut add = |shift_rad: f64, weight: f64| {
         if weight > 1e-9 {
@@ -122,8 +132,8 @@ pub(super) fn crossing_odds(
             add(node * sigma_rad, weight);
         }
     } else {
-        // The shift that leads through the centre, and those on both sides of it that lead through the field.
-        let through_rad = across(&track(nominal.closest_s)).map_or(0.0, |across| field.centre().dot(&across));
+        // Those on both sides of the one through the centre that lead through the field.
+        let through_rad = through_rad();
         let low_rad = (through_rad - radius_rad).max(-REACH_SIGMAS * sigma_rad);
         let high_rad = (through_rad + radius_rad).min(REACH_SIGMAS * sigma_rad);
         let (middle_rad, half_rad) = (0.5 * (low_rad + high_rad), 0.5 * (high_rad - low_rad));
@@ -148,11 +158,21 @@ fn across(sight: &Sight) -> Option<Vector3<f64>> {
     sight.vector.cross(&sight.rate_s).try_normalize(0.0)
 }
 
-fn odds_of(chords: &[Chord], track: &impl Fn(f64) -> Sight, exposure_s: (f64, f64), sigma_s: f64) -> Odds {
-    let length_rad = |chord: &Chord| {
+/// The angle between the ends of a chord, radians.
+fn length_on(track: &impl Fn(f64) -> Sight) -> impl Fn(&Chord) -> f64 {
+    move |chord| {
         let (enter, exit) = (track(chord.enter_s).vector, track(chord.exit_s).vector);
         enter.cross(&exit).norm().atan2(enter.dot(&exit))
-    };
+    }
+}
+
+/// Of one path that may be late, from its chords through the field.
+pub(super) fn odds_of(
+    chords: &[Chord],
+    length_rad: impl Fn(&Chord) -> f64,
+    exposure_s: (f64, f64),
+    sigma_s: f64,
+) -> Odds {
     let streak_length_rad = chords
         .iter()
         .map(|chord| match chord.exit_s - chord.enter_s {

@@ -76,6 +76,14 @@ impl ObserverMotion {
         }
     }
 
+    /// Line of sight to a satellite and its rate, as it runs: without the observer's own motion while it stands still.
+    pub fn sight_of(&self, state: &State<Gcrs>, time_s: f64) -> Sight {
+        let seen = aspect(&state.position, &state.velocity, &self.position(time_s), &self.earth_velocity);
+        let moves = self.own_time_s(time_s) == time_s;
+        let own = if moves { self.velocity(time_s) } else { Vector3::zeros() };
+        Sight { vector: *seen.direction.vector(), rate_s: (state.velocity.vector() - own) / seen.range_km }
+    }
+
     /// No mean speed away from where it is at `mid_s` is greater within `half_s` of it, km/s.
     pub fn fastest_km_s(&self, mid_s: f64, half_s: f64) -> f64 {
         match &self.path {

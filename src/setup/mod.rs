@@ -10,6 +10,7 @@ mod error;
 mod place;
 mod prepared;
 mod resolve;
+mod scales;
 mod units;
 
 pub use choices::{FieldSetup, ModelsSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, SiteTable, TelescopeSetup};
@@ -17,4 +18,5 @@ pub use document::Setup;
 pub use error::SetupError;
 pub use prepared::{Prepared, Stock};
 pub use resolve::{MOST_SAMPLES, OLD_ELEMENTS_DAYS};
+pub use scales::state_scales;
 pub use units::{parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};

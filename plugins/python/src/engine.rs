@@ -38,6 +38,13 @@ pub struct Engine {
     time_scale: Option<String>,
 }
 
+/// What makes windows besides satellites, and which of these.
+struct Limits {
+    blocking: Blocking,
+    min_altitude_rad: f64,
+    max_sun_altitude_rad: Option<f64>,
+}
+
 /// Rows of one night with their sky.
 struct Night {
     prepared: Arc<Prepared>,
@@ -193,6 +200,8 @@ impl Engine {
     }
 
     /// Stretches of clear starts: for each the target's place, the first and the last start.
+    #[pyo3(signature = (asked, bands, exposure_s, min_altitude_deg, blocking, max_sun_altitude_deg=None))]
+    #[expect(clippy::too_many_arguments)]
     fn clear_windows<'py>(
         &self,
         py: Python<'py>,
@@ -200,14 +209,27 @@ impl Engine {
         bands: Vec<String>,
         exposure_s: f64,
         min_altitude_deg: f64,
-        avoided_only: bool,
-    ) -> PyResult<Bound<'py, PyDict>> {
+        blocking: &str,
+        max_sun_altitude_deg: Option<f64>,
+    ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         within("exposure", 0, exposure_s, 0.0, 86_400.0, "s")?;
         within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
         let rows = rows(asked.exposures()?, &bands)?;
-        let blocking = if avoided_only { Blocking::Avoided } else { Blocking::Any };
-        let found =
-            failure::without_lock(py, || self.windows(rows, exposure_s, min_altitude_deg.to_radians(), blocking))?;
+        if let Some(sun_deg) = max_sun_altitude_deg {
+            within("max_sun_altitude", 0, sun_deg, -90.0, 90.0, "deg")?;
+        }
+        let blocking = match blocking {
+            "any" => Blocking::Any,
+            "avoid" => Blocking::Avoided,
+            "limits" => Blocking::Limits,
+            other => return Err(failure::asked(format!("blocking '{other}'; allowed: any, avoid, limits"))),
+        };
+        let limits = Limits {
+            blocking,
+            min_altitude_rad: min_altitude_deg.to_radians(),
+            max_sun_altitude_rad: max_sun_altitude_deg.map(f64::to_radians),
+        };
+        let (found, warnings) = failure::without_lock(py, || self.windows(rows, exposure_s, &limits))?;
         let places: Vec<i64> = found.iter().map(|(place, _)| *place as i64).collect();
         let answer = PyDict::new(py);
         answer.set_item("target", places.into_pyarray(py))?;
@@ -216,7 +238,7 @@ impl Engine {
         };
         answer.set_item("first_start", moments(|window| window.first))?;
         answer.set_item("last_start", moments(|window| window.last))?;
-        Ok(answer)
+        Ok((answer, warnings))
     }
 
     /// Rise, culmination and set of every satellite above an altitude between two moments.
@@ -301,16 +323,16 @@ impl Engine {
         &self,
         rows: Vec<ScheduledExposure>,
         exposure_s: f64,
-        min_altitude_rad: f64,
-        blocking: Blocking,
-    ) -> PyResult<Vec<(usize, ClearWindow)>> {
+        limits: &Limits,
+    ) -> PyResult<WithWarnings<Vec<(usize, ClearWindow)>>> {
         let field = self.field()?;
         let times: Vec<(Exposure, Option<String>)> =
             rows.into_iter().filter_map(|row| Some((row.exposure.ok()?, row.band))).collect();
-        let mut found = Vec::new();
+        let (mut found, mut warnings) = (Vec::new(), Vec::new());
         for Night { prepared, places } in self.nights(times.iter().map(|(time, _)| time.start))? {
             let against = self.request(field, &prepared);
-            let request = WindowRequest { against, blocking, min_altitude_rad, max_sun_altitude_rad: None };
+            let Limits { blocking, min_altitude_rad, max_sun_altitude_rad } = *limits;
+            let request = WindowRequest { against, blocking, min_altitude_rad, max_sun_altitude_rad };
             let mut together: BTreeMap<(Epoch, Epoch), Vec<usize>> = BTreeMap::new();
             for place in places {
                 let (time, _) = &times[place];
@@ -325,13 +347,14 @@ impl Engine {
                 };
                 let targets: Vec<WindowTarget> = places.iter().map(target).collect();
                 let report = clear_windows(&targets, first, last, &request).map_err(failure::asked)?;
+                warnings.extend(left_out(&prepared, &report.left_out, first)?);
                 for (place, target) in places.into_iter().zip(report.by_target) {
                     found.extend(target.windows.into_iter().map(|window| (place, window)));
                 }
             }
         }
         found.sort_by_key(|(place, _)| *place);
-        Ok(found)
+        Ok((found, warnings))
     }
 }
 

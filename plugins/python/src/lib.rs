@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 mod columns;
 mod engine;
 mod failure;
+mod injection;
 mod light;
 mod pool;
 mod questions;
@@ -22,6 +23,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(questions::times_from_text, module)?)?;
     module.add_function(wrap_pyfunction!(questions::times_from_mjd, module)?)?;
     module.add_function(wrap_pyfunction!(skies::setup_files, module)?)?;
+    module.add_function(wrap_pyfunction!(injection::utc_text, module)?)?;
+    module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
     module.add_function(wrap_pyfunction!(light::body_map, module)?)?;
     module.add_function(wrap_pyfunction!(light::sky_map, module)?)?;
     module.add_function(wrap_pyfunction!(light::standard_magnitudes, module)?)?;

@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use hifitime::{Epoch, Unit};
 use pyo3::prelude::*;
 use streakcast::frames::{mjd_utc, seconds_after};
-use streakcast::setup::{Prepared, Setup, Stock};
+use streakcast::setup::{Prepared, Setup, SetupError, Stock};
 use streakcast::table::{Section, write_json};
 
 use crate::failure;
@@ -32,13 +32,18 @@ pub struct Skies {
 impl Skies {
     /// The sky of the night that holds a moment.
     pub fn of(&self, moment: Epoch) -> PyResult<Arc<Prepared>> {
+        self.prepared(moment).map_err(failure::setup)
+    }
+
+    /// The same, with the library's own error.
+    pub fn prepared(&self, moment: Epoch) -> Result<Arc<Prepared>, SetupError> {
         let night = self.night_of(moment);
         let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, prepared)) = kept.iter().find(|(known, _)| *known == night) {
             return Ok(prepared.clone());
         }
         let (first, last) = self.bounds(night);
-        let prepared = Arc::new(self.stock.prepare(first, last).map_err(failure::setup)?);
+        let prepared = Arc::new(self.stock.prepare(first, last)?);
         let warnings = prepared.warnings.iter().map(|warning| failure::as_arguments(warning));
         self.news.lock().unwrap_or_else(PoisonError::into_inner).extend(warnings);
         kept.push((night, prepared.clone()));

@@ -3,12 +3,15 @@
 import os
 import signal
 import threading
+import time
 
 import numpy as np
 import pytest
 
 import streakcast
 import streakcast.dask
+
+from survey import year
 
 distributed = pytest.importorskip("distributed")
 
@@ -39,11 +42,26 @@ def survey_model():
 
 
 def same(answer, expected):
-    assert (answer["visit"] == np.arange(NIGHTS * EACH)).all()
+    assert (answer["visit"] == np.arange(len(expected.verdict))).all()
     assert (answer["verdict"] == np.ravel(expected.verdict)).all()
     for name in ("n_streaks", "brightest_mag", "lost_fraction", "p_any", "streak_length_deg"):
         # To the last bit: nights are asked as wholes on either side.
         np.testing.assert_array_equal(answer[name], getattr(expected, name), err_msg=name)
+
+
+def kill_a_worker(client, folder, after):
+    """Kills a worker as soon as some nights are done; the event says that it was."""
+    victim = next(iter(client.run(os.getpid).values()))
+    killed = threading.Event()
+
+    def watch():
+        while len(list(folder.glob("night-*.parquet"))) < after:
+            threading.Event().wait(0.005)
+        os.kill(victim, signal.SIGKILL)
+        killed.set()
+
+    threading.Thread(target=watch, daemon=True).start()
+    return killed
 
 
 def test_verif_a_worker_killed_half_way_changes_nothing(visits, survey_model, tmp_path):
@@ -55,17 +73,7 @@ def test_verif_a_worker_killed_half_way_changes_nothing(visits, survey_model, tm
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
         distributed.Client(cluster) as client,
     ):
-        victim = next(iter(client.run(os.getpid).values()))
-        killed = threading.Event()
-
-        def kill_half_way():
-            while len(list(tmp_path.glob("night-*.parquet"))) < NIGHTS // 3:
-                threading.Event().wait(0.005)
-            os.kill(victim, signal.SIGKILL)
-            killed.set()
-
-        watcher = threading.Thread(target=kill_half_way, daemon=True)
-        watcher.start()
+        killed = kill_a_worker(client, tmp_path, NIGHTS // 3)
         files = streakcast.dask.annotate(visits, survey_model, client, tmp_path)
         assert killed.is_set() and len(files) == NIGHTS
         same(streakcast.dask.read(files), expected)
@@ -90,3 +98,27 @@ def test_what_is_no_survey_is_refused(visits, survey_model, tmp_path):
         streakcast.dask.annotate({**visits, "ra_deg": visits["ra_deg"][:-1]}, survey_model, None, tmp_path)
     with pytest.raises(TypeError, match="scale"):
         streakcast.dask.annotate(visits, survey_model.with_options(mjd_scale=None), None, tmp_path)
+
+
+@pytest.mark.skipif("STREAKCAST_SLOW" not in os.environ, reason="a year takes minutes; STREAKCAST_SLOW=1 runs it")
+def test_verif_a_year_over_a_cluster_is_the_year_on_one_machine(data, survey_model, tmp_path, capsys):
+    visits = year(data)
+    with (
+        distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        killed = kill_a_worker(client, tmp_path, 180)
+        begin = time.perf_counter()
+        files = streakcast.dask.annotate(visits, survey_model, client, tmp_path)
+        over_cluster_s = time.perf_counter() - begin
+    assert killed.is_set() and len(files) == 365
+    begin, begin_cpu = time.perf_counter(), time.process_time()
+    pointing = (visits["ra_deg"], visits["dec_deg"])
+    rest = dict(rotation=visits["rotation_deg"], band=visits["band"])
+    expected = survey_model.assess(pointing, visits["start"], visits["exposure_s"], **rest)
+    with capsys.disabled():
+        print(
+            f"\n{len(visits['start'])} visits, {expected.n_streaks.sum()} streaks: {over_cluster_s:.0f} s over two workers, "
+            f"{time.perf_counter() - begin:.0f} s on one machine ({time.process_time() - begin_cpu:.0f} s of processors)"
+        )
+    same(streakcast.dask.read(files), expected)

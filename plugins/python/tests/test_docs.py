@@ -13,8 +13,8 @@ FUNCTIONS = {
 }
 METHODS = {
     f"StreakModel.{name}": thing
-    for name, thing in vars(streakcast.StreakModel).items()
-    if inspect.isfunction(thing) and not name.startswith("_")
+    for name, thing in inspect.getmembers(streakcast.StreakModel, inspect.isfunction)
+    if not name.startswith("_")
 }
 
 
@@ -36,6 +36,10 @@ def test_types_are_shipped():
     assert (folder / "py.typed").is_file() and (folder / "_core.pyi").is_file()
     for function in [*FUNCTIONS.values(), *METHODS.values()]:
         assert "return" in function.__annotations__, function
+
+
+def test_models_have_their_questions():
+    assert {f"StreakModel.{name}" for name in ("assess", "passes", "inject", "clear_windows", "reloaded", "key")} <= set(METHODS)
 
 
 def test_all_is_all():

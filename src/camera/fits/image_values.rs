@@ -49,6 +49,16 @@ impl ImageValues {
         [self.count() / self.columns.max(1), self.columns]
     }
 
+    /// The pixels, row after row.
+    pub fn pixels(&self) -> &Pixels {
+        &self.pixels
+    }
+
+    /// The pixels themselves.
+    pub fn into_pixels(self) -> Pixels {
+        self.pixels
+    }
+
     fn count(&self) -> usize {
         match &self.pixels {
             Pixels::U8(values) => values.len(),

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
+use super::super::error::ScheduleError;
 use super::super::formats::display;
 use super::error::AnnotateError;
 use super::write::Annotation;
@@ -46,6 +47,24 @@ pub(super) fn finish(files: Vec<(AtomicFile, PathBuf)>) -> Result<Vec<PathBuf>, 
 /// Whether a row of the file is one of those asked for.
 pub(super) fn is_kept(keep: Option<&[bool]>, row: usize) -> bool {
     keep.is_none_or(|keep| keep.get(row).copied().unwrap_or(false))
+}
+
+/// A file's text and where its parts lie in it, with as many rows as were judged.
+pub(super) fn read_layout<L>(
+    input: &Path,
+    annotation: &Annotation<'_>,
+    layout: fn(&Path, &str) -> Result<L, ScheduleError>,
+    rows: fn(&L) -> usize,
+) -> Result<(String, L), AnnotateError> {
+    let text = read_text(input)?;
+    let layout = layout(input, &text)?;
+    check_rows(input, rows(&layout), annotation)?;
+    Ok((text, layout))
+}
+
+/// The text of a schedule.
+pub(super) fn read_text(input: &Path) -> Result<String, AnnotateError> {
+    Ok(std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })?)
 }
 
 /// That the file still has as many rows as were judged.

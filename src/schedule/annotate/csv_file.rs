@@ -3,9 +3,8 @@
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use super::super::error::ScheduleError;
 use super::super::formats::{CsvLayout, csv_layout, display};
-use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, streaks_path, write_new};
+use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, read_text, streaks_path, write_new};
 use super::error::AnnotateError;
 use super::write::Annotation;
 use crate::table::{Table, write_csv};
@@ -32,11 +31,6 @@ pub(super) fn annotate(
     })?;
     let streaks = write_new(&beside, |out| write_csv(out, annotation.streaks, annotation.provenance))?;
     finish(vec![(streaks, beside), (main, output.to_owned())])
-}
-
-/// The text of a schedule.
-pub(super) fn read_text(input: &Path) -> Result<String, AnnotateError> {
-    Ok(std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })?)
 }
 
 /// How many columns at the right an earlier annotation left; they are cut off where they may be replaced.

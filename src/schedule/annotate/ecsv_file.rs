@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use super::super::error::ScheduleError;
 use super::super::formats::{display, ecsv_layout};
-use super::beside::{check_rows, finish, flags_beside, is_kept, streaks_path, write_new};
-use super::csv_file::{read_text, suffix, trailing_columns, without_last_cells};
+use super::beside::{finish, flags_beside, is_kept, read_layout, streaks_path, write_new};
+use super::csv_file::{suffix, trailing_columns, without_last_cells};
 use super::error::AnnotateError;
 use super::write::Annotation;
 use crate::table::{Column, ecsv_column, write_ecsv};
@@ -15,9 +15,7 @@ pub(super) fn annotate(
     output: &Path,
     annotation: &Annotation<'_>,
 ) -> Result<Vec<PathBuf>, AnnotateError> {
-    let text = read_text(input)?;
-    let layout = ecsv_layout(input, &text)?;
-    check_rows(input, layout.rows.len(), annotation)?;
+    let (text, layout) = read_layout(input, annotation, ecsv_layout, |layout| layout.rows.len())?;
     let flags = flags_beside(&layout.names, annotation.flags);
     let old = trailing_columns(input, &layout.names, &flags, annotation.replace)?;
     let old_names = &layout.names[layout.names.len() - old..];

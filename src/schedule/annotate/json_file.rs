@@ -3,8 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use super::super::formats::{JsonRow, Members, display, json_layout};
-use super::beside::{OWN_COLUMN, check_rows, finish, is_kept, streaks_path, write_new};
-use super::csv_file::read_text;
+use super::beside::{OWN_COLUMN, finish, is_kept, read_layout, streaks_path, write_new};
 use super::error::AnnotateError;
 use super::write::Annotation;
 use crate::table::{Section, json_members, json_rows, write_json};
@@ -17,9 +16,7 @@ pub(super) fn annotate(
     output: &Path,
     annotation: &Annotation<'_>,
 ) -> Result<Vec<PathBuf>, AnnotateError> {
-    let text = read_text(input)?;
-    let layout = json_layout(input, &text)?;
-    check_rows(input, layout.rows.len(), annotation)?;
+    let (text, layout) = read_layout(input, annotation, json_layout, |layout| layout.rows.len())?;
     let has_ids = layout
         .rows
         .iter()

@@ -4,8 +4,7 @@ use std::path::{Path, PathBuf};
 
 use super::super::error::ScheduleError;
 use super::super::formats::{Span, VoTableLayout, display, votable_layout};
-use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, write_new};
-use super::csv_file::read_text;
+use super::beside::{earlier_columns, finish, flags_beside, is_kept, read_layout, write_new};
 use super::error::AnnotateError;
 use super::write::Annotation;
 use crate::table::{votable_cells, votable_fields, votable_table};
@@ -17,9 +16,7 @@ pub(super) fn annotate(
     output: &Path,
     annotation: &Annotation<'_>,
 ) -> Result<Vec<PathBuf>, AnnotateError> {
-    let text = read_text(input)?;
-    let layout = votable_layout(input, &text)?;
-    check_rows(input, layout.rows.len(), annotation)?;
+    let (text, layout) = read_layout(input, annotation, votable_layout, |layout| layout.rows.len())?;
     let flags = flags_beside(&layout.names, annotation.flags);
     let old = earlier_columns(input, &layout.names, &flags, annotation.replace)?;
     let earlier: Vec<Span> = layout.others.iter().filter(|(name, _)| name == STREAKS).map(|(_, span)| *span).collect();

@@ -7,21 +7,24 @@
 True
 
 `StreakModel` holds satellites, site, field of view, brightness models and policy, and answers questions over arrays of exposures.
-`body_map`, `sky_map`, `standard_magnitudes` and `sky_magnitudes` ask the brightness models alone.
+`inject` puts streaks into frames and arrays. `body_map`, `sky_map`, `standard_magnitudes` and `sky_magnitudes` ask the brightness models alone.
 
 Times say their scale: an `astropy.time.Time`, a text that ends in ``Z``, or numbers with ``scale="utc"`` (or ``"tai"``, ``"tt"``).
 A bare number raises `TypeError`: TAI read as UTC is 37 s off, and a satellite crosses a field within seconds.
 """
 
+from ._answers import Assessment, ClearWindows, Site
 from ._core import SetupError, StreakcastError, __version__
+from ._injection import Injected, inject
 from .errors import ChangedFileError, StreakcastWarning
 from .light import body_map, model_names, sky_magnitudes, sky_map, standard_magnitudes
-from .model import Assessment, ClearWindows, Site, StreakModel
+from .model import StreakModel
 
 __all__ = [
     "Assessment",
     "ChangedFileError",
     "ClearWindows",
+    "Injected",
     "SetupError",
     "Site",
     "StreakModel",
@@ -29,6 +32,7 @@ __all__ = [
     "StreakcastWarning",
     "__version__",
     "body_map",
+    "inject",
     "model_names",
     "sky_magnitudes",
     "sky_map",

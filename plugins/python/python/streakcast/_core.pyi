@@ -52,6 +52,17 @@ def sky_magnitudes(
     height_km: float,
 ) -> tuple[_Reals, _Reals]: ...
 
+def utc_text(jd1: float, jd2: float) -> str: ...
+def inject(
+    said: str,
+    setup: str,
+    config: Optional[str],
+    skies: Optional[Skies],
+    output: str,
+    image: Optional[npt.NDArray[Any]] = None,
+    header: Optional[str] = None,
+) -> dict[str, Any]: ...
+
 class Skies:
     def __new__(
         cls, setup: str, config: Optional[str] = None, epoch: Optional[tuple[float, float]] = None
@@ -81,8 +92,9 @@ class Engine:
         bands: list[str],
         exposure_s: float,
         min_altitude_deg: float,
-        avoided_only: bool,
-    ) -> dict[str, Any]: ...
+        blocking: str,
+        max_sun_altitude_deg: Optional[float] = None,
+    ) -> tuple[dict[str, Any], list[str]]: ...
     def visible_passes(
         self, start: tuple[float, float], end: tuple[float, float], min_altitude_deg: float, lit_only: bool
     ) -> tuple[_Columns, list[str]]: ...

@@ -11,6 +11,7 @@ use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, Shard, StreakRow, Verdict, flag_exposures, streak_table,
 };
+pub use streakcast::setup::state_scales;
 use streakcast::setup::{FieldSetup, Setup};
 use streakcast::table::{Provenance, Table, format_utc};
 use streakcast::telescope::Telescope;
@@ -106,20 +107,6 @@ struct Asked {
     telescope: Option<Telescope>,
     policy: Policy,
     photometry: PhotometryOptions,
-}
-
-/// Time scale and what magnitudes are of, as every verb states them.
-pub fn state_scales(provenance: &mut Provenance, time_scale: &str, photometry: &PhotometryOptions) {
-    provenance.state("time_scale", time_scale);
-    provenance.state("band", photometry.band.name());
-    provenance.state("mag_system", photometry.system.to_string());
-    provenance.state("earthshine", photometry.earthshine.name());
-    if let Some(extinction) = photometry.extinction_mag_per_airmass {
-        provenance.state("extinction_mag_per_airmass", extinction);
-    }
-    if photometry.sun_distance {
-        provenance.state("sun_distance", "of the day");
-    }
 }
 
 /// A report in which no row was judged.

@@ -1,8 +1,5 @@
 //! `inject`: streaks of satellites, or random ones, put into frames.
 
-mod asked;
-mod frames;
-mod light;
 mod outputs;
 mod run;
 

@@ -5,8 +5,8 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use streakcast::streak::{DrawnStreak, TruthRow, trail_table, truth_rows, truth_table};
-use streakcast::table::{Column, Kind, Provenance, Section, Table, Value};
+use streakcast::injection::{FrameDone, Injections};
+use streakcast::table::{Section, Table};
 
 use crate::inject_arguments::InjectArguments;
 use crate::output::{Answer, Format, Output, check};
@@ -59,14 +59,19 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// The tables beside the frames.
-    pub fn write_tables(&self, truth: &Told, provenance: &Provenance) -> anyhow::Result<()> {
-        for (output, table, name) in [(&self.truth, &truth.truth, "streaks"), (&self.trails, &truth.trails, "trails")] {
-            let (Some(output), Some(table)) = (output, table) else { continue };
+    /// The tables beside the frames, those of several frames one below the other.
+    pub fn write_tables(&self, done: &Injections) -> anyhow::Result<()> {
+        let tables: [(&Option<Output>, fn(&FrameDone) -> &Table, &str); 2] =
+            [(&self.truth, |frame| &frame.truth, "streaks"), (&self.trails, |frame| &frame.trails, "trails")];
+        for (output, of, name) in tables {
+            let mut frames = done.frames.iter().map(of);
+            let (Some(output), Some(first)) = (output, frames.next()) else { continue };
+            let mut table = first.clone();
+            frames.for_each(|other| table.rows.extend(other.rows.iter().cloned()));
             output.write(&Answer {
-                sections: vec![Section { name, table }],
-                main: table,
-                provenance,
+                sections: vec![Section { name, table: &table }],
+                main: &table,
+                provenance: &done.provenance,
                 style: Style { columns: &[], bold_row: None },
             })?;
         }
@@ -105,34 +110,4 @@ fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
         None => format!("frame-{:0width$}.fits", index + 1).into(),
     };
     Ok((0..count).map(|index| typed.output.join(name(index))).collect())
-}
-
-/// Truth and trails of several frames, one below the other.
-#[derive(Default)]
-pub struct Told {
-    truth: Option<Table>,
-    trails: Option<Table>,
-}
-
-impl Told {
-    /// Of one frame; its file's name stands before each row.
-    pub fn of(frame: &Path, streaks: &[DrawnStreak<'_>], exposure_s: f64, seed: u64) -> Self {
-        let rows: Vec<TruthRow<'_>> = truth_rows(streaks, exposure_s, seed);
-        let name = frame.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let mut truth = truth_table(&rows);
-        truth.columns.insert(0, Column::new("image", Kind::Text, "File of the frame."));
-        truth.rows.iter_mut().for_each(|row| row.insert(0, Value::Text(name.clone())));
-        Self { truth: Some(truth), trails: Some(trail_table(&rows)) }
-    }
-
-    /// Those of another frame below.
-    pub fn append(&mut self, other: Self) {
-        for (mine, theirs) in [(&mut self.truth, other.truth), (&mut self.trails, other.trails)] {
-            match (mine.as_mut(), theirs) {
-                (Some(mine), Some(theirs)) => mine.rows.extend(theirs.rows),
-                (None, theirs) => *mine = theirs,
-                _ => {}
-            }
-        }
-    }
 }

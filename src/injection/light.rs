@@ -1,46 +1,68 @@
 //! Whose light goes into a frame: satellites of a sky, or random streaks.
 
 use std::path::Path;
+use std::sync::Arc;
 
-use anyhow::anyhow;
-use serde_json::json;
-use streakcast::frames::{Direction, Gcrs, seconds_after};
-use streakcast::geometry::Site;
-use streakcast::passes::Exposure;
-use streakcast::photometry::{Band, PhotometryOptions};
-use streakcast::setup::{Prepared, Setup, SiteSetup};
-use streakcast::streak::{
+use crate::frames::{Direction, Gcrs, seconds_after};
+use crate::geometry::Site;
+use crate::passes::Exposure;
+use crate::photometry::{Band, PhotometryOptions};
+use crate::setup::{Prepared, Setup, SetupError, SiteSetup, state_scales};
+use crate::streak::{
     Chip, RandomStreaks, SatelliteLight, SkyTrack, Source, SourceName, SourcePart, StreakNumber, TargetFrame,
     direction_on, satellites,
 };
-use streakcast::table::Provenance;
+use crate::table::{Provenance, format_utc};
+use hifitime::Epoch;
+use serde_json::json;
 
 use super::asked::{Asked, Random};
-use crate::notices::Notices;
+use super::error::InjectionError;
 
 /// Random streaks are as large as a small satellite, m.
 const RANDOM_RADIUS_M: f64 = 1.0;
 
+/// What the user should know.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Notes {
+    /// What was taken from where.
+    pub remarks: Vec<String>,
+    /// What may be wrong.
+    pub warnings: Vec<String>,
+}
+
+/// The sky of the night that holds a moment, of a caller that has skies.
+pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<Prepared>, SetupError> + Sync);
+
 /// Where sources come from.
 pub enum Lights {
-    Sky(Box<Prepared>),
+    Sky(Arc<Prepared>),
     Random,
 }
 
 impl Lights {
-    /// The sky over all frames, or nothing where streaks are random.
-    pub fn prepare(setup: &Setup, asked: &Asked, frames: &[TargetFrame], notices: &Notices) -> anyhow::Result<Self> {
+    /// The sky over all frames (`sky`, where the caller has one), or nothing where streaks are random; and what the user should know.
+    pub fn prepare(
+        setup: &Setup,
+        asked: &Asked,
+        frames: &[TargetFrame],
+        sky: Option<SkyOf<'_>>,
+    ) -> Result<(Self, Notes), InjectionError> {
+        let mut notes = Notes::default();
         if asked.random.is_some() {
-            return Ok(Self::Random);
+            return Ok((Self::Random, notes));
         }
-        let setup = with_site(setup, frames, notices)?;
+        if let (Some(sky), Some(first)) = (sky, frames.iter().map(|frame| frame.opened).min()) {
+            return Ok((Self::Sky(sky(first)?), notes));
+        }
+        let setup = with_site(setup, frames, &mut notes)?;
         let ends = frames.iter().map(|frame| seconds_after(frame.opened, frame.exposure_s));
         let (Some(first), Some(last)) = (frames.iter().map(|frame| frame.opened).min(), ends.max()) else {
-            return Err(anyhow!("no frame"));
+            return Err(InjectionError::said("no frame"));
         };
         let prepared = setup.prepare(first, last)?;
-        notices.warn(&prepared.warnings);
-        Ok(Self::Sky(Box::new(prepared)))
+        notes.warnings.extend(prepared.warnings.iter().cloned());
+        Ok((Self::Sky(Arc::new(prepared)), notes))
     }
 
     /// What they rest on.
@@ -59,9 +81,10 @@ impl Lights {
         photometry: &PhotometryOptions,
         resolve_panels: bool,
         seed: u64,
-    ) -> anyhow::Result<Vec<Source>> {
+    ) -> Result<Vec<Source>, InjectionError> {
         let (centre, radius_rad) = frame.circle().ok_or_else(|| {
-            anyhow!("{}: its world coordinates give its corners no place", frame.file.path().display())
+            let shown = frame.file.path().display();
+            InjectionError::said(format!("{shown}: its world coordinates give its corners no place"))
         })?;
         match (self, &asked.random) {
             (Self::Sky(prepared), _) => {
@@ -84,7 +107,7 @@ impl Lights {
 }
 
 /// Where no site is said, that of the observatory that the headers name.
-fn with_site(setup: &Setup, frames: &[TargetFrame], notices: &Notices) -> anyhow::Result<Setup> {
+fn with_site(setup: &Setup, frames: &[TargetFrame], notes: &mut Notes) -> Result<Setup, InjectionError> {
     if setup.site.is_some() || setup.mpc.is_some() || setup.lat.is_some() || setup.observer_elements.is_some() {
         return Ok(setup.clone());
     }
@@ -99,18 +122,14 @@ fn with_site(setup: &Setup, frames: &[TargetFrame], notices: &Notices) -> anyhow
     match &sites[..] {
         [] => Ok(setup.clone()),
         [site] => {
-            notices.say(&format!(
-                "site {} ({}) from the header",
-                site.name,
-                site.mpc_code.as_deref().unwrap_or("no code")
-            ));
+            let code = site.mpc_code.as_deref().unwrap_or("no code");
+            notes.remarks.push(format!("site {} ({code}) from the header", site.name));
             Ok(Setup { site: Some(SiteSetup::Name(site.name.clone())), ..setup.clone() })
         }
-        [first, second, ..] => Err(anyhow!(
+        [first, second, ..] => Err(InjectionError::said(format!(
             "frames of two observatories ({}, {}); inject into those of each apart",
-            first.name,
-            second.name
-        )),
+            first.name, second.name
+        ))),
     }
 }
 
@@ -152,23 +171,25 @@ fn area_deg2(chip: &Chip) -> f64 {
     side_deg * side_deg * chip.rows as f64 * chip.columns as f64
 }
 
-/// Band and system of a frame: as said, else by the first word of its filter.
-pub fn photometry_of(setup: &Setup, frame: &TargetFrame, notices: &Notices) -> anyhow::Result<PhotometryOptions> {
+/// Band and system of a frame: as said, else by the first word of its filter; with a warning where that is no band.
+pub fn photometry_of(
+    setup: &Setup,
+    frame: &TargetFrame,
+) -> Result<(PhotometryOptions, Option<String>), InjectionError> {
     if setup.band.is_some() {
-        return Ok(setup.photometry()?);
+        return Ok((setup.photometry()?, None));
     }
     let word = frame.filter.as_deref().and_then(|filter| filter.split_whitespace().next());
     let name = word.map(|word| word.trim_end_matches('\'').to_owned());
     match name.as_deref().map(str::parse::<Band>) {
-        Some(Ok(_)) => Ok(Setup { band: name, ..setup.clone() }.photometry()?),
+        Some(Ok(_)) => Ok((Setup { band: name, ..setup.clone() }.photometry()?, None)),
         // Random streaks have a magnitude and no band.
         Some(Err(_)) if setup.elements.is_some() || setup.shells.is_some() => {
             let filter = frame.filter.as_deref().unwrap_or_default();
-            notices
-                .warn(&[format!("filter {filter:?} is no band that magnitudes are known in: V is taken; say --band")]);
-            Ok(setup.photometry()?)
+            let warning = format!("filter {filter:?} is no band that magnitudes are known in: V is taken; say --band");
+            Ok((setup.photometry()?, Some(warning)))
         }
-        _ => Ok(setup.photometry()?),
+        _ => Ok((setup.photometry()?, None)),
     }
 }
 
@@ -200,12 +221,12 @@ pub fn state(
     photometry: &PhotometryOptions,
     seed: u64,
 ) {
-    super::super::judged::state_scales(provenance, "utc", photometry);
+    state_scales(provenance, "utc", photometry);
     provenance.state(
         "options",
         json!({
             "image": image.display().to_string(),
-            "start_utc": streakcast::table::format_utc(frame.opened, 6),
+            "start_utc": format_utc(frame.opened, 6),
             "exposure_s": frame.exposure_s,
             "seeing_arcsec": asked.optics.seeing_arcsec,
             "psf": format!("{:?}", asked.optics.form),

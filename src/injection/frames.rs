@@ -2,15 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::anyhow;
+use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
+use crate::setup::{Setup, parse_moment};
+use crate::streak::{FrameSaid, SyntheticFrame, SyntheticShot, TargetFrame};
+use crate::table::ScratchFolder;
 use hifitime::Epoch;
-use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
-use streakcast::setup::{Setup, parse_moment};
-use streakcast::streak::{FrameSaid, SyntheticFrame, SyntheticShot, TargetFrame};
-use streakcast::table::ScratchFolder;
 
 use super::asked::Asked;
-use crate::inject_arguments::InjectArguments;
+use super::error::InjectionError;
+use super::said::InjectionSaid;
 
 /// When synthetic frames with random streaks are taken where nobody says: it changes nothing but the header.
 const SOME_DAY: &str = "2000-01-01T12:00:00Z";
@@ -34,10 +34,18 @@ struct Maker<'a> {
 }
 
 impl<'a> Frames<'a> {
-    pub fn open(typed: &InjectArguments, setup: &Setup, asked: &'a Asked, outputs: &[PathBuf]) -> anyhow::Result<Self> {
+    pub fn open(
+        said: &InjectionSaid,
+        setup: &Setup,
+        asked: &'a Asked,
+        outputs: &[PathBuf],
+    ) -> Result<Self, InjectionError> {
         let Some(synthetic) = &asked.synthetic else {
             let open = |path: &PathBuf| Ok(TargetFrame::open(path, &asked.said)?);
-            return Ok(Self { known: typed.image.iter().map(open).collect::<anyhow::Result<_>>()?, maker: None });
+            return Ok(Self {
+                known: said.image.iter().map(open).collect::<Result<_, InjectionError>>()?,
+                maker: None,
+            });
         };
         let folder = outputs.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
         let maker = Maker {
@@ -45,11 +53,10 @@ impl<'a> Frames<'a> {
             asked,
             said: FrameSaid { start: None, duration_s: None, ..asked.said.clone() },
             opened: opened(asked)?,
-            exposure_s: asked
-                .said
-                .duration_s
-                .ok_or_else(|| anyhow!("no length of the exposure; say --exposure 30s or --schedule FILE --row ID"))?,
-            centre: centre(typed, asked)?,
+            exposure_s: asked.said.duration_s.ok_or_else(|| {
+                InjectionError::said("no length of the exposure; say --exposure 30s or --schedule FILE --row ID")
+            })?,
+            centre: centre(said, asked)?,
             filter: setup.photometry()?.band.name(),
             scratch: ScratchFolder::new(folder.unwrap_or(Path::new(".")))?,
         };
@@ -67,10 +74,10 @@ impl<'a> Frames<'a> {
         &self,
         index: usize,
         seed: u64,
-        work: impl FnOnce(&TargetFrame) -> anyhow::Result<T>,
-    ) -> anyhow::Result<T> {
+        work: impl FnOnce(&TargetFrame) -> Result<T, InjectionError>,
+    ) -> Result<T, InjectionError> {
         match &self.maker {
-            None => work(self.known.get(index).ok_or_else(|| anyhow!("no frame {index}"))?),
+            None => work(self.known.get(index).ok_or_else(|| InjectionError::said("no frame {index}"))?),
             Some(maker) => {
                 let frame = maker.make(index + 1, seed)?;
                 let answer = work(&frame);
@@ -83,7 +90,7 @@ impl<'a> Frames<'a> {
 }
 
 impl Maker<'_> {
-    fn make(&self, number: usize, seed: u64) -> anyhow::Result<TargetFrame> {
+    fn make(&self, number: usize, seed: u64) -> Result<TargetFrame, InjectionError> {
         let path = self.scratch.path().join(format!("{number}.fits"));
         let shot = SyntheticShot {
             opened: self.opened,
@@ -98,24 +105,26 @@ impl Maker<'_> {
     }
 }
 
-fn opened(asked: &Asked) -> anyhow::Result<Epoch> {
+fn opened(asked: &Asked) -> Result<Epoch, InjectionError> {
     match asked.said.start {
         Some(start) => Ok(start),
         None if asked.random.is_some() => Ok(parse_moment(SOME_DAY, None)?),
-        None => {
-            Err(anyhow!("no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID"))
-        }
+        None => Err(InjectionError::said(
+            "no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID",
+        )),
     }
 }
 
-fn centre(typed: &InjectArguments, asked: &Asked) -> anyhow::Result<Direction<Gcrs>> {
-    match (&asked.scheduled, &typed.exposure.ra, &typed.exposure.dec) {
+fn centre(said: &InjectionSaid, asked: &Asked) -> Result<Direction<Gcrs>, InjectionError> {
+    match (&asked.scheduled, &said.ra, &said.dec) {
         (_, Some(ra), Some(dec)) => Ok(Direction::from_lon_lat_rad(
             parse_right_ascension_deg(ra)?.to_radians(),
             parse_declination_deg(dec)?.to_radians(),
         )),
         (Some(exposure), None, None) => Ok(exposure.pointing),
         (None, None, None) if asked.random.is_some() => Ok(Direction::from_lon_lat_rad(0.0, 0.0)),
-        _ => Err(anyhow!("no centre of the frame; say --ra 188.5 --dec=-30.5 or --schedule FILE --row ID")),
+        _ => {
+            Err(InjectionError::said("no centre of the frame; say --ra 188.5 --dec=-30.5 or --schedule FILE --row ID"))
+        }
     }
 }

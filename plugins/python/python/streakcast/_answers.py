@@ -1,0 +1,68 @@
+"""What a model answers with."""
+
+from __future__ import annotations
+
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+
+from ._quantities import FloatArray
+
+#: The verdicts in the order of their codes.
+VERDICTS = np.array(["clear", "streaked", "avoid", "invalid"])
+
+
+class Site(NamedTuple):
+    """A place on the Earth."""
+
+    #: Name.
+    name: str
+    #: Geodetic latitude (WGS84), degrees, north positive.
+    latitude_deg: float
+    #: Longitude, degrees, east positive.
+    longitude_deg: float
+    #: Height above the ellipsoid, metres.
+    height_m: float
+
+
+class Assessment(NamedTuple):
+    """What satellites do to exposures: numbers for one exposure, arrays in the shape of the question for many."""
+
+    #: ``clear``, ``streaked``, ``avoid`` (a limit of the policy is broken) or ``invalid`` (the pointing is below the horizon).
+    verdict: Any
+    #: Whether a lit satellite crosses the field.
+    crosses: Any
+    #: How many lit satellites do.
+    n_streaks: Any
+    #: The brightest magnitude that any of them reaches in the field; NaN without any.
+    brightest_mag: Any
+    #: Share of the field's pixels expected lost, [0, 1], near misses weighed with their probability; NaN without a telescope.
+    lost_fraction: Any
+    #: Probability that at least one lit satellite crosses, given the errors of the elements; NaN where invalid.
+    p_any: Any
+    #: Length of all lit streaks in the field, degrees; NaN where invalid.
+    streak_length_deg: Any
+
+    @property
+    def avoid(self) -> Any:
+        """Whether a limit of the policy is broken."""
+        return self.verdict == "avoid"
+
+    @property
+    def clear(self) -> Any:
+        """Whether nothing lit crosses."""
+        return self.verdict == "clear"
+
+
+class ClearWindows(NamedTuple):
+    """Stretches of clear starts, in order of target and time; each field has the shape ``(n_windows,)``."""
+
+    #: The target's place in the question (flat).
+    target: npt.NDArray[np.int64]
+    #: First clear start: `astropy.time.Time` where astropy is there, else ``datetime64[ns]``, UTC.
+    first_start: Any
+    #: Last clear start.
+    last_start: Any
+    #: Length from the first to the last start, seconds.
+    length_s: FloatArray

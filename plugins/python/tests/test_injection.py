@@ -1,0 +1,175 @@
+"""Streaks in files and arrays are those of the command line, and what cannot be done is said."""
+
+import os
+import subprocess
+import threading
+
+import numpy as np
+import pytest
+
+import streakcast
+
+fits = pytest.importorskip("astropy.io.fits")
+from astropy import units as u  # noqa: E402
+from astropy.time import Time  # noqa: E402
+from astropy.wcs import WCS  # noqa: E402
+
+from conftest import START, TARGET  # noqa: E402
+
+SIZE = 600
+#: 3.5° across: satellites of the busy evening pass through it.
+SCALE_DEG = 3.5 / SIZE
+
+
+def header(**more):
+    wcs = WCS(naxis=2)
+    wcs.wcs.ctype = ["RA---TAN", "DEC--TAN"]
+    wcs.wcs.crval = TARGET
+    wcs.wcs.crpix = [(SIZE + 1) / 2] * 2
+    wcs.wcs.cdelt = [-SCALE_DEG, SCALE_DEG]
+    cards = wcs.to_header()
+    cards["DATE-OBS"], cards["TIMESYS"], cards["EXPTIME"] = START.rstrip("Z"), "UTC", 30.0
+    cards["MAGZP"], cards["GAIN"] = 25.0, 2.0
+    cards.update(more)
+    return cards
+
+
+def pixels(dtype):
+    return np.random.default_rng(5).normal(500.0, 20.0, (SIZE, SIZE)).astype(dtype)
+
+
+@pytest.fixture(scope="module")
+def injector():
+    """As the command line is asked: V magnitudes, the seeing of a telescope, no field."""
+    return streakcast.StreakModel(mpc="X05", shells="starlink-gen1", telescope="rubin", epoch=START)
+
+
+@pytest.fixture(scope="module")
+def command(tmp_path_factory):
+    """What the command line writes for the same frame."""
+    folder = tmp_path_factory.mktemp("command")
+
+    def run(frame, *arguments):
+        source, target = folder / "frame.fits", folder / "injected.fits"
+        fits.PrimaryHDU(frame, header()).writeto(source, overwrite=True)
+        binary = os.environ.get("STREAKCAST_BIN") or pytest.fail("set STREAKCAST_BIN, or run plugins/test.sh")
+        done = subprocess.run(
+            [binary, "inject", "--image", source, "--output", target, "--quiet", *arguments],
+            capture_output=True, text=True, check=False,
+        )  # fmt: skip
+        assert done.returncode == 0, done.stderr
+        return source, target
+
+    return run
+
+
+@pytest.mark.parametrize("dtype", ["float32", "float64", "uint16", "int16", "int32"])
+def test_verif_arrays_and_files_are_the_command_lines_to_the_last_bit(injector, command, tmp_path, dtype):
+    frame = pixels(dtype)
+    source, target = command(frame, "--mpc", "X05", "--shells", "starlink-gen1", "--telescope", "rubin", "--seed", "7")
+    done = injector.inject(frame, header=header(), seed=7)
+    with fits.open(target) as theirs:
+        expected = theirs[0].data
+        assert done.image.dtype == np.dtype(dtype) and done.image.shape == frame.shape
+        np.testing.assert_array_equal(done.image, expected)
+        np.testing.assert_array_equal(done.mask, theirs["MASK"].data)
+        assert done.mask_planes == {"STREAK": theirs["MASK"].header["MP_STREAK"], "INJECTED": theirs["MASK"].header["MP_INJECTED"]}
+        assert len(done.truth) == len(theirs["STREAKS"].data) > 0
+        assert len(done.points) == len(theirs["STREAK_POINTS"].data)
+        np.testing.assert_array_equal(done.truth["norad_id"], theirs["STREAKS"].data["norad_id"])
+    np.testing.assert_array_equal(done.image.astype("f8") - frame, done.added)
+    assert (frame == pixels(dtype)).all(), "the array was changed"
+    # Light is where the mask says, and the streaks' light is there.
+    injected = (done.mask >> done.mask_planes["INJECTED"]) & 1
+    assert done.added[injected == 0].any() == False and done.added.sum() > 1000  # noqa: E712
+
+    path = tmp_path / "ours.fits"
+    told = injector.inject(source, path, seed=7)
+    assert told.path == path and told.image is None
+    assert path.read_bytes() == target.read_bytes()
+
+
+def test_verif_random_streaks_are_the_command_lines(command):
+    frame = pixels("float32")
+    options = ["--random-streaks", "3", "--magnitude", "5,7", "--seeing", "1.2arcsec", "--seed", "11", "--no-noise"]
+    _, target = command(frame, *options)
+    done = streakcast.inject(
+        frame, header=header(), random_streaks=3, magnitude=(5, 7), seeing=1.2 * u.arcsec, seed=11, noise=False
+    )
+    np.testing.assert_array_equal(done.image, fits.getdata(target))
+    other = streakcast.inject(
+        frame, header=header(), random_streaks=3, magnitude=(5, 7), seeing="1.2arcsec", seed=12, noise=False
+    )
+    assert (other.image != done.image).any()
+
+
+def test_a_wcs_and_words_in_place_of_a_header(injector):
+    frame = pixels("float32")
+    expected = injector.inject(frame, header=header(), seed=3)
+    words = dict(start=Time(START), exposure=30 * u.s, zero_point=25.0, gain=2.0, seed=3)
+    done = injector.inject(frame, header=WCS(header()), **words)
+    # The WCS writes its numbers anew: places may differ in the last digit, light by a few electrons' noise.
+    assert len(done.truth) == len(expected.truth)
+    assert abs(done.added.sum() / expected.added.sum() - 1) < 1e-3
+    text = header().tostring(sep="\n")
+    np.testing.assert_array_equal(injector.inject(frame, header=text, seed=3).image, expected.image)
+    assert list(injector.inject(frame, header=text, table="dict").truth) == expected.truth.colnames
+
+
+def test_the_flux_of_a_streak_is_its_magnitudes():
+    # A star of magnitude m makes 10^(-0.4 (m - ZP)) counts in the exposure; the streak is one for as long as it is in the frame.
+    done = streakcast.inject(
+        np.zeros((SIZE, SIZE)), header=header(), random_streaks=1, magnitude=5.0, streak_rate_deg_s=0.5,
+        seeing="1arcmin", psf="gaussian", noise=False, seed=4, table="dict",
+    )  # fmt: skip
+    (length_pix,) = done.truth["length_pix"]
+    inside_s = length_pix * SCALE_DEG / 0.5
+    assert inside_s > 1.0
+    expected = 10 ** (-0.4 * (5.0 - 25.0)) * inside_s / 30.0
+    # 1 %: the scale of a tangent plane at its border, and what of the ends' images lies outside.
+    assert done.added.sum() == pytest.approx(expected, rel=0.01)
+
+
+def test_what_cannot_be_done_is_said(injector, tmp_path):
+    frame = pixels("float32")
+    cases = [
+        (dict(header=header()), "no streaks"),
+        (dict(header=header(), random_streaks=1), "magnitude"),
+        (dict(random_streaks=1, magnitude=5, seeing="1arcsec", start=START, exposure=30, zero_point=25), "celestial|coordinates|CTYPE"),
+        (dict(header=header(), random_streaks=1, magnitude=5), "seeing"),
+        (dict(header=header(), random_streaks=1, magnitude=(5, 6, 7), seeing="1arcsec"), "1 to 2"),
+        (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", psf="airy"), "gaussian, moffat"),
+        (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", mask_bits="mine"), "lsst"),
+        (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", gain=-1.0), "gain -1"),
+        (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", exposure=0.0), "exposure 0.0 s"),
+        (dict(header=header(), random_streaks=1, magnitude=5, seeing="1arcsec", output=tmp_path / "x.fits"), "for files"),
+    ]
+    for options, message in cases:
+        with pytest.raises(ValueError, match=message):
+            streakcast.inject(frame, **options)
+    with pytest.raises(streakcast.StreakcastError):
+        streakcast.inject(tmp_path / "none.fits", tmp_path / "out.fits", random_streaks=1, magnitude=5, seeing="1arcsec")
+    assert not (tmp_path / "out.fits").exists()
+    with pytest.raises(TypeError, match="float32"):
+        streakcast.inject(frame.astype(complex), header=header(), random_streaks=1, magnitude=5, seeing="1arcsec")
+    with pytest.raises(TypeError, match="unit"):
+        streakcast.inject(frame, header=header(), random_streaks=1, magnitude=5, seeing=1.2)
+    with pytest.raises(TypeError, match="scale"):
+        injector.inject(frame, header=header(), start=61266.978)
+
+
+def test_other_threads_go_on_meanwhile(injector):
+    frame, beats, done = pixels("float32"), [], threading.Event()
+
+    def beat():
+        while not done.is_set():
+            beats.append(1)
+            done.wait(0.001)
+
+    thread = threading.Thread(target=beat)
+    thread.start()
+    for seed in range(3):
+        injector.inject(frame, header=header(), seed=seed)
+    done.set()
+    thread.join()
+    assert len(beats) > 3

@@ -1,0 +1,64 @@
+//! Why nothing was injected.
+
+use thiserror::Error;
+
+use crate::camera::FrameError;
+use crate::frames::FramesError;
+use crate::schedule::ScheduleError;
+use crate::setup::SetupError;
+use crate::streak::{
+    DrawError, InjectError, MaskError, ModulationError, RandomStreakError, SatelliteError, SyntheticError, TargetError,
+};
+
+/// Why nothing was injected.
+#[derive(Debug, Error)]
+pub enum InjectionError {
+    /// What was said is incomplete, contradicts itself, or is out of range: what, and what is allowed.
+    #[error("{0}")]
+    Said(String),
+    /// Satellites, site, models, camera.
+    #[error(transparent)]
+    Setup(#[from] SetupError),
+    /// An angle.
+    #[error(transparent)]
+    Angle(#[from] FramesError),
+    /// The schedule.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
+    /// A frame that cannot be injected into.
+    #[error(transparent)]
+    Target(#[from] TargetError),
+    /// A synthetic frame.
+    #[error(transparent)]
+    Synthetic(#[from] SyntheticError),
+    /// How light changes along a streak.
+    #[error(transparent)]
+    Modulation(#[from] ModulationError),
+    /// Random streaks.
+    #[error(transparent)]
+    Random(#[from] RandomStreakError),
+    /// Bits of the mask.
+    #[error(transparent)]
+    Mask(#[from] MaskError),
+    /// Light of satellites.
+    #[error(transparent)]
+    Satellites(#[from] SatelliteError),
+    /// Streaks in pixels.
+    #[error(transparent)]
+    Draw(#[from] DrawError),
+    /// The frame with streaks.
+    #[error(transparent)]
+    Write(#[from] InjectError),
+    /// A file of pixels.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// A folder for what is in between.
+    #[error(transparent)]
+    Scratch(#[from] std::io::Error),
+}
+
+impl InjectionError {
+    pub(super) fn said(message: impl Into<String>) -> Self {
+        Self::Said(message.into())
+    }
+}
