@@ -24,6 +24,7 @@ pub mod fit;
 pub mod frames;
 pub mod geometry;
 pub mod healpix;
+pub mod identify;
 pub mod maps;
 pub mod measured;
 pub mod orbit;

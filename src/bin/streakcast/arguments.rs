@@ -8,6 +8,7 @@ use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, Sit
 
 use crate::fit_arguments::FitArguments;
 use crate::gate_arguments::GateArguments;
+use crate::identify_arguments::IdentifyArguments;
 #[cfg(feature = "fits")]
 use crate::inject_arguments::InjectArguments;
 use crate::map_arguments::MapArguments;
@@ -34,6 +35,8 @@ pub enum Verb {
     Windows(Box<WindowsArguments>),
     /// Waits until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
+    /// Which satellite a measured streak is of: ranked candidates
+    Identify(Box<IdentifyArguments>),
     /// Maps of magnitude over a satellite's own sky and over that of a site
     Map(MapArguments),
     /// Streaks of satellites, or random ones, put into frames, with masks and their truth

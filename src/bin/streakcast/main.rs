@@ -4,6 +4,7 @@ mod arguments;
 mod failure;
 mod fit_arguments;
 mod gate_arguments;
+mod identify_arguments;
 #[cfg(feature = "fits")]
 mod inject_arguments;
 mod map_arguments;
@@ -32,6 +33,7 @@ fn main() -> ExitCode {
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
         Verb::Windows(typed) => verbs::windows::run(*typed),
         Verb::Gate(typed) => verbs::gate::run(*typed),
+        Verb::Identify(typed) => verbs::identify::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
         #[cfg(feature = "fits")]
         Verb::Inject(typed) => verbs::inject::run(*typed),

@@ -4,6 +4,7 @@ pub mod annotate;
 pub mod fit;
 pub mod flag;
 pub mod gate;
+pub mod identify;
 #[cfg(feature = "fits")]
 pub mod inject;
 mod judged;
