@@ -78,6 +78,8 @@ const DOORS: &[(&str, &[&str])] = &[
     ("anyhow", &["bin"]),
     ("indicatif", &["bin"]),
     ("comfy_table", &["bin"]),
+    ("etcetera", &["bin"]),
+    ("ureq", &["bin"]),
 ];
 
 /// What the library never does by itself: print, end the process, ask the environment, the clock, the network or chance.

@@ -127,7 +127,7 @@ pub fn chi_square_survival(chi_square: f64, terms: u32) -> f64 {
     }
     let half = 0.5 * chi_square.max(0.0);
     // Q(χ²|ν+2) = Q(χ²|ν) + (χ²/2)^(ν/2) e^(-χ²/2) / Γ(ν/2 + 1)
-    let (mut q, mut degree, mut term) = if terms % 2 == 0 {
+    let (mut q, mut degree, mut term) = if terms.is_multiple_of(2) {
         ((-half).exp(), 2, half * (-half).exp())
     } else {
         (libm::erfc(half.sqrt()), 1, 2.0 * (half / PI).sqrt() * (-half).exp())

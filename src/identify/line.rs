@@ -50,7 +50,7 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Identif
     }
     let ways = points.iter().map(|point| (point - middle).dot(&along));
     let (low, high) = ways.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way| (low.min(way), high.max(way)));
-    if !(high - low > 0.0) {
+    if high <= low {
         return Err(no_line);
     }
     let ends = [low, high].map(|way| {

@@ -58,7 +58,7 @@ fn outline(statement: &str) -> Result<Vec<Direction<Gcrs>>, String> {
         inside.split(|mark: char| mark == ',' || mark.is_whitespace()).filter(|number| !number.is_empty()).collect();
     let wants = |count: &str| format!("{shape} of {} numbers; allowed: {count}", numbers.len());
     match shape.trim_start_matches('+').to_ascii_lowercase().as_str() {
-        "polygon" if numbers.len() >= 4 && numbers.len() % 2 == 0 => {
+        "polygon" if numbers.len() >= 4 && numbers.len().is_multiple_of(2) => {
             numbers.chunks(2).map(|pair| place(pair[0], pair[1])).collect()
         }
         "polygon" => Err(wants("pairs of right ascension and declination, two or more")),

@@ -63,7 +63,7 @@ impl MeasuredStreak {
         time_sigma_s: f64,
     ) -> Result<Self, IdentifyError> {
         let length_rad = ends[0].separation_rad(&ends[1]);
-        if !(length_rad >= LEAST_LENGTH_RAD) {
+        if length_rad.is_nan() || length_rad < LEAST_LENGTH_RAD {
             return Err(IdentifyError::NoLine { separation_arcsec: length_rad.to_degrees() * 3600.0 });
         }
         if length_rad > LONGEST_RAD {

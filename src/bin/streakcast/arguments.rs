@@ -6,6 +6,8 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use streakcast::schedule::{MagnitudeLimit, Shard};
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
+#[cfg(feature = "fetch")]
+use crate::fetch_arguments::FetchArguments;
 use crate::fit_arguments::FitArguments;
 use crate::gate_arguments::GateArguments;
 use crate::identify_arguments::IdentifyArguments;
@@ -42,6 +44,9 @@ pub enum Verb {
     /// Streaks of satellites, or random ones, put into frames, with masks and their truth
     #[cfg(feature = "fits")]
     Inject(Box<InjectArguments>),
+    /// Element sets from CelesTrak, Space-Track or SatChecker into a cache, politely
+    #[cfg(feature = "fetch")]
+    Fetch(Box<FetchArguments>),
     /// From photometry to a brightness model
     Fit(Box<FitArguments>),
     /// The brightness models: list, show, check

@@ -1,7 +1,10 @@
 //! The command line: it translates what was typed and prints what the library answers.
 
 mod arguments;
+mod cache;
 mod failure;
+#[cfg(feature = "fetch")]
+mod fetch_arguments;
 mod fit_arguments;
 mod gate_arguments;
 mod identify_arguments;
@@ -37,6 +40,8 @@ fn main() -> ExitCode {
         Verb::Map(typed) => verbs::map::run(typed),
         #[cfg(feature = "fits")]
         Verb::Inject(typed) => verbs::inject::run(*typed),
+        #[cfg(feature = "fetch")]
+        Verb::Fetch(typed) => verbs::fetch::run(&typed),
         Verb::Fit(typed) => verbs::fit::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),

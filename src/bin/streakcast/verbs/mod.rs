@@ -1,6 +1,8 @@
 //! One verb, one file.
 
 pub mod annotate;
+#[cfg(feature = "fetch")]
+pub mod fetch;
 pub mod fit;
 pub mod flag;
 pub mod gate;
