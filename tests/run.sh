@@ -86,6 +86,8 @@ else
         boley=$data/photometry/boley2021_plaskett
         step "docs/identify.md" transcript docs/identify.md identify --region "$boley/regFiles/box-000013.reg" -q --top 3 \
             --start 2021-07-16T08:41:49.5Z --exposure 30s --elements "$boley/starlink.15JUL2021" --mpc 658
+        step "docs/fetch.md" transcript docs/fetch.md doctor --elements "$data/tle/daily/starlink_2026-08-21.tle" --mpc X05 \
+            --telescope rubin --now 2026-08-23T00:00:00Z --cache cache
     fi
     step "examples/field.json" cargo run --quiet -- flag "${first[@]:0:4}" --field examples/field.json \
         --schedule examples/night.csv

@@ -6,6 +6,7 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use streakcast::schedule::{MagnitudeLimit, Shard};
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
+use crate::doctor_arguments::DoctorArguments;
 #[cfg(feature = "fetch")]
 use crate::fetch_arguments::FetchArguments;
 use crate::fit_arguments::FitArguments;
@@ -51,6 +52,8 @@ pub enum Verb {
     Fit(Box<FitArguments>),
     /// The brightness models: list, show, check
     Model(ModelArguments),
+    /// What would be wrong tonight: element ages, Earth orientation, clock, site, models, cache
+    Doctor(Box<DoctorArguments>),
     /// The observatories known by name and MPC code
     Sites(ListArguments),
     /// The synthetic constellations for --shells

@@ -2,6 +2,7 @@
 
 mod arguments;
 mod cache;
+mod doctor_arguments;
 mod failure;
 #[cfg(feature = "fetch")]
 mod fetch_arguments;
@@ -44,6 +45,7 @@ fn main() -> ExitCode {
         Verb::Fetch(typed) => verbs::fetch::run(&typed),
         Verb::Fit(typed) => verbs::fit::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
+        Verb::Doctor(typed) => verbs::doctor::run(*typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),
         Verb::Shells(typed) => verbs::shells::run(&typed),
     })

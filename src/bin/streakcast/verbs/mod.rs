@@ -1,6 +1,7 @@
 //! One verb, one file.
 
 pub mod annotate;
+pub mod doctor;
 #[cfg(feature = "fetch")]
 pub mod fetch;
 pub mod fit;
