@@ -26,6 +26,7 @@ pub mod geometry;
 pub mod healpix;
 #[cfg(feature = "fits")]
 pub mod injection;
+pub mod identify;
 pub mod maps;
 pub mod measured;
 pub mod orbit;

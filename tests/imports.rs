@@ -39,6 +39,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
             "telescope",
         ],
     ),
+    ("identify", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     (
         "injection",
@@ -81,6 +82,8 @@ const DOORS: &[(&str, &[&str])] = &[
     ("anyhow", &["bin"]),
     ("indicatif", &["bin"]),
     ("comfy_table", &["bin"]),
+    ("etcetera", &["bin"]),
+    ("ureq", &["bin"]),
 ];
 
 /// What the library never does by itself: print, end the process, ask the environment, the clock, the network or chance.

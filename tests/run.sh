@@ -83,6 +83,11 @@ else
         step "docs/models.md" transcript docs/models.md model check --data "$data"
         step "docs/space.md" transcript docs/space.md passes --elements "$data/tle/active/active_2026-04-25.txt" \
             --observer-norad 20580 --fov 3.4arcmin -q --start 2026-04-26T15:12:00Z --exposure 11min --ra 257.09 --dec=57.37
+        boley=$data/photometry/boley2021_plaskett
+        step "docs/identify.md" transcript docs/identify.md identify --region "$boley/regFiles/box-000013.reg" -q --top 3 \
+            --start 2021-07-16T08:41:49.5Z --exposure 30s --elements "$boley/starlink.15JUL2021" --mpc 658
+        step "docs/fetch.md" transcript docs/fetch.md doctor --elements "$data/tle/daily/starlink_2026-08-21.tle" --mpc X05 \
+            --telescope rubin --now 2026-08-23T00:00:00Z --cache cache
     fi
     step "examples/field.json" cargo run --quiet -- flag "${first[@]:0:4}" --field examples/field.json \
         --schedule examples/night.csv

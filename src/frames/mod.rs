@@ -34,6 +34,7 @@ pub use horizontal::itrs_to_horizontal;
 pub use orientation::{Orientation, OrientationTable};
 pub(crate) use sampled::Sampled;
 pub use time::{
-    epoch_from_jd, epoch_from_mjd, mjd_utc, seconds_after, seconds_between, tai_minus_utc_s, tt_jd, ut1_jd, utc_jd,
+    epoch_from_jd, epoch_from_mjd, leap_seconds_known_until, mjd_utc, seconds_after, seconds_between, tai_minus_utc_s,
+    tt_jd, ut1_jd, utc_jd,
 };
 pub use vector::{Direction, Position, Rotation, Velocity};

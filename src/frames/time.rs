@@ -52,6 +52,12 @@ pub fn tai_minus_utc_s(epoch: Epoch) -> f64 {
     f64::from(epoch.leap_seconds_iers())
 }
 
+/// Until when the leap seconds that this library counts are known to be all: IERS Bulletin C 72 of July 2026 announces none for the end of that year, and
+/// the IERS table made of it expires on 28 June 2027.
+pub fn leap_seconds_known_until() -> Epoch {
+    Epoch::from_gregorian_utc_at_midnight(2027, 6, 28)
+}
+
 /// Seconds (SI) from `earlier` to `later`, leap seconds counted.
 ///
 /// The subtraction of two UTC epochs in `hifitime` is short by one second for each leap second between them; this one is not.

@@ -85,6 +85,11 @@ impl ModelChoice {
         self
     }
 
+    /// True where nothing is known of a satellite's brightness: no kind, no standard magnitude, not even that it is a rocket body.
+    pub fn is_unknown(&self, elements: &ElementSet) -> bool {
+        Arc::ptr_eq(&self.model_of(elements), &self.unknown)
+    }
+
     /// The model of one satellite.
     pub fn model_of(&self, elements: &ElementSet) -> Arc<BrightnessModel> {
         let generation = GenerationTable::embedded().of(elements);

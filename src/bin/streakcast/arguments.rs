@@ -6,8 +6,12 @@ use clap::{Args, Parser, Subcommand, ValueEnum};
 use streakcast::schedule::{MagnitudeLimit, Shard};
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
+use crate::doctor_arguments::DoctorArguments;
+#[cfg(feature = "fetch")]
+use crate::fetch_arguments::FetchArguments;
 use crate::fit_arguments::FitArguments;
 use crate::gate_arguments::GateArguments;
+use crate::identify_arguments::IdentifyArguments;
 #[cfg(feature = "fits")]
 use crate::inject_arguments::InjectArguments;
 use crate::map_arguments::MapArguments;
@@ -34,15 +38,22 @@ pub enum Verb {
     Windows(Box<WindowsArguments>),
     /// Waits until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
+    /// Which satellite a measured streak is of: ranked candidates
+    Identify(Box<IdentifyArguments>),
     /// Maps of magnitude over a satellite's own sky and over that of a site
     Map(MapArguments),
     /// Streaks of satellites, or random ones, put into frames, with masks and their truth
     #[cfg(feature = "fits")]
     Inject(Box<InjectArguments>),
+    /// Element sets from CelesTrak, Space-Track or SatChecker into a cache, politely
+    #[cfg(feature = "fetch")]
+    Fetch(Box<FetchArguments>),
     /// From photometry to a brightness model
     Fit(Box<FitArguments>),
     /// The brightness models: list, show, check
     Model(ModelArguments),
+    /// What would be wrong tonight: element ages, Earth orientation, clock, site, models, cache
+    Doctor(Box<DoctorArguments>),
     /// The observatories known by name and MPC code
     Sites(ListArguments),
     /// The synthetic constellations for --shells

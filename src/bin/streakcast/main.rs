@@ -1,9 +1,14 @@
 //! The command line: it translates what was typed and prints what the library answers.
 
 mod arguments;
+mod cache;
+mod doctor_arguments;
 mod failure;
+#[cfg(feature = "fetch")]
+mod fetch_arguments;
 mod fit_arguments;
 mod gate_arguments;
+mod identify_arguments;
 #[cfg(feature = "fits")]
 mod inject_arguments;
 mod map_arguments;
@@ -32,11 +37,15 @@ fn main() -> ExitCode {
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
         Verb::Windows(typed) => verbs::windows::run(*typed),
         Verb::Gate(typed) => verbs::gate::run(*typed),
+        Verb::Identify(typed) => verbs::identify::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
         #[cfg(feature = "fits")]
         Verb::Inject(typed) => verbs::inject::run(*typed),
+        #[cfg(feature = "fetch")]
+        Verb::Fetch(typed) => verbs::fetch::run(&typed),
         Verb::Fit(typed) => verbs::fit::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
+        Verb::Doctor(typed) => verbs::doctor::run(*typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),
         Verb::Shells(typed) => verbs::shells::run(&typed),
     })

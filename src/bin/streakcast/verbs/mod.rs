@@ -1,9 +1,13 @@
 //! One verb, one file.
 
 pub mod annotate;
+pub mod doctor;
+#[cfg(feature = "fetch")]
+pub mod fetch;
 pub mod fit;
 pub mod flag;
 pub mod gate;
+pub mod identify;
 #[cfg(feature = "fits")]
 pub mod inject;
 mod judged;

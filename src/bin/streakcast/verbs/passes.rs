@@ -60,7 +60,7 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
         photometry: setup.photometry()?,
     };
     let mut prepared = setup.prepare(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
-    above_the_horizon(&exposure, &prepared)?;
+    above_the_horizon("pointing", &exposure, &prepared)?;
     notices.warn(&prepared.warnings);
 
     let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &field, &options)?;
@@ -99,12 +99,13 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
     Ok(if found.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
-fn above_the_horizon(exposure: &Exposure, prepared: &Prepared) -> anyhow::Result<()> {
+/// Refuses what lies below the horizon, or the Earth's limb, at any time of the exposure.
+pub fn above_the_horizon(what: &str, exposure: &Exposure, prepared: &Prepared) -> anyhow::Result<()> {
     let viewpoint = prepared.sky.viewpoint();
     let altitudes_rad = lowest_altitudes_rad(&[exposure], viewpoint, &prepared.eop);
     match altitudes_rad.first() {
         Some(altitude_rad) if *altitude_rad < 0.0 => Err(anyhow!(
-            "the pointing is below {} of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
+            "the {what} is below {} of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
             viewpoint.border_name(),
             viewpoint.name(),
             format_utc(exposure.start, 0),

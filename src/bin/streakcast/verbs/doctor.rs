@@ -1,0 +1,248 @@
+//! `doctor`: what would be wrong tonight, and what to do.
+
+use std::path::Path;
+use std::time::SystemTime;
+
+use anyhow::anyhow;
+use hifitime::Epoch;
+use serde_json::json;
+use streakcast::frames::seconds_between;
+use streakcast::setup::{AgeBin, ElementState, Finding, Health, Setup, Severity, finding_table, parse_moment};
+use streakcast::table::{Column, Kind, Provenance, Section, Table, Value, format_utc};
+
+use super::judged::begin;
+use crate::cache::{FetchRecord, cache_folder, records_in};
+use crate::doctor_arguments::DoctorArguments;
+use crate::failure::Outcome;
+use crate::output::{Answer, Output};
+use crate::screen::Style;
+
+/// The longest bar of the histogram, characters.
+const BAR: usize = 40;
+/// A cached file older than this is worth a word, days.
+const STALE_DAYS: f64 = 3.0;
+
+pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
+    let setup = typed.shared.setup(Setup::default())?;
+    let format = typed.output.format.as_deref().or(setup.format.as_deref());
+    // A page of text is the answer, on a terminal or not; the other formats where they are asked for.
+    let is_text = format.is_none_or(|format| format == "table" || format == "text");
+    let output = Output::new(if is_text { Some("table") } else { format }, typed.output.output.clone())?;
+    begin(&setup)?;
+    let now = match &typed.now {
+        Some(now) => parse_moment(now, setup.time_scale()?)?,
+        None => machine_time(),
+    };
+    let mut health = setup.health(now);
+    let folder = cache_folder(typed.cache.as_deref()).ok();
+    let cached = folder.as_deref().map(records_in).unwrap_or_default();
+    health.findings.extend(cache_findings(folder.as_deref(), typed.cache.is_some(), &cached, now));
+    health.findings.sort_by_key(|finding| std::cmp::Reverse(finding.severity));
+    let findings = finding_table(&health.findings);
+    if is_text {
+        output.write_text(&page(&health, &cached, now))?;
+    } else {
+        let mut provenance = Provenance::new();
+        provenance.state("now_utc", format_utc(now, 0));
+        provenance.state("worst", health.worst().name());
+        provenance.state(
+            "elements",
+            health
+                .sources
+                .iter()
+                .map(|source| json!({"file": source.name.as_ref(), "sha256": source.sha256, "format": source.format.to_string()}))
+                .collect::<Vec<_>>(),
+        );
+        let state = health.elements.clone().unwrap_or_default();
+        output.write(&Answer {
+            sections: vec![
+                Section { name: "findings", table: &findings },
+                Section { name: "element_ages", table: &age_table(&state) },
+                Section { name: "models", table: &kind_table(&state) },
+                Section { name: "unmatched", table: &unmatched_table(&state) },
+                Section { name: "cache", table: &cache_table(&cached) },
+            ],
+            main: &findings,
+            provenance: &provenance,
+            style: Style { columns: &[], bold_row: None },
+        })?;
+    }
+    let count = |severity| health.findings.iter().filter(|finding| finding.severity == severity).count();
+    match health.worst() {
+        Severity::Error => Err(anyhow!("{} of {} findings are errors", count(Severity::Error), health.findings.len())),
+        Severity::Warning if typed.strict => Ok(Outcome::No),
+        _ => Ok(Outcome::Done),
+    }
+}
+
+fn machine_time() -> Epoch {
+    let since_1970 = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap_or_default();
+    Epoch::from_unix_seconds(since_1970.as_secs_f64())
+}
+
+fn cache_findings(
+    folder: Option<&Path>,
+    is_said: bool,
+    cached: &[(std::path::PathBuf, FetchRecord)],
+    now: Epoch,
+) -> Vec<Finding> {
+    const SUBJECT: &str = "cache";
+    let Some(folder) = folder else {
+        let finding = "this system has no folder for caches";
+        return vec![Finding::new(Severity::Note, SUBJECT, finding, "say --cache FOLDER")];
+    };
+    if cached.is_empty() {
+        let finding = format!("nothing fetched in {}", folder.display());
+        let severity = if is_said { Severity::Note } else { Severity::Fine };
+        return vec![Finding::new(severity, SUBJECT, finding, "streakcast fetch celestrak --group active")];
+    }
+    let mut found = Vec::new();
+    for (file, record) in cached {
+        let name = file.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        let answer = record.answer.as_deref().unwrap_or_default();
+        let asked = record.asked_utc.as_deref().unwrap_or("an unknown time");
+        if !(answer == "200 OK" || answer.starts_with("304")) {
+            let remedy = "see what it says; streakcast fetch asks again when the wait is over";
+            let finding = format!("{name}: {} answered at {asked}: {answer}", record.source);
+            found.push(Finding::new(Severity::Warning, SUBJECT, finding, remedy));
+        }
+        match (file.is_file(), record.fetched_utc.as_deref().and_then(|time| parse_moment(time, None).ok())) {
+            (false, Some(_)) => {
+                let finding = format!("{name} was fetched and is gone");
+                found.push(Finding::new(Severity::Warning, SUBJECT, finding, "fetch it again"));
+            }
+            (true, Some(fetched)) => {
+                let days = seconds_between(fetched, now) / 86_400.0;
+                let finding = format!("{name}: {} records, fetched {days:.1} days ago", record.records.unwrap_or(0));
+                found.push(if days > STALE_DAYS {
+                    Finding::new(Severity::Note, SUBJECT, finding, "fetch it again before the night")
+                } else {
+                    Finding::fine(SUBJECT, finding)
+                });
+            }
+            _ => {}
+        }
+    }
+    found
+}
+
+/// The page: findings by severity, then the histogram and the kinds.
+fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoch) -> String {
+    let mut page = format!("What would be wrong at {}\n\n", format_utc(now, 0));
+    for finding in &health.findings {
+        page += &format!("{:<8} {}: {}\n", finding.severity.name(), finding.subject, finding.finding);
+        if !finding.remedy.is_empty() && finding.severity > Severity::Fine {
+            page += &format!("         -> {}\n", finding.remedy);
+        }
+    }
+    if let Some(state) = &health.elements {
+        page += "\nAge of the element sets\n";
+        let most = state.ages.iter().map(|bin| bin.count).max().unwrap_or(0).max(1);
+        for bin in &state.ages {
+            // A bar of one character at least where there is one.
+            let length = (bin.count * BAR).div_ceil(most);
+            page += format!("{:>14} {:>7} {}\n", label(bin), bin.count, "#".repeat(length)).as_str();
+        }
+        page += "\nSatellites by model\n";
+        for (kind, count) in &state.kinds {
+            page += &format!("{:>24} {count:>7}\n", kind.name());
+        }
+        for one in state.unmatched.iter().take(10) {
+            let name = if one.prefix.is_empty() { "(no name)" } else { &one.prefix };
+            page += &format!("{name:>24} {:>7}  no model of its own\n", one.count);
+        }
+        let rest: usize = state.unmatched.iter().skip(10).map(|one| one.count).sum();
+        if rest > 0 {
+            page += &format!("{:>24} {rest:>7}  no model of their own\n", "others");
+        }
+    }
+    if !cached.is_empty() {
+        page += "\nFetched\n";
+        for (file, record) in cached {
+            let fetched = record.fetched_utc.as_deref().unwrap_or("never");
+            page += &format!(
+                "{}  fetched {fetched}, not asked again before {}\n",
+                file.display(),
+                record.not_before_utc.as_deref().unwrap_or("now")
+            );
+        }
+    }
+    page.lines().map(|line| line.trim_end().to_owned() + "\n").collect()
+}
+
+fn label(bin: &AgeBin) -> String {
+    if bin.from_days.is_infinite() {
+        "future".to_owned()
+    } else if bin.to_days.is_infinite() {
+        format!("{} d and more", bin.from_days)
+    } else {
+        format!("{} to {} d", bin.from_days, bin.to_days)
+    }
+}
+
+fn age_table(state: &ElementState) -> Table {
+    let border = |days: f64| Some(days).filter(|days| days.is_finite());
+    Table {
+        columns: vec![
+            Column::real("from_days", "d", 1, "Least age; empty for sets from the future."),
+            Column::real("to_days", "d", 1, "Ages below this; empty for the oldest."),
+            Column::new("count", Kind::Integer, "Element sets."),
+        ],
+        rows: state
+            .ages
+            .iter()
+            .map(|bin| vec![border(bin.from_days).into(), border(bin.to_days).into(), bin.count.into()])
+            .collect(),
+    }
+}
+
+fn kind_table(state: &ElementState) -> Table {
+    Table {
+        columns: vec![
+            Column::new("generation", Kind::Text, "Kind of satellite."),
+            Column::new("count", Kind::Integer, "Satellites."),
+        ],
+        rows: state.kinds.iter().map(|(kind, count)| vec![kind.name().into(), (*count).into()]).collect(),
+    }
+}
+
+fn unmatched_table(state: &ElementState) -> Table {
+    Table {
+        columns: vec![
+            Column::new("prefix", Kind::Text, "What their names begin with; empty for none."),
+            Column::new("count", Kind::Integer, "Satellites that have the model of anything."),
+        ],
+        rows: state.unmatched.iter().map(|one| vec![one.prefix.as_str().into(), one.count.into()]).collect(),
+    }
+}
+
+fn cache_table(cached: &[(std::path::PathBuf, FetchRecord)]) -> Table {
+    let text = |text: &Option<String>| -> Value { text.as_deref().into() };
+    Table {
+        columns: vec![
+            Column::new("file", Kind::Text, "The cached file."),
+            Column::new("source", Kind::Text, "Where it came from."),
+            Column::new("url", Kind::Text, "The address."),
+            Column::new("fetched_utc", Kind::Text, "When it came."),
+            Column::new("sha256", Kind::Text, "Its hash."),
+            Column::new("records", Kind::Integer, "Good records in it."),
+            Column::new("answer", Kind::Text, "What its source last said."),
+            Column::new("not_before_utc", Kind::Text, "Its source is not asked again before."),
+        ],
+        rows: cached
+            .iter()
+            .map(|(file, record)| {
+                vec![
+                    file.display().to_string().into(),
+                    record.source.as_str().into(),
+                    record.url.as_str().into(),
+                    text(&record.fetched_utc),
+                    text(&record.sha256),
+                    record.records.map_or(Value::Null, Into::into),
+                    text(&record.answer),
+                    text(&record.not_before_utc),
+                ]
+            })
+            .collect(),
+    }
+}

@@ -1,0 +1,145 @@
+//! The network: one question, one answer, no second try.
+
+use std::time::Duration;
+
+use ureq::http::Response;
+use ureq::{Agent, Body};
+
+use super::credentials::Credentials;
+use super::sources::{Login, Wanted};
+use super::verify::first_words;
+
+/// What a refusal says is read this far, bytes.
+const REFUSAL_BYTES: u64 = 2_000;
+
+/// How the question is put.
+pub struct Manner {
+    pub timeout: Duration,
+    pub max_bytes: u64,
+    /// Addresses without TLS are taken: for tests alone.
+    pub plain: bool,
+}
+
+/// What the cached file came with.
+#[derive(Default)]
+pub struct Known {
+    pub etag: Option<String>,
+    pub last_modified: Option<String>,
+}
+
+/// What came of it.
+pub enum Answer {
+    Came {
+        bytes: Vec<u8>,
+        known: Known,
+    },
+    NotModified,
+    /// Anything else: a status, no connection, half an answer, in words.
+    Refused(String),
+}
+
+/// Asks once. Redirects are not followed: a source that has moved is for its user to know.
+pub fn ask(wanted: &Wanted, manner: &Manner, known: &Known, credentials: Option<&Credentials>) -> Answer {
+    let agent: Agent = Agent::config_builder()
+        .timeout_global(Some(manner.timeout))
+        .max_redirects(0)
+        .max_redirects_will_error(false)
+        .http_status_as_error(false)
+        .https_only(!manner.plain)
+        .user_agent(concat!("streakcast/", env!("CARGO_PKG_VERSION")))
+        .build()
+        .into();
+    let cookie = match (&wanted.login, credentials) {
+        (Some(login), Some(credentials)) => match log_in(&agent, login, credentials) {
+            Ok(cookie) => Some(cookie),
+            Err(words) => return Answer::Refused(words),
+        },
+        _ => None,
+    };
+    let answer = question(&agent, &wanted.url, manner, known, cookie.as_deref());
+    if let (Some(login), Some(cookie)) = (&wanted.login, &cookie) {
+        // A session left open is no harm: what came counts.
+        let _ = agent.get(&login.logout_url).header("Cookie", cookie).call();
+    }
+    answer
+}
+
+fn question(agent: &Agent, url: &str, manner: &Manner, known: &Known, cookie: Option<&str>) -> Answer {
+    let mut request = agent.get(url);
+    for (name, value) in [
+        ("If-None-Match", known.etag.as_deref()),
+        ("If-Modified-Since", known.last_modified.as_deref()),
+        ("Cookie", cookie),
+    ] {
+        if let Some(value) = value {
+            request = request.header(name, value);
+        }
+    }
+    let response = match request.call() {
+        Ok(response) => response,
+        Err(error) => return Answer::Refused(format!("no answer: {error}")),
+    };
+    match response.status().as_u16() {
+        200 => came(response, manner.max_bytes),
+        304 if known.etag.is_some() || known.last_modified.is_some() => Answer::NotModified,
+        _ => Answer::Refused(refusal(response)),
+    }
+}
+
+fn came(mut response: Response<Body>, max_bytes: u64) -> Answer {
+    let known = Known { etag: header(&response, "etag"), last_modified: header(&response, "last-modified") };
+    // One byte more than is taken tells that there is more; a body shorter than its Content-Length is an error of its own.
+    match response.body_mut().with_config().limit(max_bytes.saturating_add(1)).read_to_vec() {
+        Ok(bytes) if bytes.len() as u64 > max_bytes => {
+            Answer::Refused(format!("200, with more than the {max_bytes} bytes that are taken"))
+        }
+        Ok(bytes) => Answer::Came { bytes, known },
+        Err(ureq::Error::BodyExceedsLimit(_)) => {
+            Answer::Refused(format!("200, with more than the {max_bytes} bytes that are taken"))
+        }
+        Err(error) => Answer::Refused(format!("200, and the answer broke off: {error}")),
+    }
+}
+
+/// Status, where it points to, and the first words of what it says.
+fn refusal(mut response: Response<Body>) -> String {
+    let status = response.status();
+    let mut words =
+        format!("{} {}", status.as_u16(), status.canonical_reason().unwrap_or_default()).trim_end().to_owned();
+    if let Some(place) = header(&response, "location") {
+        words += &format!(" to {place} (not followed)");
+    }
+    if let Ok(bytes) = response.body_mut().with_config().limit(REFUSAL_BYTES).read_to_vec()
+        && !bytes.is_empty()
+    {
+        words += &format!("; {}", first_words(&bytes));
+    }
+    words
+}
+
+fn header(response: &Response<Body>, name: &str) -> Option<String> {
+    // What cannot be said again in a request is not kept.
+    response.headers().get(name)?.to_str().ok().map(str::to_owned)
+}
+
+/// Space-Track's session: a cookie against user name and password. A wrong password is answered with 200 too.
+fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<String, String> {
+    let form = [("identity", credentials.identity.as_str()), ("password", credentials.password.as_str())];
+    let response =
+        agent.post(&login.login_url).send_form(form).map_err(|error| format!("no answer to the login: {error}"))?;
+    if response.status().as_u16() != 200 {
+        return Err(format!("login: {}", refusal(response)));
+    }
+    let cookies: Vec<String> = response
+        .headers()
+        .get_all("set-cookie")
+        .iter()
+        .filter_map(|cookie| cookie.to_str().ok()?.split(';').next().map(str::to_owned))
+        .collect();
+    let mut response = response;
+    let said = response.body_mut().with_config().limit(REFUSAL_BYTES).read_to_string().unwrap_or_default();
+    if said.to_ascii_lowercase().contains("failed") {
+        return Err("login: the account was refused (user name or password)".to_owned());
+    }
+    if cookies.is_empty() { Err("login: no session came of it".to_owned()) } else { Ok(cookies.join("; ")) }
+}

@@ -1,0 +1,12 @@
+//! `fetch`: element sets from their sources into a cache, politely: asked for by name, at most once in the time that the source wants, never again after
+//! a refusal before that time is over, and nothing replaced but by what has been read as element sets.
+//!
+//! `sources` knows the addresses, `ask` the network, `verify` what came, `run` the order of things.
+
+mod ask;
+mod credentials;
+mod run;
+mod sources;
+mod verify;
+
+pub use run::run;

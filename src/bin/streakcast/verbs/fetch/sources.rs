@@ -1,0 +1,127 @@
+//! The sources: addresses, what they ask of their users, and how often.
+
+use anyhow::anyhow;
+use hifitime::{Epoch, TimeScale};
+use streakcast::setup::parse_moment;
+
+use crate::fetch_arguments::{CommonFetchArguments, FetchSource};
+
+/// CelesTrak looks for new data every two hours, and answers 403 to who asks for the same data again before.
+const CELESTRAK_WAIT_S: f64 = 7_200.0;
+/// Space-Track: element sets once an hour. The same for SatChecker, which names no time.
+const WAIT_S: f64 = 3_600.0;
+
+/// One set of elements at one source.
+pub struct Wanted {
+    /// Of the source, in outputs.
+    pub source: &'static str,
+    /// File name in the cache.
+    pub file: String,
+    pub url: String,
+    /// Where Space-Track's users log in and out.
+    pub login: Option<Login>,
+    /// What the source asks of its users.
+    pub policy: &'static str,
+    /// The same set is not asked for again before, seconds.
+    pub wait_s: f64,
+}
+
+pub struct Login {
+    pub login_url: String,
+    pub logout_url: String,
+}
+
+impl FetchSource {
+    pub fn common(&self) -> &CommonFetchArguments {
+        match self {
+            FetchSource::Celestrak(typed) => &typed.common,
+            FetchSource::Supgp(typed) => &typed.common,
+            FetchSource::SpaceTrack(typed) => &typed.common,
+            FetchSource::Satchecker(typed) => &typed.common,
+        }
+    }
+
+    pub fn wanted(&self) -> anyhow::Result<Wanted> {
+        let base = |own: &str| {
+            let base = self.common().base_url.as_deref().unwrap_or(own);
+            base.trim_end_matches('/').to_owned()
+        };
+        Ok(match self {
+            FetchSource::Celestrak(typed) => {
+                let (group, format) = (plain("group", &typed.group)?, typed.elements_format.name());
+                Wanted {
+                    source: "CelesTrak",
+                    file: format!("celestrak-{group}.{format}"),
+                    url: format!(
+                        "{}/NORAD/elements/gp.php?GROUP={group}&FORMAT={format}",
+                        base("https://celestrak.org")
+                    ),
+                    login: None,
+                    policy: "https://celestrak.org/usage-policy.php",
+                    wait_s: CELESTRAK_WAIT_S,
+                }
+            }
+            FetchSource::Supgp(typed) => {
+                let (file, format) = (plain("file", &typed.file)?, typed.elements_format.name());
+                let base = base("https://celestrak.org");
+                Wanted {
+                    source: "CelesTrak SupGP",
+                    file: format!("supgp-{file}.{format}"),
+                    url: format!("{base}/NORAD/elements/supplemental/sup-gp.php?FILE={file}&FORMAT={format}"),
+                    login: None,
+                    policy: "https://celestrak.org/usage-policy.php",
+                    wait_s: CELESTRAK_WAIT_S,
+                }
+            }
+            FetchSource::SpaceTrack(_) => {
+                let base = base("https://www.space-track.org");
+                Wanted {
+                    source: "Space-Track",
+                    file: "space-track-gp.csv".to_owned(),
+                    // The query that Space-Track itself recommends for the newest element set of all that is in orbit.
+                    url: format!(
+                        "{base}/basicspacedata/query/class/gp/decay_date/null-val/epoch/%3Enow-30/orderby/norad_cat_id/format/csv"
+                    ),
+                    login: Some(Login {
+                        login_url: format!("{base}/ajaxauth/login"),
+                        logout_url: format!("{base}/ajaxauth/logout"),
+                    }),
+                    policy: "https://www.space-track.org/documentation#/user_agree",
+                    wait_s: WAIT_S,
+                }
+            }
+            FetchSource::Satchecker(typed) => {
+                let julian_date = julian_date(parse_moment(&typed.epoch, None)?);
+                let base = base("https://satchecker.cps.iau.org");
+                Wanted {
+                    source: "SatChecker",
+                    file: format!("satchecker-{julian_date}.tle"),
+                    url: format!("{base}/tools/tles-at-epoch/?epoch={julian_date}&format=txt"),
+                    login: None,
+                    policy: "https://satchecker.readthedocs.io",
+                    wait_s: WAIT_S,
+                }
+            }
+        })
+    }
+}
+
+/// Julian date (UTC) to a minute: sets of one hour are the same, and so is their file.
+fn julian_date(epoch: Epoch) -> String {
+    let days = epoch.to_time_scale(TimeScale::UTC).to_jde_utc_days();
+    format!("{:.4}", (days * 24.0).round() / 24.0)
+}
+
+/// A name that stands in an address and in a file name as it is.
+fn plain<'a>(what: &str, name: &'a str) -> anyhow::Result<&'a str> {
+    let is_plain = !name.is_empty()
+        && name.len() <= 64
+        && name.bytes().all(|byte| byte.is_ascii_alphanumeric() || byte == b'-' || byte == b'_');
+    if is_plain {
+        Ok(name)
+    } else {
+        Err(anyhow!(
+            "{what} '{name}'; allowed: 1 to 64 letters, digits, - and _, as the source lists it (starlink, active)"
+        ))
+    }
+}

@@ -1,0 +1,74 @@
+//! Whether what came is element sets.
+
+use anyhow::anyhow;
+use streakcast::catalogue::{Catalogue, Keep, ReadOptions, SourceFile};
+
+/// Records that may be bad, as a share: more, and the file is damaged.
+const MOST_REJECTED: f64 = 0.01;
+/// A file with fewer records than this share of the one before has lost some.
+const LEAST_SHARE: f64 = 0.5;
+
+/// Reads the bytes as element sets; says what they are instead.
+///
+/// # Errors
+/// An error page, a sentence of the source, a file cut off within a record, or one that has lost more than half of its records.
+pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: bool) -> anyhow::Result<SourceFile> {
+    let options = ReadOptions { keep: Keep::All, ..ReadOptions::default() };
+    let catalogue = Catalogue::from_bytes(name, bytes, &options)
+        .map_err(|error| anyhow!("what came is no element sets ({}); {error}", first_words(bytes)))?;
+    let source = catalogue.sources.into_iter().next().ok_or_else(|| anyhow!("nothing came"))?;
+    let all = source.records + source.rejected;
+    // The last record of a file that was cut off is broken, whatever the share of the others.
+    let last_line = bytes.split(|byte| *byte == b'\n').count();
+    let is_cut = catalogue.rejected.last().is_some_and(|rejected| rejected.line + 3 >= last_line);
+    if source.rejected as f64 > MOST_REJECTED * all as f64 || is_cut {
+        let first = catalogue.rejected.first().map(ToString::to_string).unwrap_or_default();
+        return Err(anyhow!(
+            "what came is damaged: {} of {all} records cannot be read, the first: {first}",
+            source.rejected
+        ));
+    }
+    if let Some(before) = before
+        && !accept_fewer
+        && (source.records as f64) < LEAST_SHARE * before as f64
+    {
+        return Err(anyhow!(
+            "what came has {} records where there were {before}: more than half are missing (--accept-fewer takes it)",
+            source.records
+        ));
+    }
+    Ok(source)
+}
+
+/// The beginning of an answer, for an error on one line.
+pub fn first_words(bytes: &[u8]) -> String {
+    let text = String::from_utf8_lossy(&bytes[..bytes.len().min(400)]);
+    let words: Vec<&str> = text.split_whitespace().collect();
+    let mut line: String = words.join(" ").chars().filter(|character| !character.is_control()).take(120).collect();
+    if line.is_empty() {
+        line = "nothing".to_owned();
+    }
+    format!("it begins: {line}")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const PAIR: &str = "ISS (ZARYA)\n\
+        1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999\n\
+        2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097\n";
+
+    #[test]
+    fn only_whole_element_sets_pass() {
+        assert_eq!(verify("a", PAIR.as_bytes(), None, false).unwrap().records, 1);
+        let said = |bytes: &[u8], before| verify("a", bytes, before, false).unwrap_err().to_string();
+        assert!(said(b"<!DOCTYPE html><html>Forbidden</html>", None).contains("it begins: <!DOCTYPE html>"));
+        assert!(said(b"No GP data found", None).contains("it begins: No GP data found"));
+        assert!(said(b"", None).contains("nothing"));
+        let cut = PAIR.repeat(200) + &PAIR[..60];
+        assert!(said(cut.as_bytes(), None).contains("damaged"), "{}", said(cut.as_bytes(), None));
+        assert!(said(PAIR.as_bytes(), Some(3)).contains("--accept-fewer"));
+        assert!(verify("a", PAIR.as_bytes(), Some(3), true).is_ok());
+    }
+}

@@ -1,0 +1,191 @@
+//! What offsets are worth: χ², and the probability of each candidate.
+//!
+//! Each candidate says how likely the streak is to be where it was found: a product of normal densities of the offsets (delay, across, turn, length). Small
+//! sigmas make a sharp and high one, so that of two candidates equally far in sigmas the one with the younger elements is the likelier. Where the time is an
+//! exposure, the density of delay and distance is integrated over it. Against all of them stands a satellite of which no element set tells: one for ten of
+//! the catalogue, anywhere along any low orbit.
+
+use std::f64::consts::{PI, TAU};
+
+use super::compare::Candidate;
+use super::streak::Timing;
+
+/// Satellites without an element set, for one with: what is classified, new, or left out of a file. An assumption, not a count.
+const UNKNOWN_SHARE: f64 = 0.1;
+/// A low orbit's period, s, and how a way across it at 7,000 km looks from 1,000 km away: densities of a satellite that may be anywhere.
+const PERIOD_S: f64 = 5_700.0;
+const FORESHORTENING: f64 = 1_000.0 / 7_000.0;
+
+/// The sum over an exposure.
+pub(super) struct Within {
+    /// Where the sum of squares is least, from -1 (opening) to 1 (closing), as far as it is free to be.
+    pub at: f64,
+    /// ln ∫₋₁¹ du exp(-½ (square of the pulls at u)).
+    pub log_integral: f64,
+}
+
+/// Pulls (offsets in sigmas) that change linearly from `before` at u = -1 to `after` at u = 1; the least is looked for within ± `free`.
+pub(super) fn within(before: [f64; 2], after: [f64; 2], free: f64) -> Within {
+    // f(u) = Σ (p + q u)² = A u² + 2 B u + C
+    let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
+    for (before, after) in before.into_iter().zip(after) {
+        let (p, q) = (0.5 * (after + before), 0.5 * (after - before));
+        (a, b, c) = (a + q * q, b + p * q, c + p * p);
+    }
+    let square = |u: f64| a * u * u + 2.0 * b * u + c;
+    if a <= 0.0 {
+        return Within { at: 0.0, log_integral: std::f64::consts::LN_2 - 0.5 * c };
+    }
+    let at = (-b / a).clamp(-free, free);
+    // ∫ exp(-f/2) = exp(-½ (C - B²/A)) √(2π/A) [Φ((1 + B/A) √A) - Φ((-1 + B/A) √A)]
+    let root = a.sqrt();
+    let share = normal_between((b / a - 1.0) * root, (b / a + 1.0) * root);
+    let log_integral = if share > 1e-280 {
+        -0.5 * (c - b * b / a) + 0.5 * (TAU / a).ln() + share.ln()
+    } else {
+        // Far outside all lies at one end: exp(-½ f) falls from there by the slope ½ f'.
+        let end = (-b / a).clamp(-1.0, 1.0);
+        -0.5 * square(end) - (a * end + b).abs().ln()
+    };
+    Within { at, log_integral }
+}
+
+/// Φ(high) - Φ(low), without loss in the tails.
+fn normal_between(low: f64, high: f64) -> f64 {
+    let upper = |x: f64| 0.5 * libm::erfc(x / std::f64::consts::SQRT_2);
+    if low > 0.0 { upper(low) - upper(high) } else { upper(-high) - upper(-low) }
+}
+
+/// What one candidate is worth.
+pub(super) struct Weighed {
+    chi_square: f64,
+    terms: u32,
+    log_weight: f64,
+}
+
+impl Weighed {
+    /// `evidence` is ln ∫ dt N(δ) N(x) over an exposure, where the time is one.
+    pub fn of(candidate: &Candidate, timing: Timing, evidence: Option<f64>) -> Self {
+        let log_normal = |offset: super::compare::Offset| -0.5 * offset.square() - (TAU.sqrt() * offset.sigma).ln();
+        let length = candidate.length_rad;
+        let mut squares = vec![candidate.cross_track_rad.square(), candidate.angle_rad.square()];
+        let mut log_weight = log_normal(candidate.angle_rad);
+        if timing == Timing::Within {
+            // These can only be too large: where they are not, they say nothing.
+            squares.extend([candidate.along_track_s.square()].into_iter().filter(|square| *square > 1e-6));
+            squares.extend(length.map(super::compare::Offset::square).filter(|square| *square > 0.0));
+            log_weight += evidence.unwrap_or(0.0) - 0.5 * length.map_or(0.0, super::compare::Offset::square);
+        } else {
+            squares.push(candidate.along_track_s.square());
+            squares.extend(length.map(super::compare::Offset::square));
+            log_weight += log_normal(candidate.cross_track_rad) + log_normal(candidate.along_track_s);
+            log_weight += length.map_or(0.0, log_normal);
+        }
+        Self { chi_square: squares.iter().sum(), terms: squares.len() as u32, log_weight }
+    }
+
+    pub fn put_into(self, candidate: &mut Candidate) {
+        candidate.chi_square = self.chi_square;
+        candidate.terms = self.terms;
+        candidate.p_value = chi_square_survival(self.chi_square, self.terms);
+        candidate.log_weight = self.log_weight;
+    }
+}
+
+/// Logarithm of the weight of all satellites of which no element set tells.
+pub(super) fn log_weight_of_unknown(
+    satellites: usize,
+    timing: Timing,
+    duration_s: f64,
+    length_rad: Option<f64>,
+) -> f64 {
+    let number = (UNKNOWN_SHARE * satellites as f64).max(0.1);
+    // Anywhere along an orbit that may lie anywhere: 1/P in time, ½ the foreshortening across, any turn.
+    let anywhere = number / PERIOD_S * 0.5 * FORESHORTENING;
+    match timing {
+        Timing::Within => (anywhere * duration_s.max(1.0) / PI).ln(),
+        Timing::Whole => (anywhere / PI / length_rad.unwrap_or(1.0)).ln(),
+        Timing::FirstToSecond => (anywhere / TAU / length_rad.unwrap_or(1.0)).ln(),
+    }
+}
+
+/// Fills in the probabilities; returns that of a satellite without elements.
+pub(super) fn share_out(candidates: &mut [Candidate], log_unknown: f64) -> f64 {
+    let greatest = candidates.iter().map(|candidate| candidate.log_weight).fold(log_unknown, f64::max);
+    let unknown = (log_unknown - greatest).exp();
+    let total = unknown + candidates.iter().map(|candidate| (candidate.log_weight - greatest).exp()).sum::<f64>();
+    for candidate in candidates {
+        candidate.probability = (candidate.log_weight - greatest).exp() / total;
+    }
+    unknown / total
+}
+
+/// Probability of a χ² of `terms` squares as large as `chi_square` or larger (Abramowitz & Stegun 26.4.4 and 26.4.5). One for no terms.
+pub fn chi_square_survival(chi_square: f64, terms: u32) -> f64 {
+    if terms == 0 {
+        return 1.0;
+    }
+    let half = 0.5 * chi_square.max(0.0);
+    // Q(χ²|ν+2) = Q(χ²|ν) + (χ²/2)^(ν/2) e^(-χ²/2) / Γ(ν/2 + 1)
+    let (mut q, mut degree, mut term) = if terms.is_multiple_of(2) {
+        ((-half).exp(), 2, half * (-half).exp())
+    } else {
+        (libm::erfc(half.sqrt()), 1, 2.0 * (half / PI).sqrt() * (-half).exp())
+    };
+    while degree < terms {
+        q += term;
+        degree += 2;
+        term *= half / (0.5 * f64::from(degree));
+    }
+    q.min(1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Table 26.8 of Abramowitz & Stegun: χ² that is exceeded with the probability at the head.
+    #[test]
+    fn valid_chi_square_against_abramowitz_and_stegun() {
+        for (terms, at_5_percent, at_01_percent) in [
+            (1, 3.84146, 10.828),
+            (2, 5.99147, 13.816),
+            (3, 7.81473, 16.266),
+            (4, 9.48773, 18.467),
+            (5, 11.0705, 20.515),
+        ] {
+            // Five digits of χ² are good to 3e-6 of the probability.
+            assert!((chi_square_survival(at_5_percent, terms) - 0.05).abs() < 3e-6, "{terms}");
+            assert!((chi_square_survival(at_01_percent, terms) - 0.001).abs() < 1e-6, "{terms}");
+            assert_eq!(chi_square_survival(0.0, terms), 1.0);
+        }
+    }
+
+    /// The closed integral against a sum, inside and far outside of the exposure.
+    #[test]
+    fn verif_integral_over_the_exposure() {
+        for (before, after) in [
+            ([-3.0, 0.5], [5.0, 1.5]),
+            ([2.0, -1.0], [9.0, 1.0]),
+            ([-0.1, 0.0], [0.1, 0.0]),
+            ([30.0, 4.0], [50.0, 4.0]),
+        ] {
+            let square = |u: f64| {
+                (0..2).map(|one| (0.5 * (before[one] * (1.0 - u) + after[one] * (1.0 + u))).powi(2)).sum::<f64>()
+            };
+            let answer = within(before, after, 1.0);
+            let steps = 200_000;
+            let step = 2.0 / f64::from(steps);
+            let least = square(answer.at);
+            let sum: f64 =
+                (0..steps).map(|one| (-0.5 * (square(-1.0 + step * (f64::from(one) + 0.5)) - least)).exp()).sum();
+            let expected = (sum * step).ln() - 0.5 * least;
+            assert!((answer.log_integral - expected).abs() < 1e-6, "{before:?}: {} {expected}", answer.log_integral);
+            assert!((-100..=100).all(|u| square(f64::from(u) / 100.0) >= least - 1e-9));
+        }
+        // Far out the integral is that of a slope: good to its second order.
+        let far = within([60.0, 0.0], [100.0, 0.0], 1.0);
+        assert!((far.log_integral - (-1800.0 - (60.0_f64 * 20.0).ln())).abs() < 0.2, "{}", far.log_integral);
+        assert!(within([400.0, 0.0], [410.0, 3.0], 0.2).at == -0.2);
+    }
+}

@@ -1,0 +1,271 @@
+//! A streak as it was measured: a line on the sky, and when the shutter was open.
+
+use hifitime::Epoch;
+use nalgebra::Vector3;
+
+use super::error::IdentifyError;
+use crate::frames::{Direction, Gcrs};
+
+/// What is known of the time at which the satellite was where.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum Timing {
+    /// At the first end when the time began and at the second when it ended: the direction of motion is known.
+    FirstToSecond,
+    /// The whole streak is there: its ends are at shutter opening and closing, which is which is not known.
+    Whole,
+    /// Somewhere along the streak at some moment of the exposure: the ends may be those of the frame.
+    Within,
+}
+
+impl Timing {
+    /// Its name in outputs.
+    pub fn name(self) -> &'static str {
+        match self {
+            Timing::FirstToSecond => "first end to second",
+            Timing::Whole => "whole streak",
+            Timing::Within => "within the exposure",
+        }
+    }
+}
+
+/// A measured streak with its errors. Places are ICRS astrometric.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MeasuredStreak {
+    place: Direction<Gcrs>,
+    position_angle_rad: f64,
+    length_rad: Option<f64>,
+    start: Epoch,
+    duration_s: f64,
+    timing: Timing,
+    place_sigma_rad: f64,
+    time_sigma_s: f64,
+    angle_sigma_rad: f64,
+    by_ends: bool,
+}
+
+/// Ends nearer to one another make no line, radians: 0.01 arcsec.
+const LEAST_LENGTH_RAD: f64 = 4.8e-8;
+/// A longer streak is not one great circle, radians.
+const LONGEST_RAD: f64 = 2.0;
+/// No angle is known better, radians: what curvature and distortions leave.
+const LEAST_ANGLE_SIGMA_RAD: f64 = 1e-5;
+
+impl MeasuredStreak {
+    /// From two ends. The errors are one sigma of either end in any direction (radians) and of all times together (seconds).
+    ///
+    /// # Errors
+    /// [`IdentifyError`]: ends at one place or more than 115° apart, errors that are no positive numbers, a length of the time that does not fit the timing.
+    pub fn from_ends(
+        ends: [Direction<Gcrs>; 2],
+        (start, duration_s): (Epoch, f64),
+        timing: Timing,
+        place_sigma_rad: f64,
+        time_sigma_s: f64,
+    ) -> Result<Self, IdentifyError> {
+        let length_rad = ends[0].separation_rad(&ends[1]);
+        if length_rad.is_nan() || length_rad < LEAST_LENGTH_RAD {
+            return Err(IdentifyError::NoLine { separation_arcsec: length_rad.to_degrees() * 3600.0 });
+        }
+        if length_rad > LONGEST_RAD {
+            return Err(value("length of the streak", length_rad.to_degrees(), "deg", "at most 114 deg"));
+        }
+        let place = Direction::from_vector((ends[0].vector() + ends[1].vector()).normalize());
+        let streak = Self {
+            place,
+            position_angle_rad: place.position_angle_rad(&ends[1]),
+            length_rad: Some(length_rad),
+            start,
+            duration_s,
+            timing,
+            place_sigma_rad,
+            time_sigma_s,
+            // Two ends, each off by σ at right angles to the line.
+            angle_sigma_rad: (std::f64::consts::SQRT_2 * place_sigma_rad / length_rad).max(LEAST_ANGLE_SIGMA_RAD),
+            by_ends: true,
+        };
+        streak.checked()
+    }
+
+    /// From a place in the middle of the streak, the position angle of the line there (north through east, either of its two directions) with one sigma,
+    /// radians, and its length where that is known.
+    ///
+    /// # Errors
+    /// As [`MeasuredStreak::from_ends`]; the whole streak without a length, or a direction of motion, which an angle of a line does not tell.
+    pub fn from_place(
+        place: Direction<Gcrs>,
+        (position_angle_rad, angle_sigma_rad): (f64, f64),
+        length_rad: Option<f64>,
+        (start, duration_s): (Epoch, f64),
+        timing: Timing,
+        place_sigma_rad: f64,
+        time_sigma_s: f64,
+    ) -> Result<Self, IdentifyError> {
+        if !(position_angle_rad.is_finite() && position_angle_rad.abs() <= std::f64::consts::TAU) {
+            return Err(value("position angle", position_angle_rad.to_degrees(), "deg", "-360 to 360 deg"));
+        }
+        if let Some(length_rad) = length_rad
+            && !(LEAST_LENGTH_RAD..=LONGEST_RAD).contains(&length_rad)
+        {
+            return Err(value("length of the streak", length_rad.to_degrees(), "deg", "above 0, at most 114 deg"));
+        }
+        if timing == Timing::FirstToSecond {
+            return Err(IdentifyError::Value {
+                what: "timing",
+                given: timing.name().to_owned(),
+                allowed: "two ends; a position angle does not tell which of them was first",
+            });
+        }
+        if timing == Timing::Whole && length_rad.is_none() {
+            return Err(IdentifyError::Value {
+                what: "timing",
+                given: timing.name().to_owned(),
+                allowed: "a streak of known length",
+            });
+        }
+        let angle_sigma_rad = angle_sigma_rad.max(LEAST_ANGLE_SIGMA_RAD);
+        let streak = Self {
+            place,
+            position_angle_rad: position_angle_rad.rem_euclid(std::f64::consts::TAU),
+            length_rad,
+            start,
+            duration_s,
+            timing,
+            place_sigma_rad,
+            time_sigma_s,
+            angle_sigma_rad,
+            by_ends: false,
+        };
+        streak.checked()
+    }
+
+    fn checked(self) -> Result<Self, IdentifyError> {
+        let is_instant_enough = self.timing == Timing::Within;
+        if !self.duration_s.is_finite() || self.duration_s < 0.0 || (self.duration_s == 0.0 && !is_instant_enough) {
+            let allowed =
+                if is_instant_enough { "0 s or more" } else { "above 0 s; the ends were not reached at one moment" };
+            return Err(value("length of the exposure", self.duration_s, "s", allowed));
+        }
+        for (what, sigma, unit, allowed) in [
+            ("error of the place", self.place_sigma_rad.to_degrees() * 3600.0, "arcsec", "above 0 arcsec"),
+            ("error of the time", self.time_sigma_s, "s", "above 0 s"),
+            ("error of the angle", self.angle_sigma_rad.to_degrees(), "deg", "above 0 deg"),
+        ] {
+            if !(sigma > 0.0 && sigma.is_finite()) {
+                return Err(value(what, sigma, unit, allowed));
+            }
+        }
+        Ok(self)
+    }
+
+    /// The middle of the streak.
+    pub fn place(&self) -> Direction<Gcrs> {
+        self.place
+    }
+
+    /// Position angle of the line at the middle, towards the second end, from north through east, [0, 2π), radians.
+    pub fn position_angle_rad(&self) -> f64 {
+        self.position_angle_rad
+    }
+
+    /// Its length, radians.
+    pub fn length_rad(&self) -> Option<f64> {
+        self.length_rad
+    }
+
+    /// Both ends, where the length is known.
+    pub fn ends(&self) -> Option<[Direction<Gcrs>; 2]> {
+        let half_rad = 0.5 * self.length_rad?;
+        let (east, north) = self.place.east_north();
+        let along: Vector3<f64> = east * self.position_angle_rad.sin() + north * self.position_angle_rad.cos();
+        Some([-half_rad, half_rad].map(|way_rad: f64| {
+            Direction::from_vector((self.place.vector() * way_rad.cos() + along * way_rad.sin()).normalize())
+        }))
+    }
+
+    /// True where its ends were measured, not its middle and angle: a curved track then meets the ends.
+    pub fn is_by_ends(&self) -> bool {
+        self.by_ends
+    }
+
+    /// When the time began.
+    pub fn start(&self) -> Epoch {
+        self.start
+    }
+
+    /// How long it was, seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    /// What is known of the times along the streak.
+    pub fn timing(&self) -> Timing {
+        self.timing
+    }
+
+    /// One sigma of either end in any direction, radians.
+    pub fn place_sigma_rad(&self) -> f64 {
+        self.place_sigma_rad
+    }
+
+    /// One sigma of all times together, seconds.
+    pub fn time_sigma_s(&self) -> f64 {
+        self.time_sigma_s
+    }
+
+    /// One sigma of the position angle, radians.
+    pub fn angle_sigma_rad(&self) -> f64 {
+        self.angle_sigma_rad
+    }
+}
+
+fn value(what: &'static str, given: f64, unit: &str, allowed: &'static str) -> IdentifyError {
+    IdentifyError::Value { what, given: format!("{given} {unit}"), allowed }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(ra_deg: f64, dec_deg: f64) -> Direction<Gcrs> {
+        Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians())
+    }
+
+    fn time() -> (Epoch, f64) {
+        (Epoch::from_gregorian_utc_at_midnight(2024, 8, 14), 30.0)
+    }
+
+    #[test]
+    fn verif_ends_come_back() {
+        let ends = [at(188.0, -30.0), at(190.0, -29.0)];
+        let streak = MeasuredStreak::from_ends(ends, time(), Timing::Within, 1e-5, 0.5).unwrap();
+        let back = streak.ends().unwrap();
+        assert!(back[0].separation_rad(&ends[0]) < 1e-12 && back[1].separation_rad(&ends[1]) < 1e-12);
+        let same = MeasuredStreak::from_place(
+            streak.place(),
+            (streak.position_angle_rad(), 0.01),
+            streak.length_rad(),
+            time(),
+            Timing::Whole,
+            1e-5,
+            0.5,
+        );
+        assert!(same.unwrap().ends().unwrap()[1].separation_rad(&ends[1]) < 1e-12);
+    }
+
+    #[test]
+    fn what_is_no_streak_is_refused_in_words() {
+        let ends = |a, b, time, timing| MeasuredStreak::from_ends([a, b], time, timing, 1e-5, 0.5);
+        let said = |answer: Result<MeasuredStreak, IdentifyError>| answer.unwrap_err().to_string();
+        assert!(said(ends(at(1.0, 2.0), at(1.0, 2.0), time(), Timing::Within)).contains("one place"));
+        assert!(said(ends(at(1.0, 2.0), at(150.0, 2.0), time(), Timing::Within)).contains("at most 114 deg"));
+        let instant = (time().0, 0.0);
+        assert!(said(ends(at(1.0, 2.0), at(2.0, 2.0), instant, Timing::FirstToSecond)).contains("above 0 s"));
+        assert!(ends(at(1.0, 2.0), at(2.0, 2.0), instant, Timing::Within).is_ok());
+        let place =
+            |length, timing| MeasuredStreak::from_place(at(1.0, 2.0), (0.3, 0.01), length, time(), timing, 1e-5, 0.5);
+        assert!(said(place(None, Timing::Whole)).contains("known length"));
+        assert!(said(place(Some(0.1), Timing::FirstToSecond)).contains("two ends"));
+        let sigma = MeasuredStreak::from_ends([at(1.0, 2.0), at(2.0, 2.0)], time(), Timing::Within, 1e-5, 0.0);
+        assert!(said(sigma).contains("error of the time 0 s"));
+    }
+}
