@@ -12,6 +12,8 @@ use crate::gate_arguments::GateArguments;
 use crate::inject_arguments::InjectArguments;
 use crate::map_arguments::MapArguments;
 use crate::output::Output;
+#[cfg(feature = "serve")]
+use crate::serve_arguments::ServeArguments;
 use crate::window_arguments::WindowsArguments;
 
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
@@ -41,6 +43,9 @@ pub enum Verb {
     Inject(Box<InjectArguments>),
     /// From photometry to a brightness model
     Fit(Box<FitArguments>),
+    /// A page and an HTTP API on this machine: the schedule's night, and what another start would meet
+    #[cfg(feature = "serve")]
+    Serve(Box<ServeArguments>),
     /// The brightness models: list, show, check
     Model(ModelArguments),
     /// The observatories known by name and MPC code

@@ -11,6 +11,8 @@ mod map_output;
 mod notices;
 mod output;
 mod screen;
+#[cfg(feature = "serve")]
+mod serve_arguments;
 mod verbs;
 mod window_arguments;
 
@@ -36,6 +38,8 @@ fn main() -> ExitCode {
         #[cfg(feature = "fits")]
         Verb::Inject(typed) => verbs::inject::run(*typed),
         Verb::Fit(typed) => verbs::fit::run(*typed),
+        #[cfg(feature = "serve")]
+        Verb::Serve(typed) => verbs::serve::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),
         Verb::Shells(typed) => verbs::shells::run(&typed),
