@@ -43,7 +43,8 @@ fn the_night_is_that_of_flag() {
         assert_eq!(night["provenance"][statement], flags["provenance"][statement], "{statement}");
     }
     // Day at both ends, dark in between.
-    let sun: Vec<f64> = night["sun"].as_array().unwrap().iter().map(|one| one["sun_altitude_deg"].as_f64().unwrap()).collect();
+    let sun: Vec<f64> =
+        night["sun"].as_array().unwrap().iter().map(|one| one["sun_altitude_deg"].as_f64().unwrap()).collect();
     assert!(sun[0] > 30.0 && sun[sun.len() - 1] > 30.0 && sun.iter().copied().fold(90.0, f64::min) < -40.0, "{sun:?}");
     let problem = shared().get("/api/v1/night?night=2026-08-15");
     assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some("night")));
@@ -57,7 +58,8 @@ fn every_exposure_is_that_of_flag_and_passes() {
     let mut crossings = 0;
     for (row, flag) in night["exposures"].as_array().unwrap().iter().zip(flags["flags"].as_array().unwrap()) {
         let text = |name: &str| row[name].as_str().unwrap().to_owned();
-        let (ra, dec, duration) = (row["ra_deg"].to_string(), row["dec_deg"].to_string(), row["duration_s"].to_string());
+        let (ra, dec, duration) =
+            (row["ra_deg"].to_string(), row["dec_deg"].to_string(), row["duration_s"].to_string());
         let target = format!(
             "/api/v1/exposure?start_utc={}&duration_s={duration}&ra_deg={ra}&dec_deg={dec}&band={}&samples=5",
             text("start_utc"),
@@ -73,8 +75,7 @@ fn every_exposure_is_that_of_flag_and_passes() {
         }
         let (start, exposure) = (text("start_utc"), format!("{duration}s"));
         let one = ["--start", &start, "--exposure", &exposure, "--ra", &ra, &format!("--dec={dec}"), "--samples", "5"];
-        let (code, stdout, stderr) =
-            run(&[&["passes"], SHARED, &["--telescope", "rubin", "--format", "json"], &one]);
+        let (code, stdout, stderr) = run(&[&["passes"], SHARED, &["--telescope", "rubin", "--format", "json"], &one]);
         assert!(code < 2, "{stderr}");
         let passes: Value = serde_json::from_str(&stdout).unwrap();
         for section in ["exposures", "passes", "left_out"] {
@@ -96,7 +97,9 @@ fn another_start_and_another_limit_are_what_a_schedule_of_them_says() {
     let flags = command(&[&["flag"], SHARED, &["--telescope", "rubin", "--schedule", &shown, "--limit-mag", "6.62"]]);
     let mut verdicts = BTreeSet::new();
     for (start, flag) in starts.iter().zip(flags["flags"].as_array().unwrap()) {
-        let target = format!("/api/v1/exposure?start_utc=2026-08-14T{start}Z&duration_s=45&ra_deg=198.9&dec_deg=7.7&limit_mag=6.62");
+        let target = format!(
+            "/api/v1/exposure?start_utc=2026-08-14T{start}Z&duration_s=45&ra_deg=198.9&dec_deg=7.7&limit_mag=6.62"
+        );
         let answer = shared().json(&target);
         for key in ["verdict", "n_streaks", "brightest_mag", "next_clear_start_utc", "delay_s", "reasons"] {
             assert_eq!(answer["flags"][0][key], flag[key], "{target}: {key}");
@@ -121,7 +124,10 @@ fn crossings_before_and_after_are_those_of_a_longer_exposure() {
     ]);
     let (around, passes) = (answer["around"].as_array().unwrap(), passes["passes"].as_array().unwrap());
     assert_eq!(around.len(), passes.len());
-    assert!(around.len() > answer["passes"].as_array().unwrap().len(), "the time around it is as empty as the exposure");
+    assert!(
+        around.len() > answer["passes"].as_array().unwrap().len(),
+        "the time around it is as empty as the exposure"
+    );
     for (one, pass) in around.iter().zip(passes) {
         let enter_s = pass["chords"][0]["enter_s"].as_f64().unwrap() - 120.0;
         assert!((one["enter_s"].as_f64().unwrap() - enter_s).abs() < 2e-3, "{one} {pass}");
@@ -147,8 +153,10 @@ fn the_dome_holds_what_crosses_the_field() {
     for pass in exposure["passes"].as_array().unwrap() {
         let found = up.iter().find(|one| one["norad_id"] == pass["norad_id"]).expect("on the dome");
         // Mid of the pass lies between the ends of the track.
-        let altitudes: Vec<f64> = found["track_deg"].as_array().unwrap().iter().map(|place| place[1].as_f64().unwrap()).collect();
-        let (low, high) = altitudes.iter().fold((90.0_f64, -90.0_f64), |(low, high), one| (low.min(*one), high.max(*one)));
+        let altitudes: Vec<f64> =
+            found["track_deg"].as_array().unwrap().iter().map(|place| place[1].as_f64().unwrap()).collect();
+        let (low, high) =
+            altitudes.iter().fold((90.0_f64, -90.0_f64), |(low, high), one| (low.min(*one), high.max(*one)));
         let altitude = pass["altitude_deg"].as_f64().unwrap();
         assert!((low - 2.0..=high + 2.0).contains(&altitude), "{altitude} {altitudes:?}");
     }
@@ -159,7 +167,8 @@ fn the_dome_holds_what_crosses_the_field() {
         &["--sun-altitude-deg", &sun.0, "--sun-azimuth-deg", &sun.1],
     ]);
     let table = map["map"].as_array().or(map["sky"].as_array()).unwrap();
-    let ours: Vec<&Value> = dome["map"]["magnitudes"].as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap()).collect();
+    let ours: Vec<&Value> =
+        dome["map"]["magnitudes"].as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap()).collect();
     assert_eq!(table.len(), ours.len());
     for (theirs, ours) in table.iter().zip(ours) {
         match (theirs["magnitude"].as_f64(), ours.as_f64()) {
@@ -169,7 +178,10 @@ fn the_dome_holds_what_crosses_the_field() {
         }
     }
     let edge = dome["shadow_edge_deg"].as_array().unwrap();
-    assert!(edge.iter().any(|place| place[1].as_f64().unwrap() > 0.0), "the Sun is low: the shadow has come up in the east");
+    assert!(
+        edge.iter().any(|place| place[1].as_f64().unwrap() > 0.0),
+        "the Sun is low: the shadow has come up in the east"
+    );
     assert_eq!(shared().get("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&model=none").status, 400);
 }
 
@@ -181,8 +193,10 @@ const ABOVE: &[&str] = &["altitude", "azimuth", "dec", "julian_date", "name", "n
 fn satchecker_shapes_carry_magnitudes() {
     // 2026-08-14T23:29:05Z; X05 by its own numbers.
     let site = shared().json("/api/v1/night")["site"].clone();
-    let place = format!("latitude={}&longitude={}&elevation={}", site["latitude_deg"], site["longitude_deg"], site["height_m"]);
-    let query = format!("{place}&start_time_jd=2461267.4785300926&duration=30&ra=198.9&dec=7.7&fov_radius=1.75&async=false");
+    let place =
+        format!("latitude={}&longitude={}&elevation={}", site["latitude_deg"], site["longitude_deg"], site["height_m"]);
+    let query =
+        format!("{place}&start_time_jd=2461267.4785300926&duration=30&ra=198.9&dec=7.7&fov_radius=1.75&async=false");
     let exposure = shared().json(&format!("/api/v1/exposure?{FIRST}"));
     let grouped = shared().json(&format!("/fov/satellite-passes/?{query}&illuminated_only=True&group_by=satellite"));
     let satellites = grouped["data"]["satellites"].as_object().unwrap();
@@ -206,22 +220,28 @@ fn satchecker_shapes_carry_magnitudes() {
         assert_eq!(streak["magnitude_peak"], pass["magnitude_peak"]);
     }
     assert_eq!(grouped["data"]["total_satellites"], json!(passes.len()));
-    let by_time = shared().json(&format!("/fov/satellite-passes?{query}&illuminated_only=true&include_orbital_data=true"));
+    let by_time =
+        shared().json(&format!("/fov/satellite-passes?{query}&illuminated_only=true&include_orbital_data=true"));
     let listed = by_time["data"].as_array().unwrap();
     assert_eq!(by_time["count"], grouped["data"]["total_position_results"]);
     let times: Vec<f64> = listed.iter().map(|one| one["julian_date"].as_f64().unwrap()).collect();
-    assert!(times.is_sorted() && listed.iter().all(|one| one["norad_id"].is_number() && one["orbital_data"].is_object()));
+    assert!(
+        times.is_sorted() && listed.iter().all(|one| one["norad_id"].is_number() && one["orbital_data"].is_object())
+    );
 
-    let above = shared().json(&format!("/fov/satellites-above-horizon/?{place}&julian_date=2461267.4785300926&min_altitude=20"));
+    let above = shared()
+        .json(&format!("/fov/satellites-above-horizon/?{place}&julian_date=2461267.4785300926&min_altitude=20"));
     let up = above["data"].as_array().unwrap();
     assert_eq!(above["count"], json!(up.len()));
     assert!(up.len() > 20 && up.iter().all(|one| ABOVE.iter().all(|key| !one[key].is_null())));
     assert!(up.iter().all(|one| one["altitude"].as_f64().unwrap() >= 20.0));
     assert!(up.iter().any(|one| one["apparent_magnitude"].is_number()));
     // From a known site by name, and from the other side of the Earth.
-    let named = shared().json("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4785300926&min_altitude=20");
+    let named =
+        shared().json("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4785300926&min_altitude=20");
     assert_eq!(named["count"], above["count"]);
-    let elsewhere = "/fov/satellites-above-horizon/?latitude=40&longitude=120&elevation=0&julian_date=2461267.4785300926";
+    let elsewhere =
+        "/fov/satellites-above-horizon/?latitude=40&longitude=120&elevation=0&julian_date=2461267.4785300926";
     let elsewhere = shared().json(&format!("{elsewhere}&constellation=starlink&max_range=1500&illuminated_only=true"));
     let names = |answer: &Value| -> BTreeSet<String> {
         answer["data"].as_array().unwrap().iter().map(|one| one["norad_id"].to_string()).collect()
@@ -232,7 +252,10 @@ fn satchecker_shapes_carry_magnitudes() {
         ("start_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1", "site"),
         ("site=rubin&latitude=3&start_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1", "site"),
         ("site=rubin&duration=30&ra=1&dec=1&fov_radius=1", "start_time_jd"),
-        ("site=rubin&start_time_jd=2461267.4&mid_obs_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1", "start_time_jd"),
+        (
+            "site=rubin&start_time_jd=2461267.4&mid_obs_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1",
+            "start_time_jd",
+        ),
         ("site=rubin&start_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1&async=true", "async"),
         ("site=rubin&start_time_jd=2461267.4&duration=30&ra=1&dec=91&fov_radius=1", "dec"),
     ] {
@@ -262,7 +285,10 @@ fn openapi_says_what_there_is() {
         assert_eq!(shared().send("POST", path, &[]).status, 405, "{path}");
     }
     let health = shared().json("/health");
-    assert_eq!((&health["status"], &health["satellites"], &health["exposures"]), (&json!("ok"), &json!(4408), &json!(21)));
+    assert_eq!(
+        (&health["status"], &health["satellites"], &health["exposures"]),
+        (&json!("ok"), &json!(4408), &json!(21))
+    );
 }
 
 #[test]
@@ -311,7 +337,9 @@ fn what_is_no_request_harms_nobody() {
         assert!((400..500).contains(&shared().raw(bytes).status), "{bytes:?}");
     }
     // Bytes that are no UTF-8, and signs that mean something elsewhere.
-    for query in ["%ff%fe", "start_utc=%00", "a=<script>", "start_utc=2026-08-14T23:29:60Z&duration_s=1e400&ra_deg=1&dec_deg=1"] {
+    for query in
+        ["%ff%fe", "start_utc=%00", "a=<script>", "start_utc=2026-08-14T23:29:60Z&duration_s=1e400&ra_deg=1&dec_deg=1"]
+    {
         assert_eq!(shared().get(&format!("/api/v1/exposure?{query}")).status, 400, "{query}");
     }
     assert_eq!(shared().get("/health").status, 200);
@@ -350,7 +378,10 @@ fn off_loopback_a_token_is_needed() {
         assert_eq!(server.send("GET", "/api/v1/night", &[("Authorization", wrong)]).status, 401, "{wrong}");
     }
     let right = format!("Bearer {token}");
-    assert_eq!(server.send("GET", "/api/v1/night", &[("Authorization", &right), ("Host", "telescope.example")]).status, 200);
+    assert_eq!(
+        server.send("GET", "/api/v1/night", &[("Authorization", &right), ("Host", "telescope.example")]).status,
+        200
+    );
     // The page itself tells nothing, and asks for the token.
     assert_eq!((server.get("/").status, server.get("/health").status), (200, 200));
     assert_eq!(server.get("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4").status, 401);

@@ -23,6 +23,8 @@ function target(number) {
   if (number % 50 === 0) return `api/v1/exposure?start_utc=2026-08-14T23:${String(10 + (number % 40)).padStart(2, "0")}:00.${String(number % 1000).padStart(3, "0")}Z&duration_s=30&ra_deg=198.9&dec_deg=7.7&samples=41&around_s=300`;
   if (number % 100 === 1) return "api/v1/night";
   if (number % 100 === 3) return "api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30";
+  if (number % 40 === 9) return `fov/satellite-passes/?site=rubin&start_time_jd=${(2461267.4 + (number % 400) / 4000).toFixed(6)}&duration=30&ra=${number % 360}&dec=${(number % 160) - 80}&fov_radius=2&group_by=${number % 80 === 9 ? "satellite" : "time"}`;
+  if (number % 100 === 19) return `fov/satellites-above-horizon/?latitude=${(number % 170) - 85}&longitude=${number % 360}&elevation=100&julian_date=2461267.478530&min_altitude=20`;
   if (number % 10 === 5) return "health";
   if (number % 10 === 7) return ["", "main.js", "page.css"][number % 3];
   return `api/v1/exposure?start_utc=2026-08-14T23:29:${String(number % 60).padStart(2, "0")}Z&duration_s=30&ra_deg=198.9&dec_deg=7.7&samples=41&around_s=300`;

@@ -64,7 +64,9 @@ impl Door {
             return Err(Problem::new(404, "there is nothing at this path; /openapi.json lists what there is"));
         }
         if request.method() != Method::GET && request.method() != Method::HEAD {
-            return Err(Problem::new(405, "allowed: GET and HEAD; nothing here can be changed").with("Allow", "GET, HEAD"));
+            return Err(
+                Problem::new(405, "allowed: GET and HEAD; nothing here can be changed").with("Allow", "GET, HEAD")
+            );
         }
         if has_body(headers) {
             return Err(Problem::new(413, "a request with a body; none is taken"));
@@ -122,7 +124,8 @@ mod tests {
         for host in ["localhost", "127.0.0.1", "[::1]", "LOCALHOST:8642", "127.0.0.1:1", "[::1]:8642"] {
             assert_eq!(status(&door, "GET", "/health", &[("host", host)]), 200, "{host}");
         }
-        for host in ["example.org", "127.0.0.1.example.org", "localhost.example.org:80", "", "127.0.0.2", "localhost:x"] {
+        for host in ["example.org", "127.0.0.1.example.org", "localhost.example.org:80", "", "127.0.0.2", "localhost:x"]
+        {
             assert_eq!(status(&door, "GET", "/health", &[("host", host)]), 403, "{host}");
         }
         assert_eq!(status(&door, "GET", "/health", &[]), 403);

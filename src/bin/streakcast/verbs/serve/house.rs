@@ -3,7 +3,6 @@
 use std::collections::BTreeMap;
 
 use hifitime::Epoch;
-use streakcast::frames::EopTable;
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
@@ -16,7 +15,6 @@ use super::super::judged::Asked;
 pub struct House {
     pub setup: Setup,
     pub sky: Sky,
-    pub eop: EopTable,
     pub asked: Asked,
     pub schedule: Schedule,
     /// One for each row.
@@ -41,7 +39,7 @@ impl House {
         utc_offset_h: Option<f64>,
     ) -> anyhow::Result<Self> {
         let library = setup.model_library()?;
-        let Prepared { sky, eop, .. } = prepared;
+        let sky = prepared.sky;
         let longitude_rad = sky.viewpoint().site().map_or(0.0, |observer| observer.site().longitude_rad);
         let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
         for (row, exposure) in schedule.judged() {
@@ -54,7 +52,7 @@ impl House {
         }
         // The zone in which the Sun culminates nearest to 12 h.
         let utc_offset_h = utc_offset_h.unwrap_or_else(|| (longitude_rad.to_degrees() / 15.0).round());
-        Ok(Self { setup, sky, eop, asked, schedule, flags, provenance, library, nights, utc_offset_h })
+        Ok(Self { setup, sky, asked, schedule, flags, provenance, library, nights, utc_offset_h })
     }
 
     /// What exposures are judged against, with another policy than the server's own or with that.

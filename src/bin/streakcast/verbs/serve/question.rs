@@ -41,7 +41,8 @@ pub const TRUTH: Kind = Kind::Word(&["true", "false", "True", "False"]);
 
 /// Years 1957 to 2099 as Julian dates.
 const JULIAN_DATES: (f64, f64) = (2_435_839.5, 2_488_069.5);
-const MOMENT_PATTERN: &str = r"^(19[5-9][0-9]|20[0-9]{2})-[0-1][0-9]-[0-3][0-9]T[0-2][0-9]:[0-5][0-9]:[0-5][0-9](\.[0-9]{1,9})?Z$";
+const MOMENT_PATTERN: &str =
+    r"^(19[5-9][0-9]|20[0-9]{2})-[0-1][0-9]-[0-3][0-9]T[0-2][0-9]:[0-5][0-9]:[0-5][0-9](\.[0-9]{1,9})?Z$";
 const DATE_PATTERN: &str = r"^(19[5-9][0-9]|20[0-9]{2})-[0-1][0-9]-[0-3][0-9]$";
 
 pub const fn needed(name: &'static str, kind: Kind, about: &'static str) -> Parameter {

@@ -38,7 +38,9 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let prepared = setup.prepare(first, last)?;
     if let Viewpoint::Orbit(observer) = prepared.sky.viewpoint() {
         let name = observer.name();
-        return Err(anyhow!("the observer {name} is in orbit: the page draws the sky of a site (--site, --mpc or --lat, --lon, --height)"));
+        return Err(anyhow!(
+            "the observer {name} is in orbit: the page draws the sky of a site (--site, --mpc or --lat, --lon, --height)"
+        ));
     }
     notices.warn(&prepared.warnings);
     let report = judged::flag_rows(&prepared, &schedule, first, &asked, &notices)?;

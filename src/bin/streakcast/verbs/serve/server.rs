@@ -73,7 +73,8 @@ pub fn serve(listener: TcpListener, house: House, settings: Settings) -> anyhow:
     let service = Arc::new(Service { door: Door::new(rate, token, is_loopback), desk: Desk::new(house, workers) });
     listener.set_nonblocking(true)?;
     // The network needs one thread; answers are computed on others.
-    let runtime = tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(workers + 1).build()?;
+    let runtime =
+        tokio::runtime::Builder::new_current_thread().enable_all().max_blocking_threads(workers + 1).build()?;
     runtime.block_on(accept(listener, service))?;
     // What has not finished by now is left.
     runtime.shutdown_background();

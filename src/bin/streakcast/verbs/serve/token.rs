@@ -49,7 +49,9 @@ fn needless(bind: SocketAddr) -> anyhow::Result<()> {
     if bind.ip().to_canonical().is_loopback() {
         return Ok(());
     }
-    Err(anyhow!("--bind {bind} can be reached from elsewhere; allowed without a token: 127.0.0.1 and [::1]; say --token-file FILE or --token-env NAME"))
+    Err(anyhow!(
+        "--bind {bind} can be reached from elsewhere; allowed without a token: 127.0.0.1 and [::1]; say --token-file FILE or --token-env NAME"
+    ))
 }
 
 #[cfg(test)]

@@ -70,10 +70,8 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let min_altitude_rad = question.number("min_altitude_deg").unwrap_or_default().to_radians();
     let moments = if duration_s > 0.0 { TRACK_POINTS } else { 1 };
     let options = house.pass_options(0);
-    let (overhead, _) = house
-        .sky
-        .overhead(start, duration_s, moments, min_altitude_rad, &options)
-        .map_err(|error| of_sky(&error))?;
+    let (overhead, _) =
+        house.sky.overhead(start, duration_s, moments, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
     let satellites: Vec<Value> = overhead.iter().map(|one| satellite(house, one)).collect();
 
     let (sun_altitude_deg, sun_azimuth_deg) = degrees(sun);
@@ -82,10 +80,8 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         "sun",
         json!({"altitude_deg": rounded(sun_altitude_deg, 4), "azimuth_deg": rounded(sun_azimuth_deg, 4)}),
     );
-    document.value(
-        "map",
-        json!({"model": name, "height_km": height_km, "step_deg": STEP_DEG, "magnitudes": magnitudes}),
-    );
+    document
+        .value("map", json!({"model": name, "height_km": height_km, "step_deg": STEP_DEG, "magnitudes": magnitudes}));
     document.value("shadow_edge_deg", json!(edge));
     document.value("satellites", satellites);
     Ok(document.reply())

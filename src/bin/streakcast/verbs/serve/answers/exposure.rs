@@ -29,7 +29,11 @@ pub const PARAMETERS: &[Parameter] = &[
     optional("band", Kind::Text { longest: 20 }, "Band of the exposure, for limits by band."),
     optional("limit_mag", number(-30.0, 40.0, " mag"), "Limiting magnitude of the policy; the server's where unsaid."),
     optional("samples", Kind::Count { least: 0, greatest: 500 }, "Points along each track; 0 where unsaid."),
-    optional("around_s", number(0.0, 1800.0, " s"), "Crossings this long before and after too, seconds; 0 where unsaid."),
+    optional(
+        "around_s",
+        number(0.0, 1800.0, " s"),
+        "Crossings this long before and after too, seconds; 0 where unsaid.",
+    ),
 ];
 
 /// The name of the exposure in the answer, as `passes` names its own.
@@ -125,13 +129,7 @@ fn pointing(house: &House, exposure: &Exposure) -> Result<Table, Problem> {
         let (altitude_deg, azimuth_deg) = degrees(&house.sky.pointing_over_site(&exposure.pointing, epoch)?);
         let sun = house.sky.sun_over_site(epoch, 0.0, 1)?;
         let (sun_altitude_deg, sun_azimuth_deg) = sun.first().map_or((f64::NAN, f64::NAN), degrees);
-        Ok(vec![
-            epoch.into(),
-            altitude_deg.into(),
-            azimuth_deg.into(),
-            sun_altitude_deg.into(),
-            sun_azimuth_deg.into(),
-        ])
+        Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into(), sun_altitude_deg.into(), sun_azimuth_deg.into()])
     };
     let rows = ends.into_iter().map(row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
     Ok(Table { columns: POINTING.to_vec(), rows })

@@ -25,14 +25,19 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let known = || house.nights.keys().map(|night| date_of(*night)).take(40).collect::<Vec<_>>().join(", ");
     let night = match question.date("night") {
         Some(noon) => mjd_utc(noon).floor() as i64,
-        None => *house.nights.keys().next().ok_or_else(|| Problem::new(404, "no exposure of the schedule can be judged"))?,
+        None => {
+            *house.nights.keys().next().ok_or_else(|| Problem::new(404, "no exposure of the schedule can be judged"))?
+        }
     };
     let rows = house.nights.get(&night).ok_or_else(|| Problem::parameter("night", &date_of(night), &known()))?;
     let Some(observer) = house.sky.viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
     let site = observer.site();
 
-    let (from, to) = night_of(streakcast::frames::epoch_from_mjd(night as f64, hifitime::TimeScale::UTC)
-        .map_err(|error| Problem::new(400, error.to_string()))?, site.longitude_rad);
+    let (from, to) = night_of(
+        streakcast::frames::epoch_from_mjd(night as f64, hifitime::TimeScale::UTC)
+            .map_err(|error| Problem::new(400, error.to_string()))?,
+        site.longitude_rad,
+    );
     let count = (seconds_between(from, to) / SUN_EVERY_S) as usize + 1;
     let places = house.sky.sun_over_site(from, SUN_EVERY_S, count).map_err(|error| of_sky(&error))?;
     let sun_row = |(step, place)| -> Vec<Cell> {
@@ -105,7 +110,8 @@ pub fn schema() -> Value {
     let number = json!({"type": "number"});
     let text = json!({"type": "string"});
     let outline = json!({"type": "array", "items": {"type": "array", "items": number, "minItems": 2, "maxItems": 2}});
-    let field = object_schema(&[("outlines_deg", json!({"type": "array", "items": outline})), ("radius_deg", number.clone())]);
+    let field =
+        object_schema(&[("outlines_deg", json!({"type": "array", "items": outline})), ("radius_deg", number.clone())]);
     object_schema(&[
         ("provenance", provenance_schema()),
         ("night", text.clone()),

@@ -16,7 +16,8 @@ use super::document::object_schema;
 use super::exposure::of_sky;
 use super::satchecker_positions::{position, position_schema};
 
-const LATITUDE: Parameter = optional("latitude", number(-90.0, 90.0, " deg"), "Of the observer, degrees; needed without site.");
+const LATITUDE: Parameter =
+    optional("latitude", number(-90.0, 90.0, " deg"), "Of the observer, degrees; needed without site.");
 const LONGITUDE: Parameter =
     optional("longitude", number(-180.0, 360.0, " deg"), "East positive, degrees; needed without site.");
 const ELEVATION: Parameter =
@@ -27,11 +28,8 @@ const SITE: Parameter = optional(
     "Name or MPC code of a known site, instead of latitude, longitude and elevation.",
 );
 const ILLUMINATED: Parameter = optional("illuminated_only", TRUTH, "Satellites in sunlight alone; false where unsaid.");
-const CONSTELLATION: Parameter = optional(
-    "constellation",
-    Kind::Text { longest: 50 },
-    "Satellites whose names begin like this, in any case.",
-);
+const CONSTELLATION: Parameter =
+    optional("constellation", Kind::Text { longest: 50 }, "Satellites whose names begin like this, in any case.");
 
 pub const PASSES: &[Parameter] = &[
     LATITUDE,
@@ -44,7 +42,11 @@ pub const PASSES: &[Parameter] = &[
     needed("ra", number(0.0, 360.0, " deg"), "Right ascension of the field's centre, ICRS, degrees."),
     needed("dec", number(-90.0, 90.0, " deg"), "Declination of the field's centre, degrees."),
     needed("fov_radius", number(0.0001, 45.0, " deg"), "Radius of the circular field, degrees."),
-    optional("group_by", Kind::Word(&["satellite", "time"]), "Positions by satellite, or in order of time; time where unsaid."),
+    optional(
+        "group_by",
+        Kind::Word(&["satellite", "time"]),
+        "Positions by satellite, or in order of time; time where unsaid.",
+    ),
     ILLUMINATED,
     CONSTELLATION,
     optional("data_source", Kind::Word(&["any"]), "There is one source: what the server was given."),
@@ -107,7 +109,8 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
     let lengths_s: Vec<f64> = ask(0)?.iter().map(length_s).collect();
     let expected: f64 = lengths_s.iter().map(|length_s| length_s.ceil().min(MOST_SAMPLES as f64) + 1.0).sum();
     if expected > MOST_POSITIONS {
-        let detail = format!("{expected} positions; allowed: {MOST_POSITIONS}: a shorter duration or a smaller fov_radius");
+        let detail =
+            format!("{expected} positions; allowed: {MOST_POSITIONS}: a shorter duration or a smaller fov_radius");
         return Err(Problem::new(400, detail));
     }
     let longest_s = lengths_s.iter().copied().fold(0.0, f64::max);
@@ -118,7 +121,8 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
     let thinned = |pass: &FieldPass| -> Vec<usize> {
         // Points of one pass are evenly spaced: as many of them are left out as keeps a second between two.
         let last = pass.samples.len().saturating_sub(1);
-        let step = if length_s(pass) > 0.0 { (last as f64 / length_s(pass)).floor().max(1.0) as usize } else { last.max(1) };
+        let step =
+            if length_s(pass) > 0.0 { (last as f64 / length_s(pass)).floor().max(1.0) as usize } else { last.max(1) };
         (0..=last).filter(|point| point % step == 0 || *point == last).collect()
     };
     let one_position = |pass: &FieldPass, point: usize| {
@@ -218,7 +222,9 @@ fn sky(house: &House, question: &Question) -> Result<Sky, Problem> {
             Site::new_deg("observer", latitude, longitude, elevation)
                 .map_err(|error| Problem::new(400, error.to_string()))?
         }
-        (Some(_), _) => return Err(Problem::parameter("site", "with coordinates", "site, or latitude, longitude and elevation")),
+        (Some(_), _) => {
+            return Err(Problem::parameter("site", "with coordinates", "site, or latitude, longitude and elevation"));
+        }
         _ => return Err(Problem::missing("site", "site, or latitude, longitude and elevation")),
     };
     Ok(house.sky.seen_from(Observer::new(site)))
@@ -258,7 +264,8 @@ fn streak(pass: &FieldPass) -> Value {
 }
 
 pub fn passes_schema() -> Value {
-    let (number, or_null, text) = (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));
+    let (number, or_null, text) =
+        (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));
     let streak = object_schema(&[
         ("enter_utc", text.clone()),
         ("exit_utc", text.clone()),

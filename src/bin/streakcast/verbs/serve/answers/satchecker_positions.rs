@@ -43,7 +43,8 @@ fn date_time(epoch: hifitime::Epoch) -> String {
 
 /// Its schema, with more members that an answer adds.
 pub fn position_schema(more: &[&'static str]) -> Value {
-    let (number, or_null, text) = (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));
+    let (number, or_null, text) =
+        (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));
     let mut members = vec![
         ("ra", number.clone()),
         ("dec", number.clone()),

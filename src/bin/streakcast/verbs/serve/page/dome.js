@@ -143,9 +143,7 @@ export class Dome {
     const isInside = edge.length > 0 && context.isPointInPath(outline, x0 * (window.devicePixelRatio || 1), y0 * (window.devicePixelRatio || 1));
     if (isInside !== this.isZenithDark) area.rect(x0 - 3 * radius, y0 - 3 * radius, 6 * radius, 6 * radius);
     context.fillStyle = colours.shadow;
-    context.globalAlpha = 0.93;
     context.fill(area, "evenodd");
-    context.globalAlpha = 1;
     context.strokeStyle = colours.text;
     context.lineWidth = 2;
     context.setLineDash([8, 5]);
@@ -180,13 +178,15 @@ export class Dome {
   }
 
   tracks(context, up, limit, selected, colours) {
+    // Hundreds of long tracks are drawn thin, so that what lies behind stays to be seen.
+    const isCrowded = this.dome.satellites.length > 300;
     for (const satellite of this.dome.satellites) {
       const isFaint = limit != null && !(satellite.magnitude < limit);
       const points = satellite.track_deg.map(up);
       const isChosen = satellite.norad_id === selected;
-      context.globalAlpha = isChosen ? 1 : isFaint ? 0.55 : 1;
+      context.globalAlpha = isChosen ? 1 : isFaint ? (isCrowded ? 0.25 : 0.55) : isCrowded ? 0.8 : 1;
       context.strokeStyle = context.fillStyle = isChosen ? colours.mark : css(satellite.magnitude);
-      context.lineWidth = isChosen ? 4 : isFaint ? 1 : 2.2;
+      context.lineWidth = isChosen ? 4 : isFaint ? 1 : isCrowded ? 1.3 : 2.2;
       path(context, points);
       context.stroke();
       const head = points.findLast(Boolean);

@@ -57,16 +57,14 @@ function toast(text) {
 
 async function load(which) {
   try {
-    const { document: said } = await ask("/api/v1/night", { night: which });
+    let { document: said } = await ask("/api/v1/night");
+    // A link to a night that this schedule does not have shows the first.
+    const isKnown = !which || said.nights.some((one) => one.night === which);
+    if (!isKnown) delete state.row;
+    else if (which && which !== said.night) ({ document: said } = await ask("/api/v1/night", { night: which }));
     problem(null);
     night = said;
   } catch (error) {
-    // A link to a night that this schedule does not have shows the first.
-    if (which && !(error instanceof Locked)) {
-      delete state.night;
-      delete state.row;
-      return load(null);
-    }
     return failed(error);
   }
   $("unlock").hidden = true;
