@@ -18,7 +18,7 @@ use super::routes::Route;
 /// Questions that wait while others are answered.
 const MOST_WAITING: usize = 256;
 /// Waiting and computing together.
-const LONGEST: Duration = Duration::from_secs(20);
+const LONGEST: Duration = Duration::from_secs(30);
 /// What is kept of answers, bytes.
 const KEPT_BYTES: usize = 16 << 20;
 
