@@ -143,7 +143,7 @@ function opening() {
 function request() {
   const row = rows[state.place];
   if (row?.start == null) return;
-  askExposure({
+  const said = {
     start_utc: opening(),
     duration_s: state.duration,
     ra_deg: row.ra_deg,
@@ -153,7 +153,10 @@ function request() {
     limit_mag: state.limit,
     samples: SAMPLES,
     around_s: strip.span(),
-  });
+  };
+  // Which exposure it is about is ours to know, and not sent.
+  Object.defineProperty(said, "place", { value: state.place });
+  askExposure(said);
   nightChart.draw(state.place, row.start + state.shift * 1e3, limit());
   link.write(state);
 }
@@ -164,6 +167,8 @@ function requestDome() {
 }
 
 function answered({ document: said, ms }, asked) {
+  // Somebody has gone on to another one meanwhile; its own answer comes.
+  if (asked.place !== state.place) return;
   problem(null);
   const row = rows[state.place];
   answer = said;

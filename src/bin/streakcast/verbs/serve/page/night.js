@@ -24,10 +24,19 @@ export class Night {
     this.canvas = canvas;
     this.choose = choose;
     this.bars = [];
-    canvas.addEventListener("click", (event) => {
+    const nearest = (event) => {
       const x = event.clientX - canvas.getBoundingClientRect().left;
-      const nearest = this.bars.reduce((best, bar) => (Math.abs(bar.x - x) < Math.abs(best.x - x) ? bar : best), { x: Infinity });
-      if (nearest.place != null) choose(nearest.place);
+      return this.bars.reduce((best, bar) => (Math.abs(bar.x - x) < Math.abs(best.x - x) ? bar : best), { x: Infinity }).place;
+    };
+    canvas.addEventListener("click", (event) => {
+      const place = nearest(event);
+      if (place != null) choose(place);
+    });
+    canvas.addEventListener("pointermove", (event) => {
+      const place = nearest(event);
+      const row = this.rows?.[place];
+      const bright = row?.flag.brightest_mag;
+      canvas.title = row ? `${row.id}: ${row.flag.verdict}${bright == null ? "" : `, ${bright.toFixed(1)} mag`}, ${hour(row.start)} UTC` : "";
     });
     canvas.addEventListener("keydown", (event) => {
       const steps = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1, PageUp: -10, PageDown: 10, Home: -1e9, End: 1e9 };
