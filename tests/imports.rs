@@ -84,6 +84,12 @@ const DOORS: &[(&str, &[&str])] = &[
     ("comfy_table", &["bin"]),
     ("etcetera", &["bin"]),
     ("ureq", &["bin"]),
+    ("hyper", &["bin"]),
+    ("hyper_util", &["bin"]),
+    ("http_body_util", &["bin"]),
+    ("tokio", &["bin"]),
+    ("form_urlencoded", &["bin"]),
+    ("subtle", &["bin"]),
 ];
 
 /// What the library never does by itself: print, end the process, ask the environment, the clock, the network or chance.

@@ -36,8 +36,8 @@ step() {
 
 # Test names that were left out for want of data, and the sum of all "test result" lines.
 counts() {
-    grep -ahoE '\*\*\* SKIPPED indi.sh.*' "$log/all" | sort -u || true
-    grep -ahoE '\*\*\* SKIPPED [^ ]+' "$log/all" | grep -v indi.sh | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/:$//' | sort -u || true
+    grep -ahoE '\*\*\* SKIPPED (indi|serve).sh.*' "$log/all" | sort -u || true
+    grep -ahoE '\*\*\* SKIPPED [^ ]+' "$log/all" | grep -vE '(indi|serve).sh' | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/:$//' | sort -u || true
     awk '/^test result:/ { passed += $4; failed += $6; ignored += $8; suites += 1 }
          END { printf "%d suites\n%d passed, %d failed, %d skipped\n", suites, passed, failed, ignored }' "$log/all"
 }
@@ -63,6 +63,12 @@ else
         -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
     step "example charts" cargo run --quiet --example charts -- "$log"
     step "the gate against INDI's server and simulators" tests/indi.sh
+    # In a browser, under load and a fuzz; chromium, npm and pip are asked for what is needed. STREAKCAST_SERVE=no leaves it out.
+    if [ "${STREAKCAST_SERVE:-yes}" = no ]; then
+        echo "*** SKIPPED serve.sh: STREAKCAST_SERVE=no"
+    else
+        step "the page in a browser, under load, and a fuzz of its API" tests/serve.sh
+    fi
     # What the pages show is what comes out: every line of the answer stands in them.
     transcript() {
         local page=$1

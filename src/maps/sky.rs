@@ -45,10 +45,10 @@ pub struct SkyView<'a> {
     earth: Earth,
     shadow: ShadowModel,
     /// From north, east, zenith to the Earth's own axes.
-    axes: Matrix3<f64>,
-    observer: Position<Gcrs>,
-    sun: Position<Gcrs>,
-    radius_km: f64,
+    pub(super) axes: Matrix3<f64>,
+    pub(super) observer: Position<Gcrs>,
+    pub(super) sun: Position<Gcrs>,
+    pub(super) radius_km: f64,
     per_radius_km: f64,
     /// q² - r² of the drawing above, km²; negative.
     below_km2: f64,
@@ -287,7 +287,7 @@ impl<'a> SkyView<'a> {
         if along_km > 0.0 { -self.below_km2 / (along_km + root) } else { root - along_km }
     }
 
-    fn lit_fraction(&self, satellite: &Vector3<f64>) -> f64 {
+    pub(super) fn lit_fraction(&self, satellite: &Vector3<f64>) -> f64 {
         match self.earth {
             Earth::Ellipsoid(_) => {
                 self.shadow.illumination(&Position::from_vector(*satellite), &self.sun).lit_fraction()

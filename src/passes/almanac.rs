@@ -31,12 +31,6 @@ pub(super) struct Almanac {
     kept: Mutex<Vec<(i64, Arc<Day>)>>,
 }
 
-impl Clone for Almanac {
-    fn clone(&self) -> Self {
-        Self { kept: Mutex::new(self.kept.lock().unwrap_or_else(PoisonError::into_inner).clone()) }
-    }
-}
-
 impl Almanac {
     /// Earth and Sun from `start` to `end`; `eop` is always the same.
     pub fn over(&self, start: Epoch, end: Epoch, eop: &EopTable) -> (OrientationTable, SunTable) {

@@ -182,6 +182,29 @@ impl Field {
             .fold(0.0, f64::max)
     }
 
+    /// The shapes in order as closed lines on the tangent plane, degrees of the plane: x to the east and y to the north at rotation 0.
+    ///
+    /// Circles come with `points` points; what of them lies 90° from the pointing or farther has no place on the plane and is left out.
+    pub fn outlines_deg(&self, points: usize) -> Vec<Vec<[f64; 2]>> {
+        let degrees = |point: [f64; 2]| point.map(f64::to_degrees);
+        let rim = |[x, y]: [f64; 2], radius_rad: f64| {
+            let axis = Vector3::new(x, y, 1.0).normalize();
+            let aside = Vector3::new(axis.z, 0.0, -axis.x).normalize();
+            let across = axis.cross(&aside);
+            let at = move |step: usize| {
+                let (sin, cos) = (std::f64::consts::TAU * step as f64 / points as f64).sin_cos();
+                axis * radius_rad.cos() + (aside * cos + across * sin) * radius_rad.sin()
+            };
+            let seen = (0..points).map(at).filter(|sight| sight.z > 1e-9);
+            seen.map(|sight| degrees([sight.x / sight.z, sight.y / sight.z])).collect()
+        };
+        let outline = |named: &NamedShape| match &named.shape {
+            Shape::Circle { centre, radius_rad } => rim(*centre, *radius_rad),
+            Shape::Polygon(corners) => corners.iter().map(|corner| degrees(*corner)).collect(),
+        };
+        self.shapes.iter().map(outline).collect()
+    }
+
     /// Puts the field on the sky: at `pointing`, its y axis at position angle `rotation_rad` (from north through east).
     pub fn on_sky(&self, pointing: &Direction<Gcrs>, rotation_rad: f64) -> FieldOnSky<'_> {
         let (east, north) = pointing.east_north();

@@ -84,18 +84,18 @@ pub struct Passes {
     pub left_out: Vec<LeftOut>,
 }
 
-/// Satellites, an observer, and what is known of their light: ready for any number of questions, from any thread.
+/// Satellites, an observer, and what is known of their light: ready for any number of questions, from any thread. Cheap to clone.
 #[derive(Clone, Debug)]
 pub struct Sky {
-    elements: Vec<ElementSet>,
-    index: SatelliteIndex,
-    classes: Vec<OrbitClass>,
-    models: Vec<Shared<BrightnessModel>>,
+    elements: Shared<Vec<ElementSet>>,
+    index: Shared<SatelliteIndex>,
+    classes: Shared<Vec<OrbitClass>>,
+    models: Shared<Vec<Shared<BrightnessModel>>>,
     viewpoint: Viewpoint,
     shadow: ShadowModel,
     eop: EopTable,
-    windows: Windows,
-    almanac: Almanac,
+    windows: Shared<Windows>,
+    almanac: Shared<Almanac>,
 }
 
 impl Sky {
@@ -107,19 +107,24 @@ impl Sky {
         choice: &ModelChoice,
     ) -> Self {
         let index = SatelliteIndex::new(&elements);
-        let classes = elements.iter().map(OrbitClass::of).collect();
-        let models = elements.iter().map(|elements| choice.model_of(elements)).collect();
+        let classes: Vec<OrbitClass> = elements.iter().map(OrbitClass::of).collect();
+        let models: Vec<_> = elements.iter().map(|elements| choice.model_of(elements)).collect();
         Self {
-            elements,
-            index,
-            classes,
-            models,
+            elements: Shared::new(elements),
+            index: Shared::new(index),
+            classes: Shared::new(classes),
+            models: Shared::new(models),
             viewpoint: viewpoint.into(),
             shadow: ShadowModel::default(),
             eop,
-            windows: Windows::default(),
-            almanac: Almanac::default(),
+            windows: Shared::default(),
+            almanac: Shared::default(),
         }
+    }
+
+    /// The same satellites from elsewhere: costs nothing, and what is kept from question to question is kept for both.
+    pub fn seen_from(&self, viewpoint: impl Into<Viewpoint>) -> Self {
+        Self { viewpoint: viewpoint.into(), ..self.clone() }
     }
 
     /// The element sets, in the order of [`FieldPass::element_index`].

@@ -34,12 +34,6 @@ pub(super) struct Windows {
     kept: Mutex<Vec<(Key, Arc<Window>)>>,
 }
 
-impl Clone for Windows {
-    fn clone(&self) -> Self {
-        Self { kept: Mutex::new(self.kept.lock().unwrap_or_else(PoisonError::into_inner).clone()) }
-    }
-}
-
 impl Windows {
     /// The windows that hold the time from `start` to `end`, in order; those that are not kept are made on all threads.
     ///

@@ -46,5 +46,6 @@ pub use targets::{ListedTarget, read_targets};
 pub use waiting::{share_of_stale, wait_for};
 pub use window_table::{FoundWindows, WindowShape, window_table, window_target_table};
 pub use windows::{
-    Blocking, ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows, night_of,
+    Blocking, ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows, evening_mjd,
+    night_of,
 };

@@ -7,7 +7,7 @@ use std::str::FromStr;
 use thiserror::Error;
 
 use super::scheduled::Schedule;
-use crate::frames::mjd_utc;
+use super::windows::evening_mjd;
 
 /// Share `index` of `count`, counted from 1.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -50,9 +50,9 @@ impl Shard {
     /// A night lasts from local mean noon to noon at a longitude (east positive, radians). The nights of the schedule are dealt in time order:
     /// the first to share 1, the second to share 2, and so on around. Rows that cannot be judged are in share 1. So every row is in one share.
     pub fn rows(&self, schedule: &Schedule, longitude_rad: f64) -> Vec<bool> {
-        // Local mean time runs ahead of UTC by λ / 2π days; a night is the day that its evening belongs to.
-        let night_of = |epoch| (mjd_utc(epoch) + longitude_rad / std::f64::consts::TAU - 0.5).floor() as i64;
-        let night = |row: &super::ScheduledExposure| row.exposure.as_ref().ok().map(|one| night_of(one.start));
+        let night = |row: &super::ScheduledExposure| {
+            row.exposure.as_ref().ok().map(|exposure| evening_mjd(exposure.start, longitude_rad))
+        };
         let nights: BTreeSet<i64> = schedule.exposures.iter().filter_map(night).collect();
         let mine: BTreeSet<i64> = nights.into_iter().skip(self.index - 1).step_by(self.count).collect();
         let is_mine = |row| night(row).map_or(self.index == 1, |night| mine.contains(&night));

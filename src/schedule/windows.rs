@@ -2,7 +2,7 @@
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::frames::{OrientationTable, seconds_after, seconds_between};
+use crate::frames::{OrientationTable, mjd_utc, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
 use crate::passes::{Exposure, FieldPass, SkyError, Viewpoint};
@@ -248,6 +248,12 @@ pub fn night_of(evening: Epoch, longitude_rad: f64) -> (Epoch, Epoch) {
     let noon_s = day_s * (0.5 - longitude_rad / std::f64::consts::TAU);
     let noon = seconds_after(Epoch::from_gregorian_utc_at_midnight(year, month, day), noon_s);
     (noon, seconds_after(noon, day_s).to_time_scale(TimeScale::UTC))
+}
+
+/// The evening's date of the night that a moment belongs to, as MJD: nights last from local mean noon to noon at a longitude (east positive, radians).
+pub fn evening_mjd(moment: Epoch, longitude_rad: f64) -> i64 {
+    // Local mean time runs ahead of UTC by λ / 2π days; a night is the day that its evening belongs to.
+    (mjd_utc(moment) + longitude_rad / std::f64::consts::TAU - 0.5).floor() as i64
 }
 
 #[cfg(test)]

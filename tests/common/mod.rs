@@ -7,6 +7,8 @@ pub mod cli;
 pub mod elements;
 pub mod maps;
 pub mod random;
+#[cfg(feature = "serve")]
+pub mod server;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -16,6 +16,8 @@ use crate::identify_arguments::IdentifyArguments;
 use crate::inject_arguments::InjectArguments;
 use crate::map_arguments::MapArguments;
 use crate::output::Output;
+#[cfg(feature = "serve")]
+use crate::serve_arguments::ServeArguments;
 use crate::window_arguments::WindowsArguments;
 
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
@@ -50,6 +52,9 @@ pub enum Verb {
     Fetch(Box<FetchArguments>),
     /// From photometry to a brightness model
     Fit(Box<FitArguments>),
+    /// A page and an HTTP API on this machine: the schedule's night, and what another start would meet
+    #[cfg(feature = "serve")]
+    Serve(Box<ServeArguments>),
     /// The brightness models: list, show, check
     Model(ModelArguments),
     /// What would be wrong tonight: element ages, Earth orientation, clock, site, models, cache

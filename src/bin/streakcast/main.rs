@@ -16,6 +16,8 @@ mod map_output;
 mod notices;
 mod output;
 mod screen;
+#[cfg(feature = "serve")]
+mod serve_arguments;
 mod verbs;
 mod window_arguments;
 
@@ -44,6 +46,8 @@ fn main() -> ExitCode {
         #[cfg(feature = "fetch")]
         Verb::Fetch(typed) => verbs::fetch::run(&typed),
         Verb::Fit(typed) => verbs::fit::run(*typed),
+        #[cfg(feature = "serve")]
+        Verb::Serve(typed) => verbs::serve::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
         Verb::Doctor(typed) => verbs::doctor::run(*typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),

@@ -12,7 +12,7 @@ use streakcast::schedule::{
     ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, Shard, StreakRow, Verdict, flag_exposures, streak_table,
 };
 pub use streakcast::setup::state_scales;
-use streakcast::setup::{FieldSetup, Setup};
+use streakcast::setup::{FieldSetup, Prepared, Setup};
 use streakcast::table::{Provenance, Table, format_utc};
 use streakcast::telescope::Telescope;
 
@@ -51,10 +51,7 @@ pub fn begin(setup: &Setup) -> anyhow::Result<Notices> {
 /// Reads and judges a schedule, or its share of a batch.
 pub fn judge(setup: &Setup, path: &Path, shard: Option<Shard>) -> anyhow::Result<Judged> {
     let notices = begin(setup)?;
-    let field = setup.field_of_view()?;
-    let telescope = setup.telescope()?;
-    let policy = setup.policy()?;
-    let photometry = setup.photometry()?;
+    let asked = Asked::of(setup)?;
     let mut schedule = Schedule::read(path, &setup.schedule_options()?)?;
     // The sky is made for the whole schedule: every share asks the same one.
     let judgeable = span(&schedule);
@@ -68,7 +65,6 @@ pub fn judge(setup: &Setup, path: &Path, shard: Option<Shard>) -> anyhow::Result
         }
         None => None,
     };
-    let asked = Asked { field, telescope, policy, photometry };
     let (report, streaks, mut provenance) = match judgeable {
         Some(_) if schedule.exposures.is_empty() => {
             // A share of a batch with more shares than nights.
@@ -102,11 +98,19 @@ pub fn judge(setup: &Setup, path: &Path, shard: Option<Shard>) -> anyhow::Result
 }
 
 /// What a schedule is judged by.
-struct Asked {
-    field: Field,
-    telescope: Option<Telescope>,
-    policy: Policy,
-    photometry: PhotometryOptions,
+pub struct Asked {
+    pub field: Field,
+    pub telescope: Option<Telescope>,
+    pub policy: Policy,
+    pub photometry: PhotometryOptions,
+}
+
+impl Asked {
+    /// As a setup says it.
+    pub fn of(setup: &Setup) -> anyhow::Result<Self> {
+        let (field, telescope) = (setup.field_of_view()?, setup.telescope()?);
+        Ok(Self { field, telescope, policy: setup.policy()?, photometry: setup.photometry()? })
+    }
 }
 
 /// A report in which no row was judged.
@@ -124,19 +128,10 @@ fn judge_rows(
     asked: &Asked,
     notices: &Notices,
 ) -> anyhow::Result<(FlagReport, Table, Provenance)> {
-    let Asked { field, telescope, policy, photometry } = asked;
+    let Asked { telescope, photometry, .. } = asked;
     let prepared = setup.prepare(first, last)?;
     notices.warn(&prepared.warnings);
-    let request = FlagRequest { sky: &prepared.sky, field, policy, telescope: telescope.as_ref(), photometry };
-    let rows: Vec<_> = schedule.exposures.iter().collect();
-    let mut report = FlagReport::default();
-    let bar = notices.progress(rows.len());
-    for rows in rows.chunks(ROWS_AT_A_TIME) {
-        report.append(flag_exposures(rows, &request)?);
-        bar.inc(rows.len() as u64);
-    }
-    bar.finish_and_clear();
-    notices.warn(&prepared.left_out_warning(&report.left_out, first)?);
+    let report = flag_rows(&prepared, schedule, first, asked, notices)?;
 
     let judged: Vec<(&Exposure, &Vec<_>)> = schedule
         .exposures
@@ -161,8 +156,30 @@ fn judge_rows(
     Ok((report, streaks, prepared.provenance))
 }
 
+/// The verdicts of all rows under a sky that is ready, with a bar on long work.
+pub fn flag_rows(
+    prepared: &Prepared,
+    schedule: &Schedule,
+    first: Epoch,
+    asked: &Asked,
+    notices: &Notices,
+) -> anyhow::Result<FlagReport> {
+    let Asked { field, telescope, policy, photometry } = asked;
+    let request = FlagRequest { sky: &prepared.sky, field, policy, telescope: telescope.as_ref(), photometry };
+    let rows: Vec<_> = schedule.exposures.iter().collect();
+    let mut report = FlagReport::default();
+    let bar = notices.progress(rows.len());
+    for rows in rows.chunks(ROWS_AT_A_TIME) {
+        report.append(flag_exposures(rows, &request)?);
+        bar.inc(rows.len() as u64);
+    }
+    bar.finish_and_clear();
+    notices.warn(&prepared.left_out_warning(&report.left_out, first)?);
+    Ok(report)
+}
+
 /// What the user may not have noticed about the schedule.
-fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option<&Telescope>) -> Vec<String> {
+pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option<&Telescope>) -> Vec<String> {
     let mut warnings = Vec::new();
     let repeated = schedule.repeated_ids();
     if repeated > 0 {
@@ -192,20 +209,20 @@ fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option<&Te
 }
 
 /// From the first opening to the last closing of the rows that can be judged; `None` where none can.
-fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
+pub fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
     let exposures = || schedule.judged().map(|(_, exposure)| exposure);
     let first = exposures().map(|exposure| exposure.start).min();
     let last = exposures().map(|exposure| seconds_after(exposure.start, exposure.duration_s)).max();
     first.zip(last)
 }
 
-fn none_judged(schedule: &Schedule, path: &Path) -> String {
+pub fn none_judged(schedule: &Schedule, path: &Path) -> String {
     let why = schedule.exposures.iter().find_map(|row| row.exposure.as_ref().err().map(|reason| (row, reason)));
     let example = why.map(|(row, reason)| format!("; row {}: {reason}", row.row + 1)).unwrap_or_default();
     format!("schedule {}: none of its {} rows can be judged{example}", path.display(), schedule.exposures.len())
 }
 
-fn options_json(setup: &Setup, policy: &Policy, telescope: Option<&str>) -> Value {
+pub fn options_json(setup: &Setup, policy: &Policy, telescope: Option<&str>) -> Value {
     json!({
         "field": field_said(setup),
         "default_rotation_deg": setup.rotation.unwrap_or(0.0),
@@ -224,7 +241,7 @@ pub fn field_said(setup: &Setup) -> Value {
     }
 }
 
-fn summary(notices: &Notices, report: &FlagReport) {
+pub fn summary(notices: &Notices, report: &FlagReport) {
     let count = |verdict| report.flags.iter().filter(|flag| flag.verdict == verdict).count();
     let words: Vec<String> = [Verdict::Clear, Verdict::Streaked, Verdict::Avoid, Verdict::Invalid]
         .into_iter()

@@ -14,6 +14,8 @@ mod judged;
 pub mod map;
 pub mod model;
 pub mod passes;
+#[cfg(feature = "serve")]
+pub mod serve;
 pub mod shells;
 pub mod sites;
 pub mod windows;

@@ -1,0 +1,39 @@
+//! What can be typed after `serve`.
+
+use std::net::SocketAddr;
+use std::path::PathBuf;
+
+use clap::Args;
+
+use crate::arguments::{RulesArguments, SharedArguments};
+
+#[derive(Args)]
+pub struct ServeArguments {
+    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    #[arg(long, value_name = "FILE")]
+    pub schedule: PathBuf,
+    /// Address and port to listen at; port 0 takes a free one. An address that others reach needs a token
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8642", help_heading = "Service")]
+    pub bind: SocketAddr,
+    /// File whose first line is the token that the API asks for
+    #[arg(long, value_name = "FILE", conflicts_with = "token_env", help_heading = "Service")]
+    pub token_file: Option<PathBuf>,
+    /// Environment variable that holds it
+    #[arg(long, value_name = "NAME", help_heading = "Service")]
+    pub token_env: Option<String>,
+    /// Requests a second that one address may make, 1 to 100000
+    #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Service")]
+    pub rate: u32,
+    /// Local time of the page less UTC, hours; by the site's longitude where unsaid
+    #[arg(long, value_name = "HOURS", allow_hyphen_values = true, value_parser = offset, help_heading = "Service")]
+    pub utc_offset: Option<f64>,
+    #[command(flatten)]
+    pub rules: RulesArguments,
+    #[command(flatten)]
+    pub shared: SharedArguments,
+}
+
+fn offset(text: &str) -> Result<f64, String> {
+    let hours: Option<f64> = text.parse().ok();
+    hours.filter(|hours| (-14.0..=14.0).contains(hours)).ok_or_else(|| "allowed: -14 to 14 hours".to_owned())
+}

@@ -1,0 +1,56 @@
+//! Columns of the tables that only the page asks for.
+
+use streakcast::table::{Column, Kind};
+
+/// Sun and pointing over the site.
+pub const POINTING: [Column; 5] = [
+    Column::time("utc", "Moment."),
+    Column::real("altitude_deg", "deg", 4, "Altitude of the field's centre, without refraction."),
+    Column::real("azimuth_deg", "deg", 4, "Its azimuth from north through east."),
+    Column::real("sun_altitude_deg", "deg", 4, "Altitude of the Sun, without refraction."),
+    Column::real("sun_azimuth_deg", "deg", 4, "Its azimuth."),
+];
+
+/// Who crosses the field before, during and after the exposure.
+pub const AROUND: [Column; 6] = [
+    Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
+    Column::new("name", Kind::Text, "Name in the element set."),
+    Column::real("enter_s", "s", 3, "Entry into the field, after the exposure's opening; negative before it."),
+    Column::real("exit_s", "s", 3, "Exit from the field."),
+    Column::real("magnitude_peak", "mag", 3, "Brightest magnitude on the way."),
+    Column::real("probability", "", 4, "Probability that it crosses in that stretch of time."),
+];
+
+/// The Sun through a night.
+pub const SUN: [Column; 3] = [
+    Column { kind: Kind::Time { decimals: 0 }, ..Column::time("utc", "Moment.") },
+    Column::real("sun_altitude_deg", "deg", 3, "Altitude of the Sun, without refraction."),
+    Column::real("sun_azimuth_deg", "deg", 3, "Its azimuth from north through east."),
+];
+
+/// Exposures of the schedule that cannot be judged have no times and places: theirs are empty.
+pub const SCHEDULED: [Column; 8] = [
+    Column::new("id", Kind::Text, "The schedule's name of the exposure."),
+    Column::new("row", Kind::Integer, "Its row, counted from 0 in the order of the file."),
+    Column::time("start_utc", "Shutter opening."),
+    Column::real("duration_s", "s", 3, "Length of the exposure."),
+    Column::real("ra_deg", "deg", 7, "Right ascension of the field's centre, ICRS."),
+    Column::real("dec_deg", "deg", 7, "Declination of the field's centre."),
+    Column::real("rotation_deg", "deg", 4, "Position angle of the field's y axis."),
+    Column::new("band", Kind::Text, "Band as the schedule writes it."),
+];
+
+/// The nights of the schedule.
+pub const NIGHTS: [Column; 2] = [
+    Column::new("night", Kind::Text, "The evening's local date."),
+    Column::new("exposures", Kind::Integer, "Exposures in it."),
+];
+
+/// Where the telescope is.
+pub const SITE: [Column; 5] = [
+    Column::new("name", Kind::Text, "Name of the site."),
+    Column::new("mpc_code", Kind::Text, "Its observatory code."),
+    Column::real("latitude_deg", "deg", 6, "Geodetic latitude, WGS84."),
+    Column::real("longitude_deg", "deg", 6, "Longitude, east positive."),
+    Column::real("height_m", "m", 1, "Height above the ellipsoid."),
+];

@@ -1,0 +1,139 @@
+//! `/api/v1/dome`: the sky over the site while an exposure lasts.
+
+use serde_json::{Value, json};
+use streakcast::frames::seconds_after;
+use streakcast::maps::{Earth, Grid, SkyView};
+use streakcast::passes::Overhead;
+
+use super::super::house::House;
+use super::super::question::{Kind, Parameter, Question, needed, number, optional};
+use super::super::reply::{Problem, Reply};
+use super::document::{Document, object_schema, provenance_schema};
+use super::exposure::of_sky;
+use super::horizontal::{degrees, rounded};
+
+pub const PARAMETERS: &[Parameter] = &[
+    needed("start_utc", Kind::Moment, "Beginning."),
+    needed("duration_s", number(0.0, 3600.0, " s"), "Length, seconds."),
+    optional(
+        "height_km",
+        number(160.0, 40_000.0, " km"),
+        "Height of the satellites of map and shadow, km; 550 where unsaid.",
+    ),
+    optional(
+        "model",
+        Kind::Text { longest: 100 },
+        "Brightness model of the map, as /api/v1/night lists them; starlink-v1.5 where unsaid.",
+    ),
+    optional("min_altitude_deg", number(0.0, 90.0, " deg"), "Lowest altitude of satellites, degrees; 0 where unsaid."),
+];
+
+const DEFAULT_HEIGHT_KM: f64 = 550.0;
+const DEFAULT_MODEL: &str = "starlink-v1.5";
+/// Step of the magnitude map, degrees.
+const STEP_DEG: f64 = 5.0;
+/// Points of the shadow's edge.
+const EDGE_POINTS: usize = 180;
+/// Points of a track.
+const TRACK_POINTS: usize = 5;
+
+pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
+    let start = question.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
+    let duration_s = question.number("duration_s").unwrap_or_default();
+    let height_km = question.number("height_km").unwrap_or(DEFAULT_HEIGHT_KM);
+    let name = question.text("model").unwrap_or(DEFAULT_MODEL);
+    let known = || house.library.names().collect::<Vec<_>>().join(", ");
+    let model = house.library.get(name).ok_or_else(|| Problem::parameter("model", name, &known()))?;
+    let Some(observer) = house.sky.viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
+
+    let mid = seconds_after(start, 0.5 * duration_s);
+    let sun = house.sky.sun_over_site(mid, 0.0, 1).map_err(|error| of_sky(&error))?;
+    let sun = sun.first().ok_or_else(|| Problem::new(500, "no Sun"))?;
+    let earth = Earth::Ellipsoid(observer.site().clone());
+    let photometry = house.asked.photometry;
+    let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)
+        .map_err(|error| Problem::new(400, error.to_string()))?
+        .with_shadow(house.sky.shadow());
+    let grid = Grid::regular(STEP_DEG).map_err(|error| Problem::new(500, error.to_string()))?;
+    let points = view.map(grid).points;
+    let row_length = (360.0 / STEP_DEG) as usize;
+    let magnitudes: Vec<Vec<Value>> = points
+        .chunks(row_length)
+        .map(|row| row.iter().map(|point| json!(point.magnitude.map(|magnitude| rounded(magnitude.0, 2)))).collect())
+        .collect();
+    let edge: Vec<[f64; 2]> = view
+        .shadow_edge(EDGE_POINTS)
+        .iter()
+        .map(|point| [rounded(point.azimuth_rad.to_degrees(), 3), rounded(point.altitude_rad.to_degrees(), 3)])
+        .collect();
+
+    let min_altitude_rad = question.number("min_altitude_deg").unwrap_or_default().to_radians();
+    let moments = if duration_s > 0.0 { TRACK_POINTS } else { 1 };
+    let options = house.pass_options(0);
+    let (overhead, _) =
+        house.sky.overhead(start, duration_s, moments, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
+    let satellites: Vec<Value> = overhead.iter().map(|one| satellite(house, one)).collect();
+
+    let (sun_altitude_deg, sun_azimuth_deg) = degrees(sun);
+    let mut document = Document::resting_on(&house.provenance);
+    document.value(
+        "sun",
+        json!({"altitude_deg": rounded(sun_altitude_deg, 4), "azimuth_deg": rounded(sun_azimuth_deg, 4)}),
+    );
+    document
+        .value("map", json!({"model": name, "height_km": height_km, "step_deg": STEP_DEG, "magnitudes": magnitudes}));
+    document.value("shadow_edge_deg", json!(edge));
+    document.value("satellites", satellites);
+    Ok(document.reply())
+}
+
+fn satellite(house: &House, overhead: &Overhead) -> Value {
+    let degrees = |radians: Option<f64>| rounded(radians.unwrap_or(f64::NAN).to_degrees(), 3);
+    let track: Vec<[f64; 2]> =
+        overhead.points.iter().map(|point| [degrees(point.azimuth_rad), degrees(point.altitude_rad)]).collect();
+    let brightness = overhead.points.iter().filter_map(|point| point.brightness.as_ref());
+    let brightest = brightness.min_by(|a, b| a.magnitude.0.total_cmp(&b.magnitude.0));
+    json!({
+        "norad_id": overhead.norad_id.0,
+        "name": house.sky.elements()[overhead.element_index].name.as_ref(),
+        "magnitude": brightest.map(|brightness| rounded(brightness.magnitude.0, 2)),
+        "magnitude_sigma": brightest.map(|brightness| rounded(brightness.sigma_mag, 2)),
+        "track_deg": track,
+    })
+}
+
+pub fn schema() -> Value {
+    let number = json!({"type": "number"});
+    let or_null = json!({"type": ["number", "null"]});
+    let places = json!({
+        "type": "array",
+        "items": {"type": "array", "items": number, "minItems": 2, "maxItems": 2},
+        "description": "Azimuth from north through east and altitude [deg].",
+    });
+    let sun = object_schema(&[("altitude_deg", number.clone()), ("azimuth_deg", number.clone())]);
+    let magnitudes = json!({
+        "type": "array",
+        "items": {"type": "array", "items": or_null},
+        "description": "Rows from the horizon to the zenith, in each the azimuths from 0 on, every step_deg; null where nothing lit stands [mag].",
+    });
+    let map = object_schema(&[
+        ("model", json!({"type": "string"})),
+        ("height_km", number.clone()),
+        ("step_deg", number.clone()),
+        ("magnitudes", magnitudes),
+    ]);
+    let satellite = object_schema(&[
+        ("norad_id", json!({"type": "integer"})),
+        ("name", json!({"type": "string"})),
+        ("magnitude", or_null.clone()),
+        ("magnitude_sigma", or_null),
+        ("track_deg", places.clone()),
+    ]);
+    object_schema(&[
+        ("provenance", provenance_schema()),
+        ("sun", sun),
+        ("map", map),
+        ("shadow_edge_deg", places),
+        ("satellites", json!({"type": "array", "items": satellite})),
+    ])
+}

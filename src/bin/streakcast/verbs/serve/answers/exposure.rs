@@ -1,0 +1,154 @@
+//! `/api/v1/exposure`: what `flag` and `passes` say of any exposure, and who crosses its field before and after.
+
+use serde_json::Value;
+use streakcast::frames::{Direction, seconds_after, seconds_between};
+use streakcast::passes::{Exposure, FieldPass, SkyError};
+use streakcast::schedule::{
+    MagnitudeLimit, ScheduledExposure, StreakRow, Verdict, exposure_table, flag_exposures, flag_table, streak_table,
+};
+use streakcast::table::{Table, Value as Cell};
+
+use super::super::super::passes::left_out_table;
+use super::super::house::House;
+use super::super::question::{Kind, Parameter, Question, needed, number, optional};
+use super::super::reply::{Problem, Reply};
+use super::columns::{AROUND, POINTING};
+use super::document::{Document, object_schema, provenance_schema, rows_schema};
+use super::horizontal::degrees;
+
+pub const PARAMETERS: &[Parameter] = &[
+    needed("start_utc", Kind::Moment, "Shutter opening."),
+    needed("duration_s", number(0.0, 3600.0, " s"), "Length of the exposure, seconds."),
+    needed("ra_deg", number(0.0, 360.0, " deg"), "Right ascension of the field's centre, ICRS, degrees."),
+    needed("dec_deg", number(-90.0, 90.0, " deg"), "Declination of the field's centre, degrees."),
+    optional(
+        "rotation_deg",
+        number(-360.0, 360.0, " deg"),
+        "Position angle of the field's y axis from north through east, degrees; the server's where unsaid.",
+    ),
+    optional("band", Kind::Text { longest: 20 }, "Band of the exposure, for limits by band."),
+    optional("limit_mag", number(-30.0, 40.0, " mag"), "Limiting magnitude of the policy; the server's where unsaid."),
+    optional("samples", Kind::Count { least: 0, greatest: 500 }, "Points along each track; 0 where unsaid."),
+    optional(
+        "around_s",
+        number(0.0, 1800.0, " s"),
+        "Crossings this long before and after too, seconds; 0 where unsaid.",
+    ),
+];
+
+/// The name of the exposure in the answer, as `passes` names its own.
+const ID: &str = "1";
+
+pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
+    let said = |name: &str| question.number(name).unwrap_or_default();
+    let start = question.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
+    let rotation_deg = question.number("rotation_deg").or(house.setup.rotation).unwrap_or_default();
+    let exposure = Exposure {
+        id: ID.to_owned(),
+        start,
+        duration_s: said("duration_s"),
+        pointing: Direction::from_lon_lat_rad(said("ra_deg").to_radians(), said("dec_deg").to_radians()),
+        rotation_rad: rotation_deg.to_radians(),
+    };
+    let mut policy = house.asked.policy.clone();
+    if let Some(limit) = question.number("limit_mag") {
+        policy.limit_mag = Some(MagnitudeLimit::All(limit));
+    }
+    let row = ScheduledExposure {
+        id: ID.to_owned(),
+        row: 0,
+        band: question.text("band").map(str::to_owned),
+        exposure: Ok(exposure.clone()),
+    };
+    let report = flag_exposures(&[&row], &house.request(&policy)).map_err(|error| of_sky(&error))?;
+    // What is below the horizon is crossed by nobody that can be seen.
+    let is_up = report.flags.iter().all(|flag| flag.verdict != Verdict::Invalid);
+    let samples = question.count("samples").unwrap_or_default();
+    let options = house.pass_options(samples);
+    let ask = |exposure: &Exposure, samples: usize| {
+        let options = streakcast::passes::PassOptions { samples, ..options.clone() };
+        let asked = if is_up { std::slice::from_ref(exposure) } else { &[] };
+        house.sky.field_passes(asked, &house.asked.field, &options).map_err(|error| of_sky(&error))
+    };
+    let answer = ask(&exposure, samples)?;
+    let passes = answer.by_exposure.into_iter().next().unwrap_or_default();
+    let streaks = streak_table(
+        passes.iter().map(|pass| StreakRow {
+            exposure: &exposure,
+            pass,
+            elements: &house.sky.elements()[pass.element_index],
+            satellite_size_m: house.sky.model(pass.element_index).size_m(),
+            telescope: house.asked.telescope.as_ref(),
+            photometry: &house.asked.photometry,
+        }),
+        true,
+        samples > 0,
+    );
+    let mut around = Table { columns: AROUND.to_vec(), rows: Vec::new() };
+    if let Some(around_s) = question.number("around_s") {
+        let long = Exposure {
+            start: seconds_after(start, -around_s),
+            duration_s: exposure.duration_s + 2.0 * around_s,
+            ..exposure.clone()
+        };
+        let found = ask(&long, 0)?;
+        around.rows = found.by_exposure.iter().flatten().map(|pass| around_row(house, pass, &exposure)).collect();
+    }
+    let mut document = Document::resting_on(&house.provenance);
+    document.table("exposures", &exposure_table([&exposure]));
+    document.table("flags", &flag_table(&report.flags));
+    document.table("passes", &streaks);
+    document.table("around", &around);
+    document.table("pointing", &pointing(house, &exposure)?);
+    document.table("left_out", &left_out_table(&report.left_out));
+    Ok(document.reply())
+}
+
+/// Faults of the question that only the sky can see.
+pub fn of_sky(error: &SkyError) -> Problem {
+    Problem::new(400, error.to_string())
+}
+
+fn around_row(house: &House, pass: &FieldPass, exposure: &Exposure) -> Vec<Cell> {
+    let after_s = |epoch| seconds_between(exposure.start, epoch);
+    let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
+    vec![
+        i64::from(pass.norad_id.0).into(),
+        house.sky.elements()[pass.element_index].name.as_ref().into(),
+        after_s(pass.enter.epoch).into(),
+        after_s(pass.exit.epoch).into(),
+        peak.map(|brightness| brightness.magnitude.0).into(),
+        pass.probability.into(),
+    ]
+}
+
+/// Field and Sun as the shutter opens and as it closes.
+fn pointing(house: &House, exposure: &Exposure) -> Result<Table, Problem> {
+    let ends = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
+    let row = |epoch| -> Result<Vec<Cell>, SkyError> {
+        let (altitude_deg, azimuth_deg) = degrees(&house.sky.pointing_over_site(&exposure.pointing, epoch)?);
+        let sun = house.sky.sun_over_site(epoch, 0.0, 1)?;
+        let (sun_altitude_deg, sun_azimuth_deg) = sun.first().map_or((f64::NAN, f64::NAN), degrees);
+        Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into(), sun_altitude_deg.into(), sun_azimuth_deg.into()])
+    };
+    let rows = ends.into_iter().map(row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
+    Ok(Table { columns: POINTING.to_vec(), rows })
+}
+
+pub fn schema() -> Value {
+    let sampled = streak_table(std::iter::empty(), true, true);
+    let mut passes = rows_schema(&sampled.columns);
+    // Only where samples were asked for.
+    if let Some(required) = passes["items"]["required"].as_array_mut() {
+        required.retain(|name| name != "samples");
+    }
+    object_schema(&[
+        ("provenance", provenance_schema()),
+        ("exposures", rows_schema(&exposure_table([]).columns)),
+        ("flags", rows_schema(&flag_table(&[]).columns)),
+        ("passes", passes),
+        ("around", rows_schema(&AROUND)),
+        ("pointing", rows_schema(&POINTING)),
+        ("left_out", rows_schema(&left_out_table(&[]).columns)),
+    ])
+}

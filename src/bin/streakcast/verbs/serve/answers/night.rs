@@ -1,0 +1,133 @@
+//! `/api/v1/night`: one night of the schedule with its verdicts, the Sun, the field and the site.
+
+use serde_json::{Value, json};
+use streakcast::frames::{mjd_utc, seconds_after, seconds_between};
+use streakcast::schedule::{ExposureFlag, ScheduledExposure, flag_table, night_of};
+use streakcast::table::{Table, Value as Cell, format_utc};
+
+use super::super::house::{House, date_of};
+use super::super::question::{Kind, Parameter, Question, optional};
+use super::super::reply::{Problem, Reply};
+use super::columns::{NIGHTS, SCHEDULED, SITE, SUN};
+use super::document::{Document, object_schema, provenance_schema, row_schema, rows_schema};
+use super::exposure::of_sky;
+use super::horizontal::degrees;
+
+pub const PARAMETERS: &[Parameter] =
+    &[optional("night", Kind::Date, "The evening's local date; the first night of the schedule where unsaid.")];
+
+/// Between two places of the Sun, seconds.
+const SUN_EVERY_S: f64 = 300.0;
+/// Points of a circle's outline.
+const OUTLINE_POINTS: usize = 120;
+
+pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
+    let known = || house.nights.keys().map(|night| date_of(*night)).take(40).collect::<Vec<_>>().join(", ");
+    let night = match question.date("night") {
+        Some(noon) => mjd_utc(noon).floor() as i64,
+        None => {
+            *house.nights.keys().next().ok_or_else(|| Problem::new(404, "no exposure of the schedule can be judged"))?
+        }
+    };
+    let rows = house.nights.get(&night).ok_or_else(|| Problem::parameter("night", &date_of(night), &known()))?;
+    let Some(observer) = house.sky.viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
+    let site = observer.site();
+
+    let (from, to) = night_of(
+        streakcast::frames::epoch_from_mjd(night as f64, hifitime::TimeScale::UTC)
+            .map_err(|error| Problem::new(400, error.to_string()))?,
+        site.longitude_rad,
+    );
+    let count = (seconds_between(from, to) / SUN_EVERY_S) as usize + 1;
+    let places = house.sky.sun_over_site(from, SUN_EVERY_S, count).map_err(|error| of_sky(&error))?;
+    let sun_row = |(step, place)| -> Vec<Cell> {
+        let (altitude_deg, azimuth_deg) = degrees(place);
+        vec![seconds_after(from, SUN_EVERY_S * step as f64).into(), altitude_deg.into(), azimuth_deg.into()]
+    };
+    let sun = Table { columns: SUN.to_vec(), rows: places.iter().enumerate().map(sun_row).collect() };
+
+    let exposures = Table {
+        columns: SCHEDULED.to_vec(),
+        rows: rows.iter().map(|&row| scheduled_row(&house.schedule.exposures[row])).collect(),
+    };
+    let flags: Vec<ExposureFlag> = rows.iter().map(|&row| house.flags[row].clone()).collect();
+    let nights = Table {
+        columns: NIGHTS.to_vec(),
+        rows: house.nights.iter().map(|(night, rows)| vec![date_of(*night).into(), rows.len().into()]).collect(),
+    };
+    let site = Table {
+        columns: SITE.to_vec(),
+        rows: vec![vec![
+            site.name.as_str().into(),
+            site.mpc_code.clone().into(),
+            site.latitude_rad.to_degrees().into(),
+            site.longitude_rad.to_degrees().into(),
+            site.height_m.into(),
+        ]],
+    };
+    let policy = &house.asked.policy;
+    let photometry = &house.asked.photometry;
+    let mut document = Document::resting_on(&house.provenance);
+    document.value("night", date_of(night));
+    document.table("nights", &nights);
+    document.value("from_utc", format_utc(from, 0));
+    document.value("to_utc", format_utc(to, 0));
+    document.value("utc_offset_h", house.utc_offset_h);
+    document.record("site", &site);
+    document.value(
+        "field",
+        json!({
+            "outlines_deg": house.asked.field.outlines_deg(OUTLINE_POINTS),
+            "radius_deg": house.asked.field.bounding_radius_rad().to_degrees(),
+        }),
+    );
+    document.value("limit_mag", policy.limit_mag.as_ref().and_then(|limit| limit.of(None)));
+    document.value("max_delay_s", policy.max_delay_or_default_s());
+    document.value("band", photometry.band.name());
+    document.value("mag_system", photometry.system.to_string());
+    document.value("models", house.library.names().collect::<Vec<_>>());
+    document.table("exposures", &exposures);
+    document.table("flags", &flag_table(&flags));
+    document.table("sun", &sun);
+    Ok(document.reply())
+}
+
+fn scheduled_row(scheduled: &ScheduledExposure) -> Vec<Cell> {
+    let exposure = scheduled.exposure.as_ref().ok();
+    vec![
+        scheduled.id.as_str().into(),
+        scheduled.row.into(),
+        exposure.map(|exposure| exposure.start).into(),
+        exposure.map(|exposure| exposure.duration_s).into(),
+        exposure.map(|exposure| exposure.pointing.longitude_rad().to_degrees()).into(),
+        exposure.map(|exposure| exposure.pointing.latitude_rad().to_degrees()).into(),
+        exposure.map(|exposure| exposure.rotation_rad.to_degrees()).into(),
+        scheduled.band.clone().into(),
+    ]
+}
+
+pub fn schema() -> Value {
+    let number = json!({"type": "number"});
+    let text = json!({"type": "string"});
+    let outline = json!({"type": "array", "items": {"type": "array", "items": number, "minItems": 2, "maxItems": 2}});
+    let field =
+        object_schema(&[("outlines_deg", json!({"type": "array", "items": outline})), ("radius_deg", number.clone())]);
+    object_schema(&[
+        ("provenance", provenance_schema()),
+        ("night", text.clone()),
+        ("nights", rows_schema(&NIGHTS)),
+        ("from_utc", text.clone()),
+        ("to_utc", text.clone()),
+        ("utc_offset_h", number.clone()),
+        ("site", row_schema(&SITE)),
+        ("field", field),
+        ("limit_mag", json!({"type": ["number", "null"]})),
+        ("max_delay_s", number),
+        ("band", text.clone()),
+        ("mag_system", text.clone()),
+        ("models", json!({"type": "array", "items": text})),
+        ("exposures", rows_schema(&SCHEDULED)),
+        ("flags", rows_schema(&flag_table(&[]).columns)),
+        ("sun", rows_schema(&SUN)),
+    ])
+}

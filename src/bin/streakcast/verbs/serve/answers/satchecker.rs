@@ -1,0 +1,311 @@
+//! `/fov/satellite-passes/` and `/fov/satellites-above-horizon/` as IAU CPS SatChecker (1.7, docs/source/fov.rst and its answers) has them,
+//! answered at once and with magnitudes.
+
+use std::collections::BTreeMap;
+
+use hifitime::{Epoch, TimeScale};
+use serde_json::{Value, json};
+use streakcast::frames::{Direction, epoch_from_jd, seconds_after};
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, Sky};
+
+use super::super::house::House;
+use super::super::question::{Kind, Parameter, Question, TRUTH, needed, number, optional};
+use super::super::reply::{Problem, Reply};
+use super::document::object_schema;
+use super::exposure::of_sky;
+use super::satchecker_positions::{position, position_schema};
+
+const LATITUDE: Parameter =
+    optional("latitude", number(-90.0, 90.0, " deg"), "Of the observer, degrees; needed without site.");
+const LONGITUDE: Parameter =
+    optional("longitude", number(-180.0, 360.0, " deg"), "East positive, degrees; needed without site.");
+const ELEVATION: Parameter =
+    optional("elevation", number(-11_000.0, 100_000.0, " m"), "Metres above the ellipsoid; needed without site.");
+const SITE: Parameter = optional(
+    "site",
+    Kind::Text { longest: 100 },
+    "Name or MPC code of a known site, instead of latitude, longitude and elevation.",
+);
+const ILLUMINATED: Parameter = optional("illuminated_only", TRUTH, "Satellites in sunlight alone; false where unsaid.");
+const CONSTELLATION: Parameter =
+    optional("constellation", Kind::Text { longest: 50 }, "Satellites whose names begin like this, in any case.");
+
+pub const PASSES: &[Parameter] = &[
+    LATITUDE,
+    LONGITUDE,
+    ELEVATION,
+    SITE,
+    optional("start_time_jd", Kind::JulianDate, "Beginning, Julian date (UTC); this or mid_obs_time_jd."),
+    optional("mid_obs_time_jd", Kind::JulianDate, "Middle, Julian date (UTC)."),
+    needed("duration", number(0.0, 3600.0, " s"), "Seconds."),
+    needed("ra", number(0.0, 360.0, " deg"), "Right ascension of the field's centre, ICRS, degrees."),
+    needed("dec", number(-90.0, 90.0, " deg"), "Declination of the field's centre, degrees."),
+    needed("fov_radius", number(0.0001, 45.0, " deg"), "Radius of the circular field, degrees."),
+    optional(
+        "group_by",
+        Kind::Word(&["satellite", "time"]),
+        "Positions by satellite, or in order of time; time where unsaid.",
+    ),
+    ILLUMINATED,
+    CONSTELLATION,
+    optional("data_source", Kind::Word(&["any"]), "There is one source: what the server was given."),
+    optional("include_orbital_data", TRUTH, "The element sets as two lines too; false where unsaid."),
+    optional("async", Kind::Word(&["false", "False"]), "Answers come at once: there are no tasks to wait for."),
+];
+
+pub const ABOVE: &[Parameter] = &[
+    LATITUDE,
+    LONGITUDE,
+    ELEVATION,
+    SITE,
+    needed("julian_date", Kind::JulianDate, "Moment, Julian date (UTC)."),
+    optional("min_altitude", number(0.0, 90.0, " deg"), "Lowest altitude, degrees; 0 where unsaid."),
+    optional("min_range", number(0.0, 1_500_000.0, " km"), "Least distance, km; 0 where unsaid."),
+    optional("max_range", number(0.0, 1_500_000.0, " km"), "Greatest distance, km; 1500000 where unsaid."),
+    ILLUMINATED,
+    CONSTELLATION,
+];
+
+/// Where answers come from, as every one of them says.
+const SOURCE: &str = "streakcast";
+/// Positions that one answer may hold.
+const MOST_POSITIONS: f64 = 20_000.0;
+/// Points along the longest pass; SatChecker has one a second.
+const MOST_SAMPLES: usize = 601;
+
+pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
+    let sky = sky(house, question)?;
+    let said = |name: &str| question.number(name).unwrap_or_default();
+    let duration_s = said("duration");
+    let start = match (question.number("start_time_jd"), question.number("mid_obs_time_jd")) {
+        (Some(jd), None) => moment(jd)?,
+        (None, Some(jd)) => seconds_after(moment(jd)?, -0.5 * duration_s),
+        _ => return Err(Problem::missing("start_time_jd", "start_time_jd or mid_obs_time_jd, one of them")),
+    };
+    let exposure = Exposure {
+        id: "fov".to_owned(),
+        start,
+        duration_s,
+        pointing: Direction::from_lon_lat_rad(said("ra").to_radians(), said("dec").to_radians()),
+        rotation_rad: 0.0,
+    };
+    let field =
+        Field::circle(2.0 * said("fov_radius").to_radians()).map_err(|error| Problem::new(400, error.to_string()))?;
+    let ask = |samples: usize| {
+        let options = PassOptions {
+            include_dark: !question.truth("illuminated_only").unwrap_or(false),
+            min_probability: None,
+            samples,
+            photometry: house.asked.photometry,
+        };
+        let answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
+        let found = answer.map_err(|error| of_sky(&error))?.by_exposure.into_iter().next().unwrap_or_default();
+        let wanted = found.into_iter().filter(|pass| is_of_constellation(&sky, pass.element_index, question));
+        Ok::<Vec<FieldPass>, Problem>(wanted.collect())
+    };
+    // Looked at once without points, to see how many there will be.
+    let length_s = |pass: &FieldPass| streakcast::frames::seconds_between(pass.enter.epoch, pass.exit.epoch);
+    let lengths_s: Vec<f64> = ask(0)?.iter().map(length_s).collect();
+    let expected: f64 = lengths_s.iter().map(|length_s| length_s.ceil().min(MOST_SAMPLES as f64) + 1.0).sum();
+    if expected > MOST_POSITIONS {
+        let detail =
+            format!("{expected} positions; allowed: {MOST_POSITIONS}: a shorter duration or a smaller fov_radius");
+        return Err(Problem::new(400, detail));
+    }
+    let longest_s = lengths_s.iter().copied().fold(0.0, f64::max);
+    let samples = (longest_s.ceil() as usize + 1).clamp(2, MOST_SAMPLES);
+    let found = ask(samples)?;
+    let with_elements = question.truth("include_orbital_data").unwrap_or(false);
+    let by_satellite = question.text("group_by") == Some("satellite");
+    let thinned = |pass: &FieldPass| -> Vec<usize> {
+        // Points of one pass are evenly spaced: as many of them are left out as keeps a second between two.
+        let last = pass.samples.len().saturating_sub(1);
+        let step =
+            if length_s(pass) > 0.0 { (last as f64 / length_s(pass)).floor().max(1.0) as usize } else { last.max(1) };
+        (0..=last).filter(|point| point % step == 0 || *point == last).collect()
+    };
+    let one_position = |pass: &FieldPass, point: usize| {
+        let mut value = position(&sky, pass.element_index, &pass.samples[point], pass.element_age_days);
+        let angle_rad = pass.samples[point].direction.separation_rad(&exposure.pointing);
+        value["angle"] = json!(super::horizontal::rounded(angle_rad.to_degrees(), 8));
+        value
+    };
+    let count: usize = found.iter().map(|pass| thinned(pass).len()).sum();
+    let document = if by_satellite {
+        let mut satellites: BTreeMap<String, Value> = BTreeMap::new();
+        for pass in &found {
+            let elements = &sky.elements()[pass.element_index];
+            let positions = thinned(pass).into_iter().map(|point| one_position(pass, point));
+            let key = format!("{} ({})", elements.name, elements.norad_id);
+            // One that comes back has both of its passes.
+            let known = satellites.entry(key).or_insert_with(|| {
+                let mut satellite =
+                    json!({"name": elements.name.as_ref(), "norad_id": elements.norad_id.0, "positions": [], "streaks": []});
+                if with_elements {
+                    satellite["orbital_data"] = orbital_data(&sky, pass.element_index);
+                }
+                satellite
+            });
+            if let Some(list) = known["positions"].as_array_mut() {
+                list.extend(positions);
+            }
+            if let Some(list) = known["streaks"].as_array_mut() {
+                list.push(streak(pass));
+            }
+        }
+        let total = satellites.len();
+        let data = json!({"satellites": satellites, "total_satellites": total, "total_position_results": count});
+        json!({"data": data, "source": SOURCE, "version": env!("CARGO_PKG_VERSION")})
+    } else {
+        let mut positions: Vec<(Epoch, Value)> = found
+            .iter()
+            .flat_map(|pass| thinned(pass).into_iter().map(move |point| (pass, point)))
+            .map(|(pass, point)| {
+                let mut value = one_position(pass, point);
+                let elements = &sky.elements()[pass.element_index];
+                value["name"] = json!(elements.name.as_ref());
+                value["norad_id"] = json!(elements.norad_id.0);
+                if with_elements {
+                    value["orbital_data"] = orbital_data(&sky, pass.element_index);
+                }
+                (pass.samples[point].epoch, value)
+            })
+            .collect();
+        positions.sort_by_key(|(epoch, _)| *epoch);
+        let data: Vec<Value> = positions.into_iter().map(|(_, value)| value).collect();
+        json!({"data": data, "count": count, "total_position_results": count, "source": SOURCE, "version": env!("CARGO_PKG_VERSION")})
+    };
+    Ok(Reply::json(document.to_string()))
+}
+
+pub fn above(house: &House, question: &Question) -> Result<Reply, Problem> {
+    let sky = sky(house, question)?;
+    let at = moment(question.number("julian_date").unwrap_or_default())?;
+    let said = |name: &str| question.number(name);
+    let options = PassOptions {
+        include_dark: !question.truth("illuminated_only").unwrap_or(false),
+        min_probability: None,
+        samples: 0,
+        photometry: house.asked.photometry,
+    };
+    let min_altitude_rad = said("min_altitude").unwrap_or_default().to_radians();
+    let (overhead, _) = sky.overhead(at, 0.0, 1, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
+    let ranges = said("min_range").unwrap_or(0.0)..=said("max_range").unwrap_or(1_500_000.0);
+    let data: Vec<Value> = overhead
+        .iter()
+        .filter(|one| is_of_constellation(&sky, one.element_index, question))
+        .filter_map(|one| {
+            let point = one.points.first().filter(|point| ranges.contains(&point.range_km))?;
+            let elements = &sky.elements()[one.element_index];
+            let age_days = streakcast::frames::seconds_between(elements.epoch, at) / 86_400.0;
+            let mut value = position(&sky, one.element_index, point, age_days);
+            value["name"] = json!(elements.name.as_ref());
+            value["norad_id"] = json!(elements.norad_id.0);
+            value["range"] = value["range_km"].clone();
+            Some(value)
+        })
+        .collect();
+    let count = data.len();
+    let document = json!({"data": data, "count": count, "total_position_results": count, "source": SOURCE, "version": env!("CARGO_PKG_VERSION")});
+    Ok(Reply::json(document.to_string()))
+}
+
+/// The server's satellites over the site of the question.
+fn sky(house: &House, question: &Question) -> Result<Sky, Problem> {
+    let numbers = ["latitude", "longitude", "elevation"].map(|name| question.number(name));
+    let site = match (question.text("site"), numbers) {
+        (Some(name), [None, None, None]) => {
+            Site::by_name(name).map_err(|error| Problem::new(400, error.to_string()))?
+        }
+        (None, [Some(latitude), Some(longitude), Some(elevation)]) => {
+            Site::new_deg("observer", latitude, longitude, elevation)
+                .map_err(|error| Problem::new(400, error.to_string()))?
+        }
+        (Some(_), _) => {
+            return Err(Problem::parameter("site", "with coordinates", "site, or latitude, longitude and elevation"));
+        }
+        _ => return Err(Problem::missing("site", "site, or latitude, longitude and elevation")),
+    };
+    Ok(house.sky.seen_from(Observer::new(site)))
+}
+
+fn moment(jd: f64) -> Result<Epoch, Problem> {
+    epoch_from_jd(jd, TimeScale::UTC).map_err(|error| Problem::new(400, error.to_string()))
+}
+
+fn is_of_constellation(sky: &Sky, element_index: usize, question: &Question) -> bool {
+    let Some(wanted) = question.text("constellation") else { return true };
+    sky.elements()[element_index].name.to_lowercase().starts_with(&wanted.to_lowercase())
+}
+
+fn orbital_data(sky: &Sky, element_index: usize) -> Value {
+    match streakcast::catalogue::format_tle(&sky.elements()[element_index]) {
+        Ok([line1, line2]) => json!({"tle_line1": line1, "tle_line2": line2}),
+        // What two lines cannot hold.
+        Err(error) => json!({"error": error.to_string()}),
+    }
+}
+
+/// The streak as a whole: what SatChecker's points once a second do not tell.
+fn streak(pass: &FieldPass) -> Value {
+    let rounded = super::horizontal::rounded;
+    let utc = |epoch| streakcast::table::format_utc(epoch, 3);
+    let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
+    json!({
+        "enter_utc": utc(pass.enter.epoch),
+        "exit_utc": utc(pass.exit.epoch),
+        "streak_length_deg": rounded(pass.streak_length_rad.to_degrees(), 6),
+        "position_angle_deg": rounded(pass.position_angle_rad.to_degrees(), 4),
+        "angular_rate_deg_s": rounded(pass.angular_rate_rad_s.to_degrees(), 6),
+        "magnitude_peak": peak.map(|brightness| rounded(brightness.magnitude.0, 3)),
+        "probability": rounded(pass.probability, 4),
+    })
+}
+
+pub fn passes_schema() -> Value {
+    let (number, or_null, text) =
+        (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));
+    let streak = object_schema(&[
+        ("enter_utc", text.clone()),
+        ("exit_utc", text.clone()),
+        ("streak_length_deg", number.clone()),
+        ("position_angle_deg", number.clone()),
+        ("angular_rate_deg_s", number.clone()),
+        ("magnitude_peak", or_null),
+        ("probability", number),
+    ]);
+    let orbital = json!({"type": "object", "additionalProperties": {"type": "string"}});
+    let mut satellite = object_schema(&[
+        ("name", text.clone()),
+        ("norad_id", json!({"type": "integer"})),
+        ("positions", json!({"type": "array", "items": position_schema(&["angle"])})),
+        ("streaks", json!({"type": "array", "items": streak})),
+    ]);
+    satellite["properties"]["orbital_data"] = orbital.clone();
+    let count = json!({"type": "integer", "minimum": 0});
+    let grouped = object_schema(&[
+        ("satellites", json!({"type": "object", "additionalProperties": satellite})),
+        ("total_satellites", count.clone()),
+        ("total_position_results", count),
+    ]);
+    let mut each = position_schema(&["angle", "name", "norad_id"]);
+    each["properties"]["orbital_data"] = orbital;
+    let by_satellite = object_schema(&[("data", grouped), ("source", text.clone()), ("version", text)]);
+    json!({"oneOf": [by_satellite, listed_schema(each)]})
+}
+
+pub fn above_schema() -> Value {
+    listed_schema(position_schema(&["name", "norad_id", "range"]))
+}
+
+fn listed_schema(item: Value) -> Value {
+    let (count, text) = (json!({"type": "integer", "minimum": 0}), json!({"type": "string"}));
+    object_schema(&[
+        ("data", json!({"type": "array", "items": item})),
+        ("count", count.clone()),
+        ("total_position_results", count),
+        ("source", text.clone()),
+        ("version", text),
+    ])
+}

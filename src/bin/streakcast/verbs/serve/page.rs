@@ -1,0 +1,66 @@
+//! The files of the page, inside the binary.
+
+use hyper::body::Bytes;
+
+use super::reply::Reply;
+
+const SCRIPT: &str = "text/javascript; charset=utf-8";
+
+/// Path, kind, bytes.
+static FILES: &[(&str, &str, &[u8])] = &[
+    ("/", "text/html; charset=utf-8", include_bytes!("page/index.html")),
+    ("/page.css", "text/css; charset=utf-8", include_bytes!("page/page.css")),
+    ("/favicon.svg", "image/svg+xml", include_bytes!("page/favicon.svg")),
+    ("/main.js", SCRIPT, include_bytes!("page/main.js")),
+    ("/api.js", SCRIPT, include_bytes!("page/api.js")),
+    ("/link.js", SCRIPT, include_bytes!("page/link.js")),
+    ("/words.js", SCRIPT, include_bytes!("page/words.js")),
+    ("/colours.js", SCRIPT, include_bytes!("page/colours.js")),
+    ("/canvas.js", SCRIPT, include_bytes!("page/canvas.js")),
+    ("/night.js", SCRIPT, include_bytes!("page/night.js")),
+    ("/strip.js", SCRIPT, include_bytes!("page/strip.js")),
+    ("/field.js", SCRIPT, include_bytes!("page/field.js")),
+    ("/dome.js", SCRIPT, include_bytes!("page/dome.js")),
+    ("/contours.js", SCRIPT, include_bytes!("page/contours.js")),
+    ("/curve.js", SCRIPT, include_bytes!("page/curve.js")),
+    ("/crossings.js", SCRIPT, include_bytes!("page/crossings.js")),
+];
+
+/// The file at a path.
+pub fn file(path: &str) -> Option<Reply> {
+    let (_, content_type, bytes) = FILES.iter().find(|(known, ..)| *known == path)?;
+    Some(Reply { status: 200, content_type, body: Bytes::from_static(bytes), header: None })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What the page may weigh.
+    const MOST_BYTES: usize = 300_000;
+
+    #[test]
+    fn the_page_is_light_and_asks_nobody_else() {
+        let bytes: usize = FILES.iter().map(|(.., bytes)| bytes.len()).sum();
+        assert!(bytes < MOST_BYTES, "{bytes} bytes");
+        for (path, _, bytes) in FILES {
+            let text = std::str::from_utf8(bytes).unwrap();
+            let foreign =
+                text.match_indices("://").map(|(at, _)| &text[at.saturating_sub(6)..(at + 20).min(text.len())]);
+            let foreign: Vec<&str> = foreign.filter(|place| !place.contains("www.w3.org")).collect();
+            assert!(foreign.is_empty(), "{path}: {foreign:?}");
+            assert!(!text.contains("style=\"") && !text.contains("onclick=") && !text.contains("eval("), "{path}");
+        }
+    }
+
+    #[test]
+    fn every_script_that_is_imported_is_served() {
+        for (path, _, bytes) in FILES {
+            let text = std::str::from_utf8(bytes).unwrap();
+            for line in text.lines().filter(|line| line.starts_with("import ")) {
+                let name = line.rsplit("\"./").next().and_then(|rest| rest.strip_suffix("\";")).unwrap();
+                assert!(file(&format!("/{name}")).is_some(), "{path} imports {name}");
+            }
+        }
+    }
+}

@@ -1,0 +1,112 @@
+// The crossings as a table: SatChecker's columns, and what it has no words for.
+
+import { css } from "./colours.js";
+import { clock, fixed, moment } from "./words.js";
+
+const sigma = (pass) => (pass.magnitude_peak == null ? "–" : `${fixed(pass.magnitude_peak, 2)} ± ${fixed(pass.magnitude_sigma, 2)}`);
+
+/** Head, cell on the page. */
+const COLUMNS = [
+  ["name", null],
+  ["norad_id", (pass) => pass.norad_id],
+  ["peak mag ± σ", sigma],
+  ["mag_source", (pass) => pass.mag_source ?? "–"],
+  ["enter UTC", (pass) => clock(moment(pass.enter_utc), 0, 2)],
+  ["exit UTC", (pass) => clock(moment(pass.exit_utc), 0, 2)],
+  ["ra °", (pass) => fixed(pass.mid_ra_deg, 4)],
+  ["dec °", (pass) => fixed(pass.mid_dec_deg, 4)],
+  ["altitude °", (pass) => fixed(pass.altitude_deg, 1)],
+  ["azimuth °", (pass) => fixed(pass.azimuth_deg, 1)],
+  ["range km", (pass) => fixed(pass.range_km, 0)],
+  ["angle °", (pass) => fixed(pass.min_separation_deg, 3)],
+  ["phase °", (pass) => fixed(pass.phase_angle_deg, 1)],
+  ["rate °/s", (pass) => fixed(pass.angular_rate_deg_s, 3)],
+  ["light", (pass) => pass.illumination],
+  ["age d", (pass) => fixed(pass.element_age_days, 1)],
+  ["P", (pass) => fixed(pass.probability, 2)],
+];
+
+/** Column of the file, value. Places are those of mid. */
+const FILE = [
+  ["name", (pass) => pass.name],
+  ["norad_id", (pass) => pass.norad_id],
+  ["international_designator", (pass) => pass.international_designator],
+  ["julian_date", (pass) => (moment(pass.mid_utc) / 86400e3 + 2440587.5).toFixed(8)],
+  ["date_time", (pass) => pass.mid_utc],
+  ["enter_utc", (pass) => pass.enter_utc],
+  ["exit_utc", (pass) => pass.exit_utc],
+  ["ra", (pass) => pass.mid_ra_deg],
+  ["dec", (pass) => pass.mid_dec_deg],
+  ["altitude_deg", (pass) => pass.altitude_deg],
+  ["azimuth_deg", (pass) => pass.azimuth_deg],
+  ["range_km", (pass) => pass.range_km],
+  ["angle", (pass) => pass.min_separation_deg],
+  ["phase_angle_deg", (pass) => pass.phase_angle_deg],
+  ["illuminated", (pass) => pass.lit_fraction > 0],
+  ["apparent_magnitude", (pass) => pass.magnitude],
+  ["apparent_magnitude_uncert", (pass) => pass.magnitude_sigma],
+  ["magnitude_peak", (pass) => pass.magnitude_peak],
+  ["mag_source", (pass) => pass.mag_source],
+  ["epoch_age_days", (pass) => pass.element_age_days],
+  ["probability", (pass) => pass.probability],
+];
+
+export function heads(row) {
+  row.replaceChildren(
+    ...COLUMNS.map(([name]) => {
+      const cell = document.createElement("th");
+      cell.scope = "col";
+      cell.textContent = name;
+      return cell;
+    }),
+  );
+}
+
+/** Fills the table; the button in each row chooses its track. */
+export function rows(body, passes, selected, choose) {
+  if (!passes.length) {
+    const cell = document.createElement("td");
+    cell.colSpan = COLUMNS.length;
+    cell.textContent = "No lit satellite crosses this exposure.";
+    const row = document.createElement("tr");
+    row.append(cell);
+    body.replaceChildren(row);
+    return;
+  }
+  // What has the focus keeps it when the rows are made anew.
+  const focused = body.contains(document.activeElement) ? document.activeElement.dataset.norad : null;
+  body.replaceChildren(
+    ...passes.map((pass) => {
+      const row = document.createElement("tr");
+      row.dataset.norad = pass.norad_id;
+      row.dataset.chosen = String(pass.norad_id === selected);
+      for (const [name, text] of COLUMNS) {
+        const cell = document.createElement("td");
+        if (text) cell.textContent = text(pass);
+        else {
+          const button = document.createElement("button");
+          button.type = "button";
+          button.textContent = pass.name || String(pass.norad_id);
+          button.dataset.norad = pass.norad_id;
+          button.setAttribute("aria-pressed", String(pass.norad_id === selected));
+          button.addEventListener("click", () => choose(pass.norad_id));
+          cell.append(button);
+        }
+        if (name.startsWith("peak")) cell.style.color = css(pass.magnitude_peak);
+        row.append(cell);
+      }
+      return row;
+    }),
+  );
+  if (focused) body.querySelector(`button[data-norad="${CSS.escape(focused)}"]`)?.focus();
+}
+
+/** The same as CSV. */
+export function csv(passes) {
+  const cell = (value) => {
+    const text = value == null ? "" : String(value);
+    return /[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text;
+  };
+  const lines = passes.map((pass) => FILE.map(([, value]) => cell(value(pass))).join(","));
+  return [FILE.map(([name]) => name).join(","), ...lines].join("\n") + "\n";
+}

@@ -1,0 +1,217 @@
+// The sky over the site: zenith in the middle, north up, east left, as one looks up.
+
+import { css, ofMagnitude, theme } from "./colours.js";
+import { between, contour } from "./contours.js";
+import { label, path, prepare } from "./canvas.js";
+
+const DEG = Math.PI / 180;
+/** Pixels of the magnitude map across; it is smooth and drawn larger. */
+const FINE = 220;
+/** Places of the grid by which magnitudes are carried on into the shadow, where nothing is seen of them: so the map ends at its edge and not in steps. */
+const BEYOND = 3;
+
+/** The grid with its gaps filled from beside as far as that goes. */
+function filled(rows) {
+  let values = rows;
+  for (let turn = 0; turn < BEYOND; turn += 1) {
+    const before = values;
+    values = before.map((row, y) =>
+      row.map((value, x) => {
+        if (value != null) return value;
+        const beside = [row[(x + 1) % row.length], row.at(x - 1), before[y - 1]?.[x], before[y + 1]?.[x]].filter((one) => one != null);
+        return beside.length ? beside.reduce((sum, one) => sum + one, 0) / beside.length : null;
+      }),
+    );
+  }
+  return values;
+}
+
+export class Dome {
+  constructor(canvas) {
+    this.canvas = canvas;
+  }
+
+  /** A new answer of the server. */
+  show(dome) {
+    this.dome = dome;
+    // Azimuths go round: the first column stands behind the last once more.
+    this.isZenithDark = dome.map.magnitudes.at(-1)[0] == null;
+    this.values = filled(dome.map.magnitudes).map((row) => [...row, row[0]]);
+    this.image = null;
+  }
+
+  draw({ pointing, selected, passes, limit }) {
+    const { context, width, height } = prepare(this.canvas);
+    const colours = theme();
+    const radius = Math.min(width, height) / 2 - 26;
+    const [x0, y0] = [width / 2, height / 2];
+    const at = (azimuth, altitude) => {
+      const reach = ((90 - altitude) / 90) * radius;
+      return [x0 - reach * Math.sin(azimuth * DEG), y0 - reach * Math.cos(azimuth * DEG)];
+    };
+    const up = ([azimuth, altitude]) => (altitude >= 0 ? at(azimuth, altitude) : null);
+    context.save();
+    context.beginPath();
+    context.arc(x0, y0, radius, 0, 2 * Math.PI);
+    context.fillStyle = colours.shadow;
+    context.fill();
+    context.clip();
+    if (this.dome) {
+      context.drawImage(this.map(), x0 - radius, y0 - radius, 2 * radius, 2 * radius);
+      this.contours(context, at, colours);
+      this.shadow(context, at, x0, y0, radius, colours);
+    }
+    context.restore();
+    this.grid(context, x0, y0, radius, at, colours);
+    if (this.dome) {
+      this.tracks(context, up, limit, selected, colours);
+      this.sun(context, x0, y0, radius, colours);
+    }
+    for (const pass of passes ?? []) {
+      if (pass.norad_id !== selected || !pass.samples) continue;
+      context.lineWidth = 4;
+      context.strokeStyle = colours.mark;
+      path(context, pass.samples.map((sample) => up([sample.azimuth_deg, sample.altitude_deg])));
+      context.stroke();
+    }
+    if (pointing && pointing.altitude_deg > 0) {
+      const [x, y] = at(pointing.azimuth_deg, pointing.altitude_deg);
+      context.strokeStyle = colours.ground;
+      context.lineWidth = 5;
+      context.beginPath();
+      context.arc(x, y, 8, 0, 2 * Math.PI);
+      context.stroke();
+      context.strokeStyle = colours.mark;
+      context.lineWidth = 2.5;
+      context.stroke();
+    }
+  }
+
+  /** The model's magnitudes as a picture, made once an answer and light. */
+  map() {
+    const light = document.documentElement.dataset.light ?? "dark";
+    if (this.image && this.image.light === light) return this.image;
+    const image = document.createElement("canvas");
+    image.width = image.height = FINE;
+    image.light = light;
+    const context = image.getContext("2d");
+    const pixels = context.createImageData(FINE, FINE);
+    const step = this.dome.map.step_deg;
+    for (let row = 0; row < FINE; row += 1) {
+      for (let column = 0; column < FINE; column += 1) {
+        const [east, north] = [1 - (2 * (column + 0.5)) / FINE, 1 - (2 * (row + 0.5)) / FINE];
+        const altitude = 90 - 90 * Math.hypot(east, north);
+        if (altitude < -2) continue;
+        const azimuth = (Math.atan2(east, north) / DEG + 360) % 360;
+        const magnitude = between(this.values, azimuth / step, Math.max(0, altitude) / step);
+        if (magnitude == null) continue;
+        const [red, green, blue] = ofMagnitude(magnitude);
+        pixels.data.set([red, green, blue, 120], 4 * (row * FINE + column));
+      }
+    }
+    context.putImageData(pixels, 0, 0);
+    this.image = image;
+    return image;
+  }
+
+  contours(context, at, colours) {
+    const step = this.dome.map.step_deg;
+    const numbers = this.values.flat().filter((value) => value != null);
+    const [least, greatest] = [Math.min(...numbers), Math.max(...numbers)];
+    for (let level = Math.ceil(least); level <= greatest; level += 1) {
+      const segments = contour(this.values, level).map((ends) => ends.map(([x, y]) => at(x * step, y * step)));
+      context.strokeStyle = css(level);
+      context.lineWidth = 1.2;
+      path(context, segments.flatMap((ends) => [...ends, null]));
+      context.stroke();
+      const place = segments[Math.floor(segments.length / 2)]?.[0];
+      if (place && segments.length > 3) {
+        context.textAlign = "center";
+        label(context, String(level), place[0], place[1] + 4, colours.text, colours.shadow);
+      }
+    }
+  }
+
+  /** What lies in the Earth's shadow is dark, and its edge a dashed line. */
+  shadow(context, at, x0, y0, radius, colours) {
+    const edge = this.dome.shadow_edge_deg;
+    const outline = new Path2D();
+    edge.forEach((point, place) => outline[place ? "lineTo" : "moveTo"](...at(...point)));
+    outline.closePath();
+    // Inside of the line it is dark, or outside of it: as in the zenith.
+    const area = new Path2D(outline);
+    const isInside = edge.length > 0 && context.isPointInPath(outline, x0 * (window.devicePixelRatio || 1), y0 * (window.devicePixelRatio || 1));
+    if (isInside !== this.isZenithDark) area.rect(x0 - 3 * radius, y0 - 3 * radius, 6 * radius, 6 * radius);
+    context.fillStyle = colours.shadow;
+    context.fill(area, "evenodd");
+    context.strokeStyle = colours.text;
+    context.lineWidth = 2;
+    context.setLineDash([8, 5]);
+    context.stroke(outline);
+    context.setLineDash([]);
+    const highest = edge.reduce((best, point) => (point[1] > (best?.[1] ?? -90) ? point : best), null);
+    if (highest?.[1] > 3) {
+      const [x, y] = at(...highest);
+      context.textAlign = "center";
+      label(context, "shadow", Math.min(x0 + radius - 40, Math.max(x0 - radius + 40, x)), y - 6, colours.text, colours.shadow);
+    }
+  }
+
+  grid(context, x0, y0, radius, at, colours) {
+    context.strokeStyle = colours.line;
+    context.lineWidth = 1;
+    for (const altitude of [0, 30, 60]) {
+      context.beginPath();
+      context.arc(x0, y0, ((90 - altitude) / 90) * radius, 0, 2 * Math.PI);
+      context.stroke();
+      if (altitude) {
+        context.textAlign = "left";
+        label(context, `${altitude}°`, ...at(215, altitude), colours.muted, colours.shadow);
+      }
+    }
+    context.fillStyle = colours.muted;
+    context.textAlign = "center";
+    for (const [name, azimuth] of [["N", 0], ["E", 90], ["S", 180], ["W", 270]]) {
+      const [x, y] = [x0 - (radius + 13) * Math.sin(azimuth * DEG), y0 - (radius + 13) * Math.cos(azimuth * DEG)];
+      context.fillText(name, x, y + 4);
+    }
+  }
+
+  tracks(context, up, limit, selected, colours) {
+    // Hundreds of long tracks are drawn thin, so that what lies behind stays to be seen.
+    const isCrowded = this.dome.satellites.length > 300;
+    for (const satellite of this.dome.satellites) {
+      const isFaint = limit != null && !(satellite.magnitude < limit);
+      const points = satellite.track_deg.map(up);
+      const isChosen = satellite.norad_id === selected;
+      context.globalAlpha = isChosen ? 1 : isFaint ? (isCrowded ? 0.25 : 0.55) : isCrowded ? 0.8 : 1;
+      context.strokeStyle = context.fillStyle = isChosen ? colours.mark : css(satellite.magnitude);
+      context.lineWidth = isChosen ? 4 : isFaint ? 1 : isCrowded ? 1.3 : 2.2;
+      path(context, points);
+      context.stroke();
+      const head = points.findLast(Boolean);
+      if (head) {
+        context.beginPath();
+        context.arc(...head, isFaint ? 1.4 : 2.6, 0, 2 * Math.PI);
+        context.fill();
+      }
+    }
+    context.globalAlpha = 1;
+  }
+
+  sun(context, x0, y0, radius, colours) {
+    const { azimuth_deg: azimuth } = this.dome.sun;
+    const [sin, cos] = [Math.sin(azimuth * DEG), Math.cos(azimuth * DEG)];
+    const [x, y] = [x0 - (radius + 12) * sin, y0 - (radius + 12) * cos];
+    context.fillStyle = context.strokeStyle = colours.mark;
+    context.lineWidth = 1.5;
+    context.beginPath();
+    context.arc(x, y, 6, 0, 2 * Math.PI);
+    context.stroke();
+    context.beginPath();
+    context.arc(x, y, 1.8, 0, 2 * Math.PI);
+    context.fill();
+    path(context, [[x0 - radius * sin, y0 - radius * cos], [x0 - (radius - 10) * sin, y0 - (radius - 10) * cos]]);
+    context.stroke();
+  }
+}

@@ -1,0 +1,320 @@
+// The page: one night, one exposure of it, and what another start would meet.
+
+import { Locked, ask, line, unlock } from "./api.js";
+import * as link from "./link.js";
+import { light } from "./colours.js";
+import { Night, legend } from "./night.js";
+import { Strip } from "./strip.js";
+import { Field } from "./field.js";
+import { Dome } from "./dome.js";
+import { Curve } from "./curve.js";
+import * as crossings from "./crossings.js";
+import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./words.js";
+
+const $ = (id) => document.getElementById(id);
+/** Points along each track. */
+const SAMPLES = 41;
+
+/** What the address holds. */
+const state = { shift: 0, ...link.read() };
+/** What the server said last. */
+let night = null;
+let rows = [];
+let answer = null;
+
+const nightChart = new Night($("night"), (place) => choose(place));
+const strip = new Strip($("strip"), moved);
+const fieldChart = new Field($("field"), (norad) => select(norad));
+const domeChart = new Dome($("dome"));
+const curveChart = new Curve($("curve"));
+
+const askExposure = line("/api/v1/exposure", answered, failed);
+const askDome = line("/api/v1/dome", ({ document }) => {
+  problem(null);
+  domeChart.show(document);
+  drawDome();
+}, failed);
+
+function failed(error) {
+  if (error instanceof Locked) {
+    $("unlock").hidden = false;
+    $("main").hidden = true;
+    $("token").focus();
+  }
+  problem(error.message);
+}
+
+function problem(text) {
+  $("problem").hidden = !text;
+  $("problem").textContent = text ?? "";
+}
+
+function toast(text) {
+  $("copied").textContent = text;
+  $("copied").hidden = false;
+  setTimeout(() => ($("copied").hidden = true), 1800);
+}
+
+async function load(which) {
+  try {
+    let { document: said } = await ask("/api/v1/night");
+    // A link to a night that this schedule does not have shows the first.
+    const isKnown = !which || said.nights.some((one) => one.night === which);
+    if (!isKnown) delete state.row;
+    else if (which && which !== said.night) ({ document: said } = await ask("/api/v1/night", { night: which }));
+    problem(null);
+    night = said;
+  } catch (error) {
+    return failed(error);
+  }
+  $("unlock").hidden = true;
+  $("main").hidden = false;
+  state.night = night.night;
+  rows = night.exposures.map((exposure, place) => ({ ...exposure, flag: night.flags[place], start: exposure.start_utc ? moment(exposure.start_utc) : null }));
+  describe();
+  nightChart.show(night, rows);
+  const place = rows.findIndex((row) => row.row === state.row);
+  const worst = rows.findIndex((row) => row.flag.verdict === "avoid");
+  const first = rows.findIndex((row) => row.start != null);
+  if (place >= 0) choose(place, true);
+  else choose(Math.max(worst, first, 0));
+}
+
+function describe() {
+  const { site } = night;
+  const rests = night.provenance;
+  const field = night.field.outlines_deg.length > 1 ? `${night.field.outlines_deg.length} shapes` : `${fixed(2 * night.field.radius_deg, 2)}° across`;
+  $("where").textContent = `${site.name}${site.mpc_code ? ` (${site.mpc_code})` : ""} · field ${field} · ${rests.satellites} satellites${rests.shells ? " (synthetic)" : ""} · ${night.band} (${night.mag_system})`;
+  $("nights").replaceChildren(...night.nights.map((one) => new Option(`${one.night} (${one.exposures})`, one.night, false, one.night === night.night)));
+  const count = (verdict) => rows.filter((row) => row.flag.verdict === verdict).length;
+  $("night-counts").textContent = ["clear", "streaked", "avoid", "invalid"].map((verdict) => [count(verdict), verdict]).filter(([number]) => number).map((one) => one.join(" ")).join(" · ");
+  $("limit").value = state.limit ?? night.limit_mag ?? 14;
+  $("model").replaceChildren(...night.models.map((name) => new Option(name, name, false, name === (state.model ?? "starlink-v1.5"))));
+  $("height").value = state.height ?? 550;
+  $("sigma").checked = state.sigma === "1";
+  const files = (rests.elements ?? []).map((file) => `${file.file.split("/").pop()} (sha256 ${file.sha256.slice(0, 12)}…, epochs to ${file.last_epoch_utc.slice(0, 10)})`);
+  const shells = (rests.shells ?? []).map((shell) => `${shell.name} (synthetic)`);
+  $("rests").textContent = `streakcast ${rests.version} · ${[...files, ...shells].join(", ")} · ${rests.frame}`;
+  legend($("scale"), $("bands"));
+}
+
+/** Another exposure of the night; `isRestored` keeps what the address says of it. */
+function choose(place, isRestored = false) {
+  const row = rows[place];
+  if (!row) return;
+  state.place = place;
+  state.row = row.row;
+  if (!isRestored) {
+    state.shift = 0;
+    delete state.duration;
+    delete state.satellite;
+  }
+  $("before").disabled = place === 0;
+  $("after").disabled = place === rows.length - 1;
+  $("exposure-title").textContent = `Exposure ${row.id}`;
+  if (row.start == null) {
+    answer = null;
+    say("invalid", row.flag.reasons.join("; "));
+    nightChart.draw(place, null, limit());
+    link.write(state);
+    return;
+  }
+  state.duration ??= row.duration_s;
+  strip.show(row.start, state.shift, state.duration);
+  request();
+  requestDome();
+}
+
+function moved(shift, duration, isDone) {
+  state.shift = shift;
+  state.duration = duration;
+  request();
+  if (isDone) requestDome();
+}
+
+const limit = () => state.limit ?? night?.limit_mag ?? null;
+
+/** The opening as asked: as the schedule writes it where it was not moved. */
+function opening() {
+  const row = rows[state.place];
+  return state.shift ? iso(row.start + state.shift * 1e3) : row.start_utc;
+}
+
+function request() {
+  const row = rows[state.place];
+  if (row?.start == null) return;
+  const said = {
+    start_utc: opening(),
+    duration_s: state.duration,
+    ra_deg: row.ra_deg,
+    dec_deg: row.dec_deg,
+    rotation_deg: row.rotation_deg,
+    band: row.band,
+    limit_mag: state.limit,
+    samples: SAMPLES,
+    around_s: strip.span(),
+  };
+  // Which exposure it is about is ours to know, and not sent.
+  Object.defineProperty(said, "place", { value: state.place });
+  askExposure(said);
+  nightChart.draw(state.place, row.start + state.shift * 1e3, limit());
+  link.write(state);
+}
+
+function requestDome() {
+  if (rows[state.place]?.start == null) return;
+  askDome({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
+}
+
+function answered({ document: said, ms }, asked) {
+  // Somebody has gone on to another one meanwhile; its own answer comes.
+  if (asked.place !== state.place) return;
+  problem(null);
+  const row = rows[state.place];
+  answer = said;
+  const flag = said.flags[0];
+  // Everything on the strip counts from the scheduled opening.
+  const shift = (moment(asked.start_utc) - row.start) / 1e3;
+  const around = said.around.map((one) => ({ enter: one.enter_s + shift, exit: one.exit_s + shift, magnitude: one.magnitude_peak }));
+  strip.answer(around, flag.delay_s ? flag.delay_s + shift : null, limit());
+  const count = flag.n_streaks;
+  const streaks = count ? `${count} streak${count > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
+  const then = flag.next_clear_start_utc;
+  const next =
+    flag.verdict === "clear" ? "" : flag.delay_s != null ? ` · next clear start ${delay(flag.delay_s)} (${clock(moment(then), 0, 3)} UTC)` : " · no clear start in time";
+  say(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "));
+  $("answer").dataset.nextClearStartUtc = then ?? "";
+  $("answer").dataset.startUtc = asked.start_utc;
+  $("go").hidden = !(flag.delay_s > 0);
+  $("go").dataset.delay = flag.delay_s ?? "";
+  $("timing").textContent = ms == null ? "" : `answered in ${ms.toFixed(1)} ms`;
+  const [opens] = said.pointing;
+  $("pointing").textContent = `opens ${clock(moment(opens.utc), 0, 1)} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
+  const isThere = said.passes.some((pass) => pass.norad_id === state.satellite);
+  if (!isThere) state.satellite = brightest(said.passes)?.norad_id;
+  drawAnswer();
+  link.write(state);
+}
+
+const brightest = (passes) => passes.reduce((best, pass) => ((pass.magnitude_peak ?? 99) < (best?.magnitude_peak ?? 100) ? pass : best), null);
+
+function say(verdict, words, why = "") {
+  const strong = document.createElement("strong");
+  strong.className = verdict;
+  strong.textContent = verdict;
+  const small = document.createElement("span");
+  small.className = "why";
+  small.textContent = why;
+  $("answer").replaceChildren(strong, document.createTextNode(`: ${words}`), small);
+}
+
+function select(norad) {
+  state.satellite = norad;
+  drawAnswer();
+  link.write(state);
+}
+
+function drawAnswer() {
+  if (!answer) return;
+  const { passes } = answer;
+  fieldChart.draw(night.field, answer.exposures[0], passes, { selected: state.satellite, corridors: state.sigma === "1" });
+  const chosen = passes.find((pass) => pass.norad_id === state.satellite);
+  curveChart.draw(chosen, limit());
+  $("curve-words").textContent = chosen ? `${chosen.name} · ${chosen.mag_source ?? "no model"} · elements ${fixed(chosen.element_age_days, 1)} d old` : "";
+  crossings.rows($("crossings"), passes, state.satellite, select);
+  drawDome();
+}
+
+function drawDome() {
+  domeChart.draw({ pointing: answer?.pointing[0], selected: state.satellite, passes: answer?.passes, limit: limit() });
+  const dome = domeChart.dome;
+  if (!dome) return;
+  const bright = dome.satellites.filter((one) => one.magnitude != null && limit() != null && one.magnitude < limit()).length;
+  const few = limit() == null ? "" : `, ${bright} brighter than ${fixed(limit(), 1)} mag`;
+  $("dome-words").textContent = `${dome.satellites.length} sunlit satellites up${few}. Behind them ${dome.map.model} at ${dome.map.height_km} km; dashed: edge of the Earth's shadow there. Sun at azimuth ${fixed(dome.sun.azimuth_deg, 0)}° (⊙).`;
+}
+
+function drawAll() {
+  if (!night) return;
+  legend($("scale"), $("bands"));
+  nightChart.draw(state.place, rows[state.place]?.start + state.shift * 1e3, limit());
+  strip.draw();
+  drawAnswer();
+}
+
+$("limit-out").textContent = "";
+$("limit").addEventListener("input", (event) => {
+  state.limit = Number(event.target.value);
+  tellLimit();
+  request();
+});
+function tellLimit() {
+  $("limit-out").textContent = limit() == null ? "none" : `${fixed(limit(), 1)} mag`;
+}
+$("nights").addEventListener("change", async (event) => {
+  state.shift = 0;
+  for (const name of ["row", "duration", "satellite"]) delete state[name];
+  await load(event.target.value);
+});
+$("before").addEventListener("click", () => choose(state.place - 1));
+$("after").addEventListener("click", () => choose(state.place + 1));
+$("reset").addEventListener("click", () => choose(state.place));
+$("go").addEventListener("click", () => {
+  // Whole milliseconds, as the server gives them: its own answer is clear then.
+  state.shift = Math.round((state.shift + Number($("go").dataset.delay)) * 1e3) / 1e3;
+  strip.show(rows[state.place].start, state.shift, state.duration);
+  request();
+  requestDome();
+  $("answer").focus({ preventScroll: true });
+});
+$("height").addEventListener("change", (event) => {
+  const height = Number(event.target.value);
+  if (!event.target.checkValidity() || !height) return problem("Height: 160 to 40000 km, whole tens.");
+  state.height = height;
+  requestDome();
+  link.write(state);
+});
+$("model").addEventListener("change", (event) => {
+  state.model = event.target.value;
+  requestDome();
+  link.write(state);
+});
+$("sigma").addEventListener("change", (event) => {
+  state.sigma = event.target.checked ? "1" : undefined;
+  drawAnswer();
+  link.write(state);
+});
+function showLight() {
+  light(state.light === "red");
+  $("red").setAttribute("aria-pressed", String(state.light === "red"));
+}
+$("red").addEventListener("click", () => {
+  state.light = state.light === "red" ? undefined : "red";
+  showLight();
+  drawAll();
+  link.write(state);
+});
+$("link").addEventListener("click", async () => {
+  await copy(location.href.replace(/#.*$/, "") + link.text(state));
+  toast("Link copied");
+});
+$("csv").addEventListener("click", async () => {
+  await copy(crossings.csv(answer?.passes ?? []));
+  toast("Crossings copied");
+});
+$("unlock").addEventListener("submit", (event) => {
+  event.preventDefault();
+  unlock($("token").value.trim());
+  load(state.night).then(tellLimit);
+});
+window.addEventListener("hashchange", () => {
+  for (const name of Object.keys(state)) delete state[name];
+  Object.assign(state, { shift: 0, ...link.read() });
+  showLight();
+  load(state.night).then(tellLimit);
+});
+new ResizeObserver(() => requestAnimationFrame(drawAll)).observe(document.body);
+
+showLight();
+crossings.heads($("columns"));
+load(state.night).then(tellLimit);

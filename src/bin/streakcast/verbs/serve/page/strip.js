@@ -1,0 +1,156 @@
+// Minutes around one exposure: who crosses its field when, and a bar to drag and stretch.
+
+import { css, theme } from "./colours.js";
+import { label, places, prepare, step } from "./canvas.js";
+import { clock, fixed } from "./words.js";
+
+const TOP = 22;
+const BOTTOM = 24;
+/** The longest exposure that the API takes, seconds. */
+const LONGEST_S = 3600;
+
+export class Strip {
+  /** `change(shift_s, duration_s, isDone)` is told of every move; shifts count from the scheduled opening. */
+  constructor(box, change) {
+    this.box = box;
+    this.canvas = box.querySelector("canvas");
+    this.bar = box.querySelector("#bar");
+    this.handle = box.querySelector("#stretch");
+    this.change = change;
+    this.shift = 0;
+    this.duration = 30;
+    this.crossings = [];
+    this.grab(this.bar, (seconds, begun) => ({ shift: begun.shift + seconds }));
+    this.grab(this.handle, (seconds, begun) => ({ duration: begun.duration + seconds }));
+    this.keys(this.bar, (seconds) => ({ shift: this.shift + seconds }));
+    this.keys(this.handle, (seconds) => ({ duration: this.duration + seconds }));
+    // A tap beside the bar brings its beginning there.
+    this.canvas.addEventListener("click", (event) => {
+      const x = event.clientX - this.canvas.getBoundingClientRect().left;
+      this.move({ shift: this.from + x / this.scale() }, true);
+    });
+  }
+
+  /** Another exposure: scheduled opening (ms), and where it stands now. */
+  show(base, shift, duration) {
+    this.base = base;
+    this.shift = shift;
+    this.duration = duration;
+    this.crossings = [];
+    this.centre();
+    this.draw();
+  }
+
+  /** How long the strip is, seconds; the API is asked for as much on both sides. */
+  span() {
+    return Math.min(1800, Math.max(240, Math.ceil(this.duration / 30) * 30 * 10));
+  }
+
+  centre() {
+    this.from = this.shift - 0.25 * this.span();
+  }
+
+  /** What the server knows: crossings in seconds after the scheduled opening. */
+  answer(crossings, nextShift, limit) {
+    this.crossings = crossings;
+    this.next = nextShift;
+    this.limit = limit;
+    this.draw();
+  }
+
+  scale() {
+    return this.box.getBoundingClientRect().width / this.span();
+  }
+
+  grab(element, moved) {
+    element.addEventListener("pointerdown", (event) => {
+      if (event.button !== 0) return;
+      event.preventDefault();
+      element.focus({ preventScroll: true });
+      element.setPointerCapture(event.pointerId);
+      this.begun = { x: event.clientX, shift: this.shift, duration: this.duration };
+    });
+    element.addEventListener("pointermove", (event) => {
+      if (!this.begun || !element.hasPointerCapture(event.pointerId)) return;
+      this.move(moved((event.clientX - this.begun.x) / this.scale(), this.begun), false);
+    });
+    const done = () => {
+      if (!this.begun) return;
+      this.begun = null;
+      this.move({}, true);
+    };
+    element.addEventListener("pointerup", done);
+    element.addEventListener("pointercancel", done);
+  }
+
+  keys(element, moved) {
+    element.addEventListener("keydown", (event) => {
+      const steps = { ArrowLeft: -1, ArrowDown: -1, ArrowRight: 1, ArrowUp: 1 };
+      if (!(event.key in steps) || event.altKey || event.ctrlKey || event.metaKey) return;
+      event.preventDefault();
+      this.move(moved(steps[event.key] * (event.shiftKey ? 10 : 1)), true);
+    });
+  }
+
+  /** To whole seconds; a strip that no longer shows the bar follows it. */
+  move(to, isDone) {
+    this.shift = "shift" in to ? Math.round(to.shift) : this.shift;
+    this.duration = "duration" in to ? Math.min(LONGEST_S, Math.max(1, Math.round(to.duration))) : this.duration;
+    const place = (this.shift - this.from) / this.span();
+    if (isDone && (place < 0.05 || place + this.duration / this.span() > 0.95)) this.centre();
+    this.draw();
+    this.change(this.shift, this.duration, isDone);
+  }
+
+  draw() {
+    const { context, width, height } = prepare(this.canvas);
+    const colours = theme();
+    const scale = width / this.span();
+    const at = (seconds) => (seconds - this.from) * scale;
+    const top = TOP, bottom = height - BOTTOM;
+    context.fillStyle = colours.dark;
+    context.fillRect(0, top, width, bottom - top);
+    const every = step(this.span(), width / 84, [5, 10, 20, 30, 60, 120, 300, 600]);
+    context.textAlign = "center";
+    const first = Math.ceil((this.base / 1e3 + this.from) / every) * every;
+    for (let seconds = first; seconds <= this.base / 1e3 + this.from + this.span(); seconds += every) {
+      const x = at(seconds - this.base / 1e3);
+      context.fillStyle = colours.line;
+      context.fillRect(x - 0.5, top, 1, bottom - top);
+      context.fillStyle = colours.muted;
+      if (x > 30 && x < width - 30) context.fillText(clock(seconds * 1e3), x, height - 7);
+    }
+    context.textAlign = "left";
+    const isFree = places();
+    for (const one of [...this.crossings].sort((a, b) => (a.magnitude ?? 99) - (b.magnitude ?? 99))) {
+      const isFaint = this.limit != null && !(one.magnitude < this.limit);
+      const x = at(one.enter), wide = Math.max(2, at(one.exit) - x);
+      if (x > width || x + wide < 0) continue;
+      context.fillStyle = css(one.magnitude, isFaint ? 0.55 : 1);
+      context.fillRect(x, isFaint ? (top + bottom) / 2 : top + 4, wide, (isFaint ? (bottom - top) / 2 : bottom - top) - 8);
+      const words = fixed(one.magnitude, 1);
+      const room = Math.min(Math.max(2, x + 2), width - 24);
+      if (isFree(context, words, room, top - 6)) label(context, words, room, top - 6, colours.text, colours.panel);
+    }
+    if (this.next != null && this.next > this.shift) {
+      context.setLineDash([5, 4]);
+      context.lineWidth = 2;
+      context.strokeStyle = colours.good;
+      context.strokeRect(at(this.next), top + 2, this.duration * scale, bottom - top - 4);
+      context.setLineDash([]);
+    }
+    const x = at(this.shift), end = at(this.shift + this.duration);
+    this.bar.style.left = `${x}px`;
+    this.bar.style.width = `${Math.max(4, end - x)}px`;
+    this.handle.style.left = `${end}px`;
+    const opening = clock(this.base + this.shift * 1e3, 0, 1);
+    this.bar.setAttribute("aria-valuenow", this.shift);
+    this.bar.setAttribute("aria-valuemin", -86400);
+    this.bar.setAttribute("aria-valuemax", 86400);
+    this.bar.setAttribute("aria-valuetext", `opens ${opening} UTC, ${this.shift} s from schedule`);
+    this.handle.setAttribute("aria-valuenow", this.duration);
+    this.handle.setAttribute("aria-valuemin", 1);
+    this.handle.setAttribute("aria-valuemax", LONGEST_S);
+    this.handle.setAttribute("aria-valuetext", `${this.duration} s long`);
+  }
+}

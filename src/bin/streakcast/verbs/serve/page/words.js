@@ -1,0 +1,59 @@
+// Numbers and moments as people read them.
+
+/** Milliseconds since 1970 of a moment as the API writes it (microseconds beyond the third digit are dropped). */
+export const moment = (text) => Date.parse(text);
+
+const two = (number) => String(number).padStart(2, "0");
+
+/** 23:29:05 of UTC, or of a clock some hours ahead; with decimals of the second. */
+export function clock(ms, hours = 0, decimals = 0) {
+  const step = 10 ** (3 - decimals);
+  const date = new Date(Math.round((ms + hours * 3600e3) / step) * step);
+  const fraction = decimals ? "." + String(date.getUTCMilliseconds()).padStart(3, "0").slice(0, decimals) : "";
+  return `${two(date.getUTCHours())}:${two(date.getUTCMinutes())}:${two(date.getUTCSeconds())}${fraction}`;
+}
+
+/** 23:30 */
+export const hour = (ms, hours = 0) => clock(ms, hours).slice(0, 5);
+
+/** UTC as the API reads it. */
+export const iso = (ms) => new Date(ms).toISOString();
+
+/** UTC−5, UTC+5:30 */
+export function zone(hours) {
+  const sign = hours < 0 ? "−" : "+";
+  const minutes = Math.round(Math.abs(hours) * 60);
+  return `UTC${sign}${Math.floor(minutes / 60)}${minutes % 60 ? ":" + two(minutes % 60) : ""}`;
+}
+
+/** A number with so many decimals; a dash where there is none. */
+export const fixed = (number, decimals) => (number == null ? "–" : number.toFixed(decimals).replace("-", "−"));
+
+/** A delay to a tenth of a second, never rounded towards the satellite. */
+export const delay = (seconds) => `+${(Math.ceil(seconds * 10 - 1e-6) / 10).toFixed(1)} s`;
+
+/** 12h34m56s */
+export function hours(degrees) {
+  const seconds = Math.round(degrees * 240) % 86400;
+  return `${two(Math.floor(seconds / 3600))}h${two(Math.floor(seconds / 60) % 60)}m${two(seconds % 60)}s`;
+}
+
+/** −30°12′ */
+export function sexagesimal(degrees) {
+  const minutes = Math.round(Math.abs(degrees) * 60);
+  return `${degrees < 0 ? "−" : "+"}${two(Math.floor(minutes / 60))}°${two(minutes % 60)}′`;
+}
+
+/** Puts text on the clipboard; a page that is not on loopback may have to go the old way. */
+export async function copy(text) {
+  try {
+    await navigator.clipboard.writeText(text);
+  } catch {
+    const area = document.createElement("textarea");
+    area.value = text;
+    document.body.append(area);
+    area.select();
+    document.execCommand("copy");
+    area.remove();
+  }
+}

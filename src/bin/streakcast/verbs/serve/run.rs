@@ -1,0 +1,89 @@
+//! From what was typed to a server that listens.
+
+use std::io::Write;
+
+use anyhow::anyhow;
+use serde_json::json;
+use streakcast::passes::Viewpoint;
+use streakcast::schedule::Schedule;
+use streakcast::table::{Provenance, format_utc};
+
+use super::super::judged::{self, Asked};
+use super::house::House;
+use super::server::{self, Settings};
+use super::token::Token;
+use crate::failure::Outcome;
+use crate::serve_arguments::ServeArguments;
+
+/// More rows than this are a survey, not a schedule to look at.
+const MOST_ROWS: usize = 100_000;
+
+pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
+    let setup = typed.shared.setup(typed.rules.setup())?;
+    let token = Token::of(&typed)?;
+    let notices = judged::begin(&setup)?;
+    let asked = Asked::of(&setup)?;
+    // Before the work: an address that is taken is told at once.
+    let listener =
+        std::net::TcpListener::bind(typed.bind).map_err(|error| anyhow!("cannot listen at {}: {error}", typed.bind))?;
+    let address = listener.local_addr()?;
+
+    let schedule = Schedule::read(&typed.schedule, &setup.schedule_options()?)?;
+    let rows = schedule.exposures.len();
+    if rows > MOST_ROWS {
+        return Err(anyhow!("schedule {}: {rows} exposures; allowed: {MOST_ROWS} at most", typed.schedule.display()));
+    }
+    let (first, last) =
+        judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &typed.schedule)))?;
+    let prepared = setup.prepare(first, last)?;
+    if let Viewpoint::Orbit(observer) = prepared.sky.viewpoint() {
+        let name = observer.name();
+        return Err(anyhow!(
+            "the observer {name} is in orbit: the page draws the sky of a site (--site, --mpc or --lat, --lon, --height)"
+        ));
+    }
+    notices.warn(&prepared.warnings);
+    let report = judged::flag_rows(&prepared, &schedule, first, &asked, &notices)?;
+    notices.warn(&judged::schedule_warnings(&schedule, &asked.policy, asked.telescope.as_ref()));
+    judged::summary(&notices, &report);
+
+    let mut provenance = without_lists(&prepared.provenance);
+    judged::state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), &asked.photometry);
+    let file = typed.schedule.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    provenance.state(
+        "schedule",
+        json!({
+            "file": file,
+            "format": schedule.format.to_string(),
+            "exposures": rows,
+            "start_column": schedule.start_column,
+            "first_start_utc": format_utc(first, 3),
+        }),
+    );
+    let telescope = asked.telescope.as_ref().map(|telescope| telescope.name.clone());
+    provenance.state("options", judged::options_json(&setup, &asked.policy, telescope.as_deref()));
+    let house = House::new(setup, prepared, provenance, asked, schedule, report.flags, typed.utc_offset)?;
+
+    let settings = Settings {
+        rate: typed.rate,
+        token,
+        is_loopback: address.ip().to_canonical().is_loopback(),
+        workers: rayon::current_num_threads(),
+    };
+    let mut out = std::io::stdout().lock();
+    // Who started it waits for this line; who closed the pipe does not.
+    let _ = writeln!(out, "http://{address}/").and_then(|()| out.flush());
+    drop(out);
+    server::serve(listener, house, settings)?;
+    notices.say("stopped");
+    Ok(Outcome::Done)
+}
+
+/// The statements without the long lists beside them.
+fn without_lists(provenance: &Provenance) -> Provenance {
+    let mut short = Provenance::default();
+    for (name, value) in provenance.entries() {
+        short.state(name, value.clone());
+    }
+    short
+}

@@ -1,0 +1,139 @@
+//! What a page draws of a sky: who is up at a moment, where Sun and pointing stand, and the outlines of a field.
+
+use std::collections::BTreeSet;
+
+use hifitime::Epoch;
+use streakcast::frames::{Direction, seconds_after};
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::{Field, PassOptions, Sky};
+use streakcast::setup::Setup;
+
+fn dusk() -> Epoch {
+    "2026-08-14T23:29:05 UTC".parse().unwrap()
+}
+
+fn sky() -> Sky {
+    let setup = Setup::from_toml("shells = 'oneweb'\nsite = 'rubin'\n", "t.toml").unwrap();
+    setup.prepare(dusk(), dusk()).unwrap().sky
+}
+
+fn options(include_dark: bool) -> PassOptions {
+    PassOptions { include_dark, ..PassOptions::default() }
+}
+
+#[test]
+fn verif_who_is_up_is_who_has_risen_and_not_set() {
+    let (sky, at, lowest_rad) = (sky(), dusk(), 10f64.to_radians());
+    // Satellites at 1200 km stay up for some twenty minutes.
+    let (passes, _) =
+        sky.horizon_passes(seconds_after(at, -2400.0), seconds_after(at, 2400.0), lowest_rad, &options(true)).unwrap();
+    let is_up = |pass: &&streakcast::passes::HorizonPass| {
+        pass.rise.as_ref().is_none_or(|rise| rise.epoch <= at) && pass.set.as_ref().is_none_or(|set| set.epoch >= at)
+    };
+    let risen: BTreeSet<usize> = passes.iter().filter(is_up).map(|pass| pass.element_index).collect();
+    let (found, left_out) = sky.overhead(at, 0.0, 1, lowest_rad, &options(true)).unwrap();
+    let up: BTreeSet<usize> = found.iter().map(|one| one.element_index).collect();
+    assert_eq!(up, risen);
+    assert!(up.len() > 50 && left_out.is_empty(), "{} up", up.len());
+    assert!(found.iter().all(|one| one.points.len() == 1 && one.points[0].altitude_rad.unwrap() >= lowest_rad));
+    // Without the dark ones those are left that any sunlight reaches.
+    let (lit, _) = sky.overhead(at, 0.0, 1, lowest_rad, &options(false)).unwrap();
+    let expected = found.iter().filter(|one| one.points[0].illumination.lit_fraction() > 0.0).count();
+    assert_eq!(lit.len(), expected);
+    assert!(0 < expected && expected < found.len(), "{expected} of {} are lit", found.len());
+}
+
+#[test]
+fn verif_a_stretch_holds_everybody_of_its_moments() {
+    let (sky, at) = (sky(), dusk());
+    let (tracks, _) = sky.overhead(at, 600.0, 7, 0.5, &options(true)).unwrap();
+    let all: BTreeSet<usize> = tracks.iter().map(|one| one.element_index).collect();
+    let mut moments = BTreeSet::new();
+    for step in 0..7 {
+        let (now, _) = sky.overhead(seconds_after(at, 100.0 * f64::from(step)), 0.0, 1, 0.5, &options(true)).unwrap();
+        for one in now {
+            let track = tracks.iter().find(|track| track.element_index == one.element_index).expect("in the stretch");
+            let apart_rad = track.points[step as usize].direction.separation_rad(&one.points[0].direction);
+            // Interpolated orbits are good to millimetres, the site's turn to a millimetre over ten minutes.
+            assert!(apart_rad < 1e-7, "{apart_rad}");
+            moments.insert(one.element_index);
+        }
+    }
+    assert_eq!(all, moments);
+}
+
+#[test]
+fn the_same_satellites_from_elsewhere() {
+    let here = sky();
+    let there = here.seen_from(Observer::new(Site::by_name("subaru").unwrap()));
+    let names = |sky: &Sky| -> BTreeSet<usize> {
+        let (found, _) = sky.overhead(dusk(), 0.0, 1, 0.3, &options(true)).unwrap();
+        found.iter().map(|one| one.element_index).collect()
+    };
+    let alone = Setup::from_toml("shells = 'oneweb'\nsite = 'subaru'\n", "t.toml").unwrap();
+    assert_eq!(names(&there), names(&alone.prepare(dusk(), dusk()).unwrap().sky));
+    assert_ne!(names(&there), names(&here));
+}
+
+#[test]
+fn verif_sun_and_pointing_stand_in_one_sky() {
+    /// The Sun's parallax (8.8 arcsec), with room for light time that a direction knows nothing of.
+    const TOLERANCE_RAD: f64 = 1e-4;
+    let sky = sky();
+    let places = sky.sun_over_site(dusk(), 3600.0, 24).unwrap();
+    for (hour, place) in places.iter().enumerate() {
+        let at = seconds_after(dusk(), 3600.0 * hour as f64);
+        let sun = streakcast::geometry::SunState::at(at).sun.direction().unwrap();
+        let pointing = sky.pointing_over_site(&sun, at).unwrap();
+        assert!((pointing.altitude_rad - place.altitude_rad).abs() < TOLERANCE_RAD, "{hour}");
+        let around = (pointing.azimuth_rad - place.azimuth_rad).sin().abs() * place.altitude_rad.cos();
+        assert!(around < TOLERANCE_RAD, "{hour}: {around}");
+    }
+    assert!(
+        places.iter().any(|place| place.altitude_rad > 0.5) && places.iter().any(|place| place.altitude_rad < -0.5)
+    );
+}
+
+#[test]
+fn verif_outlines_run_between_inside_and_outside() {
+    let text = r#"{"shapes": [{"circle_deg": 2.0, "center_deg": [3, -1]}, {"rectangle_deg": [1, 2]}, {"circle_deg": 0.4, "center_deg": [-2, 0]}]}"#;
+    let field = Field::from_json(text).unwrap();
+    let pointing = Direction::from_lon_lat_rad(1.0, -0.6);
+    let rotation_rad = 0.7_f64;
+    let on_sky = field.on_sky(&pointing, rotation_rad);
+    let (east, north) = pointing.east_north();
+    let outlines = field.outlines_deg(60);
+    assert_eq!(outlines.iter().map(Vec::len).collect::<Vec<_>>(), [60, 4, 60]);
+    for outline in outlines {
+        let count = outline.len() as f64;
+        let middle = [0, 1].map(|axis| outline.iter().map(|point| point[axis]).sum::<f64>() / count);
+        for point in &outline {
+            let holds = |share: f64| {
+                let [x, y] = [0, 1].map(|axis| (middle[axis] + share * (point[axis] - middle[axis])).to_radians());
+                let (sin, cos) = rotation_rad.sin_cos();
+                let sight = pointing.vector() + east * (x * cos + y * sin) + north * (y * cos - x * sin);
+                on_sky.contains(&Direction::from_vector(sight.normalize()))
+            };
+            assert!(holds(0.999) && !holds(1.001), "{point:?}");
+        }
+    }
+}
+
+#[test]
+fn what_cannot_be_asked_is_told() {
+    let sky = sky();
+    for (duration_s, moments, altitude_rad, words) in [
+        (-1.0, 1, 0.0, "0 to 3600 s"),
+        (f64::NAN, 1, 0.0, "0 to 3600 s"),
+        (4000.0, 1, 0.0, "0 to 3600 s"),
+        (0.0, 0, 0.0, "1 to 1000"),
+        (0.0, 2000, 0.0, "1 to 1000"),
+        (0.0, 1, -0.1, "0 to 90 deg"),
+        (0.0, 1, 1.6, "0 to 90 deg"),
+    ] {
+        let message = sky.overhead(dusk(), duration_s, moments, altitude_rad, &options(true)).unwrap_err().to_string();
+        assert!(message.contains(words), "{message}");
+    }
+    let early: Epoch = "1900-01-01T00:00:00 UTC".parse().unwrap();
+    assert!(sky.overhead(early, 0.0, 1, 0.0, &options(true)).is_err() && sky.sun_over_site(early, 1.0, 1).is_err());
+}

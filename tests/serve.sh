@@ -1,0 +1,81 @@
+#!/usr/bin/env bash
+# `streakcast serve` in a real browser, under load, and under a fuzz of its OpenAPI document.
+# Installs chromium where apt can, playwright-core by npm and schemathesis by pip, all pinned; says loudly what was left out where it cannot.
+# `tests/serve.sh [--load SECONDS]`; STREAKCAST names the binary, else it is built; SERVE_PICTURES a folder for pictures of the page.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+usage="usage: tests/serve.sh [--load SECONDS]"
+load_s=3
+while [ $# -gt 0 ]; do
+    case "$1" in
+        --load) load_s=${2:?$usage}; shift 2 ;;
+        -h | --help) echo "$usage"; exit 0 ;;
+        *) echo "$usage" >&2; exit 2 ;;
+    esac
+done
+
+skip() {
+    echo "*** SKIPPED serve.sh: $1 ***"
+    exit 0
+}
+
+command -v node >/dev/null && command -v npm >/dev/null || skip "no node or npm"
+CHROMIUM=${CHROMIUM:-$(command -v chromium || true)}
+if [ -z "$CHROMIUM" ]; then
+    command -v apt-get >/dev/null || skip "no chromium, and no apt-get to install it"
+    [ "$(id -u)" = 0 ] || skip "no chromium, and no right to install it (apt-get install chromium)"
+    apt-get install -y --no-install-recommends chromium >/dev/null 2>&1 \
+        || { apt-get update >/dev/null 2>&1 && apt-get install -y --no-install-recommends chromium >/dev/null 2>&1; } \
+        || skip "apt-get cannot install chromium"
+    CHROMIUM=$(command -v chromium)
+fi
+export CHROMIUM
+
+target=${CARGO_TARGET_DIR:-target}
+mkdir -p "$target"
+target=$(cd "$target" && pwd)
+if [ -z "${STREAKCAST:-}" ]; then
+    cargo build --quiet
+    STREAKCAST=$target/debug/streakcast
+fi
+
+# Beside the build, from run to run while the pins are the same.
+tools=$target/serve-tools
+mkdir -p "$tools"
+cp tests/serve/package.json tests/serve/package-lock.json tests/serve/*.mjs "$tools"
+if ! sha256sum --check --status "$tools/lock.sha256" 2>/dev/null; then
+    (cd "$tools" && npm ci --silent --no-audit --no-fund --ignore-scripts) || skip "npm cannot install playwright-core"
+    (cd "$tools" && sha256sum "$tools/package-lock.json" >lock.sha256)
+fi
+python=${PYTHON:-python3}
+if ! (cd "$tools" && sha256sum --check --status requirements.sha256 2>/dev/null && cmp -s requirements.txt "$OLDPWD/tests/serve/requirements.txt"); then
+    cp tests/serve/requirements.txt "$tools"
+    rm -rf "$tools/venv"
+    "$python" -m venv "$tools/venv" && "$tools/venv/bin/pip" install --quiet --disable-pip-version-check --requirement "$tools/requirements.txt" \
+        || skip "pip cannot install schemathesis"
+    (cd "$tools" && sha256sum requirements.txt >requirements.sha256)
+fi
+
+work=$(mktemp -d)
+"$STREAKCAST" serve --bind 127.0.0.1:0 --rate 100000 --shells starlink-gen1 --schedule examples/night.csv --mpc X05 --fov 3.5deg \
+    --limit-mag 7 --telescope rubin --quiet >"$work/address" 2>"$work/log" &
+server=$!
+trap 'kill "$server" 2>/dev/null || true; wait "$server" 2>/dev/null || true; rm -rf "$work"' EXIT
+for _ in $(seq 600); do
+    [ -s "$work/address" ] && break
+    kill -0 "$server" 2>/dev/null || { cat "$work/log" >&2; exit 1; }
+    sleep 0.1
+done
+url=$(head -n 1 "$work/address")
+
+node "$tools/browser.mjs" "$url" "$STREAKCAST" ${SERVE_PICTURES:+"$SERVE_PICTURES"}
+node "$tools/load.mjs" "$url" "$server" "$load_s"
+# A fuzz of every parameter by what the document says of it, good values and bad: no answer may be a fault, or one that the document does not know.
+(cd "$work" && "$tools/venv/bin/schemathesis" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
+    --checks not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,negative_data_rejection,unsupported_method \
+    --request-timeout 30) | tail -n 40
+
+kill -TERM "$server"
+wait "$server" || { echo "serve.sh: the server did not stop gracefully" >&2; exit 1; }
+echo "serve.sh: all passed"

@@ -1,0 +1,268 @@
+// The page in a real browser: its numbers are the command line's, it asks nobody but its server, and it can be read and worked at both widths.
+// `node browser.mjs URL STREAKCAST [FOLDER]`: pictures go to the folder where one is named.
+
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, rmSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { chromium } from "playwright-core";
+
+const [url, streakcast, pictures] = process.argv.slice(2);
+const shared = ["--shells", "starlink-gen1", "--mpc", "X05", "--fov", "3.5deg", "--telescope", "rubin", "--quiet", "--format", "json"];
+const scratch = mkdtempSync(join(tmpdir(), "streakcast-serve-"));
+
+/** What the command line prints, exit code 1 (nothing found) included. */
+function command(...args) {
+  try {
+    return JSON.parse(execFileSync(streakcast, [...args, ...shared], { maxBuffer: 1 << 26 }));
+  } catch (error) {
+    if (error.status === 1) return JSON.parse(error.stdout);
+    throw error;
+  }
+}
+
+/** The flag of one exposure, by the command line. */
+function flag(start, duration, limit = 7) {
+  const path = join(scratch, "one.csv");
+  writeFileSync(path, `exposure_id,start_utc,duration_s,ra_deg,dec_deg\n1,${start},${duration},198.9,7.7\n`);
+  return command("flag", "--schedule", path, "--limit-mag", String(limit)).flags[0];
+}
+
+const browser = await chromium.launch({
+  executablePath: process.env.CHROMIUM ?? "/usr/bin/chromium",
+  args: ["--no-sandbox", "--disable-dev-shm-usage", "--host-resolver-rules=MAP * ~NOTFOUND, EXCLUDE 127.0.0.1"],
+});
+const faults = [];
+const requests = new Set();
+
+async function open(hash = "", options = {}) {
+  const context = await browser.newContext({ viewport: { width: 1280, height: 900 }, ...options });
+  await context.grantPermissions(["clipboard-read", "clipboard-write"]);
+  const page = await context.newPage();
+  await page.addInitScript(() => {
+    document.addEventListener("securitypolicyviolation", (event) => console.error(`CSP: ${event.violatedDirective} ${event.blockedURI}`));
+  });
+  page.on("console", (message) => message.type() === "error" && faults.push(message.text()));
+  page.on("pageerror", (error) => faults.push(String(error)));
+  page.on("request", (request) => requests.add(request.url()));
+  await page.goto(url + hash);
+  await settled(page);
+  return page;
+}
+
+/** Nothing is under way any more. */
+async function settled(page) {
+  await page.waitForFunction(() => document.querySelector("#answer")?.textContent);
+  await page.waitForLoadState("networkidle");
+  await page.waitForTimeout(200);
+}
+
+const seen = (page) =>
+  page.evaluate(() => ({
+    text: document.querySelector("#answer").textContent,
+    start: document.querySelector("#answer").dataset.startUtc,
+    next: document.querySelector("#answer").dataset.nextClearStartUtc,
+    duration: Number(document.querySelector("#stretch").getAttribute("aria-valuenow")),
+    norads: [...document.querySelectorAll("#crossings tr[data-norad]")].map((row) => Number(row.dataset.norad)),
+    magnitudes: [...document.querySelectorAll("#crossings tr[data-norad]")].map((row) => row.children[2].textContent),
+    hash: location.hash,
+  }));
+
+/** What the page says of an exposure is what the command line says. */
+async function agrees(page, limit = 7) {
+  const { text, start, next, duration, norads, magnitudes } = await seen(page);
+  const expected = flag(start, duration, limit);
+  assert.ok(text.startsWith(`${expected.verdict}:`), `${text} against ${JSON.stringify(expected)}`);
+  assert.equal(next, expected.next_clear_start_utc ?? "");
+  if (expected.delay_s > 0) assert.ok(text.includes(`next clear start +${(Math.ceil(expected.delay_s * 10 - 1e-6) / 10).toFixed(1)} s`), text);
+  const { passes } = command("passes", "--start", start, "--exposure", `${duration}s`, "--ra", "198.9", "--dec=7.7");
+  assert.deepEqual(norads, passes.map((pass) => pass.norad_id));
+  const shown = passes.map((pass) => `${pass.magnitude_peak.toFixed(2)} ± ${pass.magnitude_sigma.toFixed(2)}`);
+  assert.deepEqual(magnitudes, shown);
+  return expected;
+}
+
+const steps = [];
+async function step(name, work) {
+  await work();
+  steps.push(name);
+  console.log(`ok  ${name}`);
+}
+
+/** How many colours each canvas has, and whether any of them is not red enough for the dome. */
+const colours = (page) =>
+  page.evaluate(() =>
+    [...document.querySelectorAll("canvas")].map((canvas) => {
+      const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+      const found = new Set();
+      let cold = 0;
+      for (let at = 0; at < data.length; at += 4) {
+        // The colour of what can hardly be seen through is rounded to anything.
+        if (data[at + 3] < 32) continue;
+        found.add((data[at] << 16) | (data[at + 1] << 8) | data[at + 2]);
+        if (Math.max(data[at + 1], data[at + 2]) > 30 + 0.75 * data[at]) cold += 1;
+      }
+      return { id: canvas.id, colours: found.size, cold };
+    }),
+  );
+
+try {
+  await step("the night and its first exposure are the command line's", async () => {
+    const page = await open();
+    const { flags } = command("flag", "--schedule", "examples/night.csv", "--limit-mag", "7");
+    const count = (verdict) => flags.filter((one) => one.verdict === verdict).length;
+    assert.equal(await page.textContent("#night-counts"), `${count("clear")} clear · ${count("streaked")} streaked · ${count("avoid")} avoid`);
+    const expected = await agrees(page);
+    assert.equal(expected.verdict, "avoid");
+    assert.equal(await page.getAttribute("#night", "aria-valuetext"), "night-01, 1 of 21, avoid, 23:29 UTC");
+    await page.close();
+  });
+
+  await step("dragging and stretching change the answer to the command line's", async () => {
+    const page = await open();
+    const before = await seen(page);
+    const box = await page.locator("#bar").boundingBox();
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + 20, y, { steps: 4 });
+    await page.mouse.move(x + 37, y, { steps: 4 });
+    await page.mouse.up();
+    await settled(page);
+    const dragged = await seen(page);
+    assert.notEqual(dragged.start, before.start);
+    assert.notEqual(dragged.text, before.text);
+    await agrees(page);
+    const handle = await page.locator("#stretch").boundingBox();
+    await page.mouse.move(handle.x + handle.width / 2, handle.y + 30);
+    await page.mouse.down();
+    await page.mouse.move(handle.x + handle.width / 2 + 60, handle.y + 30, { steps: 6 });
+    await page.mouse.up();
+    await settled(page);
+    assert.ok((await seen(page)).duration > dragged.duration);
+    await agrees(page);
+    await page.click("#reset");
+    await settled(page);
+    assert.equal((await seen(page)).text, before.text);
+    await page.click("#go");
+    await settled(page);
+    assert.equal((await agrees(page)).verdict, "clear");
+    await page.close();
+  });
+
+  await step("a finger drags as well", async () => {
+    const page = await open("", { viewport: { width: 390, height: 844 }, hasTouch: true, isMobile: true });
+    const before = await seen(page);
+    await page.locator("#bar").scrollIntoViewIfNeeded();
+    const box = await page.locator("#bar").boundingBox();
+    const client = await page.context().newCDPSession(page);
+    const touch = (type, x) => client.send("Input.dispatchTouchEvent", { type, touchPoints: type === "touchEnd" ? [] : [{ x, y: box.y + box.height / 2 }] });
+    const x = box.x + box.width / 2;
+    await touch("touchStart", x);
+    for (const move of [8, 16, 24, 32]) await touch("touchMove", x + move);
+    await touch("touchEnd", x);
+    await settled(page);
+    assert.notEqual((await seen(page)).start, before.start);
+    await agrees(page);
+    await page.close();
+  });
+
+  await step("keys move it by 1 s and 10 s, and choose exposures", async () => {
+    const page = await open();
+    const start = Date.parse((await seen(page)).start);
+    await page.focus("#bar");
+    for (const key of ["ArrowRight", "ArrowRight", "ArrowRight", "ArrowLeft", "Shift+ArrowRight"]) await page.keyboard.press(key);
+    await settled(page);
+    assert.equal(Date.parse((await seen(page)).start) - start, 12_000);
+    await agrees(page);
+    await page.keyboard.press("Tab");
+    assert.equal(await page.evaluate(() => document.activeElement.id), "stretch");
+    await page.keyboard.press("Shift+ArrowRight");
+    await page.keyboard.press("ArrowLeft");
+    await settled(page);
+    assert.equal((await seen(page)).duration, 39);
+    await agrees(page);
+    await page.focus("#night");
+    await page.keyboard.press("ArrowRight");
+    await settled(page);
+    assert.ok((await page.textContent("#exposure-title")).endsWith("night-02"));
+    assert.ok((await seen(page)).text.startsWith("clear"));
+    assert.equal(await page.getAttribute("#answer", "aria-live"), "polite");
+    // Everything that can be worked has a name for those who do not see it.
+    const nameless = await page.evaluate(() =>
+      [...document.querySelectorAll("button, input, select, [role=slider]")]
+        .filter((one) => !(one.getAttribute("aria-label") || one.labels?.length || one.textContent.trim()))
+        .map((one) => one.outerHTML),
+    );
+    assert.deepEqual(nameless, []);
+    await page.close();
+  });
+
+  await step("the limit is the policy's", async () => {
+    const page = await open("#limit=6.62");
+    await agrees(page, 6.62);
+    await page.fill("#limit", "5");
+    await settled(page);
+    assert.equal((await agrees(page, 5)).verdict, "streaked");
+    await page.close();
+  });
+
+  await step("a link brings back what was seen", async () => {
+    const page = await open();
+    await page.focus("#bar");
+    await page.keyboard.press("Shift+ArrowRight");
+    await page.click("#red");
+    await page.check("#sigma");
+    await page.fill("#height", "1200");
+    await page.keyboard.press("Enter");
+    await page.selectOption("#model", "oneweb");
+    await page.click("#crossings tr:last-child button");
+    await settled(page);
+    const before = await seen(page);
+    await page.click("#link");
+    const link = await page.evaluate(() => navigator.clipboard.readText());
+    assert.equal(new URL(link).hash, before.hash);
+    const again = await open(before.hash);
+    const after = await seen(again);
+    assert.deepEqual(after, before);
+    const chosen = (one) => one.evaluate(() => [document.querySelector("tr[data-chosen=true]").dataset.norad, document.documentElement.dataset.light, document.querySelector("#height").value, document.querySelector("#model").value, document.querySelector("#sigma").checked, document.querySelector("#dome-words").textContent]);
+    assert.deepEqual(await chosen(again), await chosen(page));
+    await page.click("#csv");
+    const csv = await page.evaluate(() => navigator.clipboard.readText());
+    assert.equal(csv.trim().split("\n").length, 1 + before.norads.length);
+    assert.ok(csv.startsWith("name,norad_id,") && csv.includes("apparent_magnitude_uncert"));
+    // An address that means nothing shows the night all the same.
+    const broken = await open("#night=1999-01-01&row=x&shift=NaN&model=%3Cscript%3E");
+    assert.ok((await seen(broken)).text.includes("avoid"));
+    for (const one of [page, again, broken]) await one.close();
+  });
+
+  for (const [width, height] of [[1280, 900], [390, 844]]) {
+    for (const light of ["dark", "red"]) {
+      await step(`${width} px, ${light}: drawn, and no wider than the screen`, async () => {
+        const page = await open(light === "red" ? "#light=red" : "", { viewport: { width, height }, reducedMotion: "reduce" });
+        assert.ok((await page.evaluate(() => document.documentElement.scrollWidth)) <= width, "the page scrolls sideways");
+        for (const { id, colours: count, cold } of await colours(page)) {
+          assert.ok(count > 6, `${id || "the scale"} has ${count} colours`);
+          if (light === "red") assert.equal(cold, 0, `${id} shines in other light than red`);
+          else if (id === "dome") assert.ok(cold > 1000, "the count of other light counts nothing");
+        }
+        assert.match(await page.evaluate(() => getComputedStyle(document.querySelector("button")).transitionDuration), /^0s/);
+        if (pictures) await page.screenshot({ path: join(pictures, `serve-${width}-${light}.png`), fullPage: true });
+        await page.close();
+      });
+    }
+  }
+
+  await step("nobody else was asked, and nothing went wrong", async () => {
+    const foreign = [...requests].filter((one) => !one.startsWith(url));
+    assert.deepEqual(foreign, []);
+    assert.ok(requests.size > 20);
+    assert.deepEqual(faults, []);
+  });
+  console.log(`browser: ${steps.length} steps passed`);
+} finally {
+  await browser.close();
+  rmSync(scratch, { recursive: true, force: true });
+}

@@ -1,0 +1,82 @@
+// A steady load: `node load.mjs URL PID SECONDS [PER_SECOND]` asks so often, whatever the answers take, over connections that stay open.
+// Any answer that is not 200, and memory that grows, is a failure.
+
+import { readFileSync } from "node:fs";
+import http from "node:http";
+
+const [url, pid, seconds, perSecond = "1000"] = process.argv.slice(2);
+const agent = new http.Agent({ keepAlive: true, maxSockets: 64 });
+const rate = Number(perSecond);
+const total = Math.round(rate * Number(seconds));
+
+/** Resident memory of the server, MB; 0 where the system does not tell. */
+function memory() {
+  try {
+    return Number(/VmRSS:\s+(\d+)/.exec(readFileSync(`/proc/${pid}/status`, "utf8"))[1]) / 1024;
+  } catch {
+    return 0;
+  }
+}
+
+/** As a page with somebody at it: mostly exposures that are being dragged, and files, night, dome, health. One in fifty was never asked before. */
+function target(number) {
+  if (number % 50 === 0) return `api/v1/exposure?start_utc=2026-08-14T23:${String(10 + (number % 40)).padStart(2, "0")}:00.${String(number % 1000).padStart(3, "0")}Z&duration_s=30&ra_deg=198.9&dec_deg=7.7&samples=41&around_s=300`;
+  if (number % 100 === 1) return "api/v1/night";
+  if (number % 100 === 3) return "api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30";
+  if (number % 40 === 9) return `fov/satellite-passes/?site=rubin&start_time_jd=${(2461267.4 + (number % 400) / 4000).toFixed(6)}&duration=30&ra=${number % 360}&dec=${(number % 160) - 80}&fov_radius=2&group_by=${number % 80 === 9 ? "satellite" : "time"}`;
+  if (number % 100 === 19) return `fov/satellites-above-horizon/?latitude=${(number % 170) - 85}&longitude=${number % 360}&elevation=100&julian_date=2461267.478530&min_altitude=20`;
+  if (number % 10 === 5) return "health";
+  if (number % 10 === 7) return ["", "main.js", "page.css"][number % 3];
+  return `api/v1/exposure?start_utc=2026-08-14T23:29:${String(number % 60).padStart(2, "0")}Z&duration_s=30&ra_deg=198.9&dec_deg=7.7&samples=41&around_s=300`;
+}
+
+const statuses = new Map();
+const times = [];
+let open = 0;
+
+function ask(number) {
+  open += 1;
+  const began = performance.now();
+  const done = (status) => {
+    open -= 1;
+    statuses.set(status, (statuses.get(status) ?? 0) + 1);
+    times.push(performance.now() - began);
+  };
+  const request = http.get(url + target(number), { agent }, (response) => {
+    response.resume();
+    response.on("end", () => done(response.statusCode));
+    response.on("error", () => done("cut"));
+  });
+  request.on("error", (error) => done(error.code ?? "error"));
+}
+
+const until = (moment) => new Promise((resolve) => setTimeout(resolve, Math.max(0, moment - performance.now())));
+
+// A second to fill the stores, then the memory from which growth counts.
+for (let number = 0; number < rate; number += 1) {
+  ask(number);
+  if (number % 20 === 0) await until(0);
+}
+while (open) await until(performance.now() + 20);
+statuses.clear();
+times.length = 0;
+const before = memory();
+const began = performance.now();
+let half = 0;
+for (let number = 0; number < total; ) {
+  const due = Math.min(total, Math.floor(((performance.now() - began) / 1e3) * rate));
+  for (; number < due; number += 1) ask(rate + number);
+  if (!half && number > total / 2) half = memory();
+  await until(performance.now() + 2);
+}
+while (open) await until(performance.now() + 20);
+const took = (performance.now() - began) / 1e3;
+const after = memory();
+times.sort((a, b) => a - b);
+const quantile = (share) => times[Math.min(times.length - 1, Math.floor(share * times.length))].toFixed(1);
+console.log(`load: ${times.length} answers in ${took.toFixed(1)} s (${(times.length / took).toFixed(0)} a second), statuses ${JSON.stringify(Object.fromEntries(statuses))}`);
+console.log(`load: median ${quantile(0.5)} ms, 99 % ${quantile(0.99)} ms, longest ${quantile(1)} ms; memory ${before.toFixed(1)} MB, half way ${half.toFixed(1)} MB, at the end ${after.toFixed(1)} MB`);
+if (statuses.size !== 1 || !statuses.has(200)) throw new Error("answers that are not 200");
+// What is kept of answers is 16 MB at most; all else would go on growing.
+if (after - before > 24) throw new Error("memory grows");
+agent.destroy();
