@@ -1,0 +1,68 @@
+"""Which visits of a queue may be taken next without disturbing what the survey asked for, and which of them is best."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from ._arrays import BoolArray, FloatArray, IntArray, Visits
+
+
+class Choice(NamedTuple):
+    """Which of the candidates goes next, and why."""
+
+    #: Its place among the candidates.
+    place: int
+    #: ``clear`` (nothing crosses it), ``due`` (the first one was put off as often as allowed) or ``least`` (all are crossed).
+    why: str
+
+
+def candidates(queue: Visits, valid: IntArray, look_ahead: int) -> IntArray:
+    """The first visits that may trade places: places in the queue, in its order.
+
+    They are of the band of the first one (a filter exchange costs minutes, and the second halves of pairs stand behind it), and no
+    visit goes before an earlier one of the same field: the halves of a pair, and the visits of a sequence, keep their order.
+    """
+    if valid.size == 0:
+        return valid
+    ahead = valid[: 4 * look_ahead]
+    rows = queue[ahead]
+    other_band = np.flatnonzero(rows["band"] != rows["band"][0])
+    ahead = ahead[: other_band[0] if other_band.size else ahead.size]
+    rows = queue[ahead]
+    fields = np.column_stack([rows["RA"], rows["dec"]])
+    # A field without coordinates is nobody's neighbour; np.unique tells NaNs apart by their places.
+    _, first = np.unique(np.where(np.isfinite(fields), fields, -99.0 - np.arange(ahead.size)[:, None]), axis=0, return_index=True)
+    return np.asarray(ahead[np.sort(first)][:look_ahead], dtype=np.int64)
+
+
+def choose(
+    blocked: BoolArray, damage: FloatArray, slew_s: FloatArray, deferred: IntArray, max_extra_slew_s: float, max_defer: int
+) -> Choice:
+    """The next of several candidates, in the order of the queue.
+
+    Parameters
+    ----------
+    blocked : array of bool, ``(n,)``
+        Whether a satellite forbids it now.
+    damage : array, ``(n,)``
+        What it would lose, were it taken all the same.
+    slew_s : array, ``(n,)``
+        The way to it, seconds; NaN where the telescope cannot go.
+    deferred : array of int, ``(n,)``
+        How often it was put off already.
+    max_extra_slew_s : float
+        How much longer than to the first candidate the way may be.
+    max_defer : int
+        How often a visit may be put off.
+    """
+    if deferred[0] >= max_defer:
+        return Choice(0, "due" if blocked[0] else "clear")
+    first_s = slew_s[0] if np.isfinite(slew_s[0]) else np.inf
+    reached = np.isfinite(slew_s) & (slew_s <= first_s + max_extra_slew_s)
+    reached[0] = True
+    clear = np.flatnonzero(reached & ~blocked)
+    if clear.size:
+        return Choice(int(clear[0]), "clear")
+    return Choice(int(np.argmin(np.where(reached, damage, np.inf))), "least")
