@@ -273,6 +273,12 @@ class StreakModel:
         model._state["files"] = {path: known.get(path) or _sha256(path) for path in files}
         return model
 
+    @property
+    def files(self) -> dict[str, Union[str, None]]:
+        """Paths of all files that this model was made of, with the SHA-256 of each."""
+        self._open()
+        return dict(self._state["files"])
+
     def changed_files(self) -> list[str]:
         """Files whose content is not what this model was made of: missing, half written, or new.
 
