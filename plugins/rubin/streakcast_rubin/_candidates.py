@@ -24,17 +24,16 @@ def candidates(queue: Visits, valid: IntArray, look_ahead: int) -> IntArray:
     They are of the band of the first one (a filter exchange costs minutes, and the second halves of pairs stand behind it), and no
     visit goes before an earlier one of the same field: the halves of a pair, and the visits of a sequence, keep their order.
     """
-    if valid.size == 0:
-        return valid
-    ahead = valid[: 4 * look_ahead]
-    rows = queue[ahead]
-    other_band = np.flatnonzero(rows["band"] != rows["band"][0])
-    ahead = ahead[: other_band[0] if other_band.size else ahead.size]
-    rows = queue[ahead]
-    fields = np.column_stack([rows["RA"], rows["dec"]])
-    # A field without coordinates is nobody's neighbour; np.unique tells NaNs apart by their places.
-    _, first = np.unique(np.where(np.isfinite(fields), fields, -99.0 - np.arange(ahead.size)[:, None]), axis=0, return_index=True)
-    return np.asarray(ahead[np.sort(first)][:look_ahead], dtype=np.int64)
+    taken: list[int] = []
+    seen: set[tuple[float, float]] = set()
+    rows = queue[valid[: 4 * look_ahead]]
+    for place, band, field in zip(valid.tolist(), rows["band"].tolist(), zip(rows["RA"].tolist(), rows["dec"].tolist())):
+        if band != rows["band"][0] or len(taken) == look_ahead:
+            break
+        if field not in seen:
+            taken.append(place)
+        seen.add(field)
+    return np.array(taken, dtype=np.int64)
 
 
 def choose(

@@ -114,13 +114,15 @@ class Mount:
     def _ways(self, mjd: float, visits: Any) -> FloatArray:
         model = self.kinematics
         ra, dec = np.asarray(visits["RA"], dtype=float), np.asarray(visits["dec"], dtype=float)
-        way_s = np.asarray(model.slew_times(ra, dec, mjd, bandname=None), dtype=float)
         if not model.parked and str(visits["band"][0]) != str(model.current_band[0]):
             # The rotator turns while the filters are exchanged.
-            return np.asarray(way_s + model.band_changetime, dtype=float)
+            return np.asarray(model.slew_times(ra, dec, mjd, bandname=None) + model.band_changetime, dtype=float)
         # Else it turns on the way. An angle out of its reach is mended by the host at dispatch: then the mount alone counts.
-        turned_s = model.slew_times(ra, dec, mjd, rot_sky_pos=np.asarray(visits["rotSkyPos"], dtype=float), bandname=None)
-        return np.asarray(np.where(np.isfinite(turned_s), turned_s, way_s), dtype=float)
+        way_s = np.asarray(model.slew_times(ra, dec, mjd, rot_sky_pos=np.asarray(visits["rotSkyPos"], dtype=float), bandname=None), dtype=float)
+        lost = ~np.isfinite(way_s)
+        if lost.any():
+            way_s = np.where(lost, model.slew_times(ra, dec, mjd, bandname=None), way_s)
+        return way_s
 
     def _lengths(self, visits: Any) -> FloatArray:
         model = self.kinematics

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import math
+from collections import Counter
 from typing import Any, Union
 
 import numpy as np
@@ -13,6 +14,7 @@ from streakcast import StreakModel
 from streakcast.hosts import Hook
 
 from ._arrays import IntArray, Visits
+from ._checks import at_least, limits, one_of
 from ._candidates import Choice, candidates, choose
 from ._mount import Mount, Openings
 from ._questions import BLOCKINGS, DAMAGES, Verdicts, judge, scale_of
@@ -89,22 +91,24 @@ class StreakQueueManager(BaseQueueManager):
         super().__init__(detailers=detailers, basis_functions=basis_functions, check_clouds=check_clouds)
         self.mjd_scale = scale_of(model, mjd_scale)
         self.blocking = blocking if blocking is not None else "any" if limit_mag is None else "avoid"
-        _one_of("blocking", self.blocking, BLOCKINGS)
-        _one_of("damage", damage, DAMAGES)
-        _at_least("look_ahead", look_ahead, 1)
-        _at_least("max_defer", max_defer, 0)
-        _at_least("jitter_s", jitter_s, 0.0)
-        _at_least("max_extra_slew_s", max_extra_slew_s, 0.0)
+        one_of("blocking", self.blocking, BLOCKINGS)
+        limits(limit_mag)
         if model.field_radius_deg is None:
             raise ValueError("the model has no field of view: give it telescope= or fov=")
-        self.damage = damage
-        self.look_ahead, self.max_defer = int(look_ahead), int(max_defer)
-        self.jitter_s, self.max_extra_slew_s = float(jitter_s), float(max_extra_slew_s)
+        self.damage = one_of("damage", damage, DAMAGES)
+        self.look_ahead = int(at_least("look_ahead", look_ahead, 1))
+        self.max_defer = int(at_least("max_defer", max_defer, 0))
+        self.jitter_s = at_least("jitter_s", jitter_s, 0.0)
+        self.max_extra_slew_s = at_least("max_extra_slew_s", max_extra_slew_s, 0.0)
         self.mount = Mount(kinematics)
         self.hook = Hook(model if limit_mag is None else model.with_options(limit_mag=limit_mag), "rubin", watch_s=watch_s)
-        self.counts = self.hook.counts
         self._deferred: dict[int, int] = {}
         self._choosing = False
+
+    @property
+    def counts(self) -> Counter[str]:
+        """How often what happened."""
+        return self.hook.counts
 
     # What the host calls -------------------------------------------------------------------------------------------
 
@@ -204,13 +208,3 @@ def _why(verdicts: Verdicts, place: int) -> str:
     magnitude = verdicts.brightest_mag[place]
     light = f", brightest mag {magnitude:.1f}" if np.isfinite(magnitude) else ""
     return f"{verdicts.n_streaks[place]} satellites cross it{light}"
-
-
-def _one_of(name: str, value: str, allowed: tuple[str, ...]) -> None:
-    if value not in allowed:
-        raise ValueError(f"{name} '{value}'; allowed: {', '.join(allowed)}")
-
-
-def _at_least(name: str, value: float, least: float) -> None:
-    if isinstance(value, bool) or not isinstance(value, (int, float, np.integer, np.floating)) or not least <= value < math.inf:
-        raise ValueError(f"{name} is {value!r}; allowed: a number from {least} up")
