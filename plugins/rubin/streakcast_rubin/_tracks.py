@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import healpy as hp
 import numpy as np
@@ -135,7 +135,7 @@ def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) 
     return np.asarray(lost * weight_of_light(samples.magnitude) if weighted else lost, dtype=float)
 
 
-def brighter_than(limit_mag: object, band: str | None, samples: Samples) -> Samples:
+def brighter_than(limit_mag: Any, band: str | None, samples: Samples) -> Samples:
     """Those brighter than the limit of a band; all where no limit is said for it. What has no magnitude stays."""
     limit = limit_mag.get(band, limit_mag.get("default")) if isinstance(limit_mag, dict) else limit_mag
     if limit is None:

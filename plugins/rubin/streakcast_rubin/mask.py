@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from typing import Any, Union
 
 import healpy as hp
@@ -97,7 +98,7 @@ class StreakMaskBasisFunction(BaseBasisFunction):
         self._sky: Union[Sky, None] = None
 
     @property
-    def counts(self) -> Any:
+    def counts(self) -> Counter[str]:
         """How often what happened."""
         return self.hook.counts
 
@@ -165,4 +166,4 @@ class StreakMaskBasisFunction(BaseBasisFunction):
         lost = loss_of(samples, SAMPLE_S, self.area_deg2, self.damage == "light")
         # Where no telescope tells a width, every satellite weighs the same.
         lost = np.where(lost > 0.0, lost, 1e-12)
-        return np.bincount(cell[near], weights=lost[who[near]], minlength=opens.size)
+        return np.bincount(cell[near], weights=lost[who[near]], minlength=opens.size).astype(np.float64)

@@ -112,7 +112,7 @@ class StreakQueueManager(BaseQueueManager):
 
     # What the host calls -------------------------------------------------------------------------------------------
 
-    def request_observation(self, conditions: Any, whole_queue: bool = False, n_return: int = 1) -> Visits:
+    def request_observation(self, conditions: Any, whole_queue: bool = False, n_return: int = 1) -> Any:
         """The host's question. With `whole_queue` all valid visits come, in the queue's order but for the first, which is our choice."""
         self._choosing = True
         try:
@@ -124,7 +124,7 @@ class StreakQueueManager(BaseQueueManager):
             result = super().request_observation(conditions, whole_queue=whole_queue, n_return=n_return)
         return result
 
-    def find_valid_observations_indx(self, conditions: Any, mjd: Union[float, None] = None) -> IntArray:
+    def find_valid_observations_indx(self, conditions: Any, mjd: Union[float, None] = None) -> Any:
         """Places in the queue of what can be observed; our choice comes first while a visit is being asked for."""
         valid = super().find_valid_observations_indx(conditions, mjd=mjd)
         if mjd is not None:
