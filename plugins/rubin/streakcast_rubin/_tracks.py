@@ -32,8 +32,8 @@ class Samples(NamedTuple):
     second: FloatArray
     #: Angular rate, degrees a second, ``(n,)``.
     rate_deg_s: FloatArray
-    #: Width of the streak that is lost, arcseconds, ``(n,)``.
-    width_arcsec: FloatArray
+    #: Width of what a streak makes useless, arcseconds, ``(n,)``.
+    lost_width_arcsec: FloatArray
     #: Peak magnitude, ``(n,)``; NaN where unknown.
     magnitude: FloatArray
 
@@ -73,7 +73,10 @@ class Sky:
         which = np.asarray(passes["exposure_id"], dtype=np.int64)
         seconds = [(np.asarray(passes[f"{one}_utc"]) - begun[which]) / np.timedelta64(1, "s") for one in ("enter", "mid", "exit")]
         places = [_unit(np.asarray(passes[f"{one}_ra_deg"], float), np.asarray(passes[f"{one}_dec_deg"], float)) for one in ("enter", "mid", "exit")]
-        width = np.nan_to_num(np.asarray(passes["width_arcsec"], dtype=float)) if "width_arcsec" in passes else np.zeros(which.size)
+        # share = length x width / area; 0 where no telescope says what is lost.
+        share, length_deg = (np.asarray(passes[one], dtype=float) for one in ("lost_pixel_fraction", "streak_length_deg"))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            width = np.nan_to_num(share * (self._wide.field_area_deg2 or 0.0) * 3600.0 / length_deg, posinf=0.0)
         rate, magnitude = np.asarray(passes["angular_rate_deg_s"], float), np.asarray(passes["magnitude_peak"], float)
         answer = []
         steps = np.arange(0.0, length_s, SAMPLE_S)
@@ -131,7 +134,7 @@ def centres_of(nside: int) -> FloatArray:
 
 def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) -> FloatArray:
     """Share of a field's pixels that a satellite costs in some seconds: length x width / area, weighed with its light where asked."""
-    lost = samples.rate_deg_s * seconds * samples.width_arcsec / 3600.0 / area_deg2
+    lost = samples.rate_deg_s * seconds * samples.lost_width_arcsec / 3600.0 / area_deg2
     return np.asarray(lost * weight_of_light(samples.magnitude) if weighted else lost, dtype=float)
 
 

@@ -24,7 +24,7 @@ class StreakRewardBasisFunction(BaseBasisFunction):
     bright and how fast in which part of the sky is known: satellites are looked at `samples` times over the next `look_ahead_min`,
     and spread over discs of `smoothing_deg`,
 
-        reward = - N_pix Σ_satellites ω t w / (π s²) / n_samples            with ω t w the area of each streak, s the smoothing,
+        reward = - N_pix Σ_satellites ω t w / (π s²) / n_samples            with ω t w the area that each streak costs, s the smoothing,
 
     in millions of pixels a visit, each satellite weighed with its light. The map is kept for `cache_s`.
 

@@ -21,6 +21,7 @@ import brute_force
 import night
 import numpy as np
 import streakcast
+from astropy import units as u
 from astropy.time import Time
 from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from streakcast_rubin import StreakMaskBasisFunction, StreakQueueManager
@@ -78,7 +79,7 @@ def elements_of(sky: str, evening: str, folder: Path) -> Path:
         return catalogue()
     path = folder / f"{sky}-{evening}.csv"
     if not path.exists():
-        brute_force.write_walker(SKIES[sky], Time(f"{evening}T12:00:00") + 0.5, path)
+        brute_force.write_walker(SKIES[sky], Time(f"{evening}T12:00:00") + 0.5 * u.day, path)
     return path
 
 
