@@ -16,6 +16,8 @@ PARKED_AFTER_DAY = 10.0 / 1440.0
 #: Conditions that are older than what we know ourselves by this much are stale, days.
 STALE_DAY = 1.0 / DAY_S
 
+QUARTER_TURNS_RAD = (-np.pi / 2.0, np.pi / 2.0, np.pi)
+
 
 class Openings(NamedTuple):
     """When the shutter would open on each of several visits, and for how long."""
@@ -117,8 +119,13 @@ class Mount:
         if not model.parked and str(visits["band"][0]) != str(model.current_band[0]):
             # The rotator turns while the filters are exchanged.
             return np.asarray(model.slew_times(ra, dec, mjd, bandname=None) + model.band_changetime, dtype=float)
-        # Else it turns on the way. An angle out of its reach is mended by the host at dispatch: then the mount alone counts.
-        way_s = np.asarray(model.slew_times(ra, dec, mjd, rot_sky_pos=np.asarray(visits["rotSkyPos"], dtype=float), bandname=None), dtype=float)
+        # Else it turns on the way. From an angle out of its reach the host goes on in quarter turns, to the nearest in reach.
+        rotation = np.asarray(visits["rotSkyPos"], dtype=float)
+        way_s = np.asarray(model.slew_times(ra, dec, mjd, rot_sky_pos=rotation, bandname=None), dtype=float)
+        lost = ~np.isfinite(way_s)
+        if lost.any():
+            turns = [model.slew_times(ra, dec, mjd, rot_sky_pos=rotation + turn, bandname=None) for turn in QUARTER_TURNS_RAD]
+            way_s = np.where(lost, np.fmin.reduce(turns), way_s)
         lost = ~np.isfinite(way_s)
         if lost.any():
             way_s = np.where(lost, model.slew_times(ra, dec, mjd, bandname=None), way_s)
