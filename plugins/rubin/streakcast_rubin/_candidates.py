@@ -8,6 +8,14 @@ import numpy as np
 
 from ._arrays import BoolArray, FloatArray, IntArray, Visits
 
+#: What a place further back in the queue counts for, as seconds of slew: the survey's order is a short way through the sky.
+PLACE_S = 0.3
+
+#: For a visit that is crossed all the same no longer way is gone than this, seconds, and none that does not halve the damage: else
+#: under a sky without gaps the telescope would wander.
+LEAST_BAD_SLEW_S = 5.0
+WORTH_SHARE = 0.5
+
 
 class Choice(NamedTuple):
     """Which of the candidates goes next, and why."""
@@ -61,7 +69,11 @@ def choose(
     first_s = slew_s[0] if np.isfinite(slew_s[0]) else np.inf
     reached = np.isfinite(slew_s) & (slew_s <= first_s + max_extra_slew_s)
     reached[0] = True
-    clear = np.flatnonzero(reached & ~blocked)
-    if clear.size:
-        return Choice(int(clear[0]), "clear")
-    return Choice(int(np.argmin(np.where(reached, damage, np.inf))), "least")
+    clear = reached & ~blocked
+    if clear[0]:
+        return Choice(0, "clear")
+    if clear.any():
+        # The nearest loses least time; of two as near, the one that the survey wanted earlier.
+        return Choice(int(np.argmin(np.where(clear, slew_s + PLACE_S * np.arange(slew_s.size), np.inf))), "clear")
+    worth = reached & (slew_s <= first_s + LEAST_BAD_SLEW_S) & (damage <= WORTH_SHARE * damage[0])
+    return Choice(int(np.argmin(np.where(worth, damage, np.inf))) if worth.any() else 0, "least")

@@ -27,7 +27,8 @@ class StreakQueueManager(BaseQueueManager):
 
     Asked for a visit, it takes the first `look_ahead` valid ones of the queue, computes when the shutter would open on each (slew
     and rotator, by the host's own kinematic model), asks for all in one question which satellites cross the field from `jitter_s`
-    before that until as long after the closing, and dispatches the first that is clear, else the one that loses least. Visits are
+    before that until as long after the closing, and dispatches the first of the queue if it is clear, else the nearest clear one, else
+    the one that loses least. Visits are
     never invented, dropped or given other numbers; a visit that was put off stays first in the queue. Whatever fails, the host's own
     choice goes out.
 

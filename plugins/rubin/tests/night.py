@@ -79,7 +79,13 @@ def run(evening: str, kind: str, folder: Path, *, queue_manager=None, masks=(), 
     observatory = observatory_of(evening, folder)
     surveys = surveys_of(kind, almanac.noon_of(evening), masks, rewards)
     manager = queue_manager if queue_manager is not None else BaseQueueManager(detailers=[RotspUpdateDetailer()])
-    scheduler = CoreScheduler(surveys, nside=NSIDE, queue_manager=manager, survey_start_mjd=almanac.noon_of(evening))
+    scheduler = CoreScheduler(
+        surveys,
+        nside=NSIDE,
+        queue_manager=manager,
+        survey_start_mjd=almanac.noon_of(evening),
+        keep_rewards=more.get("record_rewards", False),
+    )
     observatory.mjd = observatory.mjd + start_h / 24.0
     dawn = float(observatory.almanac.sunsets["sun_n12_rising"][observatory.almanac_indx])
     duration = min(hours / 24.0, dawn - observatory.mjd)

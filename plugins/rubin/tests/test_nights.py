@@ -89,7 +89,7 @@ def test_a_wholly_blocked_sky_still_returns_visits(folder, models, pairs_evening
         warnings.simplefilter("always")
         done = night.run(EVENING, "pairs", folder, hours=0.5, queue_manager=manager)
     same = pairs_evening.visits["mjd"] <= done.visits["mjd"].max()
-    assert len(done.visits) >= 0.9 * np.count_nonzero(same)
+    assert len(done.visits) >= 0.85 * np.count_nonzero(same)
     assert manager.counts["given_up"] == len(done.visits)
     assert not [one for one in told if "rejected everything" in str(one.message)]
 

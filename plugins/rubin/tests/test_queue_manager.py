@@ -46,10 +46,10 @@ def blocked(monkeypatch):
     return block
 
 
-def test_the_first_clear_visit_goes_out(ready, model, take_over, blocked):
+def test_a_clear_visit_goes_out(ready, model, take_over, blocked):
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
-    blocked(streakcast.StreakModel, [0, 1])
+    blocked(streakcast.StreakModel, [0, 1, *range(3, 12)])
     assert ids(scheduler.request_observation()) == [queue[2]]
     blocked(streakcast.StreakModel, [])
     assert ids(scheduler.request_observation()) == [queue[0]]
@@ -61,6 +61,9 @@ def test_else_the_least_bad(ready, model, take_over, blocked):
     blocked(streakcast.StreakModel, "all", damage=[3.0, 2.0, 5.0, 1.0, 4.0, 6.0, 7.0, 8.0, 9.0, 9.0, 9.0, 9.0])
     assert ids(scheduler.request_observation()) == [queue[3]]
     assert scheduler.queue_manager.counts["given_up"] == 1
+    # Where it is no better anywhere, the telescope does not wander.
+    blocked(streakcast.StreakModel, "all", damage=[3.0, *[2.0] * 11])
+    assert ids(scheduler.request_observation()) == [queue[0]]
 
 
 def test_a_visit_is_put_off_so_often_and_no_more(ready, model, take_over, blocked):
@@ -75,7 +78,7 @@ def test_a_visit_is_put_off_so_often_and_no_more(ready, model, take_over, blocke
 def test_the_whole_queue_comes_whole(ready, model, take_over, blocked):
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
-    blocked(streakcast.StreakModel, [0])
+    blocked(streakcast.StreakModel, [0, *range(2, 12)])
     whole = ids(scheduler.request_observation(whole_queue=True))
     assert whole == [queue[1], queue[0], *queue[2:]]
     three = ids(scheduler.queue_manager.request_observation(scheduler.conditions, n_return=3))
@@ -97,9 +100,18 @@ def test_a_long_way_is_not_gone():
     crossed, slew_s = np.array([True, False, False]), np.array([5.0, 40.0, 8.0])
     arguments = {"damage": np.array([2.0, 0.0, 0.0]), "deferred": np.zeros(3, dtype=int), "max_defer": 9}
     assert choose(crossed, slew_s=slew_s, max_extra_slew_s=10.0, **arguments) == (2, "clear")
-    assert choose(crossed, slew_s=slew_s, max_extra_slew_s=60.0, **arguments) == (1, "clear")
+    assert choose(crossed, slew_s=slew_s, max_extra_slew_s=60.0, **arguments) == (2, "clear")
     assert choose(crossed, slew_s=slew_s, max_extra_slew_s=1.0, **arguments) == (0, "least")
     assert choose(crossed, slew_s=np.array([5.0, np.nan, 8.0]), max_extra_slew_s=60.0, **arguments) == (2, "clear")
+
+
+def test_of_clear_visits_the_nearest():
+    arguments = {"damage": np.zeros(3), "deferred": np.zeros(3, dtype=int), "max_defer": 9, "max_extra_slew_s": 20.0}
+    crossed = np.array([True, False, False])
+    assert choose(crossed, slew_s=np.array([5.0, 9.0, 6.0]), **arguments) == (2, "clear")
+    # As near: the order of the queue.
+    assert choose(crossed, slew_s=np.array([5.0, 6.1, 6.0]), **arguments) == (1, "clear")
+    assert choose(~crossed, slew_s=np.array([5.0, 1.0, 1.0]), **arguments) == (0, "clear")
 
 
 def test_deferrals_are_logged_a_line_each(ready, model, take_over, blocked, caplog):
