@@ -16,6 +16,8 @@ PARKED_AFTER_DAY = 10.0 / 1440.0
 #: Conditions that are older than what we know ourselves by this much are stale, days.
 STALE_DAY = 1.0 / DAY_S
 
+#: Conditions are never older than the queue that was filled under them, days.
+QUEUE_DAY = 0.25
 QUARTER_TURNS_RAD = (-np.pi / 2.0, np.pi / 2.0, np.pi)
 
 
@@ -56,10 +58,13 @@ class Mount:
         one = np.ravel(observation)[0]
         start, length_s = float(one["mjd"]), float(one["visittime"])
         if not length_s > 0.0:
-            free = start if self.last is None else max(start, float(self.last["free_mjd"]))
-            slew_s = float(self._ways(free, np.ravel(observation))[0]) if self.last is not None else 0.0
-            start = free + (slew_s if np.isfinite(slew_s) else 0.0) / DAY_S
-            length_s = float(self._lengths(np.ravel(observation))[0])
+            visit = np.ravel(np.asarray(observation))
+            if self.last is not None:
+                start = max(start, float(self.last["free_mjd"]))
+                self._stand_at_last(start)
+                slew_s = float(self._ways(start, visit)[0])
+                start += (slew_s if np.isfinite(slew_s) else 0.0) / DAY_S
+            length_s = float(self._lengths(visit)[0])
         self.last = {
             "ra": float(one["RA"]),
             "dec": float(one["dec"]),
@@ -71,8 +76,10 @@ class Mount:
 
     def now(self, conditions: Any) -> float:
         """The latest of what is known: the conditions, the host's own word, the end of the last visit (MJD)."""
-        now = max(float(np.max(conditions.mjd)), self.told_mjd)
-        return max(now, float(self.last["free_mjd"])) if self.last is not None else now
+        now = float(np.max(conditions.mjd))
+        known = [self.told_mjd] if self.last is None else [self.told_mjd, float(self.last["free_mjd"])]
+        # What is further ahead than a queue can be old is of another night: the host went back in time.
+        return max([now, *(one for one in known if one - now < QUEUE_DAY)])
 
     def openings(self, conditions: Any, visits: Any) -> Openings:
         """When the shutter would open on each of these visits of one band, were it dispatched now."""
@@ -88,14 +95,8 @@ class Mount:
             model.mount_bands(list(conditions.mounted_bands))
         fresh = float(np.max(conditions.mjd)) >= now - STALE_DAY
         model.overhead = 0.0
-        if last is not None and now - float(last["free_mjd"]) < PARKED_AFTER_DAY:
-            model.parked = False
-            model.current_ra_rad, model.current_dec_rad = np.array([last["ra"]]), np.array([last["dec"]])
-            model.current_rot_sky_pos_rad = np.array([last["rotation"]])
-            model.cumulative_azimuth_rad = float(last["azimuth"])
-            self._load(str(last["band"]))
-            # The readout goes on while the telescope slews; a slew is never shorter.
-            model.overhead = max(0.0, model.readtime - (now - float(last["free_mjd"])) * DAY_S)
+        if last is not None and 0.0 <= now - float(last["free_mjd"]) < PARKED_AFTER_DAY:
+            self._stand_at_last(now)
         elif fresh and conditions.tel_ra is not None and np.all(np.isfinite(conditions.tel_ra)):
             model.parked = False
             model.current_ra_rad, model.current_dec_rad = np.ravel(conditions.tel_ra)[:1], np.ravel(conditions.tel_dec)[:1]
@@ -108,6 +109,19 @@ class Mount:
         else:
             model.park()
             self._load(str(np.ravel(model.start_band)[0]))
+
+    def _stand_at_last(self, now: float) -> None:
+        """Puts the model where the last visit was."""
+        model, last = self.kinematics, self.last
+        if last is None:
+            return
+        model.parked = False
+        model.current_ra_rad, model.current_dec_rad = np.array([last["ra"]]), np.array([last["dec"]])
+        model.current_rot_sky_pos_rad = np.array([last["rotation"]])
+        model.cumulative_azimuth_rad = float(last["azimuth"])
+        self._load(str(last["band"]))
+        # The readout goes on while the telescope slews; a slew is never shorter.
+        model.overhead = max(0.0, model.readtime - (now - float(last["free_mjd"])) * DAY_S)
 
     def _load(self, band: str) -> None:
         """The host's model keeps its band in an array, and asks NumPy where it differs."""

@@ -41,7 +41,8 @@ def scale_of(model: StreakModel, mjd_scale: str | None) -> str:
     scale = mjd_scale if mjd_scale is not None else model.mjd_scale
     if scale is None:
         raise ValueError(
-            "mjd_scale is not said: give 'utc' (the simulator's MJD) or 'tai' (an observatory's); read in the wrong scale a visit is 37 s off"
+            "mjd_scale is not said: give 'utc' (the simulator's MJD) or 'tai' (an observatory's); "
+            "read in the wrong scale a visit is 37 s off"
         )
     if scale not in SCALES:
         raise ValueError(f"mjd_scale '{scale}'; allowed: {', '.join(SCALES)}")

@@ -71,8 +71,9 @@ class Sky:
         passes = self._wide.passes(zenith_deg, starts_mjd, length_s, scale=self._scale, output="dict")
         begun = np.asarray(Time(starts_mjd, format="mjd", scale=self._scale).utc.datetime64, dtype="datetime64[ns]")
         which = np.asarray(passes["exposure_id"], dtype=np.int64)
-        seconds = [(np.asarray(passes[f"{one}_utc"]) - begun[which]) / np.timedelta64(1, "s") for one in ("enter", "mid", "exit")]
-        places = [_unit(np.asarray(passes[f"{one}_ra_deg"], float), np.asarray(passes[f"{one}_dec_deg"], float)) for one in ("enter", "mid", "exit")]
+        knots = ("enter", "mid", "exit")
+        seconds = [(np.asarray(passes[f"{one}_utc"]) - begun[which]) / np.timedelta64(1, "s") for one in knots]
+        places = [_unit(*(np.asarray(passes[f"{one}_{angle}_deg"], dtype=float) for angle in ("ra", "dec"))) for one in knots]
         # share = length x width / area; 0 where no telescope says what is lost.
         share, length_deg = (np.asarray(passes[one], dtype=float) for one in ("lost_pixel_fraction", "streak_length_deg"))
         with np.errstate(divide="ignore", invalid="ignore"):

@@ -58,7 +58,8 @@ class StreakMaskBasisFunction(BaseBasisFunction):
     Attributes
     ----------
     counts : collections.Counter
-        ``asked``, ``masked`` (cells), ``capped`` (maps), ``failed`` and what `streakcast.hosts.Hook` counts. A map that fails masks nothing.
+        ``asked``, ``masked`` (cells), ``capped`` (maps), ``failed`` and what `streakcast.hosts.Hook` counts. A map that fails masks
+        nothing.
 
     Raises
     ------

@@ -14,8 +14,8 @@ from streakcast import StreakModel
 from streakcast.hosts import Hook
 
 from ._arrays import IntArray, Visits
-from ._checks import at_least, limits, one_of
 from ._candidates import Choice, candidates, choose
+from ._checks import at_least, limits, one_of
 from ._mount import Mount, Openings
 from ._questions import BLOCKINGS, DAMAGES, Verdicts, judge, scale_of
 
@@ -62,7 +62,7 @@ class StreakQueueManager(BaseQueueManager):
     Attributes
     ----------
     counts : collections.Counter
-        ``asked``, ``checked`` (visits judged), ``deferred`` (visits put off), ``given_up`` (dispatched although crossed), ``due`` (of
+        ``asked`` (once a visit), ``checked`` (visits judged), ``deferred`` (visits put off), ``given_up`` (dispatched although crossed), ``due`` (of
         these, put off too often), ``no_coordinates``, ``failed`` and what `streakcast.hosts.Hook` counts.
 
     Raises
@@ -140,7 +140,11 @@ class StreakQueueManager(BaseQueueManager):
 
     def add_observation(self, observation: Any, **more: Any) -> None:
         super().add_observation(observation, **more)
-        self.hook.ask(lambda _: self._done(observation), None)
+        try:
+            self.mount.done(observation)
+            self._deferred.pop(int(np.ravel(observation["target_id"])[0]), None)
+        except Exception as error:  # noqa: BLE001 - a hook never stops its host
+            self.hook.note("failed", f"a visit cannot be followed: {type(error).__name__}: {error}")
 
     def flush_queue(self) -> None:
         super().flush_queue()
@@ -151,10 +155,6 @@ class StreakQueueManager(BaseQueueManager):
         self._deferred = {}
 
     # How it is chosen ----------------------------------------------------------------------------------------------
-
-    def _done(self, observation: Any) -> None:
-        self.mount.done(observation)
-        self._deferred.pop(int(np.ravel(observation)["target_id"][0]), None)
 
     def _choice(self, model: StreakModel, conditions: Any, valid: IntArray) -> Union[int, None]:
         """The place in the queue of what should go out now."""

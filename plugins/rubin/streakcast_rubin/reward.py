@@ -122,8 +122,9 @@ class StreakRewardBasisFunction(BaseBasisFunction):
         band = self.bandname if self.bandname is not None else conditions.current_band
         # Limits go by band, so does the map.
         key = (model.key(), band if isinstance(self.limit_mag, dict) else None)
-        if self._made is not None and self._made[1] == key and 0.0 <= (now - self._made[0]) * 86_400.0 <= self.cache_s:
-            return self._made[2]
+        made = self._made
+        if made is not None and made[1] == key and 0.0 <= (now - made[0]) * 86_400.0 <= self.cache_s:
+            return made[2]
         site = conditions.site
         self.hook.see_site((site.latitude, site.longitude, site.height))
         self.hook.see_clock(now, self.mjd_scale)

@@ -94,7 +94,8 @@ def make(evening: str, folder: Path) -> Path:
     # Any 5,292 points that cover the sphere: the host's own tiling has as many as HEALPix cells of nside 21.
     points = np.column_stack(hp.pix2vec(21, np.arange(hp.nside2npix(21))))
     np.savetxt(models / "icover.3.5292.23.0.txt", points.ravel())
-    np.savez(sky / "dark_maps.npz", dark_maps=_structured({band: np.full(hp.nside2npix(32), mag) for band, mag in DARK_SKY_MAG_ARCSEC2.items()}))
+    dark = {band: np.full(hp.nside2npix(32), mag) for band, mag in DARK_SKY_MAG_ARCSEC2.items()}
+    np.savez(sky / "dark_maps.npz", dark_maps=_structured(dark))
     (folder / "versions.txt").write_text("site_models,made_by_almanac.py\n")
     return use(folder)
 

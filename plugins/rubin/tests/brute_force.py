@@ -128,7 +128,9 @@ class Truth:
             self._slots[slot] = (which, SatrecArray([self.satellites[one] for one in which]))
         return self._slots[slot]
 
-    def crossings(self, ra_rad: np.ndarray, dec_rad: np.ndarray, starts: Time, lengths_s: np.ndarray, radius_deg: float) -> list[dict[int, float]]:
+    def crossings(
+        self, ra_rad: np.ndarray, dec_rad: np.ndarray, starts: Time, lengths_s: np.ndarray, radius_deg: float
+    ) -> list[dict[int, float]]:
         """For each visit the lit satellites that cross the field, with the least distance from its centre in degrees."""
         found: list[dict[int, float]] = []
         centres = np.column_stack([np.cos(dec_rad) * np.cos(ra_rad), np.cos(dec_rad) * np.sin(ra_rad), np.sin(dec_rad)])

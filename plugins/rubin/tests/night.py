@@ -46,7 +46,8 @@ def footprint() -> np.ndarray:
 
 def observatory_of(evening: str, folder: Path) -> ModelObservatory:
     """The model observatory on one evening: no clouds, constant seeing and sky."""
-    almanac.make(evening, folder) if not (folder / "site_models" / "sunsets.npz").exists() else almanac.use(folder)
+    made = (folder / "versions.txt").exists()
+    almanac.use(folder) if made else almanac.make(evening, folder)
     noon = almanac.noon_of(evening)
     observatory = ModelObservatory(
         nside=NSIDE, mjd=noon, mjd_start=noon, no_sky=True, cloud_data="ideal", seeing_data="ideal", downtimes="ideal"
@@ -91,5 +92,6 @@ def run(evening: str, kind: str, folder: Path, *, queue_manager=None, masks=(), 
     duration = min(hours / 24.0, dawn - observatory.mjd)
     with warnings.catch_warnings(), contextlib.redirect_stdout(io.StringIO()):
         warnings.simplefilter("ignore")
-        result = sim_runner(observatory, scheduler, sim_duration=duration, verbose=False, save_on_fail=False, start_result_size=2000, **more)
+        quiet = {"verbose": False, "save_on_fail": False, "start_result_size": 2000}
+        result = sim_runner(observatory, scheduler, sim_duration=duration, **quiet, **more)
     return Night(visits=result[2], scheduler=scheduler, observatory=observatory)

@@ -235,6 +235,27 @@ def test_impossible_options(model, options, message):
         manager_of(model, **options)
 
 
+def test_limits_by_band(ready, models, take_over):
+    """Nothing is brighter than -20 mag; a limit for another band is none."""
+    scheduler = take_over(ready, manager_of(models[40768].with_options(fov="140deg"), limit_mag={"default": -20.0}))
+    first = ids(scheduler.return_active_queue())[0]
+    assert ids(scheduler.request_observation()) == [first]
+    counts = scheduler.queue_manager.counts
+    assert counts["deferred"] == counts["given_up"] == counts["failed"] == 0 and scheduler.queue_manager.blocking == "avoid"
+
+
+def test_a_night_that_begins_again(ready, model, take_over):
+    """A host that goes back in time is not answered for the night that it had before."""
+    manager = manager_of(model)
+    scheduler = take_over(ready, manager)
+    scheduler.request_observation()
+    now = manager.mount.now(scheduler.conditions)
+    manager.mount.tell(now + 3.0)
+    assert manager.mount.now(scheduler.conditions) == now
+    manager.mount.told_mjd = now + 0.01
+    assert manager.mount.now(scheduler.conditions) == now + 0.01
+
+
 def test_a_model_without_a_field(folder):
     model = streakcast.StreakModel(site="Rubin Observatory", elements=folder / "4408.csv", mjd_scale="utc")
     with pytest.raises(ValueError, match="no field of view"):
@@ -252,10 +273,18 @@ def test_summit_wrapper(ready, models, take_over):
     out = [ids(wrapper.request_observation())[0] for _ in range(4)]
     assert len(set(out)) == 4
     ahead = wrapper.ahead_scheduler.queue_manager
-    assert ahead is not scheduler.queue_manager and ahead.counts["failed"] == 0 and ahead.counts["asked"] > 4
+    assert ahead is not scheduler.queue_manager and ahead.counts["failed"] == 0 and ahead.counts["asked"] == 4
     # Each visit that was asked for is taken to be under way: the next opens after it.
     taken_s = (ahead.mount.last["free_mjd"] - scheduler.queue_manager.mount.last["free_mjd"]) * 86_400.0
     assert 4 * 31.0 < taken_s < 4 * 31.0 + 4 * 40.0
+    # The first is really done: the copy is made anew, and the other three are done again in it.
+    done = wrapper.requested_but_unadded_obs[0].copy()
+    done["visittime"] = 31.0
+    wrapper.add_observation(done)
+    assert ids(wrapper.request_observation())[0] not in out
+    again = wrapper.ahead_scheduler.queue_manager
+    assert again is not ahead and again.counts["failed"] == 0
+    assert (again.mount.last["free_mjd"] - scheduler.queue_manager.mount.last["free_mjd"]) * 86_400.0 > 4 * 31.0
 
 
 def test_pickles_stay_small(ready, models, take_over):
