@@ -16,6 +16,7 @@ from streakcast.hosts import Hook
 from ._arrays import IntArray, Visits
 from ._candidates import Choice, candidates, choose
 from ._checks import at_least, limits, one_of
+from ._handed import Handed, Owner
 from ._mount import Mount, Openings
 from ._questions import BLOCKINGS, DAMAGES, Verdicts, judge, scale_of
 
@@ -104,6 +105,7 @@ class StreakQueueManager(BaseQueueManager):
         self.mount = Mount(kinematics)
         self.hook = Hook(model if limit_mag is None else model.with_options(limit_mag=limit_mag), "rubin", watch_s=watch_s)
         self._deferred: dict[int, int] = {}
+        self._handed, self._owner = Handed(), Owner()
         self._choosing = False
 
     @property
@@ -143,6 +145,9 @@ class StreakQueueManager(BaseQueueManager):
         try:
             self.mount.done(observation)
             self._deferred.pop(int(np.ravel(observation["target_id"])[0]), None)
+            if float(np.ravel(observation["visittime"])[0]) > 0.0:
+                # Without a length it was not done, only taken for done.
+                self._handed.back(np.ravel(np.asarray(observation))[0])
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.hook.note("failed", f"a visit cannot be followed: {type(error).__name__}: {error}")
 
@@ -160,9 +165,10 @@ class StreakQueueManager(BaseQueueManager):
         """The place in the queue of what should go out now."""
         site = conditions.site
         self.hook.see_site((site.latitude, site.longitude, site.height))
-        self.hook.see_clock(self.mount.now(conditions), self.mjd_scale)
-        queue = np.asarray(self.desired_observations_array)
-        places = candidates(queue, valid, self.look_ahead)
+        queue, now = np.asarray(self.desired_observations_array), self.mount.now(conditions)
+        free = np.array([place for place in valid[: 4 * self.look_ahead] if not self._handed.by_others(queue[place], self._owner, now)])
+        places = candidates(queue, free if free.size else valid, self.look_ahead)
+        self.hook.see_clock(now, self.mjd_scale)
         placed = np.isfinite(queue["RA"][places]) & np.isfinite(queue["dec"][places])
         if not placed.all():
             self.hook.note("no_coordinates", f"visit {queue['target_id'][places[~placed][0]]} has no coordinates and is not judged")
@@ -182,6 +188,7 @@ class StreakQueueManager(BaseQueueManager):
         deferred = np.array([self._deferred.get(int(one), 0) for one in visits["target_id"]])
         choice = choose(verdicts.blocked, verdicts.damage, known.slew_s, deferred, self.max_extra_slew_s, self.max_defer)
         self._account(choice, visits, verdicts, known)
+        self._handed.out(visits[choice.place], self._owner, now)
         return int(places[choice.place])
 
     def _account(self, choice: Choice, visits: Visits, verdicts: Verdicts, openings: Openings) -> None:

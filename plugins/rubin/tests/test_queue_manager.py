@@ -277,14 +277,40 @@ def test_summit_wrapper(ready, models, take_over):
     # Each visit that was asked for is taken to be under way: the next opens after it.
     taken_s = (ahead.mount.last["free_mjd"] - scheduler.queue_manager.mount.last["free_mjd"]) * 86_400.0
     assert 4 * 31.0 < taken_s < 4 * 31.0 + 4 * 40.0
-    # The first is really done: the copy is made anew, and the other three are done again in it.
+
+
+def test_summit_wrapper_gets_no_visit_twice(ready, model, take_over, monkeypatch):
+    """The first visit of the queue goes out second, and is under way when the one before it is done."""
+    scheduler = take_over(ready, manager_of(model))
+    queue = ids(scheduler.return_active_queue())
+    wrapper = SummitWrapper(scheduler)
+    wrapper.update_conditions(scheduler.conditions)
+    crossed = {"now": True}
+
+    def assess(self, target, *_, **__):
+        n = np.size(target[0])
+        first = np.arange(n) == 0
+        blocked = first if crossed["now"] else np.zeros(n, dtype=bool)
+        nothing = np.zeros(n)
+        return SimpleNamespace(
+            crosses=blocked, avoid=blocked, n_streaks=blocked.astype(int), brightest_mag=nothing, lost_fraction=nothing, streak_length_deg=nothing
+        )  # fmt: skip
+
+    monkeypatch.setattr(streakcast.StreakModel, "assess", assess)
+    one = wrapper.request_observation()
+    crossed["now"] = False
+    two = wrapper.request_observation()
+    assert ids(two) == [queue[0]] and ids(one)[0] > queue[0]
     done = wrapper.requested_but_unadded_obs[0].copy()
     done["visittime"] = 31.0
     wrapper.add_observation(done)
-    assert ids(wrapper.request_observation())[0] not in out
-    again = wrapper.ahead_scheduler.queue_manager
-    assert again is not ahead and again.counts["failed"] == 0
-    assert (again.mount.last["free_mjd"] - scheduler.queue_manager.mount.last["free_mjd"]) * 86_400.0 > 4 * 31.0
+    three = wrapper.request_observation()
+    assert ids(three)[0] not in (*ids(one), *ids(two))
+    assert wrapper.ahead_scheduler.queue_manager.counts["failed"] == 0
+    # A visit that never came back is not lost for good.
+    manager = copy.deepcopy(scheduler.queue_manager)
+    manager.mount.tell(manager.mount.now(scheduler.conditions) + 11.0 / 1440.0)
+    assert ids(manager.request_observation(scheduler.conditions)) == [queue[0]]
 
 
 def test_pickles_stay_small(ready, models, take_over):
