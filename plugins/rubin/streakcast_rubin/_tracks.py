@@ -1,0 +1,148 @@
+"""All lit satellites over a sky, second by second: asked once for everything above the horizon, kept in slots of 20 s."""
+
+from __future__ import annotations
+
+from functools import lru_cache
+from typing import Any, NamedTuple
+
+import healpy as hp
+import numpy as np
+from astropy.time import Time
+from streakcast import StreakModel
+
+from ._arrays import FloatArray, IntArray
+from ._questions import weight_of_light
+
+#: What is asked in one go, seconds: over so short a stretch a parabola through three points is good to some arcminutes.
+SLOT_S = 20.0
+#: Between two samples of a track a satellite moves by a degree or two; `Samples.step_deg` says by how much.
+SAMPLE_S = 2.0
+#: The sky down to 18 degrees of altitude, as one round field.
+SKY_DEG = 144.0
+#: Slots that are kept: ten minutes.
+KEPT = 30
+
+
+class Samples(NamedTuple):
+    """Lit satellites at moments, a row a satellite and moment."""
+
+    #: Directions, ICRS, ``(n, 3)``.
+    direction: FloatArray
+    #: Moment, seconds after the slot's beginning, ``(n,)``.
+    second: FloatArray
+    #: Angular rate, degrees a second, ``(n,)``.
+    rate_deg_s: FloatArray
+    #: Width of what a streak makes useless, arcseconds, ``(n,)``.
+    lost_width_arcsec: FloatArray
+    #: Peak magnitude, ``(n,)``; NaN where unknown.
+    magnitude: FloatArray
+
+
+class Sky:
+    """The lit satellites of a model, by slots of time."""
+
+    def __init__(self, model: StreakModel, scale: str) -> None:
+        self.model = model
+        self._wide = model.with_options(fov=f"{SKY_DEG} deg")
+        self._scale = scale
+        self._slots: dict[int, Samples] = {}
+
+    def over(self, start_mjd: float, end_mjd: float, zenith_deg: tuple[float, float]) -> list[tuple[float, Samples]]:
+        """Slots that cover a stretch, each with the MJD of its beginning.
+
+        Parameters
+        ----------
+        start_mjd, end_mjd : float
+            The stretch, in the host's scale.
+        zenith_deg : pair
+            Right ascension and declination of the zenith, to a degree or so.
+        """
+        numbers = range(int(start_mjd * 86_400.0 // SLOT_S), int(end_mjd * 86_400.0 // SLOT_S) + 1)
+        missing = [number for number in numbers if number not in self._slots]
+        if missing:
+            starts = np.array(missing) * (SLOT_S / 86_400.0)
+            self._slots |= dict(zip(missing, self.ask(starts, SLOT_S, zenith_deg)))
+            for old in sorted(self._slots)[:-KEPT]:
+                del self._slots[old]
+        return [(number * SLOT_S / 86_400.0, self._slots[number]) for number in numbers if number in self._slots]
+
+    def ask(self, starts_mjd: FloatArray, length_s: float, zenith_deg: tuple[float, float]) -> list[Samples]:
+        """What stands in the sky from each of several moments on, for some seconds."""
+        passes = self._wide.passes(zenith_deg, starts_mjd, length_s, scale=self._scale, output="dict")
+        begun = np.asarray(Time(starts_mjd, format="mjd", scale=self._scale).utc.datetime64, dtype="datetime64[ns]")
+        which = np.asarray(passes["exposure_id"], dtype=np.int64)
+        knots = ("enter", "mid", "exit")
+        seconds = [(np.asarray(passes[f"{one}_utc"]) - begun[which]) / np.timedelta64(1, "s") for one in knots]
+        places = [_unit(*(np.asarray(passes[f"{one}_{angle}_deg"], dtype=float) for angle in ("ra", "dec"))) for one in knots]
+        # share = length x width / area; 0 where no telescope says what is lost.
+        share, length_deg = (np.asarray(passes[one], dtype=float) for one in ("lost_pixel_fraction", "streak_length_deg"))
+        with np.errstate(divide="ignore", invalid="ignore"):
+            width = np.nan_to_num(share * (self._wide.field_area_deg2 or 0.0) * 3600.0 / length_deg, posinf=0.0)
+        rate, magnitude = np.asarray(passes["angular_rate_deg_s"], float), np.asarray(passes["magnitude_peak"], float)
+        answer = []
+        steps = np.arange(0.0, length_s, SAMPLE_S)
+        for one in range(starts_mjd.size):
+            row = np.flatnonzero(which == one)
+            enter, middle, leave = (second[row, None] for second in seconds)
+            inside = (steps >= enter - 1e-6) & (steps <= leave + 1e-6)
+            if length_s <= SAMPLE_S:
+                direction = places[1][row][:, None, :].repeat(steps.size, axis=1)
+            else:
+                direction = _parabola((enter, middle, leave), tuple(place[row] for place in places), steps)
+            who, when = np.nonzero(inside)
+            answer.append(Samples(direction[who, when], steps[when], rate[row][who], width[row][who], magnitude[row][who]))
+        return answer
+
+
+def _unit(ra_deg: FloatArray, dec_deg: FloatArray) -> FloatArray:
+    ra, dec = np.radians(ra_deg), np.radians(dec_deg)
+    return np.stack([np.cos(dec) * np.cos(ra), np.cos(dec) * np.sin(ra), np.sin(dec)], axis=-1)
+
+
+def _parabola(knots: tuple[FloatArray, FloatArray, FloatArray], places: tuple[FloatArray, ...], at: FloatArray) -> FloatArray:
+    """Lagrange's parabola through three places, put back on the sphere: ``(n_tracks, n_moments, 3)``."""
+    one, two, three = knots
+    weights = (_basis(at, one, two, three), _basis(at, two, one, three), _basis(at, three, one, two))
+    summed = np.zeros((one.shape[0], at.size, 3))
+    for weight, place in zip(weights, places):
+        # A track of no length has three equal knots, and stands still.
+        summed += np.where(np.isfinite(weight), weight, 1.0 / 3.0)[..., None] * place[:, None, :]
+    return np.asarray(summed / np.linalg.norm(summed, axis=-1, keepdims=True), dtype=float)
+
+
+def _basis(at: FloatArray, own: FloatArray, one: FloatArray, two: FloatArray) -> FloatArray:
+    with np.errstate(divide="ignore", invalid="ignore"):
+        return np.asarray((at - one) * (at - two) / ((own - one) * (own - two)), dtype=float)
+
+
+@lru_cache(maxsize=4)
+def neighbours(nside: int, radius_deg: float) -> IntArray:
+    """For each cell (RING) all cells with centres within a radius of its own, filled up with -1, ``(12 nside², m)``."""
+    cells = 12 * nside * nside
+    centres = np.column_stack(hp.pix2vec(nside, np.arange(cells)))
+    lists = [hp.query_disc(nside, centre, np.radians(radius_deg)) for centre in centres]
+    table = np.full((cells, max(len(one) for one in lists)), -1, dtype=np.int64)
+    for row, one in zip(table, lists):
+        row[: len(one)] = one
+    return table
+
+
+@lru_cache(maxsize=4)
+def centres_of(nside: int) -> FloatArray:
+    """Directions of the centres of all cells (RING), ``(12 nside², 3)``."""
+    return np.column_stack(hp.pix2vec(nside, np.arange(12 * nside * nside)))
+
+
+def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) -> FloatArray:
+    """Share of a field's pixels that a satellite costs in some seconds: length x width / area, weighed with its light where asked."""
+    lost = samples.rate_deg_s * seconds * samples.lost_width_arcsec / 3600.0 / area_deg2
+    return np.asarray(lost * weight_of_light(samples.magnitude) if weighted else lost, dtype=float)
+
+
+def brighter_than(limit_mag: Any, band: str | None, samples: Samples) -> Samples:
+    """Those brighter than the limit of a band; all where no limit is said for it. What has no magnitude stays."""
+    limit = limit_mag.get(band, limit_mag.get("default")) if isinstance(limit_mag, dict) else limit_mag
+    if limit is None:
+        return samples
+    keep = ~(samples.magnitude >= limit)
+    return Samples(*(column[keep] for column in samples))

@@ -1,0 +1,177 @@
+"""What satellites did to the visits of a survey: columns for arrays, tables for opsim databases."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import sqlite3
+import tempfile
+from pathlib import Path
+from typing import Any, Union
+
+import numpy as np
+from streakcast import StreakModel
+
+from ._arrays import Visits
+from ._questions import scale_of
+
+#: A row a visit.
+FLAG_COLUMNS = {
+    "observationId": "INTEGER",
+    "verdict": "TEXT",
+    "n_streaks": "INTEGER",
+    "streak_length_deg": "REAL",
+    "brightest_mag": "REAL",
+    "expected_lost_pixel_fraction": "REAL",
+    "p_any": "REAL",
+    "norad_ids": "TEXT",
+}
+#: A row a visit and satellite.
+PASS_COLUMNS = {
+    "norad_id": "INTEGER",
+    "name": "TEXT",
+    "magnitude_peak": "REAL",
+    "magnitude_sigma": "REAL",
+    "mag_source": "TEXT",
+    "effective_magnitude": "REAL",
+    "streak_length_deg": "REAL",
+    "width_arcsec": "REAL",
+    "min_separation_deg": "REAL",
+    "probability": "REAL",
+}
+TABLES = ("streak_flags", "streaks", "streak_provenance", "observations_streaks")
+
+
+def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, None] = None) -> dict[str, Any]:
+    """What satellites do to each of the host's visits.
+
+    Parameters
+    ----------
+    visits : ObservationArray
+        RA, dec and rotSkyPos in radians, mjd, exptime in seconds, band.
+    model : StreakModel
+        Site, satellites and field.
+    mjd_scale : {"utc", "tai", "tt"}, optional
+        Scale of ``mjd``. Must be said here or in the model.
+
+    Returns
+    -------
+    dict of arrays, ``(n_visits,)`` each
+        As `StreakModel.flags`: ``verdict``, ``n_streaks``, ``brightest_mag``, ``expected_lost_pixel_fraction``, ``p_any``,
+        ``streak_length_deg``, ``norad_ids`` and more.
+    """
+    scale = scale_of(model, mjd_scale)
+    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
+    rotation = np.degrees(np.nan_to_num(visits["rotSkyPos"]))
+    bands = [str(one) for one in visits["band"]]
+    found = model.flags(target, visits["mjd"], visits["exptime"], rotation=rotation, band=bands, scale=scale, output="dict")
+    return dict(found)
+
+
+def annotate(
+    opsim: Union[str, "os.PathLike[str]"],
+    output: Union[str, "os.PathLike[str]"],
+    model: StreakModel,
+    *,
+    mjd_scale: Union[str, None] = None,
+    replace: bool = False,
+) -> int:
+    """Copies an opsim database and adds what satellites do to its visits; every cell that was there stays.
+
+    The copy has the tables ``streak_flags`` (a row a visit), ``streaks`` (a row a visit and satellite) and ``streak_provenance``, and
+    the view ``observations_streaks``, which joins the first to the observations. It is put into its place whole.
+
+    Parameters
+    ----------
+    opsim : path
+        SQLite, with a table ``observations``.
+    output : path
+        The copy; the same path as `opsim` is an error.
+    model : StreakModel
+        Site, satellites and field.
+    mjd_scale : {"utc", "tai", "tt"}, optional
+        Scale of ``observationStartMJD`` (the simulator's is UTC). Must be said here or in the model.
+    replace : bool
+        Tables of an earlier annotation are made anew; without it they are an error.
+
+    Returns
+    -------
+    int
+        How many visits are crossed.
+
+    Raises
+    ------
+    ValueError
+        No such file or table, a column is missing, the tables are there already, or no scale was said.
+    """
+    source, target = Path(opsim), Path(output)
+    scale = scale_of(model, mjd_scale)
+    if not source.is_file():
+        raise ValueError(f"{source} is no file")
+    if target.exists() and source.samefile(target):
+        raise ValueError(f"{target} is the database itself; name another file")
+    part = tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", suffix=".part", delete=False)
+    part.close()
+    try:
+        with contextlib.closing(sqlite3.connect(f"{source.resolve().as_uri()}?mode=ro", uri=True)) as old:
+            with contextlib.closing(sqlite3.connect(part.name)) as new:
+                old.backup(new)
+                new.execute("PRAGMA journal_mode = DELETE")
+                crossed = _add_tables(new, source, model, scale, replace)
+                new.commit()
+        os.replace(part.name, target)
+    except sqlite3.Error as error:
+        raise ValueError(f"{source}: {error}") from error
+    finally:
+        with contextlib.suppress(FileNotFoundError):
+            os.unlink(part.name)
+    return crossed
+
+
+def _add_tables(base: sqlite3.Connection, source: Path, model: StreakModel, scale: str, replace: bool) -> int:
+    marks = ", ".join("?" for _ in TABLES)
+    for name, kind in base.execute(f"SELECT name, type FROM sqlite_master WHERE name IN ({marks})", TABLES).fetchall():
+        if not replace:
+            raise ValueError(f"{source} has a {kind} {name} already; replace=True makes it anew")
+        base.execute(f"DROP {kind} {name}")
+    columns = [row[1] for row in base.execute("PRAGMA table_info(observations)")]
+    # Databases before version 4 of the scheduler say filter.
+    band = "band" if "band" in columns else "filter"
+    wanted = ["observationId", "fieldRA", "fieldDec", "observationStartMJD", "visitExposureTime", "rotSkyPos", band]
+    missing = [name for name in wanted if name not in columns]
+    if missing:
+        raise ValueError(f"{source}: observations has no column {', '.join(missing)}; it has {', '.join(columns) or 'none'}")
+    rows = base.execute(f"SELECT {', '.join(wanted)} FROM observations ORDER BY observationId").fetchall()
+    ids, ra, dec, mjd, length, rotation = (np.array([row[one] for row in rows], dtype=float) for one in range(6))
+    asked = {"rotation": np.nan_to_num(rotation), "scale": scale, "output": "dict"}
+    flags: dict[str, Any] = dict(model.flags((ra, dec), mjd, length, band=[str(row[6]) for row in rows], **asked)) if rows else {}
+    passes: dict[str, Any] = dict(model.passes((ra, dec), mjd, length, **asked)) if rows else {}
+    numbers = [int(one) for one in ids]
+    _write(base, "streak_flags", FLAG_COLUMNS, {**flags, "observationId": numbers}, len(rows))
+    crossing = [numbers[int(one)] for one in passes.get("exposure_id", [])]
+    _write(base, "streaks", {"observationId": "INTEGER", **PASS_COLUMNS}, {**passes, "observationId": crossing}, len(crossing))
+    base.execute("CREATE INDEX streaks_observationId ON streaks (observationId)")
+    base.execute("CREATE TABLE streak_provenance (key TEXT, value TEXT)")
+    told: dict[str, Any] = dict(model.provenance(float(mjd[0]), scale=scale)) if rows else {}
+    told["mjd_scale"] = scale
+    base.executemany("INSERT INTO streak_provenance VALUES (?, ?)", [(key, json.dumps(value, default=str)) for key, value in told.items()])
+    added = ", ".join(f"f.{name}" for name in FLAG_COLUMNS if name != "observationId")
+    base.execute(f"CREATE VIEW observations_streaks AS SELECT o.*, {added} FROM observations o JOIN streak_flags f USING (observationId)")
+    return sum(int(one) > 0 for one in flags.get("n_streaks", []))
+
+
+def _write(base: sqlite3.Connection, name: str, kinds: dict[str, str], columns: dict[str, Any], rows: int) -> None:
+    base.execute(f"CREATE TABLE {name} ({', '.join(f'{column} {kind}' for column, kind in kinds.items())})")
+    cells = [[_cell(one, kind) for one in columns.get(column, [None] * rows)] for column, kind in kinds.items()]
+    base.executemany(f"INSERT INTO {name} VALUES ({', '.join('?' for _ in kinds)})", list(zip(*cells)))
+
+
+def _cell(value: Any, kind: str) -> Any:
+    """A value as SQLite keeps it; what is not there is NULL."""
+    if value is None or value is np.ma.masked:
+        return None
+    if kind == "TEXT":
+        return str(value) if isinstance(value, str) else " ".join(str(one) for one in np.ravel(value))
+    number = float(value)
+    return None if not np.isfinite(number) else int(number) if kind == "INTEGER" else number

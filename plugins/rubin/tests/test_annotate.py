@@ -1,0 +1,75 @@
+"""Opsim databases as the host writes them: what is added, and that nothing else changes."""
+
+import sqlite3
+
+import brute_force
+import night
+import numpy as np
+import pytest
+from conftest import EVENING
+from streakcast_rubin import annotate, visit_columns
+
+
+@pytest.fixture(scope="module")
+def opsim(folder):
+    path = folder / "opsim.db"
+    done = night.run(EVENING, "pairs", folder, hours=0.7, filename=str(path))
+    return path, done.visits
+
+
+def rows_of(path, query):
+    with sqlite3.connect(path) as base:
+        return base.execute(query).fetchall()
+
+
+def test_a_copy_with_more_tables(opsim, models, truths, tmp_path):
+    path, visits = opsim
+    before = path.read_bytes()
+    crossed = annotate(path, tmp_path / "out.db", models[40768])
+    truth = brute_force.streaked(truths[40768], visits)
+    assert truth.sum() > 5 and abs(crossed - truth.sum()) <= 1
+    assert path.read_bytes() == before
+    assert rows_of(tmp_path / "out.db", "SELECT * FROM observations") == rows_of(path, "SELECT * FROM observations")
+    joined = rows_of(tmp_path / "out.db", "SELECT n_streaks, brightest_mag, verdict FROM observations_streaks ORDER BY observationId")
+    assert len(joined) == len(visits)
+    counted = rows_of(tmp_path / "out.db", "SELECT observationId, count(*) FROM streaks GROUP BY observationId")
+    assert sorted(dict(counted).values()) == sorted(count for count, *_ in joined if count)
+    assert all((magnitude is None) == (verdict == "clear") for _, magnitude, verdict in joined)
+    assert ("mjd_scale", '"utc"') in rows_of(tmp_path / "out.db", "SELECT * FROM streak_provenance")
+    # The host's own arrays give the same.
+    columns = visit_columns(visits, models[40768])
+    assert [int(one) for one in columns["n_streaks"]] == [count for count, *_ in joined]
+
+
+def test_again_only_where_asked(opsim, models, tmp_path):
+    annotate(opsim[0], tmp_path / "one.db", models[4408])
+    with pytest.raises(ValueError, match="already; replace=True"):
+        annotate(tmp_path / "one.db", tmp_path / "two.db", models[4408])
+    assert [one.name for one in tmp_path.iterdir()] == ["one.db"]
+    annotate(tmp_path / "one.db", tmp_path / "two.db", models[4408], replace=True)
+    query = "SELECT * FROM streak_flags"
+    assert rows_of(tmp_path / "one.db", query) == rows_of(tmp_path / "two.db", query)
+
+
+def test_what_cannot_be_annotated(opsim, models, tmp_path):
+    with pytest.raises(ValueError, match="is no file"):
+        annotate(tmp_path / "none.db", tmp_path / "out.db", models[4408])
+    with pytest.raises(ValueError, match="is the database itself"):
+        annotate(opsim[0], opsim[0], models[4408])
+    (tmp_path / "text.db").write_text("no database, but long enough to be looked at by somebody who reads headers " * 9)
+    with pytest.raises(ValueError, match="text.db: file is not a database"):
+        annotate(tmp_path / "text.db", tmp_path / "out.db", models[4408])
+    with sqlite3.connect(tmp_path / "poor.db") as base:
+        base.execute("CREATE TABLE observations (observationId INTEGER, fieldRA REAL)")
+    with pytest.raises(ValueError, match="no column fieldDec, observationStartMJD"):
+        annotate(tmp_path / "poor.db", tmp_path / "out.db", models[4408])
+    assert not (tmp_path / "out.db").exists()
+    assert not [one for one in tmp_path.iterdir() if one.suffix == ".part"]
+
+
+def test_an_empty_database(opsim, models, tmp_path):
+    with sqlite3.connect(tmp_path / "empty.db") as base, sqlite3.connect(opsim[0]) as full:
+        full.backup(base)
+        base.execute("DELETE FROM observations")
+    assert annotate(tmp_path / "empty.db", tmp_path / "out.db", models[4408]) == 0
+    assert np.size(rows_of(tmp_path / "out.db", "SELECT * FROM observations_streaks")) == 0

@@ -1,0 +1,33 @@
+"""The judge itself: its rotations against astropy's."""
+
+import brute_force
+import numpy as np
+from astropy import units as u
+from astropy.coordinates import GCRS, TEME, CartesianRepresentation
+from astropy.time import Time
+
+#: 0.6 arcsec at 7000 km: astropy takes polar motion along, which is worth 0.5 arcsec and nothing to a field of 3.5 degrees.
+TOLERANCE_KM = 0.02
+
+
+def test_valid_rotation_against_astropy(truths):
+    times = Time(["2026-01-16T01:00:00", "2026-08-15T05:00:00"], scale="utc")
+    rotation, site = truths[4408]._rotations(times)
+    place = np.array([4000.0, -3500.0, 4400.0])
+    for one, time in enumerate(times):
+        teme = TEME(CartesianRepresentation(place * u.km), obstime=time)
+        expected = teme.transform_to(GCRS(obstime=time)).cartesian.xyz.to_value("km")
+        assert np.linalg.norm(rotation[one] @ place - expected) < TOLERANCE_KM
+        where = brute_force.almanac.location().get_gcrs(time).cartesian.xyz.to_value("km")
+        assert np.linalg.norm(site[one] - where) < TOLERANCE_KM
+
+
+def test_a_delay_is_time(truths):
+    """An orbit ten seconds later by series is the orbit ten seconds later."""
+    truth = truths[4408]
+    time = Time("2026-01-16T01:00:00", scale="utc")
+    error, place, velocity = truth.array.sgp4(np.array([time.jd1]), np.array([time.jd2]))
+    _, later, _ = truth.array.sgp4(np.array([time.jd1]), np.array([time.jd2 + 10.0 / 86_400.0]))
+    moved = truth._later(place, velocity, np.full(error.shape, 10.0))
+    # The oblate Earth turns velocities by some 1e-5 km/s^2: half of that times ten seconds squared.
+    assert np.abs(moved - later).max() < 0.002

@@ -1,0 +1,129 @@
+"""The two maps over the sky: shapes, what is masked against what the model itself says cell by cell, caps, caches, faults."""
+
+import copy
+import pickle
+
+import numpy as np
+import pytest
+import streakcast
+from rubin_scheduler.scheduler.basis_functions import BaseBasisFunction
+from rubin_scheduler.utils import _hpid2_ra_dec
+from streakcast_rubin import StreakMaskBasisFunction, StreakRewardBasisFunction
+from streakcast_rubin.mask import HALF_CELL_DEG
+
+CELLS = 12_288
+#: Tracks are parabolas over 20 s, looked at every 2 s: cells at the very border of a disc may fall to either side.
+BORDER_SHARE = 0.03
+
+
+@pytest.fixture(scope="module")
+def conditions(_ready):
+    return _ready.observatory.return_conditions()
+
+
+@pytest.mark.parametrize("kind", [StreakMaskBasisFunction, StreakRewardBasisFunction])
+def test_shape(kind, conditions, models):
+    function = kind(models[4408])
+    value = function(conditions)
+    assert isinstance(function, BaseBasisFunction)
+    assert value.shape == (CELLS,) and value.dtype == np.float64
+    assert function.mjd_last == conditions.mjd and function.recalc is False
+    assert function.counts["asked"] == 1 and function.counts["failed"] == 0
+    # The same moment again is not asked again.
+    assert function(conditions) is value and function.counts["asked"] == 1
+    assert function.label().startswith(kind.__name__.replace("BasisFunction", ""))
+
+
+@pytest.mark.parametrize("count", [4408, 40768])
+def test_masked_cells_are_those_that_are_crossed(count, conditions, models):
+    """Cell by cell, by the model's own crossings in a field that is wider by half a cell."""
+    model = models[count]
+    value = StreakMaskBasisFunction(model, max_share=1.0)(conditions)
+    reached = np.flatnonzero(np.isfinite(conditions.slewtime) & (conditions.alt > np.radians(20.0)))
+    # One in seven: cell by cell the question is dear.
+    reached = reached[::7]
+    ra, dec = _hpid2_ra_dec(32, reached)
+    wide = model.with_options(fov=f"{2.0 * (model.field_radius_deg + HALF_CELL_DEG)} deg")
+    starts = conditions.mjd + (conditions.slewtime[reached] - 3.0) / 86_400.0
+    crossed = wide.assess((np.degrees(ra), np.degrees(dec)), starts, 31.0 + 6.0).crosses
+    masked = np.isnan(value[reached])
+    assert 0.05 * reached.size < crossed.sum()
+    assert np.count_nonzero(masked != crossed) < BORDER_SHARE * reached.size
+    assert set(np.unique(value[~np.isnan(value)])) == {0.0}
+
+
+def test_the_share_is_capped_and_the_worst_kept(conditions, models):
+    reached = np.count_nonzero(np.isfinite(conditions.slewtime))
+    free, capped = (StreakMaskBasisFunction(models[40768], max_share=share) for share in (1.0, 0.2))
+    all_masked, some = np.isnan(free(conditions)), np.isnan(capped(conditions))
+    assert all_masked.sum() > some.sum() == int(0.2 * reached)
+    assert capped.counts["capped"] == 1 and free.counts["capped"] == 0
+    assert not np.any(some & ~all_masked)
+
+
+def test_limits_mask_less(conditions, models):
+    masked = [
+        np.isnan(StreakMaskBasisFunction(models[40768], max_share=1.0, limit_mag=limit, bandname="g")(conditions)).sum()
+        for limit in (None, 7.0, {"g": 5.0, "default": 30.0})
+    ]
+    assert masked[0] > masked[1] > masked[2]
+
+
+def test_rewards(conditions, models):
+    few, many = (StreakRewardBasisFunction(models[count])(conditions) for count in (4408, 40768))
+    assert few.max() <= 0.0 and few.min() < 0.0
+    assert many.sum() < few.sum()
+    alone = StreakRewardBasisFunction(models[40768], damage="pixels")(conditions)
+    # Half a degree a second for 30 s, 3 arcsec wide, in pixels of 0.2 arcsec: some 4 Mpx a streak at most.
+    assert -40.0 < alone.min() < -0.01
+    # What is expected is what happens: the map's mean against the losses of visits spread over the sky.
+    reached = np.flatnonzero(conditions.alt > np.radians(30.0))[::5]
+    ra, dec = _hpid2_ra_dec(32, reached)
+    answer = models[40768].assess((np.degrees(ra), np.degrees(dec)), conditions.mjd + 22.5 / 1440.0, 30.0)
+    pixels = models[40768].field_area_deg2 * (3600.0 / 0.2) ** 2 / 1e6
+    assert -alone[reached].mean() == pytest.approx(np.nan_to_num(answer.lost_fraction).mean() * pixels, rel=0.35)
+
+
+def test_rewards_are_kept_for_five_minutes(conditions, models):
+    function = StreakRewardBasisFunction(models[4408])
+    later = copy.copy(conditions)
+    first = function(conditions)
+    for minutes, made in ((4.9, 1), (5.1, 2)):
+        later._mjd = conditions.mjd + minutes / 1440.0
+        value = function(later)
+        assert function.counts["made"] == made
+    assert not np.array_equal(first, value)
+
+
+@pytest.mark.parametrize("kind", [StreakMaskBasisFunction, StreakRewardBasisFunction])
+def test_faults_mask_nothing(kind, conditions, models, monkeypatch):
+    function = kind(models[4408])
+    monkeypatch.setattr(streakcast.StreakModel, "passes", lambda *_, **__: 1 / 0)
+    assert np.array_equal(function(conditions), np.zeros(CELLS))
+    assert function.counts["failed"] == 1
+
+
+@pytest.mark.parametrize("kind", [StreakMaskBasisFunction, StreakRewardBasisFunction])
+def test_copies_are_small(kind, conditions, models):
+    function = kind(models[40768])
+    value = function(conditions)
+    kept = pickle.dumps(function)
+    assert len(kept) < 10_000
+    assert np.array_equal(pickle.loads(kept)(conditions), value, equal_nan=True)
+    assert np.array_equal(copy.deepcopy(function)(conditions), value, equal_nan=True)
+
+
+@pytest.mark.parametrize("kind", [StreakMaskBasisFunction, StreakRewardBasisFunction])
+def test_impossible_options(kind, folder, models):
+    unsaid = streakcast.StreakModel(site="Rubin Observatory", elements=folder / "4408.csv", telescope="rubin")
+    with pytest.raises(ValueError, match="mjd_scale is not said"):
+        kind(unsaid)
+    with pytest.raises(ValueError, match="no field of view"):
+        kind(streakcast.StreakModel(site="Rubin Observatory", elements=folder / "4408.csv", mjd_scale="utc"))
+    with pytest.raises(ValueError, match="nside is 64; allowed: 32"):
+        kind(models[4408], nside=64)
+    with pytest.raises(ValueError, match="limit_mag"):
+        kind(models[4408], limit_mag={"x": 1.0})
+    if kind is StreakMaskBasisFunction:
+        with pytest.raises(ValueError, match="max_share is 1.5; allowed: a number from 0 to 1"):
+            kind(models[4408], max_share=1.5)
