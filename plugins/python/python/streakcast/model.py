@@ -562,6 +562,7 @@ class StreakModel:
         band: Any = None,
         blocking: str = "any",
         scale: Union[str, None] = None,
+        output: str = "auto",
     ) -> ClearWindows:
         """From when to when exposures of a target may start so that they are clear throughout.
 
@@ -579,6 +580,8 @@ class StreakModel:
             As for `assess`.
         blocking : {"any", "avoid"}
             Every lit satellite blocks, or only those that break a limit of magnitude of the policy.
+        output : {"auto", "qtable", "dict"}
+            As for `flags`: starts as an astropy `Time`, or as ``datetime64[ns]``, UTC, which is several times faster.
 
         Returns
         -------
@@ -600,7 +603,7 @@ class StreakModel:
         self._tell(skies, [])
         first, last = answer["first_start"], answer["last_start"]
         length = (last[0] - first[0] + (last[1] - first[1])) * 86_400.0
-        if wants_qtable("auto"):
+        if wants_qtable(output):
             return ClearWindows(answer["target"], time_of(*first[:2]), time_of(*last[:2]), length)
         moments = [one[2].view("datetime64[ns]") for one in (first, last)]
         return ClearWindows(answer["target"], moments[0], moments[1], length)
