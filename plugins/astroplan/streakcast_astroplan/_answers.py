@@ -25,7 +25,15 @@ NO_TELESCOPE = "score 'pixels', but the model has no telescope that says how wid
 
 
 def unix_s(times: Time) -> FloatArray:
-    """Moments as UTC seconds of 1970, to a microsecond; leap seconds are not counted, as in Unix time."""
+    """Moments as UTC seconds of 1970, to a microsecond; leap seconds are not counted, as in Unix time.
+
+    Raises
+    ------
+    ValueError
+        A masked moment.
+    """
+    if np.any(times.mask):
+        raise ValueError("a time is masked; allowed: moments")
     utc = times.utc
     return np.asarray((utc.jd1 - _UNIX_EPOCH_JD) * DAY_S + utc.jd2 * DAY_S, dtype=np.float64)
 

@@ -133,5 +133,7 @@ def _exposures_of(block: Any, default: Exposures) -> Exposures:
 
 
 def _names(targets: Any, coordinates: SkyCoord) -> list[str]:
+    if isinstance(targets, SkyCoord):
+        return [str(place) for place in range(coordinates.size)]
     listed = [targets] if coordinates.isscalar else list(targets)
     return [str(getattr(target, "name", None) or place) for place, target in enumerate(listed)]

@@ -52,7 +52,7 @@ def test_yaml_makes_it_with_the_site_of_the_observer(settings, observer):
     assert constraint.hook().model.site.name == "test site"
     assert (constraint.cost, constraint.target_dependent) == (50.0, True)
     again = Constraint.model_validate(constraint.model_dump())
-    assert again == constraint and again.hook() is constraint.hook()
+    assert again.model_dump() == constraint.model_dump() and again.hook() is constraint.hook()
     with pytest.raises(ValueError, match="site"):
         SatelliteConstraint(model=settings)
 
