@@ -79,7 +79,7 @@ def clear_on_grid(
     clear = np.zeros((len(ra_deg), len(starts_s)), dtype=bool)
     for begin, end in _chunks(starts_s):
         some = starts_s[begin:end]
-        windows = _windows(model, ra_deg, dec_deg, some[0], some[-1] + length_s, length_s, blocking)
+        windows = windows_of(model, ra_deg, dec_deg, some[0], some[-1] + length_s, length_s, blocking)
         first = np.searchsorted(some, windows[1] - TICK_S)
         last = np.searchsorted(some, windows[2] + TICK_S, side="right")
         for target, start, stop in zip(windows[0], first, last):
@@ -92,7 +92,7 @@ def clear_one_by_one(
 ) -> BoolArray:
     """The same for exposures that have nothing in common but their length: ``(n,)``, all arrays ``(n,)``."""
     clear = np.zeros(len(ra_deg), dtype=bool)
-    clear[_windows(model, ra_deg, dec_deg, starts_s, starts_s + length_s, length_s, blocking)[0]] = True
+    clear[windows_of(model, ra_deg, dec_deg, starts_s, starts_s + length_s, length_s, blocking)[0]] = True
     return clear
 
 
@@ -141,7 +141,7 @@ def refuse_without_telescope(model: StreakModel) -> None:
         raise ValueError(NO_TELESCOPE)
 
 
-def _windows(
+def windows_of(
     model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, start_s: Any, end_s: Any, length_s: float, blocking: str
 ) -> tuple[npt.NDArray[np.int64], FloatArray, FloatArray]:
     """Targets, first and last clear starts, ``(n_windows,)`` each."""

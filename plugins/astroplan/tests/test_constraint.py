@@ -13,6 +13,8 @@ from astropy.time import Time
 from conftest import FOV_DEG, LOCATION, START
 from streakcast import StreakModel
 from streakcast_astroplan import SatelliteStreakConstraint
+from streakcast_astroplan.blocks import Exposures, Rules, unix_s
+from streakcast_astroplan.memory import ClearStarts
 
 RADIUS_DEG = FOV_DEG / 2
 STEP_S = 20.0
@@ -228,3 +230,17 @@ def test_models_that_cannot_work_are_said_at_construction(elements):
         SatelliteStreakConstraint("gp.csv", 30.0)
     with pytest.raises(ValueError, match="no-such-file"):
         StreakModel(site=LOCATION, elements="no-such-file.tle", fov="1deg")
+
+
+def test_verif_what_is_remembered_is_what_is_asked(model, few):
+    memory = ClearStarts()
+    found = []
+    for rules in (Rules(Exposures(20.0, 40.0)), Rules(Exposures(20.0, 40.0, 3), blocking="avoid"), Rules(Exposures())):
+        for target in few:
+            ra_deg, dec_deg = target.coord.ra.deg, target.coord.dec.deg
+            for minute in [*range(0, 130, 3), 5, 64]:
+                start_s, block_s = float(unix_s(START)) + 60.0 * minute, 240.0
+                asked = rules.worth_of_block(model, np.array([ra_deg]), np.array([dec_deg]), start_s, block_s)[0]
+                assert memory.worth_of_block(model, rules, ra_deg, dec_deg, start_s, block_s) == pytest.approx(asked, abs=1e-12)
+                found.append(asked)
+    assert len(set(found)) >= 5

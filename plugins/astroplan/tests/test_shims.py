@@ -113,3 +113,21 @@ def test_m4opt_asks_in_its_shape(model, observer, targets):
         single = constraint(observer_location=observer.location, target_coord=coordinates[1], obstime=times[place])
         assert single.shape == () and single == answer[1, place]
     assert constraint.constraint.hook.counts["site"] == 0
+
+
+@pytest.mark.filterwarnings("ignore::Warning")
+def test_the_real_m4opt_combines_it_with_its_own(model, observer, targets):
+    try:
+        from m4opt.constraints import AltitudeConstraint, Constraint
+    except ImportError:
+        warnings.warn("*** SKIPPED the test with M4OPT itself: m4opt 4.0 (needs CPLEX) is not installed", stacklevel=1)
+        pytest.skip("no m4opt; pip install --no-deps m4opt==4.0.0 aep8 synphot sympy dust-extinction frozendict dustmaps does for constraints")
+    constraint = ForM4opt(model, 30 * u.s)
+    assert isinstance(constraint, Constraint)
+    coordinates = SkyCoord([one.coord for one in targets[:3]])[:, np.newaxis]
+    times = START + np.arange(30) * 120 * u.s
+    asked = (observer.location, coordinates, times)
+    clear, high = constraint(*asked), AltitudeConstraint(75 * u.deg, 90 * u.deg)(*asked)
+    both = (constraint & AltitudeConstraint(75 * u.deg, 90 * u.deg))(*asked)
+    assert (both == (clear & high)).all() and ((~constraint)(*asked) == ~clear).all()
+    assert 0 < both.sum() < clear.sum() < clear.size

@@ -7,6 +7,8 @@ import json
 import logging
 import threading
 from concurrent.futures import ThreadPoolExecutor
+from math import isfinite
+from time import monotonic
 from typing import TYPE_CHECKING, Any, Self, Union
 
 import numpy as np
@@ -17,15 +19,49 @@ from pyobs.utils.time import Time
 from streakcast import StreakModel
 from streakcast.hosts import Hook
 from streakcast_astroplan.blocks import Exposures, Rules, icrs_deg, unix_s
+from streakcast_astroplan.memory import ClearStarts
 
 if TYPE_CHECKING:
     from pyobs.robotic import Task
     from pyobs.robotic.scheduler import DataProvider
 
+#: The host's clock is looked at no more often than this, seconds: that costs as much as the question.
+CLOCK_LOOK_S = 10.0
+
+
+class Host:
+    """A hook, and what it has seen of pyobs.
+
+    Parameters
+    ----------
+    hook : Hook
+        The model with its counters.
+    """
+
+    def __init__(self, hook: Hook) -> None:
+        self.hook = hook
+        self.memory = ClearStarts()
+        self._location: Any = None
+        self._next_look_s = 0.0
+
+    def see(self, data: DataProvider) -> None:
+        """Site and clock of the host; pyobs plans ahead, so the clock is what it calls now."""
+        try:
+            location = data.observer.location
+            if location is not self._location:
+                self.hook.see_site(location)
+                self._location = location
+            if monotonic() >= self._next_look_s:
+                self._next_look_s = monotonic() + CLOCK_LOOK_S
+                self.hook.see_clock(Time.now())
+        except Exception as error:  # noqa: BLE001 - a hook never stops its host
+            self.hook.note("failed", f"site and clock are not looked at: {type(error).__name__}: {error}")
+
+
 # One model and one set of counters for all constraints and merits of the same model: pyobs makes new ones with each list of tasks, copies
 # them, compares them and sends them to other processes, so they hold nothing but their settings.
-_hooks: dict[str, Hook] = {}
-_hooks_lock = threading.Lock()
+_hosts: dict[str, Host] = {}
+_hosts_lock = threading.Lock()
 # Waking a sleeping worker costs a tenth of a millisecond; a question of a night may take tens.
 _worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="streakcast")
 
@@ -71,20 +107,24 @@ class Settings(BaseModel):
 
     def hook(self) -> Hook:
         """The model with its counters, shared by all settings of the same model."""
+        return self._host().hook
+
+    def _host(self) -> Host:
         key = json.dumps(self.model, sort_keys=True, default=str)
-        hook = _hooks.get(key)
-        if hook is None:
-            with _hooks_lock:
-                hook = _hooks.get(key)
-                if hook is None:
+        host = _hosts.get(key)
+        if host is None:
+            with _hosts_lock:
+                host = _hosts.get(key)
+                if host is None:
                     log.info("reading satellites")
-                    hook = _hooks[key] = Hook(StreakModel(**self.model), "pyobs")
-        return hook
+                    host = _hosts[key] = Host(Hook(StreakModel(**self.model), "pyobs"))
+        return host
 
     async def share_of_task(self, time: Time, task: Task, data: DataProvider, otherwise: float) -> float:
         """Worth of a task that begins then, [0, 1]; `otherwise` where satellites cannot be looked at."""
-        hook = self.hook()
-        self._see(hook, data)
+        host = self._host()
+        host.see(data)
+        hook = host.hook
         target = task.target
         if target is None:
             hook.note("target", "a task without a target is taken as clear", kind="no target")
@@ -95,40 +135,35 @@ class Settings(BaseModel):
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             hook.note("target", f"a task's target or duration cannot be told: {type(error).__name__}: {error}", kind="target")
             return otherwise
-        shares = await self._ask(hook, time, SkyCoord(coordinates), duration_s, np.array([otherwise]))
-        return float(shares[0])
-
-    async def shares_of(self, time: Time, coordinates: SkyCoord, data: DataProvider, otherwise: float) -> npt.NDArray[np.float64]:
-        """Worth of one block at each of many places: ``(n,)``. Without a task it is one of ``n_exposures`` (1 unless said)."""
-        hook = self.hook()
-        self._see(hook, data)
-        return await self._ask(hook, time, coordinates, 0.0, np.full(len(coordinates), otherwise))
-
-    async def _ask(
-        self, hook: Hook, time: Time, coordinates: SkyCoord, block_s: float, otherwise: npt.NDArray[np.float64]
-    ) -> npt.NDArray[np.float64]:
         rules = self.rules()
 
-        def question(model: StreakModel) -> npt.NDArray[np.float64]:
-            ra_deg, dec_deg = (np.atleast_1d(angle) for angle in icrs_deg(coordinates))
-            known = np.isfinite(ra_deg) & np.isfinite(dec_deg)
-            if not known.all():
-                hook.note("target", "targets without coordinates are taken as clear", kind="coordinates")
-            shares = otherwise.copy()
-            if known.any():
-                shares[known] = rules.worth_of_block(model, ra_deg[known], dec_deg[known], float(unix_s(time)), block_s)
-            return shares
+        def question(model: StreakModel) -> float:
+            ra_deg, dec_deg = (float(angle) for angle in icrs_deg(coordinates))
+            if not (isfinite(ra_deg) and isfinite(dec_deg)):
+                hook.note("target", "a target without coordinates is taken as clear", kind="coordinates")
+                return otherwise
+            return host.memory.worth_of_block(model, rules, ra_deg, dec_deg, float(unix_s(time)), duration_s)
 
         return await asyncio.get_running_loop().run_in_executor(_worker, hook.ask, question, otherwise)
 
-    @staticmethod
-    def _see(hook: Hook, data: DataProvider) -> None:
-        """Site and clock of the host; pyobs plans ahead, so the clock is what it calls now."""
-        try:
-            hook.see_site(data.observer.location)
-            hook.see_clock(Time.now())
-        except Exception as error:  # noqa: BLE001 - a hook never stops its host
-            hook.note("failed", f"site and clock are not looked at: {type(error).__name__}: {error}")
+    async def shares_of(self, time: Time, coordinates: SkyCoord, data: DataProvider, otherwise: float) -> npt.NDArray[np.float64]:
+        """Worth of one block at each of many places: ``(n,)``. Without a task it is one of ``n_exposures`` (1 unless said)."""
+        host = self._host()
+        host.see(data)
+        hook = host.hook
+        rules, everywhere = self.rules(), np.full(len(coordinates), otherwise)
+
+        def question(model: StreakModel) -> npt.NDArray[np.float64]:
+            ra_deg, dec_deg = icrs_deg(coordinates)
+            known = np.isfinite(ra_deg) & np.isfinite(dec_deg)
+            if not known.all():
+                hook.note("target", "a target without coordinates is taken as clear", kind="coordinates")
+            shares = everywhere.copy()
+            if known.any():
+                shares[known] = rules.worth_of_block(model, ra_deg[known], dec_deg[known], float(unix_s(time)), 0.0)
+            return shares
+
+        return await asyncio.get_running_loop().run_in_executor(_worker, hook.ask, question, everywhere)
 
 
 def _duration_s(task: Task, time: Time) -> float:

@@ -86,4 +86,4 @@ def counters_of_ones_own(monkeypatch):
     """Hooks are shared by all settings of a model; tests count from zero."""
     from streakcast_pyobs import _shared
 
-    monkeypatch.setattr(_shared, "_hooks", {})
+    monkeypatch.setattr(_shared, "_hosts", {})

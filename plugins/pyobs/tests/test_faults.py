@@ -135,24 +135,25 @@ def test_a_site_elsewhere_is_said_once(settings, tasks, log):
     constraint = made(settings, exposure_s=30)
     far = EarthLocation.from_geodetic(LOCATION.lon, LOCATION.lat + 2.0 * u.km / (6371 * u.km) * u.rad, LOCATION.height)
     assert not all(answers(constraint, tasks, DataProvider(Observer(location=far))))
-    assert constraint.hook().counts["site"] == 100 and len(lines(log)) == 1 and "2.0 km apart" in lines(log)[0].message
+    assert constraint.hook().counts["site"] == 1 and len(lines(log)) == 1 and "2.0 km apart" in lines(log)[0].message
 
 
 def test_a_clock_37_s_wrong_is_said_once(settings, tasks, data, log):
+    right = answers(made(settings, exposure_s=30), tasks, data)
+    _shared._hosts.clear()
     constraint = made(settings, exposure_s=30)
-    right = answers(constraint, tasks, data)
     Time.set_offset_to_now(TimeDelta(37 * u.s))
     try:
         assert answers(constraint, tasks, data) == right
     finally:
         Time.set_offset_to_now(TimeDelta(0 * u.s))
-    assert constraint.hook().counts["clock"] == 100
+    assert constraint.hook().counts["clock"] >= 1
     assert len(lines(log)) == 1 and "TAI read as UTC" in lines(log)[0].message
 
 
 def test_a_model_that_breaks_lets_everything_through(settings, tasks, data, log, monkeypatch):
     constraint, merit = made(settings, exposure_s=30), SatelliteMerit(model={**settings, "mpc": "X05"}, exposure_s=30)
-    monkeypatch.setattr(_shared.Rules, "worth_of_block", lambda *_: 1 / 0)
+    monkeypatch.setattr(_shared.ClearStarts, "worth_of_block", lambda *_: 1 / 0)
     assert all(answers(constraint, tasks, data)) and set(answers(merit, tasks, data)) == {1.0}
     assert constraint.hook().counts["failed"] == merit.hook().counts["failed"] == 100 and len(lines(log)) == 2
 
