@@ -125,3 +125,13 @@ def test_altaz_targets(model):
         mine = passes[passes["exposure_id"] == place]
         assert len(mine) > 0
         assert np.all(np.abs(mine["altitude_deg"].to_value("deg") - altitude_deg) < 1.75 + 2.6)
+
+
+def test_clear_windows_as_plain_arrays(model):
+    end = "2026-08-14T23:50:00Z"
+    times, plain = (model.clear_windows(TARGET, START, end, 30.0, output=output) for output in ("qtable", "dict"))
+    assert isinstance(times.first_start, Time) and plain.first_start.dtype == "datetime64[ns]" and len(times.target) >= 2
+    for one, other in ((times.first_start, plain.first_start), (times.last_start, plain.last_start)):
+        assert np.abs(one.datetime64 - other).max() < np.timedelta64(1, "us")
+    with pytest.raises(ValueError, match="output 'table'; allowed: auto, qtable, dict"):
+        model.clear_windows(TARGET, START, end, 30.0, output="table")

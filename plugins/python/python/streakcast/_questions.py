@@ -189,6 +189,7 @@ class Questions(ModelState):
         blocking: str = "any",
         max_sun_altitude: Union[Numbers, None] = None,
         scale: Union[str, None] = None,
+        output: str = "auto",
     ) -> ClearWindows:
         """From when to when exposures of a target may start so that they are clear throughout.
 
@@ -209,6 +210,8 @@ class Questions(ModelState):
             improbable unless the policy says, and every lit one where no limit applies to the band.
         max_sun_altitude : float or `~astropy.units.Quantity`, optional
             The Sun stands no higher while the shutter is open, degrees; day and night where not said.
+        output : {"auto", "qtable", "dict"}
+            As for `flags`: starts as an astropy `Time`, or as ``datetime64[ns]``, UTC, which is several times faster.
 
         Returns
         -------
@@ -235,7 +238,7 @@ class Questions(ModelState):
         self._tell(skies, told)
         first, last = answer["first_start"], answer["last_start"]
         length = (last[0] - first[0] + (last[1] - first[1])) * 86_400.0
-        if wants_qtable("auto"):
+        if wants_qtable(output):
             return ClearWindows(answer["target"], time_of(*first[:2]), time_of(*last[:2]), length)
         moments = [one[2].view("datetime64[ns]") for one in (first, last)]
         return ClearWindows(answer["target"], moments[0], moments[1], length)

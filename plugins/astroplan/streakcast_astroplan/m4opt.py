@@ -1,0 +1,39 @@
+"""Satellite streaks as a constraint of M4OPT, whose planner asks for observer, targets and times."""
+
+from __future__ import annotations
+
+from typing import Any, Union
+
+import numpy as np
+import numpy.typing as npt
+from streakcast import StreakModel
+from streakcast.hosts import Hook
+
+from .constraint import SatelliteStreakConstraint
+
+try:
+    from m4opt.constraints import Constraint
+except ImportError:
+    Constraint = object
+
+
+class SatelliteStreaks(Constraint):  # type: ignore[misc]
+    """Whether an exposure that begins then is clear. M4OPT combines constraints by ``&``, ``|`` and ``~``.
+
+    Parameters
+    ----------
+    model : StreakModel or Hook
+        Satellites, site, field of view and limits.
+    exposure : `~astropy.units.Quantity` or float
+        Length of one exposure; seconds where it has no unit.
+    **options
+        ``blocking``, ``margin``, as for `SatelliteStreakConstraint`.
+    """
+
+    def __init__(self, model: Union[StreakModel, Hook], exposure: Any, **options: Any) -> None:
+        self.constraint = SatelliteStreakConstraint(model, exposure, each="exposure", **options)
+
+    def __call__(self, observer_location: Any, target_coord: Any, obstime: Any) -> npt.NDArray[np.bool_]:
+        """Broadcasts targets against times."""
+        self.constraint.hook.see_site(observer_location[0] if observer_location.shape else observer_location)
+        return np.asarray(self.constraint.compute_constraint(obstime, None, target_coord), dtype=bool)

@@ -1,0 +1,119 @@
+"""Satellite streaks as a constraint of POCS (the PANOPTES observatory control system), named by its dotted name in the configuration."""
+
+from __future__ import annotations
+
+from typing import Any, Union
+
+import numpy as np
+from astropy import units as u
+from astropy.time import Time
+from streakcast import StreakModel
+from streakcast.hosts import Hook
+
+from .blocks import Exposures, Rules, icrs_deg, unix_s
+
+try:
+    from panoptes.pocs.scheduler.constraint import BaseConstraint
+except ImportError:
+
+    class BaseConstraint:  # type: ignore[no-redef]
+        """What POCS asks of a constraint, where POCS is not installed."""
+
+        def __init__(self, weight: float = 1.0, default_score: float = 0.0) -> None:
+            self.name, self.weight, self._score = type(self).__name__, float(weight), default_score
+
+
+#: POCS takes "now" before it weighs all fields; it may be as old as this when a field's turn comes, seconds.
+DECISION_S = 20.0
+
+
+class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
+    """Scores a field by the share of its next set of exposures that no satellite crosses.
+
+    In the configuration::
+
+        scheduler:
+          constraints:
+            - name: streakcast_astroplan.pocs.SatelliteStreaks
+              options:
+                weight: 1.0
+                readout: 5
+                model: {mpc: X05, elements: /var/elements/gp.csv, fov: 10deg, limit_mag: 6}
+
+    Parameters
+    ----------
+    model : dict or StreakModel
+        Arguments of `~streakcast.StreakModel`.
+    readout : float
+        From the closing of the shutter to its next opening, seconds; POCS counts none.
+    min_clear_share : float
+        Fields with a smaller share of clear exposures are vetoed. The default 0 vetoes none: where POCS finds every field vetoed it
+        stops observing.
+    blocking : {"any", "avoid"}
+        Every lit satellite, or only those brighter than the model's ``limit_mag``.
+    **kwargs
+        ``weight`` and what else POCS gives a constraint.
+    """
+
+    def __init__(
+        self,
+        model: Union[StreakModel, dict[str, Any]],
+        readout: float = 0.0,
+        min_clear_share: float = 0.0,
+        blocking: str = "any",
+        **kwargs: Any,
+    ) -> None:
+        super().__init__(**kwargs)
+        if not 0.0 <= min_clear_share <= 1.0:
+            raise ValueError(f"min_clear_share is {min_clear_share}; allowed: 0 to 1")
+        self.readout_s, self.min_clear_share, self.blocking = float(readout), float(min_clear_share), blocking
+        self.hook = Hook(model if isinstance(model, StreakModel) else StreakModel(**model), "pocs")
+        # What cannot work is said now.
+        self._rules(1.0, 1).check(self.hook.model)
+
+    def get_score(self, time: Time, observer: Any, observation: Any, **kwargs: Any) -> tuple[bool, float]:
+        """The veto and the weighted score of one field's next set of exposures.
+
+        Parameters
+        ----------
+        time : `~astropy.time.Time`
+            When the set would begin.
+        observer : `~astroplan.Observer`
+            Its location is held against the model's site.
+        observation : Observation
+            Its ``field.coord``, ``exptime`` and ``exp_set_size``; where it is ``dark`` the shutter stays closed.
+        **kwargs
+            What POCS hands over besides.
+
+        Returns
+        -------
+        veto : bool
+        score : float
+            0 to 1, times ``weight``.
+        """
+        if getattr(observation, "dark", False):
+            return False, self.weight
+        self._see_clock(time)
+        self.hook.see_site(observer.location)
+        share = self.hook.ask(lambda model: self._share(model, time, observation), 1.0)
+        return share < self.min_clear_share, share * self.weight
+
+    def _share(self, model: StreakModel, time: Time, observation: Any) -> float:
+        exposure_s, count = float(u.Quantity(observation.exptime, u.s).value), int(observation.exp_set_size)
+        if exposure_s == 0.0:
+            return 1.0
+        ra_deg, dec_deg = (np.atleast_1d(angle) for angle in icrs_deg(observation.field.coord))
+        rules = self._rules(exposure_s, count)
+        return float(rules.worth_of_block(model, ra_deg, dec_deg, float(unix_s(time)), 0.0)[0])
+
+    def _rules(self, exposure_s: float, count: int) -> Rules:
+        return Rules(Exposures(exposure_s, self.readout_s, count), blocking=self.blocking)
+
+    def _see_clock(self, time: Time) -> None:
+        """POCS asks about now, or a little earlier; what is further off is told."""
+        late_s = float((Time.now() - time).to_value(u.s))
+        if not 0.0 <= late_s < DECISION_S:
+            self.hook.see_clock(time)
+
+    def __str__(self) -> str:
+        return "Satellite streaks"

@@ -1,0 +1,133 @@
+"""The faces for POCS and M4OPT: their shapes always, POCS itself where it is installed."""
+
+import warnings
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from astropy import units as u
+from astropy.coordinates import SkyCoord
+from astropy.time import Time
+
+from conftest import FOV_DEG, LOCATION, START
+from streakcast_astroplan import SatelliteStreakConstraint
+from streakcast_astroplan.m4opt import SatelliteStreaks as ForM4opt
+from streakcast_astroplan.pocs import SatelliteStreaks as ForPocs
+
+
+@pytest.fixture
+def field(targets):
+    """What POCS calls an observation: ten exposures of half a minute."""
+    return SimpleNamespace(field=targets[0], exptime=30 * u.s, exp_set_size=10, dark=False)
+
+
+@pytest.fixture
+def options(elements):
+    """What POCS reads in YAML."""
+    location = {"latitude_deg": LOCATION.lat.deg, "longitude_deg": LOCATION.lon.deg, "height_m": LOCATION.height.to_value("m")}
+    return {"model": {"site": location, "elements": str(elements[0]), "fov": f"{FOV_DEG}deg"}, "readout": 5.0}
+
+
+def pocs(options, **more):
+    """POCS stores what it logs and asks its configuration server; neither is needed here."""
+    return ForPocs(**options, **more)
+
+
+def test_valid_a_pocs_score_is_the_share_of_clear_exposures(options, observer, field, sky):
+    constraint = pocs(options, weight=2.0)
+    contacts = sky.contacts(field.field.coord, START, 3700.0, FOV_DEG / 2)
+    scores = []
+    for minute in range(0, 54, 3):
+        veto, score = constraint.get_score(START + minute * u.min, observer, field, moon=None)
+        hit = sum(any(a <= start + 30 and b >= start for _, a, b in contacts) for start in 60.0 * minute + 35.0 * np.arange(10))
+        # The margin, and what only grazes the field, may spoil one more.
+        assert not veto and 0.0 <= 2.0 * (10 - hit) / 10 - score <= 2.0 * 2 / 10 + 1e-9
+        scores.append(score)
+    assert min(scores) < max(scores) == 2.0
+    assert constraint.hook.counts["failed"] == 0 and constraint.hook.counts["asked"] == 18
+
+
+def test_pocs_vetoes_only_when_told_to(options, observer, field):
+    times = [START + minute * u.min for minute in range(0, 60, 3)]
+    never, strict = pocs(options), pocs(options, min_clear_share=1.0)
+    assert not any(never.get_score(time, observer, field)[0] for time in times)
+    for time in times:
+        veto, score = strict.get_score(time, observer, field)
+        assert veto == (score < 1.0)
+    field.dark = True
+    assert all(strict.get_score(time, observer, field) == (False, 1.0) for time in times)
+
+
+def test_pocs_goes_on(options, observer, field, log):
+    log.set_level("WARNING", logger="streakcast.pocs")
+    constraint = pocs(options)
+    broken = SimpleNamespace(field=SimpleNamespace(), exptime=30 * u.s, exp_set_size=10)
+    assert all(constraint.get_score(START, observer, broken) == (False, 1.0) for _ in range(3))
+    off = Time.now() + 37 * u.s
+    for _ in range(3):
+        constraint.get_score(off, observer, field)
+        # POCS takes its time before it weighs all fields.
+        constraint.get_score(Time.now() - 10 * u.s, observer, field)
+    counts = constraint.hook.counts
+    assert counts["failed"] == 3 and counts["clock"] == 3
+    assert len([one for one in log.records if one.name == "streakcast.pocs"]) == 2
+
+
+@pytest.mark.filterwarnings("ignore::Warning")
+def test_the_real_pocs_loads_it_by_its_dotted_name(options, observer):
+    try:
+        from panoptes.pocs.scheduler import create_constraints_from_config
+        from panoptes.pocs.scheduler.constraint import BaseConstraint
+        from panoptes.pocs.scheduler.dispatch import Scheduler
+    except ImportError:
+        warnings.warn("*** SKIPPED the test with POCS itself: panoptes-pocs 0.8.6 (740 MB, Python 3.12) is not installed", stacklevel=1)
+        pytest.skip("no panoptes-pocs; pip install panoptes-pocs==0.8.6 in an environment of Python 3.12")
+    config = {"constraints": [{"name": "streakcast_astroplan.pocs.SatelliteStreaks", "options": options}]}
+    (constraint,) = create_constraints_from_config(config)
+    assert isinstance(constraint, BaseConstraint) and isinstance(constraint, ForPocs)
+    fields = [
+        {"field": {"name": f"field-{number}", "position": f"{ra}deg {dec}deg"}, "observation": {"exptime": 30, "min_nexp": 10, "exp_set_size": 10}}
+        for number, (ra, dec) in enumerate([(150.0, -30.0), (140.0, -20.0), (160.0, -40.0), (130.0, -10.0)])
+    ]
+    scheduler = Scheduler(observer, fields_list=fields, constraints=[constraint])
+    chosen = []
+    for minute in range(0, 60, 4):
+        scores = dict(scheduler.get_observation(time=START + minute * u.min, show_all=True))
+        alone = {name: constraint.get_score(START + minute * u.min, observer, one)[1] * one.priority for name, one in scheduler.observations.items()}
+        chosen.append(min(alone.values()) < max(alone.values()))
+        best = scheduler.get_observation(time=START + minute * u.min)[0]
+        assert alone[getattr(best, "name", best)] == max(alone.values()) and set(scores) >= set(alone)
+    assert any(chosen) and constraint.hook.counts["failed"] == 0
+
+
+def test_m4opt_asks_in_its_shape(model, observer, targets):
+    constraint = ForM4opt(model, 30 * u.s)
+    own = SatelliteStreakConstraint(model, 30 * u.s, each="exposure")
+    coordinates = SkyCoord([one.coord for one in targets[:4]])
+    times = START + np.arange(60) * 60 * u.s
+    # A field of regard: all targets at all times; or one at one.
+    answer = constraint(observer_location=observer.location, target_coord=coordinates[:, np.newaxis], obstime=times)
+    assert answer.shape == (4, 60) and answer.dtype == bool and 0 < (~answer).sum() < 120
+    assert (answer == own(observer, targets[:4], times, grid_times_targets=True)).all()
+    for place in (3, 17):
+        single = constraint(observer_location=observer.location, target_coord=coordinates[1], obstime=times[place])
+        assert single.shape == () and single == answer[1, place]
+    assert constraint.constraint.hook.counts["site"] == 0
+
+
+@pytest.mark.filterwarnings("ignore::Warning")
+def test_the_real_m4opt_combines_it_with_its_own(model, observer, targets):
+    try:
+        from m4opt.constraints import AltitudeConstraint, Constraint
+    except ImportError:
+        warnings.warn("*** SKIPPED the test with M4OPT itself: m4opt 4.0 (needs CPLEX) is not installed", stacklevel=1)
+        pytest.skip("no m4opt; pip install --no-deps m4opt==4.0.0 aep8 synphot sympy dust-extinction frozendict dustmaps does for constraints")
+    constraint = ForM4opt(model, 30 * u.s)
+    assert isinstance(constraint, Constraint)
+    coordinates = SkyCoord([one.coord for one in targets[:3]])[:, np.newaxis]
+    times = START + np.arange(30) * 120 * u.s
+    asked = (observer.location, coordinates, times)
+    clear, high = constraint(*asked), AltitudeConstraint(75 * u.deg, 90 * u.deg)(*asked)
+    both = (constraint & AltitudeConstraint(75 * u.deg, 90 * u.deg))(*asked)
+    assert (both == (clear & high)).all() and ((~constraint)(*asked) == ~clear).all()
+    assert 0 < both.sum() < clear.sum() < clear.size

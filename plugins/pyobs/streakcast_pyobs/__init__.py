@@ -1,0 +1,7 @@
+"""Satellite streaks for pyobs: `SatelliteConstraint` and `SatelliteMerit`, named by ``class:`` in YAML."""
+
+from .constraint import SatelliteConstraint
+from .merit import SatelliteMerit
+
+__all__ = ["SatelliteConstraint", "SatelliteMerit"]
+__version__ = "0.1.0"

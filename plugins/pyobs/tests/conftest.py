@@ -1,0 +1,89 @@
+"""What the tests share: a synthetic constellation in a file, pyobs's observer, 20 tasks. No download."""
+
+import logging
+
+import numpy as np
+import pytest
+from astroplan import Observer
+from astropy import units as u
+from astropy.coordinates import EarthLocation
+from astropy.utils import iers
+from pyobs.robotic import Task
+from pyobs.utils.time import Time
+
+from brute_force import Sky, walker, write_tle
+
+iers.conf.auto_download = False
+iers.conf.auto_max_age = None
+
+#: Evening twilight at Rubin Observatory: the Sun is 12 deg down.
+START = Time("2026-04-25T22:50:00", scale="utc")
+LOCATION = EarthLocation.from_geodetic(lon=-70.7494, lat=-30.2444, height=2663.0)
+SHELLS = [(550.0, 53.0, 36, 22), (1200.0, 87.9, 36, 40)]
+FOV_DEG = 6.0
+TASK_S = 300.0
+
+
+@pytest.fixture(scope="session")
+def elements(tmp_path_factory):
+    """A file of elements, and the same satellites for the brute force."""
+    path = tmp_path_factory.mktemp("elements") / "walker.tle"
+    return path, write_tle(path, walker(SHELLS, START))
+
+
+@pytest.fixture(scope="session")
+def settings(elements):
+    """What YAML says of the model."""
+    return {"elements": str(elements[0]), "fov": f"{FOV_DEG}deg"}
+
+
+@pytest.fixture(scope="session")
+def sky(elements):
+    """The independent judge."""
+    return Sky(elements[1], LOCATION)
+
+
+@pytest.fixture(scope="session")
+def observer():
+    return Observer(location=LOCATION, name="test site")
+
+
+@pytest.fixture
+def tasks():
+    """20 tasks of five minutes that are up in the evening."""
+    random = np.random.default_rng(20260425)
+    places = zip(random.uniform(110.0, 180.0, 20), random.uniform(-60.0, -5.0, 20))
+    return [
+        Task.model_validate(
+            {
+                "id": number,
+                "name": f"field-{number:02d}",
+                "duration": TASK_S,
+                "priority": 1.0 + 0.01 * number,
+                "merits": [{"class": "pyobs.robotic.scheduler.merits.PerNightMerit", "count": 1}],
+                "target": {"class": "pyobs.robotic.scheduler.targets.SiderealTarget", "name": f"field-{number:02d}", "ra": ra, "dec": dec},
+            },
+            by_alias=True,
+        )
+        for number, (ra, dec) in enumerate(places)
+    ]
+
+
+@pytest.fixture
+def hours():
+    """The two hours that are scheduled."""
+    return START, START + 2 * u.hour
+
+
+@pytest.fixture
+def log(caplog):
+    caplog.set_level(logging.WARNING, logger="streakcast.pyobs")
+    return caplog
+
+
+@pytest.fixture(autouse=True)
+def counters_of_ones_own(monkeypatch):
+    """Hooks are shared by all settings of a model; tests count from zero."""
+    from streakcast_pyobs import _shared
+
+    monkeypatch.setattr(_shared, "_hosts", {})

@@ -1,0 +1,146 @@
+"""The real OnDemandScheduler and AstroplanScheduler of pyobs, set up by YAML; their choices judged by a brute force without streakcast."""
+
+import asyncio
+import statistics
+import time
+
+import pytest
+import yaml
+from astropy import units as u
+from pyobs.object import get_object
+from pyobs.robotic.scheduler import OnDemandScheduler
+from pyobs.robotic.scheduler.astroplanscheduler import AstroplanScheduler
+from pyobs.robotic.scheduler.constraints import Constraint
+from pyobs.robotic.scheduler.merits import Merit
+
+from conftest import FOV_DEG, LOCATION, TASK_S
+from streakcast_pyobs import SatelliteConstraint, SatelliteMerit
+
+WITHOUT = """
+class: pyobs.robotic.scheduler.OnDemandScheduler
+constraints:
+  - type: Airmass
+    max_airmass: 2.5
+"""
+WITH = """
+  - class: streakcast_pyobs.SatelliteConstraint
+    model: {{elements: {elements}, fov: {fov}}}
+    exposure_s: 55
+    readout_s: 5
+"""
+
+
+def scheduler_of(text, observer):
+    made = get_object(yaml.safe_load(text), observer=observer, location=LOCATION)
+    assert isinstance(made, OnDemandScheduler)
+    return made
+
+
+def run(scheduler, tasks, hours, beside=None):
+    async def everything():
+        helper = asyncio.create_task(beside()) if beside else None
+        answer = []
+        async for one in scheduler.schedule(tasks, [], *hours):
+            answer.append(one)
+        if helper is not None:
+            helper.cancel()
+        return answer
+
+    return asyncio.run(everything())
+
+
+def spoilt(sky, observations):
+    """Observations of which an exposure has a streak: five of 55 s, one a minute."""
+    return [
+        one.task.name
+        for one in observations
+        if any(sky.streaks(one.target.coord, one.start + number * 60 * u.s, 55.0, FOV_DEG / 2) for number in range(5))
+    ]
+
+
+def test_valid_no_choice_of_the_constrained_scheduler_has_a_streak_by_sgp4_and_astropy(observer, tasks, hours, settings, sky):
+    # On the wall, and of the processor, which other programs do not disturb.
+    spent, worked = [], []
+    original = SatelliteConstraint.__call__
+
+    async def watched(self, *arguments):
+        begun, at_work = time.perf_counter(), time.process_time()
+        try:
+            return await original(self, *arguments)
+        finally:
+            spent.append(time.perf_counter() - begun)
+            worked.append(time.process_time() - at_work)
+
+    without = run(scheduler_of(WITHOUT, observer), tasks, hours)
+    scheduler = scheduler_of(WITHOUT + WITH.format(**settings), observer)
+    (constraint,) = [one for one in scheduler._global_constraints if isinstance(one, SatelliteConstraint)]
+    SatelliteConstraint.__call__ = watched
+    try:
+        with_it = run(scheduler, tasks, hours)
+    finally:
+        SatelliteConstraint.__call__ = original
+    print(f"\n{len(without)} observations without, {len(with_it)} with; {len(spent)} calls")
+    for what, times in (("on the wall", spent), ("of the processor", worked)):
+        print(f"{what}: median {1e3 * statistics.median(times):.2f} ms, max {1e3 * max(times):.2f} ms")
+    assert len(spoilt(sky, without)) >= 3
+    assert len(with_it) >= 0.6 * len(without) and spoilt(sky, with_it) == []
+    counts = constraint.hook().counts
+    assert counts["asked"] == len(spent) > 20 and counts["failed"] == counts["site"] == 0
+
+
+def test_valid_a_merit_chooses_clearer_tasks(observer, tasks, hours, settings, sky):
+    merit = {"class": "streakcast_pyobs.SatelliteMerit", "model": settings, "exposure_s": 55, "readout_s": 5}
+    without = run(scheduler_of(WITHOUT, observer), tasks, hours)
+    for task in tasks:
+        task.merits += [scheduler_of(WITHOUT, observer).pyobs_model_validate(Merit, dict(merit), by_alias=True)]
+    with_it = run(scheduler_of(WITHOUT, observer), tasks, hours)
+    before, after = len(spoilt(sky, without)) / len(without), len(spoilt(sky, with_it)) / len(with_it)
+    print(f"\nspoilt: {100 * before:.0f} % of the observations without the merit, {100 * after:.0f} % with it")
+    assert len(with_it) >= 0.9 * len(without) and after < 0.5 * before
+
+
+def test_the_event_loop_does_not_stall(observer, tasks, hours, settings):
+    gaps = []
+
+    async def heart():
+        last = time.perf_counter()
+        while True:
+            await asyncio.sleep(0)
+            now = time.perf_counter()
+            gaps.append(now - last)
+            last = now
+
+    async def questions():
+        beat = asyncio.create_task(heart())
+        constraint = SatelliteConstraint.model_validate({"model": {**settings, "mpc": "X05"}, "exposure_s": 55})
+        data = type("Data", (), {"observer": observer})()
+        answers = []
+        # A night of one task: a question that takes milliseconds.
+        tasks[0].duration = 40_000.0
+        before = len(gaps)
+        for _ in range(20):
+            answers.append(await constraint(hours[0], tasks[0], data))
+        beat.cancel()
+        return len(gaps) - before, answers
+
+    beats, answers = asyncio.run(questions())
+    print(f"\nthe loop turned {beats} times in 20 questions; its longest stall was {1e3 * max(gaps[1:]):.1f} ms")
+    assert not any(answers)
+    # While one question is answered the loop turns; were it asked on the loop, it would turn once a question.
+    assert beats > 20 * 10
+
+
+def test_valid_the_astroplan_scheduler_of_pyobs_takes_it(observer, tasks, hours, settings, sky):
+    constraint = {"class": "streakcast_pyobs.SatelliteConstraint", "model": settings}
+
+    def scheduled(constraints):
+        scheduler = AstroplanScheduler(twilight="nautical", observer=observer, location=LOCATION)
+        for task in tasks[:8]:
+            task.constraints = [Constraint.create(scheduler, dict(one)) for one in constraints]
+        return run(scheduler, tasks[:8], (hours[0], hours[0] + 1 * u.hour))
+
+    altitude = {"type": "Airmass", "max_airmass": 2.5}
+    without, with_it = scheduled([altitude]), scheduled([altitude, constraint])
+    hits = [[one for one in some if sky.streaks(one.target.coord, one.start, TASK_S, FOV_DEG / 2)] for some in (without, with_it)]
+    print(f"\nAstroplanScheduler: {len(hits[0])} of {len(without)} blocks have a streak without, {len(hits[1])} of {len(with_it)} with")
+    assert len(hits[0]) >= 2 and hits[1] == [] and len(with_it) >= 3
