@@ -15,6 +15,7 @@ mod sightline;
 mod sky;
 mod track;
 mod viewpoint;
+mod visible;
 mod windows;
 
 pub use chance::Chance;
@@ -25,3 +26,4 @@ pub use models::{ModelChoice, UnknownModel};
 pub use sky::{PassOptions, Passes, Sky, SkyError};
 pub use track::{Chord, FieldPass, TrackPoint};
 pub use viewpoint::{OrbitingObserver, Viewpoint};
+pub use visible::{NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest, stretches_where};

@@ -7,6 +7,7 @@ use streakcast::schedule::{MagnitudeLimit, Shard};
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
 use crate::fit_arguments::FitArguments;
+use crate::forecast_arguments::ForecastArguments;
 use crate::gate_arguments::GateArguments;
 #[cfg(feature = "fits")]
 use crate::inject_arguments::InjectArguments;
@@ -32,6 +33,8 @@ pub enum Verb {
     Annotate(Box<AnnotateArguments>),
     /// From when to when targets can be exposed without any satellite that matters
     Windows(Box<WindowsArguments>),
+    /// Every visible pass of a night: rise, culmination, set, shadow, peak magnitude
+    Forecast(Box<ForecastArguments>),
     /// Waits until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
     /// Maps of magnitude over a satellite's own sky and over that of a site
@@ -127,7 +130,7 @@ pub struct SharedArguments {
 
 #[derive(Args)]
 pub struct OutputArguments {
-    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl
+    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
     /// File to write, whole or not at all; standard output where unsaid

@@ -3,6 +3,7 @@
 mod arguments;
 mod failure;
 mod fit_arguments;
+mod forecast_arguments;
 mod gate_arguments;
 #[cfg(feature = "fits")]
 mod inject_arguments;
@@ -31,6 +32,7 @@ fn main() -> ExitCode {
         Verb::Flag(typed) => verbs::flag::run(*typed),
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
         Verb::Windows(typed) => verbs::windows::run(*typed),
+        Verb::Forecast(typed) => verbs::forecast::run(*typed),
         Verb::Gate(typed) => verbs::gate::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
         #[cfg(feature = "fits")]

@@ -3,12 +3,14 @@
 pub mod annotate;
 pub mod fit;
 pub mod flag;
+pub mod forecast;
 pub mod gate;
 #[cfg(feature = "fits")]
 pub mod inject;
 mod judged;
 pub mod map;
 pub mod model;
+mod night;
 pub mod passes;
 pub mod shells;
 pub mod sites;
