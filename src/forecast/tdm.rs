@@ -9,6 +9,9 @@ use crate::geometry::Site;
 use crate::passes::TrackPoint;
 use crate::table::{Provenance, format_utc};
 
+/// A line holds 254 characters at most in this notation, with its keyword.
+const LONGEST_COMMENT: usize = 240;
+
 /// Which two angles a message holds.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum AngleType {
@@ -52,7 +55,7 @@ pub fn tdm<'a>(
     let mut text = String::from("CCSDS_TDM_VERS = 2.0\n");
     text += "COMMENT Predictions from element sets and brightness models, not observations.\n";
     for (name, value) in provenance.entries() {
-        let _ = writeln!(text, "COMMENT {name}: {value}");
+        comment(&mut text, &format!("{name}: {value}"));
     }
     let _ = writeln!(text, "CREATION_DATE = {}", calendar_time(made));
     text += "ORIGINATOR = STREAKCAST\n";
@@ -60,6 +63,15 @@ pub fn tdm<'a>(
         segment(&mut text, &row, site, angles);
     }
     text
+}
+
+/// A comment, on as many lines as its length needs.
+fn comment(text: &mut String, words: &str) {
+    let printable = |mark: char| if mark.is_control() { ' ' } else { mark };
+    let marks: Vec<char> = words.chars().map(printable).collect();
+    for line in marks.chunks(LONGEST_COMMENT) {
+        let _ = writeln!(text, "COMMENT {}", line.iter().collect::<String>());
+    }
 }
 
 fn segment(text: &mut String, row: &PassRow<'_>, site: &Site, angles: AngleType) {

@@ -99,7 +99,9 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     notices.warn(&prepared.left_out_warning(&found.found.left_out, from)?);
     state(&mut prepared, &setup, &typed, &request);
     let site = site_of(&prepared)?;
-    let why_empty = found.why_empty(&site.name, &request);
+    // Coordinates alone have no name.
+    let place = if site.name == "site" { "the site" } else { &site.name };
+    let why_empty = found.why_empty(place, &request);
 
     let elements = prepared.sky.elements();
     let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
@@ -228,7 +230,9 @@ fn brightest(found: &Forecast) -> Option<usize> {
 fn summary(found: &Forecast) -> String {
     let passes = &found.found.passes;
     let satellites: std::collections::BTreeSet<_> = passes.iter().map(|pass| pass.element_index).collect();
-    format!("{} passes of {} satellites", passes.len(), satellites.len())
+    let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
+    let passes = counted(passes.len(), "pass", "passes");
+    format!("{passes} of {}", counted(satellites.len(), "satellite", "satellites"))
 }
 
 #[cfg(test)]
