@@ -9,8 +9,8 @@ use serde_json::Value;
 
 const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days";
 const NIGHT: &[&str] = &["forecast", "--night", "2024-08-14"];
-/// Two planes of the constellation are enough, and quick.
-const FEW: &[&str] = &["--name", "P01-", "P40-"];
+/// Twenty planes of the constellation: some are seen in the evening, some in the morning.
+const FEW: &[&str] = &["--name", "S1 P2", "S1 P6"];
 
 /// Peaks come out with three decimals.
 const MAGNITUDE_DECIMALS: f64 = 5e-4;
@@ -33,7 +33,10 @@ fn verif_columns_rows_and_json_say_the_same() {
         for (name, cell) in rows[0].iter().zip(row) {
             let value = &pass[name];
             let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
-            assert!(cell == text || cell.is_empty() && value.is_null() || cell.parse::<f64>().ok() == value.as_f64(), "{name}: {cell} {text}");
+            assert!(
+                cell == text || cell.is_empty() && value.is_null() || cell.parse::<f64>().ok() == value.as_f64(),
+                "{name}: {cell} {text}"
+            );
         }
         // What can be seen lies within the pass, and its brightest moment within what can be seen (or in the half shadow beside it).
         let time = |name: &str| pass[name].as_str().unwrap_or_default().to_owned();
@@ -51,7 +54,10 @@ fn verif_columns_rows_and_json_say_the_same() {
     assert!((8.0..14.0).contains(&number(&night["dark_h"])) && night["why_empty"].is_null(), "{night}");
     let began = |pass: &Value| pass["begin_utc"].as_str().unwrap().to_owned();
     assert!(passes.iter().all(|pass| began(pass).as_str() >= night["dark_from_utc"].as_str().unwrap()));
-    assert!(passes.iter().any(|pass| pass["ends_by"] == "shadow") && passes.iter().any(|pass| pass["begins_by"] == "shadow"));
+    assert!(
+        passes.iter().any(|pass| pass["ends_by"] == "shadow")
+            && passes.iter().any(|pass| pass["begins_by"] == "shadow")
+    );
 }
 
 #[test]
@@ -77,10 +83,14 @@ fn verif_filters_leave_out_what_they_say_and_nothing_else() {
     let dark = found(&["--include-dark"]);
     let dark = dark["passes"].as_array().unwrap();
     assert!(dark.len() > all.len() + 50, "{} {}", dark.len(), all.len());
-    let is_there = |pass: &Value| {
-        dark.iter().any(|other| other["norad_id"] == pass["norad_id"] && other["begin_utc"] == pass["begin_utc"])
-    };
-    assert!(all.iter().filter(|pass| !is_there(pass)).count() <= 2, "those that reach over the search's ends apart");
+    // Another search ends elsewhere by rounding: to the second, no root lies that near to a full one here.
+    let second = |pass: &Value| pass["begin_utc"].as_str().unwrap_or_default().chars().take(19).collect::<String>();
+    for pass in all {
+        assert!(
+            dark.iter().any(|other| other["norad_id"] == pass["norad_id"] && second(other) == second(pass)),
+            "{pass}"
+        );
+    }
     let late = found(&["--sun-altitude-deg", "-18"]);
     assert!(late["passes"].as_array().unwrap().len() < all.len());
 }
@@ -97,7 +107,10 @@ fn verif_light_curves_hold_the_peak() {
     for (pass, rows) in passes.iter().zip(curves[1..].chunks(41)) {
         let samples = pass["samples"].as_array().unwrap();
         assert_eq!(samples.len(), 41);
-        assert_eq!((&rows[0][3], &rows[40][3]), (pass["rise_utc"].as_str().unwrap(), pass["set_utc"].as_str().unwrap()));
+        assert_eq!(
+            (&rows[0][3], &rows[40][3]),
+            (pass["rise_utc"].as_str().unwrap(), pass["set_utc"].as_str().unwrap())
+        );
         let (begin, end) = (pass["begin_utc"].as_str().unwrap(), pass["end_utc"].as_str().unwrap());
         let peak = number(&pass["peak_magnitude"]);
         for sample in samples.iter().filter(|sample| (begin..=end).contains(&sample["utc"].as_str().unwrap())) {
@@ -105,14 +118,18 @@ fn verif_light_curves_hold_the_peak() {
                 assert!(magnitude >= peak - MAGNITUDE_DECIMALS * 2.0, "{magnitude} outshines the peak of {pass}");
             }
         }
-        assert!(samples.iter().filter(|sample| sample["illumination"] == "umbra").all(|sample| sample["magnitude"].is_null()));
+        assert!(
+            samples
+                .iter()
+                .filter(|sample| sample["illumination"] == "umbra")
+                .all(|sample| sample["magnitude"].is_null())
+        );
     }
 }
 
 #[test]
 fn verif_a_night_that_never_gets_dark_says_why() {
-    let polar: &[&str] =
-        &["--shells", "starlink-gen1", "--lat", "78.2", "--lon", "15.6", "--night", "2024-06-21"];
+    let polar: &[&str] = &["--shells", "starlink-gen1", "--lat", "78.2", "--lon", "15.6", "--night", "2024-06-21"];
     let (code, stdout, stderr) = run(&[&["forecast"], polar, &["--format", "csv"]]);
     assert_eq!(code, 0);
     assert!(stdout.lines().filter(|line| !line.starts_with('#')).eq([HEADER]), "{stdout}");
@@ -136,7 +153,8 @@ fn verif_documents() {
     let calendar = done(&[NIGHT, &sky, &["--format", "ics", "--alarm", "5min"]]);
     assert!(calendar.split("\r\n").all(|line| line.len() <= 75 && !line.contains('\n')));
     let unfolded = calendar.replace("\r\n ", "");
-    let starting = |with: &str| unfolded.lines().filter(|line| line.starts_with(with)).map(str::to_owned).collect::<Vec<_>>();
+    let starting =
+        |with: &str| unfolded.lines().filter(|line| line.starts_with(with)).map(str::to_owned).collect::<Vec<_>>();
     let starts: Vec<String> = passes
         .iter()
         .map(|pass| format!("DTSTART:{}Z", &pass["begin_utc"].as_str().unwrap().replace(['-', ':'], "")[..15]))
@@ -192,7 +210,10 @@ fn bad_input_is_one_line_that_says_what_is_allowed() {
         (&["--night", "2024-08-14", "--max-mag", "99"], &["max-mag 99 mag", "-30 to 40 mag"]),
         (&["--night", "2024-08-14", "--samples", "1000000"], &["samples 1000000", "0 to 10000"]),
         (&["--night", "2024-08-14", "--generation", "starlink"], &["generation 'starlink'", "starlink-v2mini"]),
-        (&["--night", "2024-08-14", "--name", "ISS (ZARYA)"], &["none of the 4408 satellites has a name with ISS (ZARYA)"]),
+        (
+            &["--night", "2024-08-14", "--name", "ISS (ZARYA)"],
+            &["none of the 4408 satellites has a name with ISS (ZARYA)"],
+        ),
         (&["--night", "2024-08-14", "--norad", "x"], &["'x'"]),
         (&["--night", "2024-08-14", "--utc-offset", "CET"], &["utc-offset 'CET'", "+01:00"]),
         (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
@@ -203,7 +224,10 @@ fn bad_input_is_one_line_that_says_what_is_allowed() {
     ] {
         let (code, stdout, stderr) = run(&[&["forecast"], SKY, arguments]);
         assert_eq!(code, 2, "{arguments:?}: {stderr}");
-        assert!(stdout.is_empty() && stderr.starts_with("error: ") && stderr.lines().count() == 1, "{arguments:?}: {stderr}");
+        assert!(
+            stdout.is_empty() && stderr.starts_with("error: ") && stderr.lines().count() == 1,
+            "{arguments:?}: {stderr}"
+        );
         for part in parts {
             assert!(stderr.contains(part), "{arguments:?}: {stderr}");
         }

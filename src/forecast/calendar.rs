@@ -111,7 +111,8 @@ mod tests {
 
     #[test]
     fn lines_are_folded_between_characters_and_unfold_to_themselves() {
-        for content in ["short".to_owned(), "x".repeat(75), "x".repeat(76), "\u{b0}".repeat(200), "a\u{b1}".repeat(60)] {
+        for content in ["short".to_owned(), "x".repeat(75), "x".repeat(76), "\u{b0}".repeat(200), "a\u{b1}".repeat(60)]
+        {
             let mut text = String::new();
             fold(&mut text, &content);
             assert!(text.ends_with("\r\n"));

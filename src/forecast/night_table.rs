@@ -12,7 +12,11 @@ const COLUMNS: [Column; 12] = [
     Column::real("dark_h", "h", 4, "How long it is dark, all stretches together."),
     Column::real("lowest_sun_altitude_deg", "deg", 3, "The Sun's centre at its lowest, without refraction."),
     Column::time("lowest_sun_utc", "When that is."),
-    Column::new("passes_in_shadow", Kind::Integer, "Passes left out because the satellite is in the Earth's shadow or the sky bright."),
+    Column::new(
+        "passes_in_shadow",
+        Kind::Integer,
+        "Passes left out because the satellite is in the Earth's shadow or the sky bright.",
+    ),
     Column::new("passes_too_faint", Kind::Integer, "Passes left out because of the magnitude asked for."),
     Column::new("passes_too_low", Kind::Integer, "Passes left out because they culminate too low."),
     Column::new("why_empty", Kind::Text, "Where there is no pass: why."),

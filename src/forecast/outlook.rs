@@ -66,7 +66,9 @@ impl Forecast {
         }
         if reasons.is_empty() {
             let lowest_deg = request.min_altitude_rad.to_degrees();
-            reasons.push(format!("none of {satellites} satellites rises above {lowest_deg:.1} deg while it is dark at {site}"));
+            reasons.push(format!(
+                "none of {satellites} satellites rises above {lowest_deg:.1} deg while it is dark at {site}"
+            ));
         }
         Some(reasons.join("; "))
     }

@@ -72,15 +72,17 @@ static FIELDS: &[Field] = &[
         i64::from(row.pass.norad_id.0).into()
     }),
     field(Column::new("name", Kind::Text, "Name in the element set."), |row| text(&row.elements.name)),
-    field(Column::time("rise_utc", "Reaches the least altitude; empty where it is up before the search begins."), |row| {
-        moment(row.pass.rise.as_ref())
-    }),
+    field(
+        Column::time("rise_utc", "Reaches the least altitude; empty where it is up before the search begins."),
+        |row| moment(row.pass.rise.as_ref()),
+    ),
     field(Column::time("culmination_utc", "Highest point of the pass, seen or not."), |row| {
         row.pass.culmination.epoch.into()
     }),
-    field(Column::time("set_utc", "Falls below the least altitude; empty where it is up after the search ends."), |row| {
-        moment(row.pass.set.as_ref())
-    }),
+    field(
+        Column::time("set_utc", "Falls below the least altitude; empty where it is up after the search ends."),
+        |row| moment(row.pass.set.as_ref()),
+    ),
     field(Column::real("rise_azimuth_deg", "deg", 3, "Azimuth at the rise, from north through east."), |row| {
         azimuth_deg(row.pass.rise.as_ref())
     }),
@@ -88,9 +90,13 @@ static FIELDS: &[Field] = &[
         altitude_deg(Some(&row.pass.culmination))
     }),
     field(Column::real("set_azimuth_deg", "deg", 3, "Azimuth at the set."), |row| azimuth_deg(row.pass.set.as_ref())),
-    field(Column::time("shadow_entry_utc", "Light first begins to fade into the Earth's shadow; empty where it does not."), |row| {
-        moment(row.pass.shadow_entry.as_ref())
-    }),
+    field(
+        Column::time(
+            "shadow_entry_utc",
+            "Light first begins to fade into the Earth's shadow; empty where it does not.",
+        ),
+        |row| moment(row.pass.shadow_entry.as_ref()),
+    ),
     field(Column::time("shadow_exit_utc", "Light is first back in full; empty where it was never gone."), |row| {
         moment(row.pass.shadow_exit.as_ref())
     }),
@@ -109,9 +115,15 @@ static FIELDS: &[Field] = &[
     field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
         row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.source.to_string()).into()
     }),
-    field(Column::real("element_age_days", "d", 4, "Culmination less epoch of the elements; negative where these are newer."), |row| {
-        row.pass.element_age_days.into()
-    }),
+    field(
+        Column::real(
+            "element_age_days",
+            "d",
+            4,
+            "Culmination less epoch of the elements; negative where these are newer.",
+        ),
+        |row| row.pass.element_age_days.into(),
+    ),
 ];
 
 /// Columns that only formats with tables inside tables carry: scripts count on the others' columns.

@@ -81,9 +81,16 @@ mod tests {
 
     #[test]
     fn points_of_the_compass() {
-        for (degrees, point) in
-            [(0.0, "N"), (11.2, "N"), (11.3, "NNE"), (95.0, "E"), (236.0, "SW"), (284.0, "WNW"), (359.0, "N"), (-90.0, "W")]
-        {
+        for (degrees, point) in [
+            (0.0, "N"),
+            (11.2, "N"),
+            (11.3, "NNE"),
+            (95.0, "E"),
+            (236.0, "SW"),
+            (284.0, "WNW"),
+            (359.0, "N"),
+            (-90.0, "W"),
+        ] {
             assert_eq!(compass(f64::to_radians(degrees)), point, "{degrees}");
         }
     }

@@ -67,7 +67,8 @@ shell = [
 ]
 "#;
 
-const BASSA2022_SOURCE: &str = "Bassa et al. 2022 (A&A 657, A75), section 2: their density of a shell, summed over the sky here";
+const BASSA2022_SOURCE: &str =
+    "Bassa et al. 2022 (A&A 657, A75), section 2: their density of a shell, summed over the sky here";
 
 /// The satellites of Lu (2024b).
 ///

@@ -61,12 +61,20 @@ impl ForecastRequest {
         let degrees = f64::to_degrees;
         let refuse = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
         if !(0.0..=LONGEST_DAYS).contains(&days) {
-            return refuse("length of the time asked about", days, " days", "0 to 31 days, the end not before the start");
+            return refuse(
+                "length of the time asked about",
+                days,
+                " days",
+                "0 to 31 days, the end not before the start",
+            );
         }
-        if let Some(sun_rad) = self.max_sun_altitude_rad.filter(|sun_rad| !(-90.0..=90.0).contains(&degrees(*sun_rad))) {
+        if let Some(sun_rad) = self.max_sun_altitude_rad.filter(|sun_rad| !(-90.0..=90.0).contains(&degrees(*sun_rad)))
+        {
             return refuse("sun-altitude-deg", degrees(sun_rad), " deg", "-90 to 90 deg");
         }
-        for (what, given_rad) in [("min-altitude", self.min_altitude_rad), ("min-culmination", self.min_culmination_rad)] {
+        for (what, given_rad) in
+            [("min-altitude", self.min_altitude_rad), ("min-culmination", self.min_culmination_rad)]
+        {
             if !(0.0..90.0).contains(&degrees(given_rad)) {
                 return refuse(what, degrees(given_rad), " deg", "0 deg to below 90 deg");
             }
@@ -107,7 +115,8 @@ impl Selection {
 
     /// What is asked, in words.
     pub fn words(&self) -> String {
-        let list = |what: &str, items: Vec<String>| (!items.is_empty()).then(|| format!("{what} {}", items.join(" or ")));
+        let list =
+            |what: &str, items: Vec<String>| (!items.is_empty()).then(|| format!("{what} {}", items.join(" or ")));
         let parts = [
             list("generation", self.generations.iter().map(ToString::to_string).collect()),
             list("a name with", self.names.clone()),

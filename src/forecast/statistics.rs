@@ -116,7 +116,9 @@ pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, F
 impl StatisticsRequest {
     fn check(&self) -> Result<(), ForecastError> {
         let refuse = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
-        let bad = |angles: &[f64], from: f64, to: f64| angles.iter().copied().find(|angle| !(from..=to).contains(&angle.to_degrees()));
+        let bad = |angles: &[f64], from: f64, to: f64| {
+            angles.iter().copied().find(|angle| !(from..=to).contains(&angle.to_degrees()))
+        };
         if let Some(sun_rad) = bad(&self.sun_altitudes_rad, -90.0, 90.0) {
             return refuse("sun-altitudes", sun_rad.to_degrees(), " deg", "-90 to 90 deg");
         }

@@ -24,9 +24,7 @@ const COLUMNS: [Column; 17] = [
 ];
 
 /// The counts of one request at a latitude (radians) as rows.
-pub fn statistics_table<'a>(
-    counts: impl IntoIterator<Item = (f64, &'a StatisticsRequest, &'a SkyCount)>,
-) -> Table {
+pub fn statistics_table<'a>(counts: impl IntoIterator<Item = (f64, &'a StatisticsRequest, &'a SkyCount)>) -> Table {
     let row = |(latitude_rad, request, count): (f64, &StatisticsRequest, &SkyCount)| -> Vec<Value> {
         let mut row: Vec<Value> = vec![
             count.epoch.into(),

@@ -105,7 +105,15 @@ impl Propagator {
         // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for what Moon and Sun may add.
         let farthest_km = 2.2 * (WGS72_MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
         let resonance = Resonance::of(&constants);
-        Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id, period_s, eccentricity: elements.eccentricity, farthest_km, resonance })
+        Ok(Self {
+            constants,
+            epoch: elements.epoch,
+            norad_id: elements.norad_id,
+            period_s,
+            eccentricity: elements.eccentricity,
+            farthest_km,
+            resonance,
+        })
     }
 
     /// Position integrated all the way from the element epoch; `None` for orbits without resonances.

@@ -244,8 +244,9 @@ impl Follow<'_> {
                 }
                 continue;
             }
-            let around =
-                |step: usize| ((samples[step].time_s - step_s).max(from_s), (samples[step].time_s + step_s).min(until_s));
+            let around = |step: usize| {
+                ((samples[step].time_s - step_s).max(from_s), (samples[step].time_s + step_s).min(until_s))
+            };
             let (low_s, high_s) = around(step);
             let (mut top_s, mut top) = self.highest(low_s, high_s)?;
             if top < limit {

@@ -52,39 +52,38 @@ impl Sky {
         let (orientation, sun) = (scene.orientation.at_s(0.0), scene.sun.at_s(0.0).sun);
         let here = observer.state(&orientation);
         let limit = min_altitude_rad.sin();
-        let look = |element_index: usize| -> Result<Option<Overhead>, LeftOut> {
-            let Some(propagator) = self.index().propagator(element_index) else { return Ok(None) };
-            let minutes = propagator.minutes_since_epoch(epoch);
-            let state = propagator.state_at_minutes(minutes, &orientation.teme_to_gcrs).map_err(|reason| LeftOut {
-                norad_id: propagator.norad_id(),
-                element_index,
-                reason,
-            })?;
-            let away = state.position - here.position;
-            if here.sine_of_altitude(&away) < limit {
-                return Ok(None);
-            }
-            let geometry = ViewingGeometry::new(&state.position, &here.position, &sun);
-            let place = geometry.zip(here.altitude_azimuth_rad(&away));
-            Ok(place.map(|(geometry, (altitude_rad, azimuth_rad))| {
-                let illumination = self.shadow().illumination(&state.position, &sun);
-                let (sight, moving) = (away.vector(), state.velocity.vector() - here.velocity.vector());
-                Overhead {
-                    element_index,
-                    altitude_rad,
-                    azimuth_rad,
-                    range_km: geometry.range_km,
-                    // ω = |r × v| / r²
-                    angular_rate_rad_s: sight.cross(&moving).norm() / sight.norm_squared(),
-                    illumination,
-                    brightness: self.model(element_index).brightness(
-                        &geometry,
-                        illumination.lit_fraction(),
-                        photometry,
-                    ),
+        let look =
+            |element_index: usize| -> Result<Option<Overhead>, LeftOut> {
+                let Some(propagator) = self.index().propagator(element_index) else { return Ok(None) };
+                let minutes = propagator.minutes_since_epoch(epoch);
+                let state = propagator
+                    .state_at_minutes(minutes, &orientation.teme_to_gcrs)
+                    .map_err(|reason| LeftOut { norad_id: propagator.norad_id(), element_index, reason })?;
+                let away = state.position - here.position;
+                if here.sine_of_altitude(&away) < limit {
+                    return Ok(None);
                 }
-            }))
-        };
+                let geometry = ViewingGeometry::new(&state.position, &here.position, &sun);
+                let place = geometry.zip(here.altitude_azimuth_rad(&away));
+                Ok(place.map(|(geometry, (altitude_rad, azimuth_rad))| {
+                    let illumination = self.shadow().illumination(&state.position, &sun);
+                    let (sight, moving) = (away.vector(), state.velocity.vector() - here.velocity.vector());
+                    Overhead {
+                        element_index,
+                        altitude_rad,
+                        azimuth_rad,
+                        range_km: geometry.range_km,
+                        // ω = |r × v| / r²
+                        angular_rate_rad_s: sight.cross(&moving).norm() / sight.norm_squared(),
+                        illumination,
+                        brightness: self.model(element_index).brightness(
+                            &geometry,
+                            illumination.lit_fraction(),
+                            photometry,
+                        ),
+                    }
+                }))
+            };
         let looks: Vec<Result<Option<Overhead>, LeftOut>> =
             (0..self.index().len()).into_par_iter().with_min_len(64).map(look).collect();
         let mut left_out = self.index().left_out().to_vec();

@@ -148,7 +148,8 @@ impl Sky {
         let span_s = seconds_between(request.start, request.end).max(0.0) + 2.0 * TWILIGHT_REACH_S;
         let scene = self.scene_without_windows(scene_start, span_s);
         let spans = spans(request, scene_start);
-        let options = PassOptions { samples: request.samples, photometry: request.photometry, ..PassOptions::default() };
+        let options =
+            PassOptions { samples: request.samples, photometry: request.photometry, ..PassOptions::default() };
         let wanted: Vec<usize> = (0..self.index().len()).filter(|&one| is_wanted(one)).collect();
         let search = Search { sky: self, scene: &scene, observer, request, options: &options };
         let answers: Vec<(Vec<Kept>, Option<LeftOut>)> = wanted
@@ -295,7 +296,8 @@ impl Search<'_> {
             let seen = if full_by_night.is_empty() { &lit_by_night } else { &full_by_night };
             visibility(&look, seen, &lit_by_night, stretch.top_s)
         };
-        let magnitude = visible.as_ref().and_then(|seen| seen.peak.as_ref()?.brightness.as_ref()).map(|light| light.magnitude.0);
+        let magnitude =
+            visible.as_ref().and_then(|seen| seen.peak.as_ref()?.brightness.as_ref()).map(|light| light.magnitude.0);
         if visible.is_none() && !self.request.include_dark {
             return Ok(Some(Kept::InShadow));
         }
@@ -385,7 +387,10 @@ mod tests {
         let found = stretches_where(0.0, 100.0, 10, |time_s| (12.0..37.5).contains(&time_s) || time_s > 80.25);
         assert_eq!(found.len(), 2);
         for ((from_s, until_s), (first_s, last_s)) in found.iter().zip([(12.0, 37.5), (80.25, 100.0)]) {
-            assert!((from_s - first_s).abs() < 2.0 * BORDER_S && (until_s - last_s).abs() < 2.0 * BORDER_S, "{found:?}");
+            assert!(
+                (from_s - first_s).abs() < 2.0 * BORDER_S && (until_s - last_s).abs() < 2.0 * BORDER_S,
+                "{found:?}"
+            );
         }
         assert_eq!(both(&[(0.0, 5.0), (8.0, 9.0)], &[(4.0, 8.5)]), [(4.0, 5.0), (8.0, 8.5)]);
         assert_eq!(both(&[(0.0, 5.0)], &[(5.0, 6.0)]), []);

@@ -13,6 +13,7 @@ use crate::gate_arguments::GateArguments;
 use crate::inject_arguments::InjectArguments;
 use crate::map_arguments::MapArguments;
 use crate::output::Output;
+use crate::statistics_arguments::{ReproduceArguments, StatisticsArguments};
 use crate::window_arguments::WindowsArguments;
 
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
@@ -44,6 +45,10 @@ pub enum Verb {
     Inject(Box<InjectArguments>),
     /// From photometry to a brightness model
     Fit(Box<FitArguments>),
+    /// How many satellites are lit over a site, how bright, and how many trails an exposure gets
+    Statistics(Box<StatisticsArguments>),
+    /// A paper's counts beside ours
+    Reproduce(ReproduceArguments),
     /// The brightness models: list, show, check
     Model(ModelArguments),
     /// The observatories known by name and MPC code

@@ -12,6 +12,7 @@ mod map_output;
 mod notices;
 mod output;
 mod screen;
+mod statistics_arguments;
 mod verbs;
 mod window_arguments;
 
@@ -39,6 +40,8 @@ fn main() -> ExitCode {
         Verb::Inject(typed) => verbs::inject::run(*typed),
         Verb::Fit(typed) => verbs::fit::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
+        Verb::Statistics(typed) => verbs::statistics::run(*typed),
+        Verb::Reproduce(typed) => verbs::reproduce::run(typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),
         Verb::Shells(typed) => verbs::shells::run(&typed),
     })

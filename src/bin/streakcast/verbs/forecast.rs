@@ -78,8 +78,7 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
         .ok_or_else(|| anyhow!("angle-type '{}' is not known; allowed: radec, azel", typed.angle_type))?;
     let selection = selection(&typed)?;
     let notices = begin(&setup)?;
-    let (from, to) =
-        super::night::range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &setup)?;
+    let (from, to) = super::night::range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &setup)?;
     let unsaid_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
     let request = ForecastRequest {
         max_sun_altitude_rad: Some(typed.sun_altitude_deg.to_radians()),
@@ -149,8 +148,9 @@ fn open(typed: &ForecastArguments, setup: &Setup) -> anyhow::Result<(Output, Opt
         // A text of its own.
         Some(document) => Ok((Output::new(Some("json"), path)?, Some(document))),
         None => {
-            let output = Output::new(said, path)
-                .map_err(|error| anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, ics, tdm, score"))))?;
+            let output = Output::new(said, path).map_err(|error| {
+                anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, ics, tdm, score")))
+            })?;
             Ok((output, None))
         }
     }
@@ -172,7 +172,8 @@ fn selection(typed: &ForecastArguments) -> anyhow::Result<Selection> {
 
 /// `+01:00`, `-4:30`, `+5`, `Z`: seconds ahead of UTC.
 fn parse_offset_s(text: &str) -> anyhow::Result<f64> {
-    let bad = || anyhow!("utc-offset '{text}'; allowed: hours and minutes ahead of UTC from -14:00 to +14:00, as +01:00");
+    let bad =
+        || anyhow!("utc-offset '{text}'; allowed: hours and minutes ahead of UTC from -14:00 to +14:00, as +01:00");
     if text.eq_ignore_ascii_case("z") {
         return Ok(0.0);
     }
@@ -183,7 +184,8 @@ fn parse_offset_s(text: &str) -> anyhow::Result<f64> {
     };
     let (hours, minutes) = rest.split_once(':').unwrap_or((rest, "0"));
     let whole = |text: &str| text.parse::<u8>().ok().filter(|_| text.bytes().all(|byte| byte.is_ascii_digit()));
-    let (hours, minutes) = (whole(hours).ok_or_else(bad)?, whole(minutes).filter(|minutes| *minutes < 60).ok_or_else(bad)?);
+    let (hours, minutes) =
+        (whole(hours).ok_or_else(bad)?, whole(minutes).filter(|minutes| *minutes < 60).ok_or_else(bad)?);
     let seconds = f64::from(hours) * 3600.0 + f64::from(minutes) * 60.0;
     if seconds <= FARTHEST_CLOCK_S { Ok(sign * seconds) } else { Err(bad()) }
 }
@@ -222,7 +224,8 @@ fn state(prepared: &mut Prepared, setup: &Setup, typed: &ForecastArguments, requ
 
 /// The row of the brightest pass.
 fn brightest(found: &Forecast) -> Option<usize> {
-    let magnitude = |row: usize| Some(found.found.passes[row].visible.as_ref()?.peak.as_ref()?.brightness.as_ref()?.magnitude.0);
+    let magnitude =
+        |row: usize| Some(found.found.passes[row].visible.as_ref()?.peak.as_ref()?.brightness.as_ref()?.magnitude.0);
     let bright = (0..found.found.passes.len()).filter_map(|row| Some((row, magnitude(row)?)));
     bright.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
 }
@@ -241,9 +244,14 @@ mod tests {
 
     #[test]
     fn offsets_of_clocks() {
-        for (text, seconds) in
-            [("+01:00", 3600.0), ("-4", -14_400.0), ("5:45", 20_700.0), ("Z", 0.0), ("-03:30", -12_600.0), ("+14:00", 50_400.0)]
-        {
+        for (text, seconds) in [
+            ("+01:00", 3600.0),
+            ("-4", -14_400.0),
+            ("5:45", 20_700.0),
+            ("Z", 0.0),
+            ("-03:30", -12_600.0),
+            ("+14:00", 50_400.0),
+        ] {
             assert_eq!(parse_offset_s(text).unwrap(), seconds, "{text}");
         }
         for text in ["", "+", "CET", "+15:00", "+1:60", "1:2:3", "+-1", "1.5"] {

@@ -12,6 +12,8 @@ pub mod map;
 pub mod model;
 mod night;
 pub mod passes;
+pub mod reproduce;
 pub mod shells;
 pub mod sites;
+pub mod statistics;
 pub mod windows;

@@ -17,7 +17,7 @@ use streakcast::table::{Provenance, Section, format_utc};
 
 use super::judged::begin;
 use crate::failure::Outcome;
-use crate::output::Answer;
+use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::statistics_arguments::{Paper, ReproduceArguments};
 
@@ -46,14 +46,16 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
         mpc: Some("X05".to_owned()),
         ..Setup::default()
     };
-    let output = typed.output.clone_open(&setup)?;
+    let output = Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output.clone())?;
     let notices = begin(&setup)?;
     let mut provenance = Provenance::new();
     provenance.state("synthetic", true);
     let rows = match typed.paper {
         Paper::Hu2022 => {
             let path = typed.schedule.as_ref().ok_or_else(|| {
-                anyhow!("hu2022 needs visits of LSST; say --schedule FILE (opsim SQLite of a baseline) and --time-scale utc")
+                anyhow!(
+                    "hu2022 needs visits of LSST; say --schedule FILE (opsim SQLite of a baseline) and --time-scale utc"
+                )
             })?;
             let schedule = Schedule::read(path, &setup.schedule_options()?)?;
             let exposures: Vec<Exposure> = schedule.judged().map(|(_, exposure)| exposure.clone()).collect();

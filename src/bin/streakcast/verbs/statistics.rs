@@ -9,7 +9,7 @@ use streakcast::table::{Section, format_utc};
 use super::judged::{begin, state_scales};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::output::Answer;
+use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::statistics_arguments::StatisticsArguments;
 
@@ -35,7 +35,7 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let setup = typed.shared.setup(Setup::default())?;
-    let output = typed.output.clone_open(&setup)?;
+    let output = Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output.clone())?;
     if setup.field.is_some() {
         return Err(anyhow!("statistics takes no --field; allowed: a circle, as --fov {FIELD}"));
     }
@@ -47,7 +47,8 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let notices = begin(&setup)?;
     let site = setup.site()?;
     let radians = |angles: &[f64]| angles.iter().map(|angle| angle.to_radians()).collect::<Vec<_>>();
-    let latitudes_deg = if typed.latitudes.is_empty() { vec![None] } else { typed.latitudes.iter().map(|one| Some(*one)).collect() };
+    let latitudes_deg =
+        if typed.latitudes.is_empty() { vec![None] } else { typed.latitudes.iter().map(|one| Some(*one)).collect() };
     let mut found: Vec<(f64, StatisticsRequest, Vec<SkyCount>)> = Vec::new();
     let (mut first, mut left_out) = (None, Vec::new());
     for night in &typed.night {
@@ -110,9 +111,10 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             "first_utc": found.first().map(|(_, request, _)| format_utc(request.start, 0)),
         }),
     );
-    let table = statistics_table(
-        found.iter().flat_map(|(latitude_rad, request, counts)| counts.iter().map(move |count| (*latitude_rad, request, count))),
-    );
+    let table =
+        statistics_table(found.iter().flat_map(|(latitude_rad, request, counts)| {
+            counts.iter().map(move |count| (*latitude_rad, request, count))
+        }));
     output.write(&Answer {
         sections: vec![
             Section { name: "statistics", table: &table },

@@ -36,8 +36,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             })?,
     };
     let notices = begin(&setup)?;
-    let (from, to) =
-        super::night::range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &setup)?;
+    let (from, to) = super::night::range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &setup)?;
     let (field, telescope, policy, photometry) =
         (setup.field_of_view()?, setup.telescope()?, setup.policy()?, setup.photometry()?);
     if policy.max_lost_fraction.is_some() {
