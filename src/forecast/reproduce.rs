@@ -145,7 +145,7 @@ pub fn bassa2022(
     min_altitude_rad: f64,
     assumed: &str,
 ) -> Result<Reproduced, ForecastError> {
-    const MOMENTS: usize = 48;
+    const MOMENTS: usize = 144;
     let mut seen = 0.0;
     for moment in 0..MOMENTS {
         let epoch = seconds_after(start, 86_400.0 * moment as f64 / MOMENTS as f64);

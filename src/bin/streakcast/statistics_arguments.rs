@@ -17,7 +17,7 @@ pub struct StatisticsArguments {
         value_name = "DEG",
         num_args = 1..,
         value_delimiter = ',',
-        allow_hyphen_values = true,
+        allow_negative_numbers = true,
         default_values_t = [0.0, -6.0, -12.0, -18.0, -24.0, -30.0, -36.0, -42.0, -48.0]
     )]
     pub sun_altitudes: Vec<f64>,
@@ -25,7 +25,7 @@ pub struct StatisticsArguments {
     #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', default_values_t = [20.0, 30.0])]
     pub min_altitudes: Vec<f64>,
     /// Latitudes instead of the site's, degrees north, on its longitude
-    #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', allow_hyphen_values = true)]
+    #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', allow_negative_numbers = true)]
     pub latitudes: Vec<f64>,
     /// Length of the exposure with its unit
     #[arg(long, value_name = "TIME", default_value = "30s")]

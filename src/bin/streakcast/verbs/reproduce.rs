@@ -149,7 +149,7 @@ fn of_lu() -> anyhow::Result<Vec<Reproduced>> {
 
 fn of_bassa() -> anyhow::Result<Vec<Reproduced>> {
     let start = parse_instant("2025-03-20T00:00:00Z", None)?;
-    let assumed = "ours: SGP4 on the shells of this library over Paranal, the mean of 48 moments of a day; of the paper only the method is compared, no \
+    let assumed = "ours: SGP4 on the shells of this library over Paranal, the mean of 144 moments of a day; of the paper only the method is compared, no \
                    printed count";
     let mut rows = Vec::new();
     for name in ["starlink-gen1", "starlink-gen2", "oneweb", "kuiper", "guowang"] {
