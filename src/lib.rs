@@ -21,6 +21,7 @@ pub mod checks;
 pub mod constants;
 mod elementary;
 pub mod fit;
+pub mod forecast;
 pub mod frames;
 pub mod geometry;
 pub mod healpix;

@@ -227,7 +227,10 @@ fn verif_names_say_what_is_in_files() {
     fails(&[SKY, &["-o", &path("a.svg"), "--format", "csv"]], &["pictures are made by --picture"]);
     fails(&[SKY, &["-o", &path("a.csv"), "--format", "fits"]], &["format fits in a file", "should end in .fits"]);
     fails(&[SKY, &["-o", &path("a.fits"), "--format", "ecsv"]], &["format ecsv in a file", "should end in .ecsv"]);
-    fails(&[SKY, &["--format", "parquet"]], &["'parquet' is not known; allowed: table, csv, ecsv, json, jsonl, fits"]);
+    fails(
+        &[SKY, &["--format", "parquet"]],
+        &["'parquet' is not known; allowed: table, csv, ecsv, json, jsonl, votable, fits"],
+    );
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 

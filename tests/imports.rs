@@ -40,6 +40,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
         ],
     ),
     ("identify", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table"]),
+    ("forecast", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     (
         "injection",

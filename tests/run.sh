@@ -56,6 +56,7 @@ else
     step "sqlite alone" cargo check --quiet --no-default-features --features sqlite
     step "fits and plot alone" cargo check --quiet --no-default-features --features fits,plot
     step "example flag_exposures" cargo run --quiet --example flag_exposures
+    step "example forecast_night" cargo run --quiet --example forecast_night
     step "example sky_map" cargo run --quiet --example sky_map
     step "example fit_photometry" cargo run --quiet --example fit_photometry
     step "example inject_streaks" cargo run --quiet --example inject_streaks
@@ -83,6 +84,9 @@ else
     step "the README's main job" transcript README.md flag "${first[@]}" --schedule examples/night.csv --limit-mag 7
     step "the README's passes" transcript README.md passes "${first[@]}" --start 2026-08-14T23:29:05Z \
         --exposure 30s --ra 198.9 --dec 7.7
+    step "docs/forecast.md" transcript docs/forecast.md forecast --shells starlink-gen1 --mpc X05 --night 2026-08-14 --max-mag 5 --min-culmination 86
+    step "docs/forecast.md, a bright night" transcript docs/forecast.md forecast --shells starlink-gen1 --lat 60.17 --lon 24.94 --night 2026-06-21 \
+        --sun-altitude-deg -12
     step "docs/policy.md" transcript docs/policy.md flag --config examples/streakcast.toml --schedule examples/night.csv
     data=${STREAKCAST_DATA:-../shared/data}
     if [ -f "$data/INDEX.md" ]; then

@@ -10,6 +10,8 @@ use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 /// A cubic through four places errs by h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and 300 km height, less
 /// elsewhere. SGP4's velocities would not do: on eccentric orbits they leave its positions by J₂ e v, metres in half a minute.
 const LONGEST_STEP_S: f64 = 10.0;
+/// The same as an angle about the Earth's centre, radians: (ωh)⁴/24 of the distance, 3 cm for a geosynchronous satellite.
+const LONGEST_STEP_RAD: f64 = 0.0115;
 /// A cubic needs four nodes.
 const FEWEST_STEPS: f64 = 3.0;
 
@@ -44,7 +46,34 @@ impl Arc {
         duration_s: f64,
         teme_to_gcrs: &Rotation<Teme, Gcrs>,
     ) -> Result<Self, OrbitError> {
-        let steps = (duration_s / LONGEST_STEP_S).ceil().max(FEWEST_STEPS);
+        Self::with_longest_step(propagator, reference_minutes, start_s, duration_s, teme_to_gcrs, LONGEST_STEP_S)
+    }
+
+    /// As [`Arc::new`] over a whole pass of a satellite that turns about the Earth's centre by `turning_rad_s` at most: nodes as far apart as that allows.
+    ///
+    /// # Errors
+    /// As [`Arc::new`].
+    pub fn over_pass(
+        propagator: &Propagator,
+        reference_minutes: f64,
+        start_s: f64,
+        duration_s: f64,
+        teme_to_gcrs: &Rotation<Teme, Gcrs>,
+        turning_rad_s: f64,
+    ) -> Result<Self, OrbitError> {
+        let longest_s = (LONGEST_STEP_RAD / turning_rad_s).max(LONGEST_STEP_S);
+        Self::with_longest_step(propagator, reference_minutes, start_s, duration_s, teme_to_gcrs, longest_s)
+    }
+
+    fn with_longest_step(
+        propagator: &Propagator,
+        reference_minutes: f64,
+        start_s: f64,
+        duration_s: f64,
+        teme_to_gcrs: &Rotation<Teme, Gcrs>,
+        longest_s: f64,
+    ) -> Result<Self, OrbitError> {
+        let steps = (duration_s / longest_s).ceil().max(FEWEST_STEPS);
         // An exposure of no length still needs four nodes.
         let step_s = (duration_s / steps).max(1e-3);
         let nodes = (0..=steps as usize)

@@ -65,6 +65,7 @@ pub struct Propagator {
     epoch: Epoch,
     norad_id: NoradId,
     period_s: f64,
+    eccentricity: f64,
     /// Beyond this distance from the Earth's centre the prediction is nonsense.
     farthest_km: f64,
     /// Of half-day and one-day orbits alone.
@@ -104,7 +105,15 @@ impl Propagator {
         // Two semi-major axes, a = (μ P² / 4π²)^⅓, and a tenth for what Moon and Sun may add.
         let farthest_km = 2.2 * (WGS72_MU_KM3_S2 * (period_s / TAU).powi(2)).cbrt();
         let resonance = Resonance::of(&constants);
-        Ok(Self { constants, epoch: elements.epoch, norad_id: elements.norad_id, period_s, farthest_km, resonance })
+        Ok(Self {
+            constants,
+            epoch: elements.epoch,
+            norad_id: elements.norad_id,
+            period_s,
+            eccentricity: elements.eccentricity,
+            farthest_km,
+            resonance,
+        })
     }
 
     /// Position integrated all the way from the element epoch; `None` for orbits without resonances.
@@ -155,6 +164,13 @@ impl Propagator {
     /// Orbital period at the element epoch, seconds.
     pub fn period_s(&self) -> f64 {
         self.period_s
+    }
+
+    /// Distances from the Earth's centre of perigee and apogee at the element epoch, km.
+    pub fn perigee_apogee_km(&self) -> (f64, f64) {
+        // a = (μ P² / 4π²)^⅓
+        let semi_major_axis_km = (WGS72_MU_KM3_S2 * (self.period_s / TAU).powi(2)).cbrt();
+        (semi_major_axis_km * (1.0 - self.eccentricity), semi_major_axis_km * (1.0 + self.eccentricity))
     }
 
     /// The raw answer of SGP4, sound or not, TEME, km and km/s, `minutes` after the element epoch: for verification against other implementations.

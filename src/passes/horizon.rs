@@ -2,29 +2,35 @@
 //!
 //! Altitudes are geometric (no refraction) against the WGS84 horizon of the site. The satellite is followed in steps short
 //! enough that its altitude has one extreme in three of them; every maximum that could reach the wanted altitude is closed in
-//! on, and rise and set are rooted on both sides of it. Satellites that never come near (their shell and inclination keep them
-//! below the horizon) cost nothing.
+//! on, and rise and set are rooted on both sides of it. Steps in which a satellite cannot come near are left out: its angle to the site changes no
+//! faster than at its perigee.
 
 use hifitime::Epoch;
 use rayon::prelude::*;
 
+use super::crossing::root;
 use super::look::Look;
 use super::scene::Scene;
 use super::sightline::{ObserverMotion, SightLine};
 use super::sky::{PassOptions, Sky, SkyError};
 use super::track::TrackPoint;
 use crate::catalogue::NoradId;
-use crate::constants::DAY_S;
-use crate::frames::{seconds_after, seconds_between};
+use crate::constants::{DAY_S, EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, WGS72_MU_KM3_S2};
+use crate::frames::{Gcrs, Position, seconds_after, seconds_between};
 use crate::geometry::Observer;
-use crate::orbit::{Arc, LeftOut, OrbitError, OrbitUncertainty, Propagator};
+use crate::orbit::{Arc, LeftOut, OrbitError, OrbitUncertainty, Propagator, State};
 
 /// Steps of the search are this share of the orbital period, at most [`LONGEST_STEP_S`].
 const STEPS_PER_REVOLUTION: f64 = 72.0;
 /// Longest step of the search, seconds.
 const LONGEST_STEP_S: f64 = 300.0;
-/// Rise, set and culmination are closed to this, seconds.
-const CLOSE_S: f64 = 1e-4;
+/// The Earth turns a site at this at most, rad/s, with what its precession adds.
+const SITE_TURNING_RAD_S: f64 = 7.3e-5;
+/// A geodetic vertical leans from the geocentric one by 0.193° at most; with what short-period terms move a satellite, radians.
+const VERTICAL_SLOP_RAD: f64 = 0.0125;
+/// Room for the short-period terms in radius, km, and in angular speed.
+const RADIUS_SLOP_KM: f64 = 35.0;
+const SPEED_SLOP: f64 = 1.1;
 
 /// One pass of one satellite above the horizon.
 #[derive(Clone, Debug, PartialEq)]
@@ -42,13 +48,68 @@ pub struct HorizonPass {
 }
 
 /// The satellite's altitude from SGP4 itself.
-struct Follow<'a> {
-    sky: &'a Sky,
-    scene: &'a Scene,
-    propagator: &'a Propagator,
-    minutes: f64,
-    observer: &'a Observer,
-    motion: ObserverMotion,
+pub(super) struct Follow<'a> {
+    pub sky: &'a Sky,
+    pub scene: &'a Scene,
+    pub propagator: &'a Propagator,
+    /// From the element epoch to the scene's start.
+    pub minutes: f64,
+    pub observer: &'a Observer,
+    pub motion: ObserverMotion,
+}
+
+/// One look at a satellite.
+pub(super) struct Sample {
+    pub time_s: f64,
+    pub sine: f64,
+    pub state: State<Gcrs>,
+    here: Position<Gcrs>,
+}
+
+impl Sample {
+    /// How fast it turns about the Earth's centre, at most, rad/s.
+    fn turning_rad_s(&self) -> f64 {
+        self.state.velocity.norm_km_s() / self.state.position.norm_km()
+    }
+}
+
+/// A time above the wanted altitude, seconds of the scene.
+pub(super) struct Stretch {
+    pub rise_s: Option<f64>,
+    pub top_s: f64,
+    pub set_s: Option<f64>,
+    /// How fast the satellite turns about the Earth's centre, at most, rad/s.
+    pub turning_rad_s: f64,
+}
+
+/// How long a satellite that stands too far from a site is sure to stay too low.
+struct Near {
+    /// Geocentric angle to the site within which it may stand above the limit, radians.
+    reach_rad: f64,
+    /// Fastest change of that angle, rad/s.
+    fastest_rad_s: f64,
+}
+
+impl Near {
+    fn of(propagator: &Propagator, min_altitude_rad: f64) -> Self {
+        let (perigee_km, apogee_km) = propagator.perigee_apogee_km();
+        let (perigee_km, apogee_km) = (perigee_km - RADIUS_SLOP_KM, apogee_km + RADIUS_SLOP_KM);
+        // The triangle Earth's centre, site, satellite: ψ = acos(R cos h / r) - h, largest at the apogee; the lowest site reaches farthest.
+        let lowest_km = EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING) - 11.0;
+        let share = (lowest_km * min_altitude_rad.cos() / apogee_km).min(1.0);
+        let reach_rad = share.acos() - min_altitude_rad + VERTICAL_SLOP_RAD;
+        // dν/dt = √(μ p) / r² is greatest at the perigee.
+        let parameter_km = 2.0 * perigee_km * apogee_km / (perigee_km + apogee_km);
+        let at_perigee_rad_s = (WGS72_MU_KM3_S2 * parameter_km).sqrt() / (perigee_km * perigee_km);
+        Self { reach_rad, fastest_rad_s: at_perigee_rad_s * SPEED_SLOP + SITE_TURNING_RAD_S }
+    }
+
+    /// Seconds from a sample on in which the altitude stays below the limit, 0 where it may be above it.
+    fn free_s(&self, sample: &Sample) -> f64 {
+        let (place, here) = (sample.state.position.vector(), sample.here.vector());
+        let angle_rad = place.cross(here).norm().atan2(place.dot(here));
+        ((angle_rad - self.reach_rad) / self.fastest_rad_s).max(0.0)
+    }
 }
 
 impl Sky {
@@ -106,17 +167,110 @@ impl Sky {
 
 impl Follow<'_> {
     /// Errors of the prediction at a moment, seconds of the scene.
-    fn uncertainty(&self, element_index: usize, time_s: f64) -> OrbitUncertainty {
+    pub(super) fn uncertainty(&self, element_index: usize, time_s: f64) -> OrbitUncertainty {
         let moment = seconds_after(self.scene.start, time_s);
         self.sky.uncertainty(element_index, seconds_between(self.propagator.epoch(), moment) / DAY_S)
     }
 
-    /// Sine of the altitude at a moment, seconds of the scene.
-    fn sine_of_altitude(&self, time_s: f64) -> Result<f64, OrbitError> {
+    /// The satellite at a moment, seconds of the scene: its place, how far it stands from the site as seen from the Earth's centre, and its altitude.
+    fn sample(&self, time_s: f64) -> Result<Sample, OrbitError> {
         let orientation = self.scene.orientation.at_s(time_s);
         let state = self.propagator.state_at_minutes(self.minutes + time_s / 60.0, &orientation.teme_to_gcrs)?;
         let here = self.observer.state(&orientation);
-        Ok(here.sine_of_altitude(&(state.position - here.position)))
+        let sine = here.sine_of_altitude(&(state.position - here.position));
+        Ok(Sample { time_s, sine, state, here: here.position })
+    }
+
+    /// Sine of the altitude at a moment, seconds of the scene.
+    fn sine_of_altitude(&self, time_s: f64) -> Result<f64, OrbitError> {
+        Ok(self.sample(time_s)?.sine)
+    }
+
+    /// The satellite from step to step wherever it may stand above the limit, and seldom elsewhere: from where it is too far from the site, no more
+    /// steps are left out than it needs to come near.
+    fn samples(&self, from_s: f64, until_s: f64, min_altitude_rad: f64) -> Result<(Vec<Sample>, f64), OrbitError> {
+        let span_s = until_s - from_s;
+        let steps = (span_s / (self.propagator.period_s() / STEPS_PER_REVOLUTION).min(LONGEST_STEP_S)).ceil().max(2.0);
+        let step_s = span_s / steps;
+        let near = Near::of(self.propagator, min_altitude_rad);
+        let mut samples = Vec::new();
+        let mut step = 0.0;
+        while step <= steps {
+            let sample = self.sample(from_s + step_s * step)?;
+            let free_steps = (near.free_s(&sample) / step_s).floor();
+            samples.push(sample);
+            // The last step is always looked at.
+            step = if step == steps { f64::INFINITY } else { (step + free_steps.max(1.0)).min(steps) };
+        }
+        Ok((samples, step_s))
+    }
+
+    /// Every stretch above an altitude between two moments, in order of time, of those that `is_wanted` by the samples from the last one below the
+    /// limit to the first one below it again; and how many were not.
+    pub(super) fn stretches(
+        &self,
+        (from_s, until_s): (f64, f64),
+        min_altitude_rad: f64,
+        is_wanted: &dyn Fn(&[Sample]) -> bool,
+    ) -> Result<(Vec<Stretch>, usize), OrbitError> {
+        let limit = min_altitude_rad.sin();
+        let (samples, step_s) = self.samples(from_s, until_s, min_altitude_rad)?;
+        let last = samples.len() - 1;
+        let (mut found, mut unwanted) = (Vec::new(), 0);
+        // Where the last stretch above the limit was seen to end.
+        let mut done_s = f64::NEG_INFINITY;
+        for step in 0..=last {
+            let Sample { time_s, sine, .. } = samples[step];
+            let is_beside = |other: usize| (samples[other].time_s - time_s).abs() < 1.5 * step_s;
+            // Where steps were left out the satellite was too low: before a gap already at its sample, after it no longer.
+            if step < last && !is_beside(step + 1) {
+                continue;
+            }
+            let before = if step > 0 && is_beside(step - 1) { samples[step - 1].sine } else { f64::NEG_INFINITY };
+            let after = if step < last { samples[step + 1].sine } else { f64::NEG_INFINITY };
+            if time_s < done_s || sine < before || sine < after || sine + reach(before, sine, after) < limit {
+                continue;
+            }
+            // Outwards from the top, step by step, to the first time below the limit.
+            let below = |sample: &Sample| sample.sine < limit;
+            let rise_step = (0..step).rev().find(|&at| below(&samples[at]));
+            let set_step = (step + 1..=last).find(|&at| below(&samples[at]));
+            let window = &samples[rise_step.unwrap_or(0)..=set_step.unwrap_or(last)];
+            if !is_wanted(window) {
+                // What only comes near the limit between two steps is not counted.
+                if sine >= limit {
+                    unwanted += 1;
+                    done_s = set_step.map_or(f64::INFINITY, |at| samples[at].time_s);
+                }
+                continue;
+            }
+            let around = |step: usize| {
+                ((samples[step].time_s - step_s).max(from_s), (samples[step].time_s + step_s).min(until_s))
+            };
+            let (low_s, high_s) = around(step);
+            let (mut top_s, mut top) = self.highest(low_s, high_s)?;
+            if top < limit {
+                continue;
+            }
+            let first_top_s = top_s;
+            // The top itself may lie on the other side of a sample that is below the limit.
+            let rise_from = (0..=step).rev().find(|&at| samples[at].time_s < first_top_s && below(&samples[at]));
+            let set_until = (step..=last).find(|&at| samples[at].time_s > first_top_s && below(&samples[at]));
+            let rise_s = rise_from.map(|at| self.border(samples[at].time_s, first_top_s, limit)).transpose()?;
+            let set_s = set_until.map(|at| self.border(samples[at].time_s, first_top_s, limit)).transpose()?;
+            // A stretch with several maxima (a slow or eccentric orbit) culminates at the highest of them.
+            let end = set_until.unwrap_or(last + 1);
+            for at in (step + 1)..end {
+                if samples[at].sine > top {
+                    let (low_s, high_s) = around(at);
+                    (top_s, top) = self.highest(low_s, high_s)?;
+                }
+            }
+            done_s = set_until.map_or(f64::INFINITY, |at| samples[at].time_s);
+            let turning_rad_s = window.iter().map(Sample::turning_rad_s).fold(0.0, f64::max);
+            found.push(Stretch { rise_s, top_s, set_s, turning_rad_s });
+        }
+        Ok((found, unwanted))
     }
 
     fn passes(
@@ -127,42 +281,8 @@ impl Follow<'_> {
         options: &PassOptions,
         passes: &mut Vec<HorizonPass>,
     ) -> Result<(), OrbitError> {
-        let steps = (span_s / (self.propagator.period_s() / STEPS_PER_REVOLUTION).min(LONGEST_STEP_S)).ceil().max(2.0);
-        let step_s = span_s / steps;
-        let limit = min_altitude_rad.sin();
-        let sines = (0..=steps as usize)
-            .map(|step| Ok((step_s * step as f64, self.sine_of_altitude(step_s * step as f64)?)))
-            .collect::<Result<Vec<_>, OrbitError>>()?;
-        let last = sines.len() - 1;
-        // Where each stretch above the limit was last seen to begin and end.
-        let mut done_s = f64::NEG_INFINITY;
-        for step in 0..=last {
-            let (time_s, sine) = sines[step];
-            let before = if step > 0 { sines[step - 1].1 } else { f64::NEG_INFINITY };
-            let after = if step < last { sines[step + 1].1 } else { f64::NEG_INFINITY };
-            if time_s < done_s || sine < before || sine < after || sine + reach(before, sine, after) < limit {
-                continue;
-            }
-            let (low_s, high_s) = ((time_s - step_s).max(0.0), (time_s + step_s).min(span_s));
-            let (top_s, top) = self.highest(low_s, high_s)?;
-            if top < limit {
-                continue;
-            }
-            // Outwards from the top, step by step, to the first time below the limit.
-            let rise_from = (0..=step).rev().map(|at| sines[at]).find(|(at_s, sine)| *at_s < top_s && *sine < limit);
-            let set_until = sines[step..].iter().copied().find(|(at_s, sine)| *at_s > top_s && *sine < limit);
-            let rise_s = rise_from.map(|(at_s, _)| self.border(at_s, top_s, limit)).transpose()?;
-            let set_s = set_until.map(|(at_s, _)| self.border(at_s, top_s, limit)).transpose()?;
-            // A stretch with several maxima (a slow or eccentric orbit) culminates at the highest of them.
-            let until_s = set_until.map_or(f64::INFINITY, |(at_s, _)| at_s);
-            let (mut top_s, mut top) = (top_s, top);
-            for &(at_s, sine) in sines[step + 1..].iter().take_while(|(at_s, _)| *at_s < until_s) {
-                if sine > top {
-                    (top_s, top) = self.highest((at_s - step_s).max(0.0), (at_s + step_s).min(span_s))?;
-                }
-            }
-            done_s = until_s;
-            passes.extend(self.describe(element_index, rise_s, top_s, set_s, options)?);
+        for stretch in self.stretches((0.0, span_s), min_altitude_rad, &|_| true)?.0 {
+            passes.extend(self.describe(element_index, stretch.rise_s, stretch.top_s, stretch.set_s, options)?);
         }
         Ok(())
     }
@@ -191,16 +311,12 @@ impl Follow<'_> {
     }
 
     /// Where the limit is passed between a moment below it and one above it.
-    fn border(&self, mut below_s: f64, mut above_s: f64, limit: f64) -> Result<f64, OrbitError> {
-        while (above_s - below_s).abs() > CLOSE_S {
-            let middle_s = 0.5 * (below_s + above_s);
-            if self.sine_of_altitude(middle_s)? < limit {
-                below_s = middle_s;
-            } else {
-                above_s = middle_s;
-            }
-        }
-        Ok(above_s)
+    fn border(&self, below_s: f64, above_s: f64, limit: f64) -> Result<f64, OrbitError> {
+        // SGP4 that breaks down between two moments at which it did not is told by the moments asked for next.
+        let height = |time_s: f64| self.sine_of_altitude(time_s).map_or(f64::NAN, |sine| sine - limit);
+        let ends = [below_s, above_s].map(|time_s| (time_s, height(time_s)));
+        let border_s = root(height, ends[0], ends[1]);
+        self.sample(border_s).map(|_| border_s)
     }
 
     fn describe(

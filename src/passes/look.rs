@@ -115,10 +115,7 @@ impl Look<'_> {
 
     /// True where any part of the Sun reaches the satellite at any of the points looked at.
     pub fn is_lit(&self, enter_s: f64, exit_s: f64) -> bool {
-        times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| {
-            let sun = self.scene.sun.at_s(time_s).sun;
-            self.shadow.illumination(&self.line.arc.state_at(time_s).position, &sun).lit_fraction() > 0.0
-        })
+        times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| self.illumination(time_s).lit_fraction() > 0.0)
     }
 
     /// The part of a chord in which the satellite stands above the ground, or for an observer in orbit clear of the Earth.
@@ -151,19 +148,29 @@ impl Look<'_> {
             .collect()
     }
 
+    /// How the satellite is lit at a moment.
+    pub fn illumination(&self, time_s: f64) -> Illumination {
+        self.shadow.illumination(&self.line.arc.state_at(time_s).position, &self.scene.sun.at_s(time_s).sun)
+    }
+
     /// The brightest moment; `None` where nothing is seen at any.
     pub fn peak(&self, enter_s: f64, exit_s: f64) -> Option<TrackPoint> {
+        self.peak_in_steps(enter_s, exit_s, LIGHT_STEPS)
+    }
+
+    /// The same, first looked for in so many steps.
+    pub fn peak_in_steps(&self, enter_s: f64, exit_s: f64, steps: usize) -> Option<TrackPoint> {
         let magnitude = |time_s: f64| {
             self.light(time_s)
                 .and_then(|(_, _, brightness)| brightness)
                 .map_or(f64::INFINITY, |light| light.magnitude.0)
         };
-        let best_s = times(enter_s, exit_s, LIGHT_STEPS)
+        let best_s = times(enter_s, exit_s, steps)
             .map(|time_s| (time_s, magnitude(time_s)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
             .filter(|(_, magnitude)| magnitude.is_finite())?
             .0;
-        let step_s = (exit_s - enter_s) / LIGHT_STEPS as f64;
+        let step_s = (exit_s - enter_s) / steps as f64;
         let (mut low_s, mut high_s) = ((best_s - step_s).max(enter_s), (best_s + step_s).min(exit_s));
         let golden = 0.5 * (5f64.sqrt() - 1.0);
         for _ in 0..PEAK_STEPS {

@@ -21,4 +21,4 @@ pub use instant::format_utc;
 pub use json::{Section, json_members, json_rows, write_json, write_json_lines};
 pub use provenance::Provenance;
 pub use value::{Table, Value};
-pub use votable::{votable_cells, votable_fields, votable_table};
+pub use votable::{votable_cells, votable_fields, votable_table, write_votable};

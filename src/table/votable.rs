@@ -1,5 +1,7 @@
 //! VOTable, the table of the Virtual Observatory: `FIELD`s with unit, type and meaning, rows as `TABLEDATA`.
 
+use std::io::{self, Write};
+
 use super::column::{Column, Kind};
 use super::provenance::Provenance;
 use super::value::{Table, Value};
@@ -55,6 +57,16 @@ pub fn votable_table(name: &str, table: &Table, provenance: &Provenance) -> Stri
         text += &format!("<TR>{}</TR>\n", votable_cells(&table.columns, row));
     }
     text + "</TABLEDATA></DATA>\n</TABLE>"
+}
+
+/// A whole document of one table: VOTable 1.4, as astropy and TOPCAT read it.
+///
+/// # Errors
+/// What the writer says.
+pub fn write_votable(out: &mut dyn Write, table: &Table, provenance: &Provenance) -> io::Result<()> {
+    writeln!(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>")?;
+    writeln!(out, "<VOTABLE version=\"1.4\" xmlns=\"http://www.ivoa.net/xml/VOTable/v1.3\">")?;
+    writeln!(out, "<RESOURCE>\n{}\n</RESOURCE>\n</VOTABLE>", votable_table("streakcast", table, provenance))
 }
 
 /// Text as XML takes it; control characters, which it does not take at all, become blanks.

@@ -124,4 +124,5 @@ def main(target):
     print(f"{used} satellites, {len(rows)} moments")
 
 
-main(sys.argv[1])
+if __name__ == "__main__":
+    main(sys.argv[1])

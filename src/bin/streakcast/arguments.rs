@@ -10,6 +10,7 @@ use crate::doctor_arguments::DoctorArguments;
 #[cfg(feature = "fetch")]
 use crate::fetch_arguments::FetchArguments;
 use crate::fit_arguments::FitArguments;
+use crate::forecast_arguments::ForecastArguments;
 use crate::gate_arguments::GateArguments;
 use crate::identify_arguments::IdentifyArguments;
 #[cfg(feature = "fits")]
@@ -18,6 +19,7 @@ use crate::map_arguments::MapArguments;
 use crate::output::Output;
 #[cfg(feature = "serve")]
 use crate::serve_arguments::ServeArguments;
+use crate::statistics_arguments::{ReproduceArguments, StatisticsArguments};
 use crate::window_arguments::WindowsArguments;
 
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
@@ -38,6 +40,8 @@ pub enum Verb {
     Annotate(Box<AnnotateArguments>),
     /// From when to when targets can be exposed without any satellite that matters
     Windows(Box<WindowsArguments>),
+    /// Every visible pass of a night: rise, culmination, set, shadow, peak magnitude
+    Forecast(Box<ForecastArguments>),
     /// Waits until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
     /// Which satellite a measured streak is of: ranked candidates
@@ -55,6 +59,10 @@ pub enum Verb {
     /// A page and an HTTP API on this machine: the schedule's night, and what another start would meet
     #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
+    /// How many satellites are lit over a site, how bright, and how many trails an exposure gets
+    Statistics(Box<StatisticsArguments>),
+    /// A paper's counts beside ours
+    Reproduce(ReproduceArguments),
     /// The brightness models: list, show, check
     Model(ModelArguments),
     /// What would be wrong tonight: element ages, Earth orientation, clock, site, models, cache
@@ -143,7 +151,7 @@ pub struct SharedArguments {
 
 #[derive(Args)]
 pub struct OutputArguments {
-    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl
+    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
     /// File to write, whole or not at all; standard output where unsaid

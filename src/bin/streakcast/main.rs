@@ -7,6 +7,7 @@ mod failure;
 #[cfg(feature = "fetch")]
 mod fetch_arguments;
 mod fit_arguments;
+mod forecast_arguments;
 mod gate_arguments;
 mod identify_arguments;
 #[cfg(feature = "fits")]
@@ -18,6 +19,7 @@ mod output;
 mod screen;
 #[cfg(feature = "serve")]
 mod serve_arguments;
+mod statistics_arguments;
 mod verbs;
 mod window_arguments;
 
@@ -38,6 +40,7 @@ fn main() -> ExitCode {
         Verb::Flag(typed) => verbs::flag::run(*typed),
         Verb::Annotate(typed) => verbs::annotate::run(*typed),
         Verb::Windows(typed) => verbs::windows::run(*typed),
+        Verb::Forecast(typed) => verbs::forecast::run(*typed),
         Verb::Gate(typed) => verbs::gate::run(*typed),
         Verb::Identify(typed) => verbs::identify::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
@@ -50,6 +53,8 @@ fn main() -> ExitCode {
         Verb::Serve(typed) => verbs::serve::run(*typed),
         Verb::Model(typed) => verbs::model::run(typed),
         Verb::Doctor(typed) => verbs::doctor::run(*typed),
+        Verb::Statistics(typed) => verbs::statistics::run(*typed),
+        Verb::Reproduce(typed) => verbs::reproduce::run(typed),
         Verb::Sites(typed) => verbs::sites::run(&typed),
         Verb::Shells(typed) => verbs::shells::run(&typed),
     })

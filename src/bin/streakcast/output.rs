@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use streakcast::table::{
     Provenance, Section, Table, check_target, write_atomically, write_csv, write_ecsv, write_json, write_json_lines,
+    write_votable,
 };
 
 use crate::screen::{Shown, Style, render};
@@ -22,10 +23,11 @@ pub enum Format {
     Ecsv,
     Json,
     JsonLines,
+    VoTable,
 }
 
 /// Their names.
-pub const FORMATS: &str = "table, csv, ecsv, json, jsonl";
+pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable";
 
 impl Format {
     pub fn by_name(name: &str) -> Option<Self> {
@@ -35,6 +37,7 @@ impl Format {
             "ecsv" => Some(Format::Ecsv),
             "json" => Some(Format::Json),
             "jsonl" => Some(Format::JsonLines),
+            "votable" | "vot" => Some(Format::VoTable),
             _ => None,
         }
     }
@@ -97,6 +100,7 @@ impl Output {
             Format::Ecsv => write_ecsv(out, answer.main, answer.provenance),
             Format::Json => write_json(out, &answer.sections, answer.provenance),
             Format::JsonLines => write_json_lines(out, answer.main, answer.provenance),
+            Format::VoTable => write_votable(out, answer.main, answer.provenance),
         })
     }
 

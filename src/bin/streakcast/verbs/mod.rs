@@ -6,6 +6,7 @@ pub mod doctor;
 pub mod fetch;
 pub mod fit;
 pub mod flag;
+pub mod forecast;
 pub mod gate;
 pub mod identify;
 #[cfg(feature = "fits")]
@@ -13,9 +14,12 @@ pub mod inject;
 mod judged;
 pub mod map;
 pub mod model;
+mod night;
 pub mod passes;
 #[cfg(feature = "serve")]
 pub mod serve;
+pub mod reproduce;
 pub mod shells;
 pub mod sites;
+pub mod statistics;
 pub mod windows;

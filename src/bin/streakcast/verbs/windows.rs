@@ -1,14 +1,12 @@
 //! `windows`: from when to when targets can be exposed without any satellite that matters.
 
 use anyhow::anyhow;
-use hifitime::Epoch;
 use serde_json::json;
-use streakcast::frames::seconds_between;
 use streakcast::schedule::{
     Blocking, FlagRequest, FoundWindows, ListedTarget, WindowReport, WindowRequest, WindowShape, WindowTarget,
-    clear_windows, night_of, parse_instant, read_targets, window_table, window_target_table,
+    clear_windows, read_targets, window_table, window_target_table,
 };
-use streakcast::setup::{Setup, parse_duration_s, parse_moment};
+use streakcast::setup::parse_duration_s;
 use streakcast::table::{Section, format_utc};
 
 use super::judged::{begin, field_said, state_scales};
@@ -26,9 +24,6 @@ const ON_SCREEN: &[Shown] = &[
     rounded("exposure_s", "exposure s", 1),
 ];
 
-/// The longest range that is looked through at once, seconds: a month.
-const LONGEST_RANGE_S: f64 = 31.0 * 86_400.0;
-
 pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let setup = typed.shared.setup(typed.rules.setup())?;
     let shape = typed.output.format.as_deref().and_then(WindowShape::by_name);
@@ -41,7 +36,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             })?,
     };
     let notices = begin(&setup)?;
-    let (from, to) = range(&typed, &setup)?;
+    let (from, to) = super::night::range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &setup)?;
     let (field, telescope, policy, photometry) =
         (setup.field_of_view()?, setup.telescope()?, setup.policy()?, setup.photometry()?);
     if policy.max_lost_fraction.is_some() {
@@ -121,28 +116,6 @@ fn found<'a>(listed: &'a [ListedTarget], report: &'a WindowReport) -> Vec<FoundW
         .iter()
         .map(|listed| FoundWindows { listed, found: listed.target.as_ref().ok().and_then(|_| answers.next()) })
         .collect()
-}
-
-fn range(typed: &WindowsArguments, setup: &Setup) -> anyhow::Result<(Epoch, Epoch)> {
-    let (from, to) = match (&typed.night, &typed.start, &typed.end) {
-        (Some(night), ..) => {
-            let evening = parse_instant(&format!("{night}T12:00:00Z"), None).map_err(|_| {
-                anyhow!("night '{night}' is not a date; allowed: the evening's local date, as 2024-08-14")
-            })?;
-            night_of(evening, setup.site()?.longitude_rad)
-        }
-        (None, Some(start), Some(end)) => {
-            let scale = setup.time_scale()?;
-            (parse_moment(start, scale)?, parse_moment(end, scale)?)
-        }
-        _ => return Err(anyhow!("no time; say --night 2024-08-14, or --start and --end")),
-    };
-    let length_s = seconds_between(from, to);
-    if !(0.0..=LONGEST_RANGE_S).contains(&length_s) {
-        let (from, to) = (format_utc(from, 0), format_utc(to, 0));
-        return Err(anyhow!("{from} to {to}: allowed 0 to 31 days, the end not before the start"));
-    }
-    Ok((from, to))
 }
 
 fn in_degrees(what: &str, angle_deg: f64) -> anyhow::Result<f64> {

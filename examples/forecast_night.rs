@@ -1,0 +1,57 @@
+//! The visible passes of a night under a synthetic constellation, by the library alone: `cargo run --example forecast_night`.
+//!
+//! With real element sets, the line that makes `elements` becomes `Catalogue::read(&paths, &ReadOptions::default())?.element_sets`.
+
+use std::error::Error;
+
+use streakcast::catalogue::Constellation;
+use streakcast::forecast::{ForecastRequest, PassRow, Selection, compass, forecast};
+use streakcast::frames::EopTable;
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::{ModelChoice, Sky, TrackPoint};
+use streakcast::photometry::ModelLibrary;
+use streakcast::schedule::{night_of, parse_instant};
+use streakcast::table::format_utc;
+
+fn main() -> Result<(), Box<dyn Error>> {
+    // 1. Who is up there, who looks, and which night: from noon to noon at the site.
+    let noon = parse_instant("2026-08-14T12:00:00Z", None)?;
+    let elements = Constellation::by_name("starlink-gen1")?.element_sets(noon);
+    let site = Site::by_mpc_code("X05")?;
+    let (from, to) = night_of(noon, site.longitude_rad);
+    let sky =
+        Sky::new(elements, Observer::new(site), EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
+
+    // 2. What is asked: passes brighter than magnitude 4.5 that reach 40 degrees, with five points along each.
+    let request = ForecastRequest {
+        max_magnitude: Some(4.5),
+        min_culmination_rad: 40.0_f64.to_radians(),
+        samples: 5,
+        ..ForecastRequest::new(from, to)
+    };
+    let answer = forecast(&sky, &request, &Selection::default())?;
+    println!("dark for {:.1} h; {} passes", answer.night.dark_s() / 3600.0, answer.found.passes.len());
+
+    // 3. Each pass: where it can be seen first, highest and last, and its light.
+    for pass in answer.found.passes.iter().take(5) {
+        let row = PassRow { pass, elements: &sky.elements()[pass.element_index] };
+        let Some(seen) = &pass.visible else { continue };
+        println!("{} until the {}", row.name(), row.ends_by().unwrap_or("end"));
+        for (what, point) in [("from", &seen.begin), ("over", &seen.highest), ("to", &seen.end)] {
+            println!("    {what:4} {}", words(point));
+        }
+        for point in &pass.samples {
+            let magnitude = point.brightness.as_ref().map(|light| format!("{:.2}", light.magnitude.0));
+            println!("    {} {}", format_utc(point.epoch, 0), magnitude.as_deref().unwrap_or("dark"));
+        }
+    }
+    if let Some(why) = answer.why_empty("Rubin Observatory", &request) {
+        println!("no passes: {why}");
+    }
+    Ok(())
+}
+
+fn words(point: &TrackPoint) -> String {
+    let (altitude_rad, azimuth_rad) = (point.altitude_rad.unwrap_or(f64::NAN), point.azimuth_rad.unwrap_or(f64::NAN));
+    format!("{} {:3.0} deg {}", format_utc(point.epoch, 0), altitude_rad.to_degrees(), compass(azimuth_rad))
+}

@@ -1,0 +1,261 @@
+//! `forecast`: every visible pass of a night over a site.
+
+use anyhow::anyhow;
+use hifitime::Epoch;
+use serde_json::json;
+use streakcast::catalogue::Generation;
+use streakcast::forecast::{
+    AngleType, Forecast, ForecastRequest, PassRow, Selection, calendar, forecast, light_curve_table, night_table,
+    pass_table, readable_table, score_report, tdm,
+};
+use streakcast::geometry::Site;
+use streakcast::passes::SkyError;
+use streakcast::setup::{Prepared, Setup, parse_duration_s};
+use streakcast::table::{Section, format_utc};
+
+use super::judged::{begin, state_scales};
+use super::passes::left_out_table;
+use crate::failure::Outcome;
+use crate::forecast_arguments::ForecastArguments;
+use crate::output::{Answer, FORMATS, Output};
+use crate::screen::{Shown, Style, rounded, shown};
+
+/// Points of a light curve where nothing else is said.
+const LIGHT_CURVE_SAMPLES: usize = 61;
+/// No clock is farther from UTC, seconds.
+const FARTHEST_CLOCK_S: f64 = 14.0 * 3600.0;
+
+const BY_UTC: &[Shown] = &on_screen("start (UTC)", "highest (UTC)", "end (UTC)");
+const BY_LOCAL_TIME: &[Shown] = &on_screen("start (local)", "highest (local)", "end (local)");
+
+const fn on_screen(start: &'static str, highest: &'static str, end: &'static str) -> [Shown; 16] {
+    [
+        shown("date", "date"),
+        shown("satellite", "satellite"),
+        rounded("magnitude", "mag", 1),
+        rounded("sigma", "sigma", 1),
+        shown("start", start),
+        shown("start_altitude", "alt"),
+        shown("start_azimuth", "az"),
+        shown("highest", highest),
+        shown("highest_altitude", "alt"),
+        shown("highest_azimuth", "az"),
+        shown("end", end),
+        shown("end_altitude", "alt"),
+        shown("end_azimuth", "az"),
+        shown("ends_by", "ends by"),
+        shown("norad_id", "norad"),
+        shown("mag_source", "source"),
+    ]
+}
+
+/// Files that are no tables.
+#[derive(Copy, Clone, PartialEq, Eq)]
+enum Document {
+    Calendar,
+    TrackingData,
+    Score,
+}
+
+impl Document {
+    fn by_name(name: &str) -> Option<Self> {
+        match name {
+            "ics" => Some(Self::Calendar),
+            "tdm" => Some(Self::TrackingData),
+            "score" => Some(Self::Score),
+            _ => None,
+        }
+    }
+}
+
+pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
+    let setup = typed.shared.setup(Setup::default())?;
+    let (output, document) = open(&typed, &setup)?;
+    let curves = typed.light_curves.clone().map(|path| Output::new(None, Some(path))).transpose()?;
+    let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
+    let offset_s = typed.utc_offset.as_deref().map(parse_offset_s).transpose()?;
+    let angles = AngleType::by_name(&typed.angle_type)
+        .ok_or_else(|| anyhow!("angle-type '{}' is not known; allowed: radec, azel", typed.angle_type))?;
+    let selection = selection(&typed)?;
+    let notices = begin(&setup)?;
+    let (from, to) = super::night::range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &setup)?;
+    let unsaid_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
+    let request = ForecastRequest {
+        max_sun_altitude_rad: Some(typed.sun_altitude_deg.to_radians()),
+        min_altitude_rad: typed.min_altitude.to_radians(),
+        min_culmination_rad: typed.min_culmination.to_radians(),
+        max_magnitude: typed.max_mag,
+        include_dark: typed.include_dark,
+        samples: typed.samples.or(setup.samples).unwrap_or(unsaid_samples),
+        photometry: setup.photometry()?,
+        ..ForecastRequest::new(from, to)
+    };
+    request.check()?;
+
+    let mut prepared = setup.prepare(from, to)?;
+    notices.warn(&prepared.warnings);
+    let found = forecast(&prepared.sky, &request, &selection)?;
+    notices.warn(&prepared.left_out_warning(&found.found.left_out, from)?);
+    state(&mut prepared, &setup, &typed, &request);
+    let site = site_of(&prepared)?;
+    // Coordinates alone have no name.
+    let place = if site.name == "site" { "the site" } else { &site.name };
+    let why_empty = found.why_empty(place, &request);
+
+    let elements = prepared.sky.elements();
+    let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
+    if let Some(curves) = &curves {
+        let table = light_curve_table(rows());
+        curves.write(&Answer {
+            sections: vec![Section { name: "light_curves", table: &table }],
+            main: &table,
+            provenance: &prepared.provenance,
+            style: Style { columns: &[], bold_row: None },
+        })?;
+    }
+    match document {
+        Some(Document::Calendar) => output.write_text(&calendar(rows(), &site, now()?, alarm_s))?,
+        Some(Document::TrackingData) => output.write_text(&tdm(rows(), &site, now()?, angles, &prepared.provenance))?,
+        Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry))?,
+        None => {
+            let readable = readable_table(rows(), offset_s.unwrap_or(0.0));
+            let passes = pass_table(rows(), output.is_json(), output.is_json() && request.samples > 0);
+            let columns = if offset_s.is_some() { BY_LOCAL_TIME } else { BY_UTC };
+            output.write(&Answer {
+                sections: vec![
+                    Section { name: "night", table: &night_table(&found, why_empty.as_deref()) },
+                    Section { name: "passes", table: &passes },
+                    Section { name: "left_out", table: &left_out_table(&found.found.left_out) },
+                ],
+                main: if output.is_table() { &readable } else { &passes },
+                provenance: &prepared.provenance,
+                style: Style { columns, bold_row: brightest(&found) },
+            })?;
+        }
+    }
+    match why_empty {
+        Some(why) => notices.say(&format!("no passes: {why}")),
+        None => notices.say(&summary(&found)),
+    }
+    Ok(Outcome::Done)
+}
+
+fn open(typed: &ForecastArguments, setup: &Setup) -> anyhow::Result<(Output, Option<Document>)> {
+    let path = typed.output.output.clone();
+    let extension = path.as_ref().and_then(|path| path.extension()).and_then(|name| name.to_str());
+    let said = typed.output.format.as_deref().or(setup.format.as_deref());
+    match said.or(extension).and_then(Document::by_name) {
+        // A text of its own.
+        Some(document) => Ok((Output::new(Some("json"), path)?, Some(document))),
+        None => {
+            let output = Output::new(said, path).map_err(|error| {
+                anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, ics, tdm, score")))
+            })?;
+            Ok((output, None))
+        }
+    }
+}
+
+fn selection(typed: &ForecastArguments) -> anyhow::Result<Selection> {
+    let kind = |name: &String| {
+        Generation::by_name(name).ok_or_else(|| {
+            let known = Generation::ALL.map(Generation::name).join(", ");
+            anyhow!("generation '{name}' is not known; allowed: {known}")
+        })
+    };
+    Ok(Selection {
+        generations: typed.generation.iter().map(kind).collect::<anyhow::Result<_>>()?,
+        names: typed.name.clone(),
+        norad_ids: typed.norad.clone(),
+    })
+}
+
+/// `+01:00`, `-4:30`, `+5`, `Z`: seconds ahead of UTC.
+fn parse_offset_s(text: &str) -> anyhow::Result<f64> {
+    let bad =
+        || anyhow!("utc-offset '{text}'; allowed: hours and minutes ahead of UTC from -14:00 to +14:00, as +01:00");
+    if text.eq_ignore_ascii_case("z") {
+        return Ok(0.0);
+    }
+    let (sign, rest) = match (text.strip_prefix('+'), text.strip_prefix(['-', '\u{2212}'])) {
+        (Some(rest), _) => (1.0, rest),
+        (_, Some(rest)) => (-1.0, rest),
+        _ => (1.0, text),
+    };
+    let (hours, minutes) = rest.split_once(':').unwrap_or((rest, "0"));
+    let whole = |text: &str| text.parse::<u8>().ok().filter(|_| text.bytes().all(|byte| byte.is_ascii_digit()));
+    let (hours, minutes) =
+        (whole(hours).ok_or_else(bad)?, whole(minutes).filter(|minutes| *minutes < 60).ok_or_else(bad)?);
+    let seconds = f64::from(hours) * 3600.0 + f64::from(minutes) * 60.0;
+    if seconds <= FARTHEST_CLOCK_S { Ok(sign * seconds) } else { Err(bad()) }
+}
+
+fn site_of(prepared: &Prepared) -> anyhow::Result<Site> {
+    let viewpoint = prepared.sky.viewpoint();
+    let observer = viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: viewpoint.name() })?;
+    Ok(observer.site().clone())
+}
+
+fn now() -> anyhow::Result<Epoch> {
+    Ok(Epoch::now()?)
+}
+
+fn state(prepared: &mut Prepared, setup: &Setup, typed: &ForecastArguments, request: &ForecastRequest) {
+    let scale = setup.said_time_scale().unwrap_or("utc").to_ascii_lowercase();
+    state_scales(&mut prepared.provenance, &scale, &request.photometry);
+    prepared.provenance.state(
+        "options",
+        json!({
+            "night": typed.night,
+            "start_utc": format_utc(request.start, 3),
+            "end_utc": format_utc(request.end, 3),
+            "sun_altitude_deg": typed.sun_altitude_deg,
+            "min_altitude_deg": typed.min_altitude,
+            "min_culmination_deg": typed.min_culmination,
+            "max_mag": typed.max_mag,
+            "generation": typed.generation,
+            "name": typed.name,
+            "norad": typed.norad,
+            "include_dark": typed.include_dark,
+            "samples": request.samples,
+        }),
+    );
+}
+
+/// The row of the brightest pass.
+fn brightest(found: &Forecast) -> Option<usize> {
+    let magnitude =
+        |row: usize| Some(found.found.passes[row].visible.as_ref()?.peak.as_ref()?.brightness.as_ref()?.magnitude.0);
+    let bright = (0..found.found.passes.len()).filter_map(|row| Some((row, magnitude(row)?)));
+    bright.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(row, _)| row)
+}
+
+fn summary(found: &Forecast) -> String {
+    let passes = &found.found.passes;
+    let satellites: std::collections::BTreeSet<_> = passes.iter().map(|pass| pass.element_index).collect();
+    let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
+    let passes = counted(passes.len(), "pass", "passes");
+    format!("{passes} of {}", counted(satellites.len(), "satellite", "satellites"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_of_clocks() {
+        for (text, seconds) in [
+            ("+01:00", 3600.0),
+            ("-4", -14_400.0),
+            ("5:45", 20_700.0),
+            ("Z", 0.0),
+            ("-03:30", -12_600.0),
+            ("+14:00", 50_400.0),
+        ] {
+            assert_eq!(parse_offset_s(text).unwrap(), seconds, "{text}");
+        }
+        for text in ["", "+", "CET", "+15:00", "+1:60", "1:2:3", "+-1", "1.5"] {
+            assert!(parse_offset_s(text).is_err(), "{text}");
+        }
+    }
+}

@@ -1,0 +1,163 @@
+//! `reproduce`: a paper's counts beside ours.
+
+use anyhow::anyhow;
+use hifitime::Epoch;
+use serde_json::json;
+use streakcast::catalogue::Constellation;
+use streakcast::forecast::{
+    HU2022, Night, Reproduced, bassa2022, hu2022, lu2024b, lu2024b_constellations, reproduced_table,
+};
+use streakcast::frames::{EopTable, seconds_after};
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
+use streakcast::photometry::ModelLibrary;
+use streakcast::schedule::{Schedule, night_of, parse_instant};
+use streakcast::setup::{OneOrMany, Setup};
+use streakcast::table::{Provenance, Section, format_utc};
+
+use super::judged::begin;
+use crate::failure::Outcome;
+use crate::output::{Answer, Output};
+use crate::screen::{Shown, Style, rounded, shown};
+use crate::statistics_arguments::{Paper, ReproduceArguments};
+
+const ON_SCREEN: &[Shown] = &[
+    shown("quantity", "quantity"),
+    shown("unit", "unit"),
+    rounded("published", "published", 2),
+    rounded("ours", "ours", 2),
+    rounded("ours_sigma", "+-", 2),
+    rounded("difference_percent", "difference %", 1),
+    shown("agrees", "within 20 %"),
+];
+
+/// Rubin's field, degrees across.
+const RUBIN_FIELD_DEG: f64 = 3.5;
+/// The Sun's altitude below which Lu's satellites are counted here, degrees.
+const LU_SUN_DEG: f64 = -12.0;
+/// Between two moments of a night, seconds.
+const LU_STEP_S: f64 = 1200.0;
+
+pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
+    let setup = Setup {
+        time_scale: typed.time_scale.clone(),
+        threads: typed.threads,
+        quiet: typed.quiet.then_some(true),
+        mpc: Some("X05".to_owned()),
+        ..Setup::default()
+    };
+    let output = Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output.clone())?;
+    let notices = begin(&setup)?;
+    let mut provenance = Provenance::new();
+    provenance.state("synthetic", true);
+    let rows = match typed.paper {
+        Paper::Hu2022 => {
+            let path = typed.schedule.as_ref().ok_or_else(|| {
+                anyhow!(
+                    "hu2022 needs visits of LSST; say --schedule FILE (opsim SQLite of a baseline) and --time-scale utc"
+                )
+            })?;
+            let schedule = Schedule::read(path, &setup.schedule_options()?)?;
+            let exposures: Vec<Exposure> = schedule.judged().map(|(_, exposure)| exposure.clone()).collect();
+            provenance.state("schedule", json!({ "file": path.display().to_string(), "visits": exposures.len() }));
+            of_hu(&setup, &exposures)?
+        }
+        Paper::Lu2024b => of_lu()?,
+        Paper::Bassa2022 => of_bassa()?,
+    };
+    let table = reproduced_table(&rows);
+    output.write(&Answer {
+        sections: vec![Section { name: "reproduced", table: &table }],
+        main: &table,
+        provenance: &provenance,
+        style: Style { columns: ON_SCREEN, bold_row: None },
+    })?;
+    let mut told: Vec<&str> = Vec::new();
+    for row in &rows {
+        for words in [row.source, row.assumed.as_str()] {
+            if !told.contains(&words) {
+                told.push(words);
+                notices.say(words);
+            }
+        }
+    }
+    Ok(Outcome::Done)
+}
+
+fn of_hu(setup: &Setup, exposures: &[Exposure]) -> anyhow::Result<Vec<Reproduced>> {
+    let span = exposures.iter().map(|one| one.start).min().zip(exposures.iter().map(|one| one.start).max());
+    let (first, last) = span.ok_or_else(|| anyhow!("the schedule has no visit that can be judged"))?;
+    let field = Field::circle(RUBIN_FIELD_DEG.to_radians())?;
+    let assumed = format!(
+        "ours: {} visits from {} to {}, a circular field of {RUBIN_FIELD_DEG} deg, every lit satellite whatever its magnitude, shells of this library; \
+         theirs: the visits of a year",
+        exposures.len(),
+        format_utc(first, 0),
+        format_utc(last, 0)
+    );
+    HU2022
+        .iter()
+        .map(|(name, _)| {
+            let one = Setup { shells: Some(OneOrMany::One((*name).to_owned())), ..setup.clone() };
+            let prepared = one.prepare(first, last)?;
+            Ok(hu2022(name, &prepared.sky, exposures, &field, &assumed)?)
+        })
+        .collect()
+}
+
+fn sky_of(constellations: &[Constellation], site: Site, epoch: Epoch) -> anyhow::Result<Sky> {
+    let elements = constellations.iter().flat_map(|one| one.element_sets(epoch)).collect();
+    let choice = ModelChoice::new(&ModelLibrary::embedded())?;
+    Ok(Sky::new(elements, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice))
+}
+
+fn of_lu() -> anyhow::Result<Vec<Reproduced>> {
+    let constellations = lu2024b_constellations()?;
+    let site = Site::by_mpc_code("X05")?;
+    let assumed = format!(
+        "ours: Rubin Observatory, the 15th of each month of 2025 every {:.0} min with the Sun below {LU_SUN_DEG} deg, all lit satellites above the altitude \
+         alike; our model of V1.5, fitted to other photometry than the paper's; the paper's abstract names neither altitude nor hours",
+        LU_STEP_S / 60.0
+    );
+    let mut sums: Option<Vec<Reproduced>> = None;
+    let mut moments = Vec::new();
+    let mut sky = None;
+    for month in 1..=12 {
+        let evening = parse_instant(&format!("2025-{month:02}-15T12:00:00Z"), None)?;
+        let (from, to) = night_of(evening, site.longitude_rad);
+        if sky.is_none() {
+            sky = Some(sky_of(&constellations, site.clone(), from)?);
+        }
+        let Some(sky) = &sky else { continue };
+        for (from, until) in Night::over(sky, from, to, Some(LU_SUN_DEG.to_radians()))?.dark {
+            let mut moment = from;
+            while moment < until {
+                moments.push(moment);
+                moment = seconds_after(moment, LU_STEP_S);
+            }
+        }
+    }
+    if let Some(sky) = &sky {
+        let rows = [(20.0_f64, true), (0.0, false), (30.0, false)]
+            .iter()
+            .map(|&(altitude_deg, is_theirs)| lu2024b(sky, &moments, altitude_deg.to_radians(), is_theirs, &assumed))
+            .collect::<Result<_, _>>()?;
+        sums = Some(rows);
+    }
+    Ok(sums.unwrap_or_default())
+}
+
+fn of_bassa() -> anyhow::Result<Vec<Reproduced>> {
+    let start = parse_instant("2025-03-20T00:00:00Z", None)?;
+    let assumed = "ours: SGP4 on the shells of this library over Paranal, the mean of 144 moments of a day; of the paper only the method is compared, no \
+                   printed count";
+    let mut rows = Vec::new();
+    for name in ["starlink-gen1", "starlink-gen2", "oneweb", "kuiper", "guowang"] {
+        let constellation = Constellation::by_name(name)?;
+        let sky = sky_of(std::slice::from_ref(&constellation), Site::by_name("Paranal")?, start)?;
+        for altitude_deg in [0.0_f64, 20.0, 30.0] {
+            rows.push(bassa2022(&constellation, &sky, start, altitude_deg.to_radians(), assumed)?);
+        }
+    }
+    Ok(rows)
+}

@@ -1,0 +1,128 @@
+//! `statistics`: how many satellites are lit over a site, how bright, and how many trails an exposure gets.
+
+use anyhow::anyhow;
+use serde_json::json;
+use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
+use streakcast::setup::{Setup, parse_angle_deg, parse_duration_s};
+use streakcast::table::{Section, format_utc};
+
+use super::judged::{begin, state_scales};
+use super::passes::left_out_table;
+use crate::failure::Outcome;
+use crate::output::{Answer, Output};
+use crate::screen::{Shown, Style, rounded, shown};
+use crate::statistics_arguments::StatisticsArguments;
+
+/// The field where none is said: that of Rubin Observatory.
+const FIELD: &str = "3.5deg";
+
+const ON_SCREEN: &[Shown] = &[
+    rounded("utc", "time (UTC)", 0),
+    shown("twilight", "twilight"),
+    rounded("latitude_deg", "latitude", 1),
+    rounded("sun_altitude_deg", "Sun deg", 0),
+    rounded("min_altitude_deg", "above deg", 0),
+    rounded("above", "satellites", 1),
+    rounded("lit", "lit", 1),
+    rounded("brighter_than_4", "< 4 mag", 1),
+    rounded("brighter_than_5", "< 5", 1),
+    rounded("brighter_than_6", "< 6", 1),
+    rounded("brighter_than_7", "< 7", 1),
+    rounded("brighter_than_8", "< 8", 1),
+    rounded("trails_per_exposure", "trails", 4),
+    rounded("streaked_share", "streaked", 4),
+];
+
+pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
+    let setup = typed.shared.setup(Setup::default())?;
+    let output = Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output.clone())?;
+    if setup.field.is_some() {
+        return Err(anyhow!("statistics takes no --field; allowed: a circle, as --fov {FIELD}"));
+    }
+    let fov = setup.fov.as_ref().map_or_else(|| FIELD.to_owned(), |fov| fov.text());
+    let field_rad = parse_angle_deg("fov", &fov)?.to_radians();
+    let exposure_s = parse_duration_s("exposure", &typed.exposure)?;
+    let spread_s = parse_duration_s("spread", &typed.spread)?;
+    let photometry = setup.photometry()?;
+    let notices = begin(&setup)?;
+    let site = setup.site()?;
+    let radians = |angles: &[f64]| angles.iter().map(|angle| angle.to_radians()).collect::<Vec<_>>();
+    let latitudes_deg =
+        if typed.latitudes.is_empty() { vec![None] } else { typed.latitudes.iter().map(|one| Some(*one)).collect() };
+    let mut found: Vec<(f64, StatisticsRequest, Vec<SkyCount>)> = Vec::new();
+    let (mut first, mut left_out) = (None, Vec::new());
+    for night in &typed.night {
+        for latitude_deg in &latitudes_deg {
+            let place = match latitude_deg {
+                Some(latitude_deg) => Setup {
+                    site: None,
+                    mpc: None,
+                    lat: Some(*latitude_deg),
+                    lon: Some(site.longitude_rad.to_degrees()),
+                    height: Some(site.height_m),
+                    ..setup.clone()
+                },
+                None => setup.clone(),
+            };
+            let (start, end) = super::night::range(Some(night), None, None, &place)?;
+            let prepared = place.prepare(start, end)?;
+            let request = StatisticsRequest {
+                start,
+                end,
+                sun_altitudes_rad: radians(&typed.sun_altitudes),
+                min_altitudes_rad: radians(&typed.min_altitudes),
+                field_rad,
+                exposure_s,
+                moments: typed.moments,
+                spread_s,
+                photometry,
+            };
+            let (counts, missed, without) = sky_counts(&prepared.sky, &request)?;
+            let latitude_rad = place.site()?.latitude_rad;
+            if !missed.is_empty() {
+                let missed: Vec<String> = missed.iter().map(|sun_rad| format!("{:.0}", sun_rad.to_degrees())).collect();
+                notices.warn(&[format!(
+                    "in the night of {night} at latitude {:.1} deg the Sun does not go through {} deg",
+                    latitude_rad.to_degrees(),
+                    missed.join(", ")
+                )]);
+            }
+            found.push((latitude_rad, request, counts));
+            if first.is_none() {
+                notices.warn(&prepared.warnings);
+                notices.warn(&prepared.left_out_warning(&without, start)?);
+                left_out = without;
+                first = Some(prepared);
+            }
+        }
+    }
+    let mut provenance = first.map(|prepared| prepared.provenance).unwrap_or_default();
+    let scale = setup.said_time_scale().unwrap_or("utc").to_ascii_lowercase();
+    state_scales(&mut provenance, &scale, &photometry);
+    provenance.state(
+        "options",
+        json!({
+            "nights": typed.night,
+            "latitudes_deg": typed.latitudes,
+            "field": fov,
+            "exposure_s": exposure_s,
+            "moments": typed.moments,
+            "spread_s": spread_s,
+            "first_utc": found.first().map(|(_, request, _)| format_utc(request.start, 0)),
+        }),
+    );
+    let table =
+        statistics_table(found.iter().flat_map(|(latitude_rad, request, counts)| {
+            counts.iter().map(move |count| (*latitude_rad, request, count))
+        }));
+    output.write(&Answer {
+        sections: vec![
+            Section { name: "statistics", table: &table },
+            Section { name: "left_out", table: &left_out_table(&left_out) },
+        ],
+        main: &table,
+        provenance: &provenance,
+        style: Style { columns: ON_SCREEN, bold_row: None },
+    })?;
+    Ok(Outcome::Done)
+}

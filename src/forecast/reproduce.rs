@@ -1,0 +1,247 @@
+//! Published counts beside ours: what a paper says, what comes out here under assumptions that are stated, and the difference.
+
+use std::f64::consts::{FRAC_PI_2, PI};
+
+use hifitime::Epoch;
+
+use super::error::ForecastError;
+use crate::catalogue::{Constellation, Shell, ShellError};
+use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
+use crate::frames::seconds_after;
+use crate::passes::{Exposure, Field, PassOptions, Sky};
+use crate::photometry::PhotometryOptions;
+use crate::table::{Column, Kind, Table};
+
+/// A number that agrees is within this of the published one, percent.
+pub const AGREES_PERCENT: f64 = 20.0;
+
+/// A published number and ours.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Reproduced {
+    /// What is counted.
+    pub quantity: String,
+    /// Unit; empty for a number of satellites.
+    pub unit: &'static str,
+    /// As published; `None` for a number that only stands beside to show how ours depends on an assumption.
+    pub published: Option<f64>,
+    /// Ours.
+    pub ours: f64,
+    /// One sigma of ours by counting, where it is a count.
+    pub ours_sigma: Option<f64>,
+    /// Where the published number stands.
+    pub source: &'static str,
+    /// What was assumed here.
+    pub assumed: String,
+}
+
+impl Reproduced {
+    /// Ours less published, percent of the published.
+    pub fn difference_percent(&self) -> Option<f64> {
+        self.published.map(|published| 100.0 * (self.ours - published) / published)
+    }
+}
+
+/// Visits of the first year of LSST with a streak, percent: Hu et al. (2022, ApJL 941, L15), no avoidance.
+pub const HU2022: [(&str, f64); 3] = [("starlink-gen1", 1.66), ("starlink-gen2", 8.69), ("oneweb", 10.63)];
+const HU2022_SOURCE: &str = "Hu et al. 2022 (ApJL 941, L15), simulated first year without avoidance";
+
+/// Satellites brighter than 7 mag among the visible ones, percent: Lu (2024, arXiv 2403.11118), abstract.
+pub const LU2024B_PERCENT: f64 = 69.33;
+const LU2024B_SOURCE: &str = "Lu 2024 (arXiv 2403.11118), abstract";
+/// The 11,908 satellites of that paper: Gen1 as filed, and 7,500 of Gen2 as granted in FCC 22-91 (525, 530 and 535 km; their planes are not published,
+/// 25 of 100 are taken). By its name every satellite gets the model of V1.5, as in the paper.
+const LU2024B_SHELLS: &str = r#"
+[[constellation]]
+name = "starlink-gen1-and-2a"
+satellites = 11908
+source = "SpaceX, FCC 21-48 (4,408) and FCC 22-91 (7,500, planes assumed)"
+shell = [
+    { altitude_km = 550, inclination_deg = 53.0, planes = 72, satellites_per_plane = 22, phasing = 17 },
+    { altitude_km = 540, inclination_deg = 53.2, planes = 72, satellites_per_plane = 22, phasing = 17 },
+    { altitude_km = 570, inclination_deg = 70.0, planes = 36, satellites_per_plane = 20 },
+    { altitude_km = 560, inclination_deg = 97.6, planes = 6, satellites_per_plane = 58 },
+    { altitude_km = 560, inclination_deg = 97.6, planes = 4, satellites_per_plane = 43, node_offset_deg = 30.0 },
+    { altitude_km = 525, inclination_deg = 53.0, planes = 25, satellites_per_plane = 100 },
+    { altitude_km = 530, inclination_deg = 43.0, planes = 25, satellites_per_plane = 100 },
+    { altitude_km = 535, inclination_deg = 33.0, planes = 25, satellites_per_plane = 100 },
+]
+"#;
+
+const BASSA2022_SOURCE: &str =
+    "Bassa et al. 2022 (A&A 657, A75), section 2: their density of a shell, summed over the sky here";
+
+/// The satellites of Lu (2024b).
+///
+/// # Errors
+/// None that the tests have not met: the shells are part of the library.
+pub fn lu2024b_constellations() -> Result<Vec<Constellation>, ShellError> {
+    Constellation::from_toml(LU2024B_SHELLS)
+}
+
+/// Share of exposures that at least one lit satellite crosses, percent, beside that of Hu et al. (2022) for a constellation of [`HU2022`].
+///
+/// # Errors
+/// As of [`Sky::field_passes`].
+pub fn hu2022(
+    constellation: &str,
+    sky: &Sky,
+    exposures: &[Exposure],
+    field: &Field,
+    assumed: &str,
+) -> Result<Reproduced, ForecastError> {
+    let answer = sky.field_passes(exposures, field, &PassOptions::default())?;
+    let streaked = answer.by_exposure.iter().filter(|passes| !passes.is_empty()).count() as f64;
+    let visits = exposures.len() as f64;
+    Ok(Reproduced {
+        quantity: format!("visits streaked by {constellation} ({} satellites)", sky.elements().len()),
+        unit: "%",
+        published: HU2022.iter().find(|(name, _)| *name == constellation).map(|(_, percent)| *percent),
+        ours: 100.0 * streaked / visits,
+        ours_sigma: Some(100.0 * (streaked * (1.0 - streaked / visits)).sqrt() / visits),
+        source: HU2022_SOURCE,
+        assumed: assumed.to_owned(),
+    })
+}
+
+/// Share of the lit satellites above an altitude that are brighter than 7 mag, percent, over many moments, beside that of Lu (2024b) where `is_theirs`.
+///
+/// # Errors
+/// As of [`Sky::glance`].
+pub fn lu2024b(
+    sky: &Sky,
+    moments: &[Epoch],
+    min_altitude_rad: f64,
+    is_theirs: bool,
+    assumed: &str,
+) -> Result<Reproduced, ForecastError> {
+    let (mut lit, mut bright) = (0.0_f64, 0.0_f64);
+    for moment in moments {
+        let (seen, _) = sky.glance(*moment, min_altitude_rad, &PhotometryOptions::default())?;
+        for one in seen.iter().filter(|one| one.is_lit()) {
+            lit += 1.0;
+            bright += if one.brightness.as_ref().is_some_and(|light| light.magnitude.0 < 7.0) { 1.0 } else { 0.0 };
+        }
+    }
+    Ok(Reproduced {
+        quantity: format!("lit satellites above {:.0} deg that are brighter than 7 mag", min_altitude_rad.to_degrees()),
+        unit: "%",
+        published: is_theirs.then_some(LU2024B_PERCENT),
+        ours: 100.0 * bright / lit.max(1.0),
+        // Moments share their satellites: counting alone says nothing of how sure the share is.
+        ours_sigma: None,
+        source: LU2024B_SOURCE,
+        assumed: assumed.to_owned(),
+    })
+}
+
+/// Satellites of a constellation above an altitude, lit or not: the mean over a day from `start`, beside the density of Bassa et al. (2022).
+///
+/// # Errors
+/// As of [`Sky::glance`].
+pub fn bassa2022(
+    constellation: &Constellation,
+    sky: &Sky,
+    start: Epoch,
+    min_altitude_rad: f64,
+    assumed: &str,
+) -> Result<Reproduced, ForecastError> {
+    const MOMENTS: usize = 144;
+    let mut seen = 0.0;
+    for moment in 0..MOMENTS {
+        let epoch = seconds_after(start, 86_400.0 * moment as f64 / MOMENTS as f64);
+        seen += sky.glance(epoch, min_altitude_rad, &PhotometryOptions::default())?.0.len() as f64;
+    }
+    let latitude_rad = sky.viewpoint().site().map_or(f64::NAN, |observer| observer.site().latitude_rad);
+    let expected =
+        constellation.shells.iter().map(|shell| expected_above(shell, latitude_rad, min_altitude_rad)).sum::<f64>();
+    Ok(Reproduced {
+        quantity: format!("{} satellites above {:.0} deg", constellation.name, min_altitude_rad.to_degrees()),
+        unit: "",
+        published: Some(expected),
+        ours: seen / MOMENTS as f64,
+        ours_sigma: None,
+        source: BASSA2022_SOURCE,
+        assumed: assumed.to_owned(),
+    })
+}
+
+/// How many satellites of a shell stand above an altitude at a latitude, on average over time: Bassa et al. (2022), section 2, on a spherical Earth.
+///
+/// A circular orbit of inclination i spends its time so that a shell of N satellites has at latitude δ
+///
+/// ```text
+/// n(δ) = N / (2π² √(sin² i - sin² δ))   satellites per steradian about the Earth's centre
+/// ```
+///
+/// Satellites above the altitude h stand within ψ = acos(R cos h / r) - h of the site. With sin δ = sin i sin u the density cancels, and
+///
+/// ```text
+/// N(h) = N / π² ∫ Δλ(u) du,   cos Δλ = (cos ψ - sin φ sin δ) / (cos φ cos δ)
+/// ```
+pub fn expected_above(shell: &Shell, latitude_rad: f64, min_altitude_rad: f64) -> f64 {
+    const STEPS: usize = 20_000;
+    let satellites = f64::from(shell.planes) * f64::from(shell.satellites_per_plane);
+    let radius_km = EARTH_EQUATORIAL_RADIUS_KM + shell.altitude_km;
+    let reach_rad = (EARTH_EQUATORIAL_RADIUS_KM * min_altitude_rad.cos() / radius_km).acos() - min_altitude_rad;
+    let sine_of_inclination = shell.inclination_deg.to_radians().sin();
+    let width_rad = |u_rad: f64| {
+        let latitude_of_satellite_rad = (sine_of_inclination * u_rad.sin()).asin();
+        let (sin, cos) = latitude_of_satellite_rad.sin_cos();
+        let cosine = (reach_rad.cos() - latitude_rad.sin() * sin) / (latitude_rad.cos() * cos);
+        cosine.clamp(-1.0, 1.0).acos()
+    };
+    let step_rad = PI / STEPS as f64;
+    let sum: f64 = (0..STEPS).map(|step| width_rad(-FRAC_PI_2 + (step as f64 + 0.5) * step_rad)).sum();
+    satellites / (PI * PI) * sum * step_rad
+}
+
+const COLUMNS: [Column; 9] = [
+    Column::new("quantity", Kind::Text, "What is counted."),
+    Column::new("unit", Kind::Text, "Unit; empty for a number of satellites."),
+    Column::real("published", "", 2, "The paper's number."),
+    Column::real("ours", "", 2, "Ours."),
+    Column::real("ours_sigma", "", 2, "One sigma of ours by counting."),
+    Column::real("difference_percent", "", 1, "Ours less published, percent of the published."),
+    Column::new("agrees", Kind::Boolean, "Within 20 percent."),
+    Column::new("source", Kind::Text, "Where the published number stands."),
+    Column::new("assumed", Kind::Text, "What was assumed for ours."),
+];
+
+/// Published numbers and ours as a table.
+pub fn reproduced_table(rows: &[Reproduced]) -> Table {
+    let row = |one: &Reproduced| {
+        vec![
+            one.quantity.as_str().into(),
+            one.unit.into(),
+            one.published.into(),
+            one.ours.into(),
+            one.ours_sigma.into(),
+            one.difference_percent().into(),
+            one.difference_percent().map(|percent| percent.abs() <= AGREES_PERCENT).into(),
+            one.source.into(),
+            one.assumed.as_str().into(),
+        ]
+    };
+    Table { columns: COLUMNS.to_vec(), rows: rows.iter().map(row).collect() }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_shell_over_the_whole_sky_holds_all_its_satellites() {
+        let shell = &lu2024b_constellations().expect("part of the library")[0].shells[2];
+        // From the ground half of nothing is hidden for a shell infinitely far; here: the cap of 180° counts every one.
+        let everywhere = {
+            let far = Shell { altitude_km: 5_000.0, ..shell.clone() };
+            expected_above(&far, 0.0, -FRAC_PI_2 + 1e-9)
+        };
+        assert!((everywhere - 720.0).abs() < 1.0, "{everywhere}");
+        // A polar shell over a pole: every orbit passes there, two arcs of ψ in a turn of 2π.
+        let polar = Shell { inclination_deg: 90.0, ..shell.clone() };
+        let reach_rad = (EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + 570.0)).acos();
+        let at_the_pole = expected_above(&polar, FRAC_PI_2 - 1e-6, 0.0);
+        assert!((at_the_pole / (720.0 * reach_rad / PI) - 1.0).abs() < 1e-3, "{at_the_pole}");
+    }
+}

@@ -1,0 +1,127 @@
+//! What is wanted of a night.
+
+use hifitime::Epoch;
+
+use super::error::ForecastError;
+use crate::catalogue::{ElementSet, Generation, GenerationTable};
+use crate::constants::DAY_S;
+use crate::frames::seconds_between;
+use crate::photometry::PhotometryOptions;
+
+/// The longest time that is looked through at once, days.
+const LONGEST_DAYS: f64 = 31.0;
+/// The most points along one pass.
+const MOST_SAMPLES: usize = 10_000;
+
+/// A question about a night, or about any other stretch of time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ForecastRequest {
+    /// First moment.
+    pub start: Epoch,
+    /// Last moment, at most 31 days later.
+    pub end: Epoch,
+    /// What the Sun's altitude must be below at the site, radians; `None` for day and night.
+    pub max_sun_altitude_rad: Option<f64>,
+    /// What counts as rise and set, radians, [0, π/2).
+    pub min_altitude_rad: f64,
+    /// Passes that culminate lower are left out, radians.
+    pub min_culmination_rad: f64,
+    /// Passes whose peak is fainter are left out, those without a magnitude too.
+    pub max_magnitude: Option<f64>,
+    /// Passes in the Earth's shadow and by daylight too.
+    pub include_dark: bool,
+    /// Points along each pass from rise to set; 0 for none.
+    pub samples: usize,
+    /// Band, system, extinction.
+    pub photometry: PhotometryOptions,
+}
+
+impl ForecastRequest {
+    /// From `start` to `end` with the Sun 6 deg below the horizon, everything above 10 deg, however faint.
+    pub fn new(start: Epoch, end: Epoch) -> Self {
+        Self {
+            start,
+            end,
+            max_sun_altitude_rad: Some((-6.0_f64).to_radians()),
+            min_altitude_rad: 10.0_f64.to_radians(),
+            min_culmination_rad: 0.0,
+            max_magnitude: None,
+            include_dark: false,
+            samples: 0,
+            photometry: PhotometryOptions::default(),
+        }
+    }
+
+    /// Holds every number against what is allowed.
+    ///
+    /// # Errors
+    /// [`ForecastError::OutOfRange`] for the first that is not.
+    pub fn check(&self) -> Result<(), ForecastError> {
+        let days = seconds_between(self.start, self.end) / DAY_S;
+        let degrees = f64::to_degrees;
+        let refuse = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
+        if !(0.0..=LONGEST_DAYS).contains(&days) {
+            return refuse(
+                "length of the time asked about",
+                days,
+                " days",
+                "0 to 31 days, the end not before the start",
+            );
+        }
+        if let Some(sun_rad) = self.max_sun_altitude_rad.filter(|sun_rad| !(-90.0..=90.0).contains(&degrees(*sun_rad)))
+        {
+            return refuse("sun-altitude-deg", degrees(sun_rad), " deg", "-90 to 90 deg");
+        }
+        for (what, given_rad) in
+            [("min-altitude", self.min_altitude_rad), ("min-culmination", self.min_culmination_rad)]
+        {
+            if !(0.0..90.0).contains(&degrees(given_rad)) {
+                return refuse(what, degrees(given_rad), " deg", "0 deg to below 90 deg");
+            }
+        }
+        if let Some(magnitude) = self.max_magnitude.filter(|magnitude| !(-30.0..=40.0).contains(magnitude)) {
+            return refuse("max-mag", magnitude, " mag", "-30 to 40 mag");
+        }
+        if self.samples > MOST_SAMPLES {
+            return refuse("samples", self.samples as f64, "", "0 to 10000");
+        }
+        Ok(())
+    }
+}
+
+/// Which satellites are asked about: those that are of one of the kinds, hold one of the names, and have one of the numbers; a list that is empty
+/// asks nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Selection {
+    /// Kinds.
+    pub generations: Vec<Generation>,
+    /// Parts of names, in any case.
+    pub names: Vec<String>,
+    /// NORAD catalogue numbers.
+    pub norad_ids: Vec<u32>,
+}
+
+impl Selection {
+    /// True for a satellite that is asked about.
+    pub fn holds(&self, elements: &ElementSet) -> bool {
+        let is_named = || {
+            let name = elements.name.to_lowercase();
+            self.names.iter().any(|part| name.contains(&part.to_lowercase()))
+        };
+        (self.norad_ids.is_empty() || self.norad_ids.contains(&elements.norad_id.0))
+            && (self.names.is_empty() || is_named())
+            && (self.generations.is_empty() || self.generations.contains(&GenerationTable::embedded().of(elements)))
+    }
+
+    /// What is asked, in words.
+    pub fn words(&self) -> String {
+        let list =
+            |what: &str, items: Vec<String>| (!items.is_empty()).then(|| format!("{what} {}", items.join(" or ")));
+        let parts = [
+            list("generation", self.generations.iter().map(ToString::to_string).collect()),
+            list("a name with", self.names.clone()),
+            list("NORAD number", self.norad_ids.iter().map(ToString::to_string).collect()),
+        ];
+        parts.into_iter().flatten().collect::<Vec<_>>().join(" and ")
+    }
+}

@@ -1,0 +1,199 @@
+//! Statistics of a site: how many satellites are lit above an altitude, how bright, and how many trails an exposure gets, against the Sun's altitude.
+//!
+//! Trails go by the expectation of Bassa et al. (2022, A&A 657, A75): a satellite is in a field at the opening with the share that the field has of the
+//! sky looked at, and crosses into it with the share that its way sweeps,
+//!
+//! ```text
+//! trails = Σ (π D²/4 + ω t D) / 2π (1 - sin h)
+//! ```
+//!
+//! over the lit satellites above the altitude h, each with its own angular rate ω: the mean over pointings spread evenly above h, for a circular field
+//! of diameter D and an exposure of length t.
+
+use std::f64::consts::{PI, TAU};
+
+use hifitime::{Epoch, TimeScale};
+
+use super::error::ForecastError;
+use crate::frames::{OrientationTable, seconds_after, seconds_between};
+use crate::geometry::{Observer, SunTable};
+use crate::orbit::LeftOut;
+use crate::passes::{Glance, Sky, SkyError, stretches_where};
+use crate::photometry::PhotometryOptions;
+
+/// Whole magnitudes that satellites are counted to.
+pub const MAGNITUDES: [f64; 6] = [3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+/// The Sun is looked at in steps of this, seconds.
+const STEP_S: f64 = 60.0;
+
+/// What is counted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StatisticsRequest {
+    /// From one noon to the next.
+    pub start: Epoch,
+    /// The next noon.
+    pub end: Epoch,
+    /// Altitudes of the Sun at which is counted, radians.
+    pub sun_altitudes_rad: Vec<f64>,
+    /// Lowest altitudes of satellites, radians.
+    pub min_altitudes_rad: Vec<f64>,
+    /// Full diameter of the field, radians.
+    pub field_rad: f64,
+    /// Length of the exposure, seconds.
+    pub exposure_s: f64,
+    /// Moments that each count is the mean of, evenly spread over [`Self::spread_s`].
+    pub moments: usize,
+    /// Seconds.
+    pub spread_s: f64,
+    /// Band, system, extinction.
+    pub photometry: PhotometryOptions,
+}
+
+/// The mean count at one altitude of the Sun.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkyCount {
+    /// Middle of the moments.
+    pub epoch: Epoch,
+    /// True in the evening, false in the morning.
+    pub evening: bool,
+    /// The Sun's altitude, radians.
+    pub sun_altitude_rad: f64,
+    /// Lowest altitude of the satellites counted, radians.
+    pub min_altitude_rad: f64,
+    /// Satellites above it, lit or not.
+    pub above: f64,
+    /// Those that are lit.
+    pub lit: f64,
+    /// Those brighter than each of [`MAGNITUDES`].
+    pub brighter_than: [f64; 6],
+    /// Expected trails in one exposure.
+    pub trails: f64,
+}
+
+impl SkyCount {
+    /// Share of exposures with a trail, where trails come independently: 1 - exp(-trails).
+    pub fn streaked_share(&self) -> f64 {
+        -(-self.trails).exp_m1()
+    }
+}
+
+/// Counts of one night, evening before morning, by falling Sun; the altitudes of the Sun that the night does not reach; satellites left out.
+pub type SkyCounts = (Vec<SkyCount>, Vec<f64>, Vec<LeftOut>);
+
+/// Counts at every altitude of the Sun, in the evening and in the morning.
+///
+/// # Errors
+/// A number out of range; an observer in orbit; a time for which Sun and Earth are not known.
+pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, ForecastError> {
+    request.check()?;
+    let observer = sky.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: sky.viewpoint().name() })?;
+    let (mut counts, mut missed, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
+    let moments = moments_of(sky, observer, request);
+    for &sun_rad in &request.sun_altitudes_rad {
+        if !moments.iter().any(|(reached_rad, ..)| *reached_rad == sun_rad) {
+            missed.push(sun_rad);
+        }
+    }
+    for evening in [true, false] {
+        for &(sun_rad, epoch, _) in moments.iter().filter(|moment| moment.2 == evening) {
+            let mut seen: Vec<Vec<Glance>> = Vec::new();
+            for moment in 0..request.moments {
+                let share = (moment as f64 + 0.5) / request.moments as f64 - 0.5;
+                let lowest_rad = request.min_altitudes_rad.iter().copied().fold(f64::INFINITY, f64::min);
+                let (found, without) =
+                    sky.glance(seconds_after(epoch, share * request.spread_s), lowest_rad, &request.photometry)?;
+                seen.push(found);
+                left_out = without;
+            }
+            for &min_altitude_rad in &request.min_altitudes_rad {
+                counts.push(count(request, &seen, (epoch, evening, sun_rad, min_altitude_rad)));
+            }
+        }
+    }
+    Ok((counts, missed, left_out))
+}
+
+impl StatisticsRequest {
+    fn check(&self) -> Result<(), ForecastError> {
+        let refuse = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
+        let bad = |angles: &[f64], from: f64, to: f64| {
+            angles.iter().copied().find(|angle| !(from..=to).contains(&angle.to_degrees()))
+        };
+        if let Some(sun_rad) = bad(&self.sun_altitudes_rad, -90.0, 90.0) {
+            return refuse("sun-altitudes", sun_rad.to_degrees(), " deg", "-90 to 90 deg");
+        }
+        if let Some(altitude_rad) = bad(&self.min_altitudes_rad, 0.0, 89.0) {
+            return refuse("min-altitudes", altitude_rad.to_degrees(), " deg", "0 to 89 deg");
+        }
+        if !(self.field_rad > 0.0 && self.field_rad <= PI) {
+            return refuse("fov", self.field_rad.to_degrees(), " deg", "above 0 deg, at most 180 deg");
+        }
+        if !(self.exposure_s >= 0.0 && self.exposure_s.is_finite()) {
+            return refuse("exposure", self.exposure_s, " s", "0 s or more");
+        }
+        if !(1..=10_000).contains(&self.moments) {
+            return refuse("moments", self.moments as f64, "", "1 to 10000");
+        }
+        if !(0.0..=86_400.0).contains(&seconds_between(self.start, self.end)) {
+            return refuse("length of the night", seconds_between(self.start, self.end), " s", "0 to 86400 s");
+        }
+        Ok(())
+    }
+}
+
+/// When the Sun goes through each altitude, and whether it sinks.
+fn moments_of(sky: &Sky, observer: &Observer, request: &StatisticsRequest) -> Vec<(f64, Epoch, bool)> {
+    let orientation: OrientationTable = sky.orientation_over(request.start, request.end);
+    let sun = SunTable::new(request.start, request.end);
+    let span_s = seconds_between(request.start, request.end);
+    let altitude_rad = |time_s: f64| {
+        let here = observer.state(&orientation.at_s(time_s));
+        here.sine_of_altitude(&(sun.at_s(time_s).sun - here.position)).asin()
+    };
+    let steps = (span_s / STEP_S).ceil().max(1.0) as usize;
+    let at = |time_s: f64| seconds_after(request.start, time_s).to_time_scale(TimeScale::UTC);
+    let mut found = Vec::new();
+    for &sun_rad in &request.sun_altitudes_rad {
+        for (from_s, until_s) in stretches_where(0.0, span_s, steps, |time_s| altitude_rad(time_s) < sun_rad) {
+            found.extend((from_s > 0.0).then(|| (sun_rad, at(from_s), true)));
+            found.extend((until_s < span_s).then(|| (sun_rad, at(until_s), false)));
+        }
+    }
+    found
+}
+
+fn count(
+    request: &StatisticsRequest,
+    seen: &[Vec<Glance>],
+    (epoch, evening, sun_altitude_rad, min_altitude_rad): (Epoch, bool, f64, f64),
+) -> SkyCount {
+    let share = 1.0 / seen.len() as f64;
+    let mut count = SkyCount {
+        epoch,
+        evening,
+        sun_altitude_rad,
+        min_altitude_rad,
+        above: 0.0,
+        lit: 0.0,
+        brighter_than: [0.0; 6],
+        trails: 0.0,
+    };
+    // Ω = 2π (1 - sin h)
+    let sky_sr = TAU * (1.0 - min_altitude_rad.sin());
+    for one in seen.iter().flatten().filter(|one| one.altitude_rad >= min_altitude_rad) {
+        count.above += share;
+        if !one.is_lit() {
+            continue;
+        }
+        count.lit += share;
+        // (π D²/4 + ω t D) / Ω                                             Bassa et al. (2022), section 2
+        let field_sr = 0.25 * PI * request.field_rad * request.field_rad;
+        let swept_sr = one.angular_rate_rad_s * request.exposure_s * request.field_rad;
+        count.trails += share * (field_sr + swept_sr) / sky_sr;
+        for (limit, number) in MAGNITUDES.iter().zip(&mut count.brighter_than) {
+            let is_brighter = one.brightness.as_ref().is_some_and(|light| light.magnitude.0 < *limit);
+            *number += if is_brighter { share } else { 0.0 };
+        }
+    }
+    count
+}

@@ -1,0 +1,235 @@
+//! `forecast`: its columns and formats, its filters, an empty night, and what it refuses.
+
+mod common;
+
+use std::fs;
+
+use common::cli::{SKY, done, json, path, records, run};
+use serde_json::Value;
+
+const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days";
+const NIGHT: &[&str] = &["forecast", "--night", "2024-08-14"];
+/// Twenty planes of the constellation: some are seen in the evening, some in the morning.
+const FEW: &[&str] = &["--name", "S1 P2", "S1 P6"];
+
+/// Peaks come out with three decimals.
+const MAGNITUDE_DECIMALS: f64 = 5e-4;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn verif_columns_rows_and_json_say_the_same() {
+    let text = done(&[NIGHT, SKY, FEW, &["--format", "csv"]]);
+    assert!(text.starts_with("# "), "provenance first");
+    let rows = records(&text);
+    assert_eq!(rows[0].iter().collect::<Vec<_>>().join(","), HEADER);
+    assert!(rows.len() > 30, "{} rows", rows.len());
+    let answer = json(&[NIGHT, SKY, FEW]);
+    let passes = answer["passes"].as_array().unwrap();
+    assert_eq!(passes.len(), rows.len() - 1);
+    for (row, pass) in rows[1..].iter().zip(passes) {
+        for (name, cell) in rows[0].iter().zip(row) {
+            let value = &pass[name];
+            let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            assert!(
+                cell == text || cell.is_empty() && value.is_null() || cell.parse::<f64>().ok() == value.as_f64(),
+                "{name}: {cell} {text}"
+            );
+        }
+        // What can be seen lies within the pass, and its brightest moment within what can be seen (or in the half shadow beside it).
+        let time = |name: &str| pass[name].as_str().unwrap_or_default().to_owned();
+        assert!(time("begin_utc") <= time("highest_utc") && time("highest_utc") <= time("end_utc"), "{pass}");
+        assert!(time("rise_utc") <= time("begin_utc") && time("end_utc") <= time("set_utc"), "{pass}");
+        assert!(number(&pass["highest_altitude_deg"]) <= number(&pass["max_altitude_deg"]) + 0.001, "{pass}");
+        if pass["ends_by"] == "shadow" {
+            assert_eq!(pass["end_utc"], pass["shadow_entry_utc"]);
+        }
+        if pass["begins_by"] == "shadow" {
+            assert_eq!(pass["begin_utc"], pass["shadow_exit_utc"]);
+        }
+    }
+    let night = &answer["night"][0];
+    assert!((8.0..14.0).contains(&number(&night["dark_h"])) && night["why_empty"].is_null(), "{night}");
+    let began = |pass: &Value| pass["begin_utc"].as_str().unwrap().to_owned();
+    assert!(passes.iter().all(|pass| began(pass).as_str() >= night["dark_from_utc"].as_str().unwrap()));
+    assert!(
+        passes.iter().any(|pass| pass["ends_by"] == "shadow")
+            && passes.iter().any(|pass| pass["begins_by"] == "shadow")
+    );
+}
+
+#[test]
+fn verif_filters_leave_out_what_they_say_and_nothing_else() {
+    let all = json(&[NIGHT, SKY, FEW]);
+    let all = all["passes"].as_array().unwrap();
+    let keep = |holds: &dyn Fn(&Value) -> bool| all.iter().filter(|pass| holds(pass)).cloned().collect::<Vec<_>>();
+    let found = |more: &[&str]| json(&[NIGHT, SKY, FEW, more]);
+    let bright = found(&["--max-mag", "5.5"]);
+    let expected = keep(&|pass| pass["peak_magnitude"].as_f64().is_some_and(|magnitude| magnitude <= 5.5));
+    assert!(!expected.is_empty() && expected.len() < all.len());
+    assert_eq!(bright["passes"].as_array().unwrap(), &expected);
+    assert_eq!(bright["night"][0]["passes_too_faint"].as_u64().unwrap() as usize, all.len() - expected.len());
+    let high = found(&["--min-culmination", "40"]);
+    let expected = keep(&|pass| number(&pass["max_altitude_deg"]) >= 40.0);
+    assert!(!expected.is_empty() && expected.len() < all.len());
+    assert_eq!(high["passes"].as_array().unwrap(), &expected);
+    let one = number(&all[0]["norad_id"]) as u32;
+    let ours = found(&["--norad", &one.to_string()]);
+    assert_eq!(ours["passes"].as_array().unwrap(), &keep(&|pass| pass["norad_id"] == one));
+    assert_eq!(found(&["--generation", "starlink-v1.5"])["passes"].as_array().unwrap(), all);
+    // All passes, seen or not, hold those that are seen.
+    let dark = found(&["--include-dark"]);
+    let dark = dark["passes"].as_array().unwrap();
+    assert!(dark.len() > all.len() + 50, "{} {}", dark.len(), all.len());
+    // Another search ends elsewhere by rounding: to the second, no root lies that near to a full one here.
+    let second = |pass: &Value| pass["begin_utc"].as_str().unwrap_or_default().chars().take(19).collect::<String>();
+    for pass in all {
+        assert!(
+            dark.iter().any(|other| other["norad_id"] == pass["norad_id"] && second(other) == second(pass)),
+            "{pass}"
+        );
+    }
+    let late = found(&["--sun-altitude-deg", "-18"]);
+    assert!(late["passes"].as_array().unwrap().len() < all.len());
+}
+
+#[test]
+fn verif_light_curves_hold_the_peak() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "curves.csv");
+    let sky = [SKY, FEW, &["--max-mag", "6"]].concat();
+    let answer = json(&[NIGHT, &sky, &["--light-curves", &file, "--samples", "41"]]);
+    let passes = answer["passes"].as_array().unwrap();
+    let curves = records(&fs::read_to_string(&file).unwrap());
+    assert_eq!(curves.len() - 1, 41 * passes.len());
+    for (pass, rows) in passes.iter().zip(curves[1..].chunks(41)) {
+        let samples = pass["samples"].as_array().unwrap();
+        assert_eq!(samples.len(), 41);
+        assert_eq!(
+            (&rows[0][3], &rows[40][3]),
+            (pass["rise_utc"].as_str().unwrap(), pass["set_utc"].as_str().unwrap())
+        );
+        let (begin, end) = (pass["begin_utc"].as_str().unwrap(), pass["end_utc"].as_str().unwrap());
+        let peak = number(&pass["peak_magnitude"]);
+        for sample in samples.iter().filter(|sample| (begin..=end).contains(&sample["utc"].as_str().unwrap())) {
+            if let Some(magnitude) = sample["magnitude"].as_f64() {
+                assert!(magnitude >= peak - MAGNITUDE_DECIMALS * 2.0, "{magnitude} outshines the peak of {pass}");
+            }
+        }
+        assert!(
+            samples
+                .iter()
+                .filter(|sample| sample["illumination"] == "umbra")
+                .all(|sample| sample["magnitude"].is_null())
+        );
+    }
+}
+
+#[test]
+fn verif_a_night_that_never_gets_dark_says_why() {
+    let polar: &[&str] = &["--shells", "starlink-gen1", "--lat", "78.2", "--lon", "15.6", "--night", "2024-06-21"];
+    let (code, stdout, stderr) = run(&[&["forecast"], polar, &["--format", "csv"]]);
+    assert_eq!(code, 0);
+    assert!(stdout.lines().filter(|line| !line.starts_with('#')).eq([HEADER]), "{stdout}");
+    let why = "no passes: it does not get dark at the site between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the Sun sinks to 11.6 deg at the lowest";
+    assert!(stderr.contains(why) && stderr.contains("and -6.0 deg was asked for"), "{stderr}");
+    let answer = json(&[&["forecast"], polar]);
+    assert!(answer["passes"].as_array().unwrap().is_empty());
+    let night = &answer["night"][0];
+    assert!(why.ends_with(night["why_empty"].as_str().unwrap().split(" (").next().unwrap()), "{night}");
+    assert!(night["dark_from_utc"].is_null() && number(&night["lowest_sun_altitude_deg"]) > 11.0);
+    // And one that is dark, with nothing bright enough, says that.
+    let (_, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--max-mag", "-8", "--format", "csv"]]);
+    assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -8"), "{stderr}");
+}
+
+#[test]
+fn verif_documents() {
+    let sky = [SKY, FEW, &["--max-mag", "6"]].concat();
+    let answer = json(&[NIGHT, &sky]);
+    let passes = answer["passes"].as_array().unwrap();
+    let calendar = done(&[NIGHT, &sky, &["--format", "ics", "--alarm", "5min"]]);
+    assert!(calendar.split("\r\n").all(|line| line.len() <= 75 && !line.contains('\n')));
+    let unfolded = calendar.replace("\r\n ", "");
+    let starting =
+        |with: &str| unfolded.lines().filter(|line| line.starts_with(with)).map(str::to_owned).collect::<Vec<_>>();
+    let starts: Vec<String> = passes
+        .iter()
+        .map(|pass| format!("DTSTART:{}Z", &pass["begin_utc"].as_str().unwrap().replace(['-', ':'], "")[..15]))
+        .collect();
+    assert_eq!(starting("DTSTART:"), starts);
+    assert_eq!(starting("TRIGGER:-PT300S").len(), passes.len());
+    let mut ids = starting("UID:");
+    ids.dedup();
+    assert_eq!(ids.len(), passes.len());
+
+    for (angles, first) in [("radec", "REFERENCE_FRAME = ICRF"), ("azel", "ANGLE_TYPE = AZEL")] {
+        let message = done(&[NIGHT, &sky, &["--format", "tdm", "--angle-type", angles, "--samples", "11"]]);
+        assert!(message.starts_with("CCSDS_TDM_VERS = 2.0\n"));
+        assert_eq!(message.matches("META_START").count(), passes.len());
+        assert_eq!(message.matches(first).count(), passes.len());
+        let times = |name: &str| message.lines().filter(|line| line.starts_with(name)).count();
+        assert!(times("ANGLE_1 = ") == times("ANGLE_2 = ") && times("MAG = ") > 3 * passes.len(), "{angles}");
+        assert!(message.contains("CREATION_DATE = ") && message.contains("PATH = 2,1"));
+    }
+
+    let report = done(&[NIGHT, &sky, &["--format", "score"]]);
+    let rows = records(&report);
+    assert_eq!(rows.len() - 1, passes.len());
+    assert_eq!((rows[0].len(), &rows[0][0], &rows[0][26]), (27, "satellite_name", "mpc_code"));
+    for (row, pass) in rows[1..].iter().zip(passes) {
+        assert_eq!(row[4].parse::<f64>().ok(), pass["peak_magnitude"].as_f64());
+        assert!(row[24].starts_with("predicted by streakcast") && &row[26] == "X05", "{row:?}");
+        // What only a measurement has.
+        assert!([3, 9, 10, 11, 13, 14, 17, 18, 19, 21, 22, 23].iter().all(|&cell| row[cell].is_empty()), "{row:?}");
+    }
+
+    let table = done(&[NIGHT, &sky, &["--format", "table", "--utc-offset=-04:00"]]);
+    assert_eq!(table.lines().count(), passes.len() + 1);
+    assert!(table.lines().next().unwrap().contains("start (local)"));
+    let votable = done(&[NIGHT, &sky, &["--format", "votable"]]);
+    assert_eq!(votable.matches("<TR>").count(), passes.len());
+    assert!(votable.starts_with("<?xml") && votable.trim_end().ends_with("</VOTABLE>"));
+}
+
+#[test]
+fn bad_input_is_one_line_that_says_what_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let elsewhere = path(&folder, "nowhere/x.csv");
+    for (arguments, parts) in [
+        (&["--night", "14.8.2024"][..], &["night '14.8.2024' is not a date", "2024-08-14"][..]),
+        (&[], &["no time", "--night 2024-08-14"]),
+        (&["--start", "2024-08-14T00:00:00Z"], &["--end"]),
+        (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["allowed 0 to 31 days"]),
+        (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-08-13T00:00:00Z"], &["the end not before the start"]),
+        (&["--night", "2024-08-14", "--min-altitude", "95"], &["min-altitude 95 deg", "below 90 deg"]),
+        (&["--night", "2024-08-14", "--min-altitude", "NaN"], &["min-altitude NaN"]),
+        (&["--night", "2024-08-14", "--sun-altitude-deg", "-100"], &["sun-altitude-deg -100 deg", "-90 to 90 deg"]),
+        (&["--night", "2024-08-14", "--max-mag", "99"], &["max-mag 99 mag", "-30 to 40 mag"]),
+        (&["--night", "2024-08-14", "--samples", "1000000"], &["samples 1000000", "0 to 10000"]),
+        (&["--night", "2024-08-14", "--generation", "starlink"], &["generation 'starlink'", "starlink-v2mini"]),
+        (
+            &["--night", "2024-08-14", "--name", "ISS (ZARYA)"],
+            &["none of the 4408 satellites has a name with ISS (ZARYA)"],
+        ),
+        (&["--night", "2024-08-14", "--norad", "x"], &["'x'"]),
+        (&["--night", "2024-08-14", "--utc-offset", "CET"], &["utc-offset 'CET'", "+01:00"]),
+        (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
+        (&["--night", "2024-08-14", "--angle-type", "xyz"], &["angle-type 'xyz'", "radec, azel"]),
+        (&["--night", "2024-08-14", "--format", "xlsx"], &["format 'xlsx'", "votable, ics, tdm, score"]),
+        (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "nowhere"]),
+        (&["--night", "1850-08-14"], &["1957 to 2099"]),
+    ] {
+        let (code, stdout, stderr) = run(&[&["forecast"], SKY, arguments]);
+        assert_eq!(code, 2, "{arguments:?}: {stderr}");
+        assert!(
+            stdout.is_empty() && stderr.starts_with("error: ") && stderr.lines().count() == 1,
+            "{arguments:?}: {stderr}"
+        );
+        for part in parts {
+            assert!(stderr.contains(part), "{arguments:?}: {stderr}");
+        }
+    }
+}
