@@ -25,9 +25,9 @@ pub mod forecast;
 pub mod frames;
 pub mod geometry;
 pub mod healpix;
+pub mod identify;
 #[cfg(feature = "fits")]
 pub mod injection;
-pub mod identify;
 pub mod maps;
 pub mod measured;
 pub mod orbit;

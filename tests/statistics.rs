@@ -164,7 +164,10 @@ mod verbs {
         for (verb, (arguments, part)) in cases.chain(reproduce.iter().map(|case| (&["reproduce"][..], case))) {
             let (code, stdout, stderr) = run(&[verb, arguments]);
             assert_eq!(code, 2, "{arguments:?}: {stderr}");
-            assert!(stdout.is_empty() && stderr.lines().count() == 1 && stderr.contains(part), "{arguments:?}: {stderr}");
+            assert!(
+                stdout.is_empty() && stderr.lines().count() == 1 && stderr.contains(part),
+                "{arguments:?}: {stderr}"
+            );
         }
     }
 

@@ -16,9 +16,9 @@ pub mod map;
 pub mod model;
 mod night;
 pub mod passes;
+pub mod reproduce;
 #[cfg(feature = "serve")]
 pub mod serve;
-pub mod reproduce;
 pub mod shells;
 pub mod sites;
 pub mod statistics;
