@@ -305,6 +305,162 @@ fn verif_faint_light_is_not_rounded_away() {
     }
 }
 
+/// The value of a header's card, right-justified in columns 11 to 30 of its first 80-byte record.
+fn with_card(file: &[u8], keyword: &str, value: &str) -> Vec<u8> {
+    let mut bytes = file.to_vec();
+    let start = format!("{keyword:<8}= ");
+    let card = bytes.chunks_exact_mut(80).find(|card| card.starts_with(start.as_bytes())).expect("the card");
+    card[10..30].copy_from_slice(format!("{value:>20}").as_bytes());
+    bytes
+}
+
+/// `SKY` in numbers with fractions, so that nothing is rounded.
+fn unrounded() -> String {
+    SKY.replace(", quantisation = { greatest_adu = 65535 }", "")
+}
+
+#[test]
+fn verif_resolved_panels_are_two_lights_side_by_side() {
+    let folder = TempDir::new().unwrap();
+    let rows = wide(&folder, &[]);
+    // A small frame with small pixels about a place that a satellite passes, 4 s about the moment.
+    let entered: hifitime::Epoch = column(&rows, "enter_utc")[0].parse().unwrap();
+    let start = streakcast::table::format_utc(entered - hifitime::Unit::Second * 2.0, 3);
+    let [ra, dec, norad] = ["ra1_deg", "dec1_deg", "norad_id"].map(|name| column(&rows, name)[0].clone());
+    let description = path(&folder, "small.toml");
+    fs::write(&description, unrounded().replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 0.4")).unwrap();
+    let ask = |name: &str, more: &[&str]| {
+        let (output, truth) = (path(&folder, name), path(&folder, "small.csv"));
+        let frame = ["--synthetic", &description, "-o", &output, "--truth", &truth, "--quiet", "--no-noise"];
+        let shot = ["--shells", "starlink-gen1", "--mpc", "X05", "--start", &start, "--exposure", "4s", "--ra", &ra];
+        done(&[&["inject"], &frame, &shot, &[&format!("--dec={dec}"), "--seeing", "0.8arcsec"], more]);
+        (records(&fs::read_to_string(&truth).unwrap()), values(&output, 0))
+    };
+    let (whole, whole_values) = ask("whole.fits", &[]);
+    let (apart, apart_values) = ask("apart.fits", &["--resolve-panels"]);
+    let of_satellite = |rows: &[csv::StringRecord]| -> Vec<(String, f64)> {
+        let ids = column(rows, "norad_id");
+        let parts = column(rows, "part").into_iter().zip(numbers(rows, "counts"));
+        parts.zip(ids).filter(|(_, id)| *id == norad).map(|(part, _)| part).collect()
+    };
+    let (whole, apart) = (of_satellite(&whole), of_satellite(&apart));
+    let labels = |parts: &[(String, f64)]| parts.iter().map(|(label, _)| label.clone()).collect::<Vec<_>>();
+    assert_eq!(labels(&whole), ["whole"]);
+    assert_eq!(labels(&apart), ["chassis", "array"]);
+    // Together they are as bright; over a corner of the frame one way is a few pixels longer than the other.
+    let together: f64 = apart.iter().map(|(_, counts)| counts).sum();
+    assert!((together / whole[0].1 - 1.0).abs() < 0.05, "{together} {}", whole[0].1);
+    // And the light lies elsewhere: beside itself.
+    let moved: f64 = whole_values.iter().zip(&apart_values).map(|(a, b)| f64::from((a - b).abs())).sum();
+    assert!(moved > 0.05 * together, "{moved} {together}");
+}
+
+#[test]
+fn verif_a_satellite_on_the_edge_of_a_chip_leaves_what_falls_on_it() {
+    let folder = TempDir::new().unwrap();
+    let truth_of_wide = wide(&folder, &["--no-noise"]);
+    let (x1, x2) = (numbers(&truth_of_wide, "x1_pix")[0], numbers(&truth_of_wide, "x2_pix")[0]);
+    let (y1, y2) = (numbers(&truth_of_wide, "y1_pix")[0], numbers(&truth_of_wide, "y2_pix")[0]);
+    assert!((y2 - y1).abs() > 4.0 && (x2 - x1).abs() >= 0.0, "{y1} {y2}");
+    // The same frame without the rows above the middle of the streak: its way leaves the chip there.
+    let whole = path(&folder, "plain.fits");
+    let description = path(&folder, "plain.toml");
+    let text = unrounded()
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 20.0");
+    fs::write(&description, text).unwrap();
+    let pointing = ["--ra", "198.9", "--dec", "7.7"];
+    let begun = fs::read(path(&folder, "wide.fits")).unwrap();
+    let date = begun.chunks_exact(80).find(|card| card.starts_with(b"DATE-OBS")).expect("DATE-OBS");
+    let date = String::from_utf8_lossy(date).split('\'').nth(1).unwrap().trim().to_owned() + "Z";
+    let shot = ["--start", &date, "--exposure", "4s", "--seeing", "60arcsec", "--quiet"];
+    let random = ["--random-streaks", "0", "--magnitude", "5", "--pixels-only"];
+    done(&[&["inject", "--synthetic", &description, "-o", &whole], &pointing, &shot, &random]);
+    let bytes = fs::read(&whole).unwrap();
+    let rows_kept = (0.5 * (y1 + y2)).floor() as usize;
+    let header = 2880 * (bytes.chunks_exact(80).position(|card| card.starts_with(b"END ")).unwrap() / 36 + 1);
+    let size = (bytes.len() - header) / (400 * 300);
+    let mut cut = with_card(&bytes, "NAXIS2", &rows_kept.to_string());
+    cut.truncate(header + rows_kept * 400 * size);
+    cut.resize(cut.len().div_ceil(2880) * 2880, 0);
+    let part = path(&folder, "part.fits");
+    fs::write(&part, &cut).unwrap();
+    let added = |input: &str| {
+        let (output, truth) = (path(&folder, "edge.fits"), path(&folder, "edge.csv"));
+        let from =
+            ["--image", input, "-o", &output, "--truth", &truth, "--no-noise", "--seeing", "60arcsec", "--quiet"];
+        done(&[&["inject"], &from, &["--shells", "starlink-gen1", "--mpc", "X05"]]);
+        let (old, new) = (values(input, 0), values(&output, 0));
+        let light: Vec<f32> = old.iter().zip(&new).map(|(old, new)| new - old).collect();
+        (light, records(&fs::read_to_string(&truth).unwrap()))
+    };
+    let ((all, _), (kept, truth)) = (added(&whole), added(&part));
+    // The same light in every pixel that is left, up to the last row, and an end of the way on the edge.
+    let peak = all.iter().copied().fold(0.0_f32, f32::max);
+    let worst = all.iter().zip(&kept).map(|(a, b)| (a - b).abs()).fold(0.0_f32, f32::max);
+    assert_eq!(kept.len(), 400 * rows_kept);
+    assert!(peak > 10.0 && worst < 2e-3 * peak, "{worst} {peak}");
+    assert!(kept[400 * (rows_kept - 1)..].iter().any(|light| *light > 0.1 * peak));
+    let edge = rows_kept as f64 + 0.5;
+    let ends = [numbers(&truth, "y1_pix"), numbers(&truth, "y2_pix")].concat();
+    assert!(ends.iter().any(|y| (y - edge).abs() < 0.01), "{ends:?} {edge}");
+}
+
+#[test]
+fn verif_names_with_brackets_and_pixels_without_a_value() {
+    let folder = TempDir::new().unwrap();
+    let (description, plain) = (path(&folder, "sky.toml"), path(&folder, "plain.fits"));
+    fs::write(&description, unrounded()).unwrap();
+    done(&[&["inject", "--synthetic", &description, "-o", &plain, "--pixels-only"], RANDOM]);
+    // Every seventh pixel has no value.
+    let mut bytes = fs::read(&plain).unwrap();
+    let header = 2880 * (bytes.chunks_exact(80).position(|card| card.starts_with(b"END ")).unwrap() / 36 + 1);
+    for pixel in (0..400 * 300).step_by(7) {
+        let at = header + 4 * pixel;
+        bytes[at..at + 4].copy_from_slice(&f32::NAN.to_be_bytes());
+    }
+    // To CFITSIO these would be sections, filters and compression.
+    let input = path(&folder, "night[1:100,*](2)+1.fits");
+    let output = path(&folder, "out[compress R][0].fits");
+    fs::write(&input, &bytes).unwrap();
+    let asked = ["--random-streaks", "2", "--magnitude", "5", "--seeing", "2.5arcsec", "--gain", "2", "--quiet"];
+    done(&[&["inject", "--image", &input, "-o", &output], &asked]);
+    assert_eq!(fs::read(&input).unwrap(), bytes);
+    let (old, new) = (values(&input, 0), values(&output, 0));
+    assert!(old.iter().zip(&new).all(|(old, new)| old.is_nan() == new.is_nan()));
+    let changed = old.iter().zip(&new).filter(|(old, new)| !old.is_nan() && old != new).count();
+    assert!(changed > 1000, "{changed}");
+}
+
+/// A disk that fills up, as a limit on the size of files (the signal that comes with it is ignored), and folders that take no files.
+#[cfg(target_os = "linux")]
+#[test]
+fn verif_no_room_and_no_right_to_write_leave_no_output() {
+    let folder = TempDir::new().unwrap();
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
+    let (before, output) = (fs::read(&plain).unwrap(), path(&folder, "out.fits"));
+    fs::write(&output, "an older file").unwrap();
+    let asked = ["--random-streaks", "1", "--magnitude", "5", "--seeing", "2arcsec", "--quiet"];
+    // 100 blocks of 512 (or 1024) bytes; the frame has 240,000.
+    let script = "trap '' XFSZ; ulimit -f 100; exec \"$0\" \"$@\"";
+    let full = std::process::Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_streakcast"), "inject", "--image", &plain, "-o", &output])
+        .args(asked)
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&full.stderr).into_owned();
+    assert!(!full.status.success() && full.status.code() == Some(2), "{:?} {stderr}", full.status);
+    assert!(stderr.lines().count() == 1 && stderr.contains("out.fits") && stderr.contains("too large"), "{stderr}");
+    assert_eq!(fs::read_to_string(&output).unwrap(), "an older file", "what stood there stands there");
+    // Permissions do not hold for root; nobody makes files in /proc.
+    let (code, stdout, stderr) = run(&[&["inject", "--image", &plain, "-o", "/proc/out.fits"], &asked]);
+    assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
+    assert!(stderr.contains("/proc"), "{stderr}");
+    assert_eq!(fs::read(&plain).unwrap(), before);
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{left:?}");
+}
+
 #[test]
 fn verif_bad_input_gets_one_clear_line_and_no_output() {
     let folder = TempDir::new().unwrap();
@@ -313,6 +469,12 @@ fn verif_bad_input_gets_one_clear_line_and_no_output() {
     let cut = path(&folder, "cut.fits");
     let bytes = fs::read(&plain).unwrap();
     fs::write(&cut, &bytes[..bytes.len() - 5000]).unwrap();
+    let [cube, broad, negative, dark] = [("NAXIS", "3"), ("NAXIS1", "4000"), ("NAXIS2", "-300"), ("EXPTIME", "0.0")]
+        .map(|(keyword, value)| {
+            let file = path(&folder, &format!("{keyword}{value}.fits"));
+            fs::write(&file, with_card(&bytes, keyword, value)).unwrap();
+            file
+        });
     let text = path(&folder, "text.fits");
     fs::write(&text, "no FITS at all").unwrap();
     let missing_folder = path(&folder, "nowhere/out.fits");
@@ -323,6 +485,10 @@ fn verif_bad_input_gets_one_clear_line_and_no_output() {
     let seeing = &["--seeing", "2arcsec"][..];
     for (file, output, more, words) in [
         (&cut, &output, [random, seeing].concat(), &["cut.fits", "HDU 0", "cut off"][..]),
+        (&cube, &output, [random, seeing].concat(), &["NAXIS3.fits", "HDU 0", "NAXIS3"]),
+        (&broad, &output, [random, seeing].concat(), &["NAXIS14000.fits", "HDU 0", "cut off"]),
+        (&negative, &output, [random, seeing].concat(), &["NAXIS2-300.fits", "NAXIS2 is -300"]),
+        (&dark, &output, [random, seeing].concat(), &["EXPTIME0.0.fits", "EXPTIME"]),
         (&text, &output, [random, seeing].concat(), &["text.fits", "no FITS"]),
         (&path(&folder, "none.fits"), &output, [random, seeing].concat(), &["none.fits"]),
         (&plain, &missing_folder, [random, seeing].concat(), &["nowhere"]),

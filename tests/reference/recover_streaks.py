@@ -1,6 +1,6 @@
 """Streaks that `streakcast inject` put into frames, found again by detectors that nobody here wrote.
 
-    venv/bin/pip install numpy==2.4.6 scipy==1.17.1 astropy==8.0.2 scikit-image==0.26.0 acstools==3.8.2
+    venv/bin/pip install --requirement tests/reference/requirements.txt
     cargo build --release
     venv/bin/python tests/reference/recover_streaks.py target/release/streakcast ../shared/data
 
