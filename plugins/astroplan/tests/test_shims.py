@@ -127,7 +127,7 @@ def test_the_real_m4opt_combines_it_with_its_own(model, observer, targets):
     coordinates = SkyCoord([one.coord for one in targets[:3]])[:, np.newaxis]
     times = START + np.arange(30) * 120 * u.s
     asked = (observer.location, coordinates, times)
-    clear, high = constraint(*asked), AltitudeConstraint(75 * u.deg, 90 * u.deg)(*asked)
-    both = (constraint & AltitudeConstraint(75 * u.deg, 90 * u.deg))(*asked)
+    clear, high = constraint(*asked), AltitudeConstraint(60 * u.deg, 90 * u.deg)(*asked)
+    both = (constraint & AltitudeConstraint(60 * u.deg, 90 * u.deg))(*asked)
     assert (both == (clear & high)).all() and ((~constraint)(*asked) == ~clear).all()
     assert 0 < both.sum() < clear.sum() < clear.size
