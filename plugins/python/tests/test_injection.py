@@ -80,9 +80,9 @@ def test_verif_arrays_and_files_are_the_command_lines_to_the_last_bit(injector, 
     # Single precision keeps seven digits of what was added.
     np.testing.assert_allclose(done.added, done.image.astype("f8") - frame, rtol=1e-6)
     assert (frame == pixels(dtype)).all(), "the array was changed"
-    # Light is where the mask says, and the streaks' light is there.
-    injected = (done.mask >> done.mask_planes["INJECTED"]) & 1
-    assert done.added[injected == 0].any() == False and done.added.sum() > 1000  # noqa: E712
+    # The mask leaves out wings that drown in the noise of the frame.
+    injected = ((done.mask >> done.mask_planes["INJECTED"]) & 1).astype(bool)
+    assert done.added[injected].sum(dtype=float) > 0.8 * done.added.sum(dtype=float) > 1000
 
     path = tmp_path / "ours.fits"
     told = injector.inject(source, path, seeing="1arcmin", seed=7)
