@@ -42,11 +42,11 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("identify", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table"]),
     ("forecast", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
+    ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),
     (
         "injection",
         &["camera", "frames", "geometry", "passes", "photometry", "schedule", "setup", "streak", "table", "telescope"],
     ),
-    ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),
 ];
 
 /// Crates that only some rooms may name: one door each. Test modules may use any crate; their rooms are held all the same.
