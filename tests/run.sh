@@ -91,6 +91,8 @@ else
     data=${STREAKCAST_DATA:-../shared/data}
     if [ -f "$data/INDEX.md" ]; then
         step "docs/models.md" transcript docs/models.md model check --data "$data"
+        step "docs/statistics.md" transcript docs/statistics.md reproduce hu2022 --schedule "$data/schedules/baseline_10klines_2.0.db" \
+            --time-scale utc -q
         step "docs/space.md" transcript docs/space.md passes --elements "$data/tle/active/active_2026-04-25.txt" \
             --observer-norad 20580 --fov 3.4arcmin -q --start 2026-04-26T15:12:00Z --exposure 11min --ra 257.09 --dec=57.37
         boley=$data/photometry/boley2021_plaskett

@@ -122,13 +122,23 @@ fn valid_satellites_above_against_the_density_of_shells() {
 mod verbs {
     use crate::common::cli::{done, json, records, run};
 
-    const STATISTICS: &[&str] =
-        &["statistics", "--shells", "starlink-gen1", "--mpc", "X05", "--quiet", "--moments", "2"];
+    const STATISTICS: &[&str] = &["statistics", "--shells", "starlink-gen1", "--mpc", "X05", "--quiet"];
 
     #[test]
     fn verif_statistics_by_season_and_latitude() {
-        let more: &[&str] =
-            &["--night", "2024-06-21", "2024-12-21", "--latitudes", "-60", "0", "--sun-altitudes", "-12", "-30"];
+        let more: &[&str] = &[
+            "--moments",
+            "2",
+            "--night",
+            "2024-06-21",
+            "2024-12-21",
+            "--latitudes",
+            "-60",
+            "0",
+            "--sun-altitudes",
+            "-12",
+            "-30",
+        ];
         let answer = json(&[STATISTICS, more]);
         let rows = answer["statistics"].as_array().unwrap();
         // At 60° south the Sun of December does not go through -12°, nor any there through -30° in summer.
@@ -180,7 +190,9 @@ mod verbs {
         assert_eq!(rows.len(), 3);
         for row in rows {
             println!("{}: {} published, {} ours", row["quantity"], row["published"], row["ours"]);
-            assert!(row["published"].as_f64().unwrap() > 1.0 && row["ours"].as_f64().unwrap() > 0.3, "{row}");
+            // Thirteen nights of October for a year, 30 s of shutter for what may have been 34 s of a visit: docs/statistics.md.
+            let allowed = if row["quantity"].as_str().unwrap().contains("gen2") { 25.0 } else { 20.0 };
+            assert!(row["difference_percent"].as_f64().unwrap().abs() < allowed, "{row}");
         }
     }
 }
