@@ -262,7 +262,7 @@ fn satchecker_shapes_carry_magnitudes() {
         let problem = shared().get(&format!("/fov/satellite-passes/?{query}"));
         assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some(parameter)), "{query}");
     }
-    let crowd = "site=rubin&start_time_jd=2461267.4785&duration=1500&ra=254&dec=-30&fov_radius=45";
+    let crowd = "site=rubin&start_time_jd=2461267.4785&duration=3600&ra=254&dec=-30&fov_radius=45";
     assert_eq!(shared().get(&format!("/fov/satellite-passes/?{crowd}")).status, 400);
 }
 

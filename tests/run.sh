@@ -54,6 +54,7 @@ else
     step "without features" cargo check --quiet --no-default-features
     step "cli alone" cargo check --quiet --no-default-features --features cli
     step "sqlite alone" cargo check --quiet --no-default-features --features sqlite
+    step "serve alone" cargo check --quiet --no-default-features --features serve
     step "fits and plot alone" cargo check --quiet --no-default-features --features fits,plot
     step "example flag_exposures" cargo run --quiet --example flag_exposures
     step "example forecast_night" cargo run --quiet --example forecast_night

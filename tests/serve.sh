@@ -43,7 +43,7 @@ fi
 # Beside the build, from run to run while the pins are the same.
 tools=$target/serve-tools
 mkdir -p "$tools"
-cp tests/serve/package.json tests/serve/package-lock.json tests/serve/*.mjs "$tools"
+cp tests/serve/package.json tests/serve/package-lock.json tests/serve/*.mjs tests/serve/schemathesis.toml "$tools"
 if ! sha256sum --check --status "$tools/lock.sha256" 2>/dev/null; then
     (cd "$tools" && npm ci --silent --no-audit --no-fund --ignore-scripts) || skip "npm cannot install playwright-core"
     (cd "$tools" && sha256sum "$tools/package-lock.json" >lock.sha256)
@@ -72,9 +72,9 @@ url=$(head -n 1 "$work/address")
 node "$tools/browser.mjs" "$url" "$STREAKCAST" ${SERVE_PICTURES:+"$SERVE_PICTURES"}
 node "$tools/load.mjs" "$url" "$server" "$load_s"
 # A fuzz of every parameter by what the document says of it, good values and bad: no answer may be a fault, or one that the document does not know.
-(cd "$work" && "$tools/venv/bin/schemathesis" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
+(cd "$work" && "$tools/venv/bin/schemathesis" --config-file "$tools/schemathesis.toml" run "${url}openapi.json" --url "$url" --seed 1 --max-examples 60 --workers 2 --no-color \
     --checks not_a_server_error,status_code_conformance,content_type_conformance,response_schema_conformance,negative_data_rejection,unsupported_method \
-    --request-timeout 30) | tail -n 40
+    --request-timeout 30) | tail -n 60
 
 kill -TERM "$server"
 wait "$server" || { echo "serve.sh: the server did not stop gracefully" >&2; exit 1; }
