@@ -2,6 +2,7 @@
 
 mod almanac;
 mod chance;
+mod count;
 mod crossing;
 mod expose;
 mod exposure;
@@ -18,6 +19,7 @@ mod viewpoint;
 mod windows;
 
 pub use chance::Chance;
+pub use count::{CountRequest, Counts, StreakCount};
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
 pub use horizon::HorizonPass;

@@ -12,6 +12,8 @@ use crate::gate_arguments::GateArguments;
 use crate::inject_arguments::InjectArguments;
 use crate::map_arguments::MapArguments;
 use crate::output::Output;
+#[cfg(feature = "plot")]
+use crate::plot_arguments::PlotArguments;
 use crate::window_arguments::WindowsArguments;
 
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
@@ -36,6 +38,9 @@ pub enum Verb {
     Gate(Box<GateArguments>),
     /// Maps of magnitude over a satellite's own sky and over that of a site
     Map(MapArguments),
+    /// Pictures: nights, fields, light curves, skies, fits, as PNG and SVG with their data beside
+    #[cfg(feature = "plot")]
+    Plot(Box<PlotArguments>),
     /// Streaks of satellites, or random ones, put into frames, with masks and their truth
     #[cfg(feature = "fits")]
     Inject(Box<InjectArguments>),

@@ -10,6 +10,8 @@ mod map_arguments;
 mod map_output;
 mod notices;
 mod output;
+#[cfg(feature = "plot")]
+mod plot_arguments;
 mod screen;
 mod verbs;
 mod window_arguments;
@@ -33,6 +35,8 @@ fn main() -> ExitCode {
         Verb::Windows(typed) => verbs::windows::run(*typed),
         Verb::Gate(typed) => verbs::gate::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
+        #[cfg(feature = "plot")]
+        Verb::Plot(typed) => verbs::plot::run(*typed),
         #[cfg(feature = "fits")]
         Verb::Inject(typed) => verbs::inject::run(*typed),
         Verb::Fit(typed) => verbs::fit::run(*typed),

@@ -10,6 +10,8 @@ mod judged;
 pub mod map;
 pub mod model;
 pub mod passes;
+#[cfg(feature = "plot")]
+pub mod plot;
 pub mod shells;
 pub mod sites;
 pub mod windows;
