@@ -11,13 +11,13 @@ use common::cli::{SKY, path, records, run};
 use tempfile::{TempDir, tempdir};
 
 const FIELD: &[&str] = &["--fov", "3.5deg"];
-const EXPOSURE: &[&str] = &["--ra", "280", "--dec", "-30", "--start", "2024-08-14T00:10:00Z", "--exposure", "60s"];
+const EXPOSURE: &[&str] = &["--ra", "198.9", "--dec", "7.7", "--start", "2026-08-14T23:29:05Z", "--exposure", "30s"];
 const SCHEDULE: &str = "id,start_utc,exposure_s,ra_deg,dec_deg,band\n\
-    a,2024-08-14T00:10:00Z,30,280,-30,r\n\
-    b,2024-08-14T00:11:00Z,30,285,-32,r\n\
-    c,2024-08-14T00:12:00Z,30,290,-34,r\n\
-    d,2024-08-14T04:10:00Z,30,0,-30,r\n\
-    broken,2024-08-14T00:13:00Z,-5,290,-34,r\n";
+    a,2026-08-14T23:28:00Z,30,198.9,7.7,r\n\
+    b,2026-08-14T23:29:05Z,30,198.9,7.7,r\n\
+    c,2026-08-14T23:30:00Z,30,198.9,7.7,r\n\
+    d,2026-08-15T04:10:00Z,30,0,-30,r\n\
+    broken,2026-08-14T23:31:00Z,-5,198.9,7.7,r\n";
 
 /// An asked picture as PNG and SVG; says what the command said on standard error.
 #[track_caller]
@@ -85,9 +85,9 @@ fn verif_a_night_has_the_numbers_of_flag() {
         assert_eq!(column(&data, name), column(&flags, name)[..4], "{name}");
     }
     assert!(column(&flags, "n_streaks").iter().any(|number| number != "0"), "{flags}");
-    // Two hours after sunset it sinks by some 0.2° a minute; four hours later it is near midnight.
+    // In twilight it sinks; four hours later it is near midnight.
     let sun: Vec<f64> = column(&data, "sun_altitude_deg").iter().map(|cell| cell.parse().unwrap()).collect();
-    assert!(sun[0] > sun[1] && sun[1] > sun[2] && (-40.0..-15.0).contains(&sun[0]) && sun[3] < -60.0, "{sun:?}");
+    assert!(sun[0] > sun[1] && sun[1] > sun[2] && (-25.0..-8.0).contains(&sun[0]) && sun[3] < -60.0, "{sun:?}");
     let said = words(&path(&folder, "night.svg"));
     assert!(
         said.iter()
@@ -96,8 +96,8 @@ fn verif_a_night_has_the_numbers_of_flag() {
         "{said:?}"
     );
     assert!(
-        said.contains(&"UTC, 2024-08-14".to_owned())
-            && said.iter().any(|words| words.starts_with("local mean solar time, 2024-08-13")),
+        said.contains(&"UTC, 2026-08-14/15".to_owned())
+            && said.iter().any(|words| words.starts_with("local mean solar time, 2026-08-14")),
         "{said:?}"
     );
 
@@ -120,8 +120,8 @@ fn verif_a_night_has_the_numbers_of_flag() {
 
     // Without any satellite bright enough to be known.
     let (code, _, stderr) =
-        run(&[&["plot", "night", "--night", "2024-08-20"], asked, SKY, FIELD, &["-o", &path(&folder, "x.png")]]);
-    assert!(code == 2 && stderr.contains("allowed: 2024-08-13"), "{stderr}");
+        run(&[&["plot", "night", "--night", "2026-08-20"], asked, SKY, FIELD, &["-o", &path(&folder, "x.png")]]);
+    assert!(code == 2 && stderr.contains("allowed: 2026-08-14"), "{stderr}");
 }
 
 #[test]
@@ -145,7 +145,11 @@ fn verif_a_field_has_the_table_of_passes() {
     assert_eq!(fs::read_to_string(path(&folder, "field.csv")).unwrap(), passes);
     let names = column(&passes, "name");
     let said = words(&path(&folder, "field.svg"));
-    assert!(!names.is_empty() && said.iter().any(|words| names.contains(words)), "{said:?}");
+    assert!(
+        !names.is_empty()
+            && said.iter().any(|words| words.len() > 12 && names.iter().any(|name| name.starts_with(words.as_str()))),
+        "{said:?}"
+    );
     assert!(
         said.contains(&"N".to_owned()) && said.contains(&"E".to_owned()) && said.contains(&"0.5°".to_owned())
             || said.contains(&"1°".to_owned()),
@@ -190,7 +194,7 @@ fn verif_a_light_curve_goes_through_its_pass() {
     assert!((magnitude - expected).abs() < 0.05, "{magnitude} {expected}");
     let said = words(&path(&folder, "curve.svg"));
     for expected in
-        ["enter", "exit", "magnitude, ±1σ", "shutter open", "limit 7.0 mag", "local time (UTC−4), 2024-08-13"]
+        ["enter", "exit", "magnitude, ±1σ", "shutter open", "limit 7.0 mag", "local time (UTC−4), 2026-08-14"]
     {
         assert!(said.iter().any(|words| words == expected), "{expected}: {said:?}");
     }
@@ -209,7 +213,7 @@ fn verif_rates_over_the_sky_are_means_of_passes() {
     let folder = tempdir().unwrap();
     let asked: &[&str] = &[
         "--start",
-        "2024-08-14T00:10:00Z",
+        "2026-08-14T23:29:00Z",
         "--exposure",
         "30s",
         "--nside",
@@ -240,7 +244,7 @@ fn verif_rates_over_the_sky_are_means_of_passes() {
     );
     fails(
         &[
-            &["sky-rate", "--nside", "3", "--start", "2024-08-14T00:10:00Z", "--exposure", "30s"],
+            &["sky-rate", "--nside", "3", "--start", "2026-08-14T22:00:00Z", "--exposure", "30s"],
             SKY,
             FIELD,
             &["-o", &path(&folder, "x.png")],
@@ -260,7 +264,7 @@ fn verif_trails_against_the_sun_of_a_schedule_and_of_a_grid() {
         "{said:?}"
     );
     let grid: &[&str] =
-        &["--start", "2024-08-13T20:00:00Z", "--exposure", "30s", "--step", "2h", "--min-altitude", "60"];
+        &["--start", "2026-08-14T21:30:00Z", "--exposure", "30s", "--step", "2h", "--min-altitude", "60"];
     drawn(&folder, "grid", &[&["sun-altitude"], grid, SKY, FIELD], 0);
     let data = fs::read_to_string(path(&folder, "grid-data.ecsv")).unwrap();
     let sun: Vec<f64> = column(&data, "sun_altitude_deg").iter().map(|cell| cell.parse().unwrap()).collect();

@@ -151,13 +151,15 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     compass(&mut picture);
     scale_bar(&mut picture, &frame, unit);
     if input.streaks.is_empty() {
-        picture.note("no streak crosses this field", ((SIDES[0] + SIDES[2]) / 2.0, SIDES[1] + 40.0));
+        picture.note("no streak crosses this field", ((SIDES[0] + SIDES[2]) / 2.0, (SIDES[1] + SIDES[3]) / 2.0 + 60.0));
     }
     if magnitudes().next().is_some() {
         let sides = [BAR_LEFT, SIDES[1] + 40.0, BAR_LEFT + 24.0, SIDES[3] - 40.0];
         colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.words());
     }
-    list(&mut picture, input.streaks, colour);
+    if !input.streaks.is_empty() {
+        list(&mut picture, input.streaks, colour);
+    }
     picture.set_scales(vec![scale]);
     picture.paragraph(input.caption, [SIDES[0], WIDTH - 24.0], 816.0, 16.0);
     Ok(picture)
@@ -237,7 +239,7 @@ fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) {
 
 /// Number, name, entry, exit and magnitude of each streak.
 fn list(picture: &mut Picture, streaks: &[FieldStreak], colour: impl Fn(&FieldStreak) -> RGBColor) {
-    let columns = [LIST_LEFT, LIST_LEFT + 46.0, LIST_LEFT + 216.0, LIST_LEFT + 314.0, LIST_LEFT + 412.0];
+    let columns = [0.0, 46.0, 246.0, 339.0, 432.0].map(|away| LIST_LEFT + away);
     let mut y = SIDES[1] + 10.0;
     for (words, x) in ["", "satellite", "enter UTC", "exit UTC", "mag"].into_iter().zip(columns) {
         picture.text(words, (x, y), 16.0, HPos::Left);
@@ -248,7 +250,7 @@ fn list(picture: &mut Picture, streaks: &[FieldStreak], colour: impl Fn(&FieldSt
         picture.rectangle([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], colour(streak).to_rgba());
         picture.border([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], 0.8);
         picture.text(&(index + 1).to_string(), (columns[0] + 20.0, y), 16.0, HPos::Left);
-        picture.text(&shortened(&streak.name, 160.0), (columns[1], y), 16.0, HPos::Left);
+        picture.text(&shortened(&streak.name, 194.0), (columns[1], y), 16.0, HPos::Left);
         picture.text(&streak.enter, (columns[2], y), 16.0, HPos::Left);
         picture.text(&streak.exit, (columns[3], y), 16.0, HPos::Left);
         let magnitude = match (streak.magnitude.is_finite(), streak.sigma_mag.is_finite()) {

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from streakcast import StreakcastError, StreakModel, plots
 
-TARGET = (280.0, -30.0)
-START = "2024-08-14T00:10:00Z"
+TARGET = (198.9, 7.7)
+START = "2026-08-14T23:29:05Z"
 
 
 @pytest.fixture(scope="module")
@@ -22,29 +22,29 @@ def shown(picture):
 
 @pytest.mark.parametrize("output", ["qtable", "dict"])
 def test_a_field_shows_its_passes(model, output):
-    passes = model.passes(TARGET, START, 60.0, output=output)
+    passes = model.passes(TARGET, START, 30.0, output=output)
     svg = shown(plots.field(passes, TARGET, fov_deg=3.5, title="A field"))
     assert "A field" in svg and f"{len(passes['name'])} streaks." in svg
-    assert any(str(name) in svg for name in passes["name"])
+    assert any(str(name)[:16] in svg for name in passes["name"])
 
 
 def test_forms_of_tables_are_one_picture(model):
-    one, other = (plots.field(model.passes(TARGET, START, 60.0, output=form), TARGET) for form in ("qtable", "dict"))
+    one, other = (plots.field(model.passes(TARGET, START, 30.0, output=form), TARGET) for form in ("qtable", "dict"))
     assert one.svg() == other.svg()
 
 
 def test_a_night_says_how_many_are_struck(model):
     seconds = np.arange(20) * 60
-    start = np.datetime64("2024-08-14T00:10:00") + seconds.astype("timedelta64[s]")
+    start = np.datetime64("2026-08-14T23:20:00") + seconds.astype("timedelta64[s]")
     flags = model.flags(TARGET, start, 30.0, scale="utc")
     svg = shown(plots.night(flags, start, 30.0, limit_mag=7.0, utc_offset=-4, scale="utc"))
     struck = int(np.sum(np.asarray(flags["n_streaks"]) > 0))
     assert struck > 0 and f"20 exposures, {struck} struck" in svg
-    assert "UTC, 2024-08-14" in svg and "local time (UTC−4), 2024-08-13" in svg
+    assert "UTC, 2026-08-14" in svg and "local time (UTC−4), 2026-08-14" in svg
 
 
 def test_a_light_curve_of_samples(model, tmp_path):
-    passes = model.passes(TARGET, START, 60.0, samples=50, output="dict")
+    passes = model.passes(TARGET, START, 30.0, samples=50, output="dict")
     picture = plots.light_curve(passes["samples"][0], title="A curve", limit_mag=7.0)
     assert "magnitude, ±1σ" in shown(picture)
     for name, begin in [("curve.png", b"\x89PNG"), ("curve.svg", b"<svg")]:

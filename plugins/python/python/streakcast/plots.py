@@ -2,8 +2,8 @@
 
 >>> from streakcast import StreakModel, plots
 >>> model = StreakModel(site="Rubin Observatory", shells="starlink-gen1", fov="3.5deg", limit_mag=7)
->>> passes = model.passes((280.0, -30.0), "2024-08-14T00:10:00Z", 60.0)
->>> plots.field(passes, (280.0, -30.0), fov_deg=3.5).size
+>>> passes = model.passes((198.9, 7.7), "2026-08-14T23:29:05Z", 30.0)
+>>> plots.field(passes, (198.9, 7.7), fov_deg=3.5).size
 (1440, 846)
 
 Each function takes tables as the model returns them (a `QTable` or a dictionary of arrays) and returns a `Picture`, which a notebook shows.

@@ -16,8 +16,6 @@ pub struct Columns {
     /// The cells, and the line or number of each row for messages.
     rows: Vec<(usize, Vec<String>)>,
     provenance: Map<String, Value>,
-    /// The arrays of a JSON document besides.
-    others: Map<String, Value>,
 }
 
 impl Columns {
@@ -29,7 +27,6 @@ impl Columns {
             names: table.columns.iter().map(|column| column.name.to_owned()).collect(),
             rows: table.rows.iter().enumerate().map(|(index, row)| (index + 1, cells(row))).collect(),
             provenance: provenance.entries().map(|(name, value)| (name.to_owned(), value.clone())).collect(),
-            others: Map::new(),
         }
     }
 
@@ -78,7 +75,7 @@ impl Columns {
             let line = record.position().map_or(0, |position| position.line() as usize);
             rows.push((line, record.iter().map(|cell| cell.trim().to_owned()).collect()));
         }
-        Ok(Self { origin: origin.to_owned(), names, rows, provenance, others: Map::new() })
+        Ok(Self { origin: origin.to_owned(), names, rows, provenance })
     }
 
     fn from_json(origin: &str, text: &str, section: &str) -> anyhow::Result<Self> {
@@ -116,7 +113,7 @@ impl Columns {
         let rows = rows.iter().enumerate();
         let rows = rows.map(|(index, row)| (index + 1, names.iter().map(|name| cell(row, name)).collect())).collect();
         let provenance = document.remove("provenance").and_then(object).unwrap_or_default();
-        Ok(Self { origin: origin.to_owned(), names, rows, provenance, others: document })
+        Ok(Self { origin: origin.to_owned(), names, rows, provenance })
     }
 
     pub fn len(&self) -> usize {
@@ -137,11 +134,6 @@ impl Columns {
         let mut provenance = Provenance::new();
         self.provenance.iter().for_each(|(name, value)| provenance.state(name, value.clone()));
         provenance
-    }
-
-    /// Another array of the same JSON document.
-    pub fn other(&self, name: &str) -> Option<&Vec<Value>> {
-        self.others.get(name).and_then(Value::as_array)
     }
 
     /// The cells of a column.

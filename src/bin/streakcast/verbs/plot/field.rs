@@ -15,6 +15,8 @@ use crate::verbs::passes::ask;
 use super::columns::Columns;
 use super::target::Target;
 
+/// Names of satellites of shells end so; the caption says it of all.
+const SYNTHETIC: &str = " (synthetic)";
 /// Points of a circle.
 const ROUND: usize = 180;
 
@@ -98,7 +100,11 @@ fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Optio
     });
     let ends = ends.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
     let streak = |k: usize| FieldStreak {
-        name: if names[k].is_empty() { format!("NORAD {}", ids[k]) } else { names[k].to_owned() },
+        name: if names[k].is_empty() {
+            format!("NORAD {}", ids[k])
+        } else {
+            names[k].trim_end_matches(SYNTHETIC).to_owned()
+        },
         track_deg: ends.iter().map(|(ra, dec)| [ra[k], dec[k]]).collect(),
         enter: clock(enter[k]),
         exit: clock(exit[k]),
@@ -118,9 +124,10 @@ fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Optio
     let words = format!("{} UTC, {} s", start, place.exposure_s);
     let lit = streaks.iter().filter(|streak| streak.magnitude.is_finite()).count();
     let caption = format!(
-        "Centre RA {ra_deg:.4}°, Dec {}°, ICRS; gnomonic (TAN), north up, east left. {} streaks, {lit} with a magnitude. Magnitudes are the brightest along each track.",
+        "Centre RA {ra_deg:.4}°, Dec {}°, ICRS; gnomonic (TAN), north up, east left. {} streaks, {lit} with a magnitude. Magnitudes are the brightest along each track.{}",
         format!("{dec_deg:.4}").replace('-', "−"),
         streaks.len(),
+        if names.iter().any(|name| name.ends_with(SYNTHETIC)) { " Satellites of shells are synthetic." } else { "" },
     );
     Ok(field_chart(&FieldChart {
         title: title.unwrap_or(&format!("Streaks in the field, {words}")),

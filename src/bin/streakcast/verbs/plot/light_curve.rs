@@ -99,7 +99,10 @@ fn chosen(asked: &Asked, norad: Option<u32>) -> anyhow::Result<FieldPass> {
         let pass = found.iter().find(|pass| pass.norad_id == NoradId(id));
         let ids: Vec<String> = found.iter().map(|pass| pass.norad_id.0.to_string()).collect();
         let allowed = if ids.is_empty() { "none, the field is clear".to_owned() } else { ids.join(", ") };
-        return pass.copied().cloned().ok_or_else(|| anyhow!("norad {id}: it does not cross this exposure; allowed: {allowed}"));
+        return pass
+            .copied()
+            .cloned()
+            .ok_or_else(|| anyhow!("norad {id}: it does not cross this exposure; allowed: {allowed}"));
     }
     let magnitude = |pass: &FieldPass| pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0);
     let bright = found.into_iter().filter_map(|pass| Some((magnitude(pass)?, pass)));
@@ -113,10 +116,12 @@ fn track(asked: &Asked, pass: &FieldPass, around_s: f64) -> anyhow::Result<Vec<T
         (low.min(chord.enter_s), high.max(chord.exit_s))
     });
     let start = seconds_after(asked.exposure.start, first_s - around_s);
-    // All of the sky before the telescope: a half sphere about the field.
-    let exposure = Exposure { start, duration_s: last_s - first_s + 2.0 * around_s, ..asked.exposure.clone() };
+    let duration_s = last_s - first_s + 2.0 * around_s;
+    // A circle about the place in the field, wide enough for the way there and on, should the satellite be half as fast again higher up.
+    let radius_rad = (1.5 * pass.angular_rate_rad_s * duration_s + 0.1).min(std::f64::consts::FRAC_PI_2);
+    let exposure = Exposure { start, duration_s, pointing: pass.mid.direction, ..asked.exposure.clone() };
     let options = PassOptions { include_dark: true, min_probability: None, samples: POINTS, ..asked.options };
-    let wide = Field::circle(std::f64::consts::PI)?;
+    let wide = Field::circle(2.0 * radius_rad)?;
     let answer = asked.prepared.sky.field_passes(&[exposure], &wide, &options)?;
     let tracks = answer.by_exposure.into_iter().flatten();
     let found = tracks.filter(|found| found.element_index == pass.element_index && found.samples.len() > 1);
