@@ -42,7 +42,7 @@ fn words(svg: &str) -> Vec<String> {
     loop {
         match reader.read_event().unwrap() {
             quick_xml::events::Event::Eof => return words,
-            quick_xml::events::Event::Text(text) => words.push(text.trim().to_owned()),
+            quick_xml::events::Event::Text(text) if !text.contains("@font-face") => words.push(text.trim().to_owned()),
             _ => {}
         }
     }

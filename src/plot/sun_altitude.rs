@@ -4,13 +4,11 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use crate::quantile::quantile;
-
 use super::axes::{Axis, Frame};
 use super::error::PlotError;
 use super::numbers::{count, fixed, many};
 use super::picture::Picture;
-use super::statistics::{check, check_length, mean_and_sd, sorted};
+use super::statistics::{check, check_length, mean_and_sd};
 use super::twilight::{bands_in_altitude, legend};
 
 const WIDTH: f64 = 1060.0;
@@ -21,8 +19,6 @@ const NUMBERS: [f64; 2] = [438.0, 520.0];
 const DOT: RGBColor = RGBColor(150, 150, 150);
 const ALL: RGBColor = RGBColor(0, 114, 178);
 const BRIGHT: RGBColor = RGBColor(213, 94, 0);
-/// Share of the exposures that the axis may leave out.
-const BEYOND: f64 = 0.01;
 
 /// Exposures and how high the Sun stood.
 #[derive(Clone, Debug)]
@@ -68,7 +64,8 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     let all = means(input.sun_altitude_deg, input.n_trails, &x, input.bin_deg);
     let bright = input.n_bright.map(|(bright, _)| means(input.sun_altitude_deg, bright, &x, input.bin_deg));
     let highest = all.iter().map(|bin| bin.mean + bin.error).fold(0.0, f64::max);
-    let top = quantile(&sorted(input.n_trails), 1.0 - BEYOND).max(highest).max(0.1) * 1.08;
+    // Means set the axis: single exposures, whole numbers of trails, would press rates of a hundredth flat.
+    let top = (1.3 * highest).max(0.02);
     let rates = Frame { sides: [LEFT, RATES[0], RIGHT, RATES[1]], x, y: Axis::linear(-0.03 * top, top) };
     let most = all.iter().map(|bin| bin.count).max().unwrap_or(1);
     let numbers = Frame { sides: [LEFT, NUMBERS[0], RIGHT, NUMBERS[1]], x, y: Axis::linear(0.0, 1.15 * most as f64) };
@@ -110,7 +107,7 @@ pub fn sun_altitude(input: &SunAltitude<'_>) -> Result<Picture, PlotError> {
     }
     let beyond = match input.n_trails.iter().filter(|trails| !rates.y.holds(**trails)).count() {
         0 => String::new(),
-        beyond => format!("; {} beyond the axis", count(beyond)),
+        beyond => format!("; {} with more than the axis shows", count(beyond)),
     };
     let (mean, _) = mean_and_sd(input.n_trails);
     let caption = format!(
@@ -163,7 +160,8 @@ fn series(picture: &mut Picture, frame: &Frame, bins: &[Bin], colour: RGBColor, 
         let (low, high) =
             (frame.at(middle(bin), bin.mean - bin.error).1, frame.at(middle(bin), bin.mean + bin.error).1);
         picture.line(&[(x, low), (x, high)], colour.to_rgba(), 2.0);
-        super::night::dot(picture, (x, y), colour);
+        // Open where the line is dashed: both series can be seen where they are one.
+        super::night::dot(picture, (x, y), if is_dashed { RGBColor(255, 255, 255) } else { colour });
     }
 }
 
