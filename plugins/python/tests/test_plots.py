@@ -24,7 +24,7 @@ def shown(picture):
 def test_a_field_shows_its_passes(model, output):
     passes = model.passes(TARGET, START, 30.0, output=output)
     svg = shown(plots.field(passes, TARGET, fov_deg=3.5, title="A field"))
-    assert "A field" in svg and f"{len(passes['name'])} streaks." in svg
+    assert "A field" in svg and f"{len(passes['name'])} streak" in svg
     assert any(str(name)[:16] in svg for name in passes["name"])
 
 

@@ -178,7 +178,8 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
         )
         for k in order
     ]
-    caption = f"Centre RA {ra:.4f}°, Dec {dec:.4f}°, ICRS; gnomonic (TAN), north up, east left. {len(streaks)} streaks."
+    word = "streak" if len(streaks) == 1 else "streaks"
+    caption = f"Centre RA {ra:.4f}°, Dec {dec:.4f}°, ICRS; gnomonic (TAN), north up, east left. {len(streaks)} {word}."
     return Picture(_core.plot_field(ra, dec, outlines, streaks, title, caption.replace(" -", " −")))
 
 

@@ -5,7 +5,8 @@ use serde_json::Value;
 use streakcast::frames::{Direction, Gcrs};
 use streakcast::passes::Field;
 use streakcast::plot::{FieldChart, FieldStreak, Picture, field_chart};
-use streakcast::setup::{FieldSetup, Quantity, Setup};
+use streakcast::setup::{FieldSetup, Quantity, Setup, parse_moment};
+use streakcast::table::format_utc;
 
 use crate::failure::Outcome;
 use crate::plot_arguments::PlotFieldArguments;
@@ -119,14 +120,15 @@ fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Optio
         field.map(|field| field.on_sky(&place.centre, place.rotation_rad).outlines(ROUND)).unwrap_or_default();
     let outlines: Vec<Vec<[f64; 2]>> = outlines.iter().map(|outline| outline.iter().map(degrees).collect()).collect();
     let [ra_deg, dec_deg] = degrees(&place.centre);
-    let start = place.start_utc.trim_end_matches('Z').replace('T', " ");
-    let start = if start.contains('.') { start.trim_end_matches('0').trim_end_matches('.') } else { &start };
+    let start = parse_moment(&place.start_utc, None).map_or(place.start_utc.clone(), |moment| format_utc(moment, 3));
+    let start = start.trim_end_matches('Z').trim_end_matches(".000").replace('T', " ");
     let words = format!("{} UTC, {} s", start, place.exposure_s);
     let lit = streaks.iter().filter(|streak| streak.magnitude.is_finite()).count();
     let caption = format!(
-        "Centre RA {ra_deg:.4}°, Dec {}°, ICRS; gnomonic (TAN), north up, east left. {} streaks, {lit} with a magnitude. Magnitudes are the brightest along each track.{}",
+        "Centre RA {ra_deg:.4}°, Dec {}°, ICRS; gnomonic (TAN), north up, east left. {} {}, {lit} with a magnitude. Magnitudes are the brightest along each track.{}",
         format!("{dec_deg:.4}").replace('-', "−"),
         streaks.len(),
+        if streaks.len() == 1 { "streak" } else { "streaks" },
         if names.iter().any(|name| name.ends_with(SYNTHETIC)) { " Satellites of shells are synthetic." } else { "" },
     );
     Ok(field_chart(&FieldChart {
@@ -139,8 +141,8 @@ fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Optio
     })?)
 }
 
-/// `2024-08-14T00:30:04.123456Z` as `00:30:04.1`.
+/// `2024-08-14T00:30:04.173456Z` as `00:30:04.2`.
 fn clock(utc: &str) -> String {
-    let time = utc.split('T').nth(1).unwrap_or(utc).trim_end_matches('Z');
-    time.get(..10).unwrap_or(time).to_owned()
+    let rounded = parse_moment(utc, None).map(|moment| format_utc(moment, 1)).unwrap_or_else(|_| utc.to_owned());
+    rounded.split('T').nth(1).unwrap_or(&rounded).trim_end_matches('Z').to_owned()
 }
