@@ -496,7 +496,7 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
     // Columns of the track at 20 s: the line, and the band as wide as two sigmas.
     let x = (92.0 + 998.0 * (0.015 + 0.2) / 1.03) as u32;
     let shade: Vec<u32> =
-        (118..540).filter(|y| image.get_pixel(x, *y).0[2] > image.get_pixel(x, *y).0[0] + 20).collect();
+        (118..540).filter(|y| image.get_pixel(x, *y).0[2] > image.get_pixel(x, *y).0[0].saturating_add(20)).collect();
     let (least, most) = (5.6 - 0.112, 7.2 + 0.112);
     let expected = 0.8 / (most - least) * 422.0;
     assert!((shade.len() as f64 - expected).abs() < 6.0, "{} {expected}", shade.len());

@@ -12,7 +12,7 @@ use tempfile::{TempDir, tempdir};
 
 const FIELD: &[&str] = &["--fov", "3.5deg"];
 const EXPOSURE: &[&str] = &["--ra", "198.9", "--dec", "7.7", "--start", "2026-08-14T23:29:05Z", "--exposure", "30s"];
-const SCHEDULE: &str = "id,start_utc,exposure_s,ra_deg,dec_deg,band\n\
+const SCHEDULE: &str = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n\
     a,2026-08-14T23:28:00Z,30,198.9,7.7,r\n\
     b,2026-08-14T23:29:05Z,30,198.9,7.7,r\n\
     c,2026-08-14T23:30:00Z,30,198.9,7.7,r\n\
@@ -165,7 +165,7 @@ fn verif_a_field_has_the_table_of_passes() {
     }
     // In the middle of a night nothing is lit: drawn, said, and exit code 1 as of passes.
     let night: &[&str] =
-        &["--ra", "330", "--dec", "-30", "--start", "2024-12-14T04:45:00Z", "--exposure", "1s", "--fov", "3arcmin"];
+        &["--ra", "75", "--dec", "-30", "--start", "2024-12-14T04:45:00Z", "--exposure", "1s", "--fov", "3arcmin"];
     let (code, ..) = run(&[&["passes"], night, SKY]);
     assert_eq!(code, 1);
     drawn(&folder, "none", &[&["field"], night, SKY], 1);
