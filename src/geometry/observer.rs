@@ -1,8 +1,10 @@
 //! A site that turns with the Earth.
 
+use hifitime::Epoch;
 use nalgebra::Vector3;
 
 use super::site::Site;
+use super::sun::SunState;
 use crate::constants::EARTH_ROTATION_RAD_S;
 use crate::frames::{Gcrs, Horizontal, Itrs, Orientation, Position, Rotation, Velocity};
 
@@ -68,6 +70,13 @@ impl ObserverState {
     pub fn altitude_azimuth_rad(&self, geometric: &Position<Gcrs>) -> Option<(f64, f64)> {
         let direction = (self.horizon * *geometric).direction()?;
         Some((direction.latitude_rad(), direction.longitude_rad()))
+    }
+
+    /// Altitude and azimuth of the Sun's centre, as of [`altitude_azimuth_rad`](Self::altitude_azimuth_rad), without aberration (20"); `None` outside the years
+    /// 1900 to 2100.
+    pub fn sun_altitude_azimuth_rad(&self, moment: Epoch) -> Option<(f64, f64)> {
+        let seen = self.altitude_azimuth_rad(&(SunState::at(moment).sun - self.position));
+        seen.filter(|(altitude, _)| altitude.is_finite())
     }
 
     /// Sine of the altitude: the test "above the horizon" without inverse functions. Not a number for the observer's own place.

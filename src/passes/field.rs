@@ -329,6 +329,26 @@ impl FieldOnSky<'_> {
         (depth > 0.0).then(|| [sight.dot(&self.x_axis) / depth, sight.dot(&self.y_axis) / depth])
     }
 
+    /// The border of every shape as directions, for pictures: corners of a polygon, `round` points (at least 3) of a circle; closed by itself.
+    pub fn outlines(&self, round: usize) -> Vec<Vec<Direction<Gcrs>>> {
+        let rim = |axis: Vector3<f64>, radius_rad: f64| {
+            let (east, north) = Direction::<Gcrs>::from_vector(axis).east_north();
+            let (sin_radius, cos_radius) = radius_rad.sin_cos();
+            let point = |part: usize| {
+                let (sin, cos) = (std::f64::consts::TAU * part as f64 / round.max(3) as f64).sin_cos();
+                Direction::from_vector(axis * cos_radius + (north * cos + east * sin) * sin_radius)
+            };
+            (0..round.max(3)).map(point).collect()
+        };
+        let corner =
+            |[x, y]: &[f64; 2]| Direction::from_vector((self.centre + self.x_axis * *x + self.y_axis * *y).normalize());
+        let outline = |border: Border<'_>| match border {
+            Border::Rim(axis, radius_rad) => rim(axis, radius_rad),
+            Border::Outline(corners) => corners.iter().map(corner).collect(),
+        };
+        self.borders().map(outline).collect()
+    }
+
     /// True where a direction lies inside one of the shapes.
     pub fn contains(&self, direction: &Direction<Gcrs>) -> bool {
         let sight = direction.vector();

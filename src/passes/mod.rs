@@ -3,6 +3,7 @@
 mod almanac;
 mod chance;
 mod circle_path;
+mod count;
 mod crossing;
 mod expose;
 mod exposure;
@@ -25,6 +26,7 @@ mod visible;
 mod windows;
 
 pub use chance::Chance;
+pub use count::{CountRequest, Counts, StreakCount};
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
 pub use glance::Glance;

@@ -156,6 +156,19 @@ impl Frame {
         self.draw_without_y(picture, has_x_labels);
     }
 
+    /// Border and ticks of the left side alone, with labels: for frames whose x axis is drawn otherwise.
+    pub fn draw_y(&self, picture: &mut Picture) {
+        let [left, top, _, bottom] = self.sides;
+        for (value, label) in self.y.ticks(bottom - top, false) {
+            let (_, y) = self.at(self.x.from, value);
+            picture.line(&[(left, y), (left + 5.0, y)], INK.to_rgba(), 1.2);
+            if !label.is_empty() {
+                picture.text(&label, (left - 8.0, y), TICK_SIZE, HPos::Right);
+            }
+        }
+        picture.border(self.sides, 1.4);
+    }
+
     /// The same without anything at the left.
     pub fn draw_without_y(&self, picture: &mut Picture, has_x_labels: bool) {
         let [left, _, right, bottom] = self.sides;

@@ -10,6 +10,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 
 use super::error::PlotError;
+use super::font;
 use super::picture::{Picture, Underlay};
 
 /// PNGs are drawn this many times as large and averaged: smooth lines and letters.
@@ -72,7 +73,7 @@ impl Picture {
         png(&averaged(&rgb, width), width / FINE, height / FINE)
     }
 
-    /// An SVG of [`size`](Picture::size) that needs nothing but itself.
+    /// An SVG of [`size`](Picture::size) that needs nothing but itself: its font is in it.
     ///
     /// # Errors
     /// What the drawing or encoding crate reports.
@@ -92,8 +93,9 @@ impl Picture {
         let rest = text.strip_prefix("<svg").and_then(|text| text.split_once('>')).ok_or_else(broken)?.1;
         Ok(format!(
             "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {across} {down}\" xmlns=\"http://www.w3.org/2000/svg\" \
-             xmlns:xlink=\"http://www.w3.org/1999/xlink\">\n<image x=\"0\" y=\"0\" width=\"{across}\" height=\"{down}\" \
-             xlink:href=\"data:image/png;base64,{pixels}\"/>{rest}"
+             xmlns:xlink=\"http://www.w3.org/1999/xlink\">\n{}\n<image x=\"0\" y=\"0\" width=\"{across}\" height=\"{down}\" \
+             xlink:href=\"data:image/png;base64,{pixels}\"/>{rest}",
+            font::style_sheet()
         ))
     }
 }

@@ -13,6 +13,8 @@ pub enum Quantity {
     Spread,
     /// Observed less computed magnitude, mag: blue below 0, red above, as far on both sides.
     Residual,
+    /// Streaks an exposure, 0 or more: viridis, from 0.
+    Rate,
 }
 
 /// A colour for each value of a quantity.
@@ -44,6 +46,7 @@ impl Quantity {
             Self::Count => "samples",
             Self::Spread => "IQR, mag",
             Self::Residual => "O−C, mag",
+            Self::Rate => "streaks",
         }
     }
 
@@ -52,7 +55,7 @@ impl Quantity {
         match self {
             Self::Magnitude => 0.5,
             Self::Count => 1.0,
-            Self::Spread | Self::Residual => 0.1,
+            Self::Spread | Self::Residual | Self::Rate => 0.1,
         }
     }
 
@@ -63,6 +66,7 @@ impl Quantity {
             Self::Count => [1.0, 100.0],
             Self::Spread => [0.0, 1.0],
             Self::Residual => [-0.5, 0.5],
+            Self::Rate => [0.0, 1.0],
         }
     }
 }
@@ -88,6 +92,7 @@ impl ColourScale {
             }
             Quantity::Count => (round_count(low, f64::floor), round_count(high, f64::ceil)),
             Quantity::Spread => (0.0, (high / round).ceil() * round),
+            Quantity::Rate => (0.0, round_rate(high)),
             Quantity::Residual => {
                 let end = (low.abs().max(high.abs()) / round).ceil().max(1.0) * round;
                 (-end, end)
@@ -112,7 +117,9 @@ impl ColourScale {
         let share = match self.quantity {
             Quantity::Magnitude => (self.greatest - value) / (self.greatest - self.least),
             Quantity::Count => (value / self.least).ln() / (self.greatest / self.least).ln(),
-            Quantity::Spread | Quantity::Residual => (value - self.least) / (self.greatest - self.least),
+            Quantity::Spread | Quantity::Residual | Quantity::Rate => {
+                (value - self.least) / (self.greatest - self.least)
+            }
         };
         share.clamp(0.0, 1.0)
     }
@@ -125,7 +132,7 @@ impl ColourScale {
     /// Red, green, blue at a height of the bar between 0 and 1.
     pub(super) fn colour_at(&self, share: f64) -> [u8; 3] {
         let colour = match self.quantity {
-            Quantity::Magnitude | Quantity::Count => VIRIDIS.eval_continuous(share),
+            Quantity::Magnitude | Quantity::Count | Quantity::Rate => VIRIDIS.eval_continuous(share),
             Quantity::Spread => CIVIDIS.eval_continuous(share),
             Quantity::Residual => RED_BLUE.eval_continuous(1.0 - share),
         };
@@ -138,6 +145,7 @@ impl ColourScale {
         let values = match self.quantity {
             Quantity::Magnitude => multiples(if span > LONG_MAG { 1.0 } else { 0.5 }, self.least, self.greatest),
             Quantity::Count => counts(self.least, self.greatest),
+            Quantity::Rate => (0..=4).map(|part| f64::from(part) * self.greatest / 4.0).collect(),
             Quantity::Spread | Quantity::Residual => {
                 let steps = [0.1, 0.2, 0.5, 1.0, 2.0, 5.0];
                 let step = steps.into_iter().find(|step| span / step <= 8.0).unwrap_or(span / 4.0);
@@ -152,7 +160,12 @@ impl ColourScale {
                 values
             }
         };
-        let decimals = |value: f64| usize::from((value - value.round()).abs() > 1e-6);
+        let is_whole = |value: f64| (value - value.round()).abs() <= 1e-6;
+        let decimals = |value: f64| match self.quantity {
+            // A quarter of 2, 4 or 8 times a power of ten has as many as that power.
+            Quantity::Rate => (0..12).find(|places| is_whole(value * 10_f64.powi(*places))).unwrap_or(12) as usize,
+            _ => usize::from(!is_whole(value)),
+        };
         let places = values.iter().map(|value| decimals(*value)).max().unwrap_or(0);
         let words = |value: f64| {
             let beyond = if self.has_lower && value <= self.least {
@@ -175,6 +188,16 @@ impl ColourScale {
 fn multiples(step: f64, least: f64, greatest: f64) -> Vec<f64> {
     let (first, last) = ((least / step - 1e-9).ceil() as i64, (greatest / step + 1e-9).floor() as i64);
     (first..=last).map(|count| count as f64 * step).collect()
+}
+
+/// The next 1, 2, 4 or 8 times a power of ten, so that quarters of it are round.
+fn round_rate(value: f64) -> f64 {
+    if value <= 0.0 {
+        return Quantity::Rate.usual()[1];
+    }
+    let decade = 10_f64.powf(value.log10().floor());
+    let steps = [1.0, 2.0, 4.0, 8.0, 10.0].map(|step| step * decade);
+    steps.into_iter().find(|step| *step >= value * (1.0 - 1e-9)).unwrap_or(10.0 * decade)
 }
 
 /// The next 1, 2 or 5 times a power of ten, 1 or more.

@@ -7,6 +7,7 @@ mod engine;
 mod failure;
 mod injection;
 mod light;
+mod plots;
 mod pool;
 mod questions;
 mod skies;
@@ -30,5 +31,12 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(light::standard_magnitudes, module)?)?;
     module.add_function(wrap_pyfunction!(light::sky_magnitudes, module)?)?;
     module.add_function(wrap_pyfunction!(light::model_names, module)?)?;
+    module.add_class::<plots::Picture>()?;
+    module.add_function(wrap_pyfunction!(plots::utc_mjd, module)?)?;
+    module.add_function(wrap_pyfunction!(plots::plot_night, module)?)?;
+    module.add_function(wrap_pyfunction!(plots::plot_field, module)?)?;
+    module.add_function(wrap_pyfunction!(plots::plot_light_curve, module)?)?;
+    module.add_function(wrap_pyfunction!(plots::plot_sky_rate, module)?)?;
+    module.add_function(wrap_pyfunction!(plots::plot_sun_altitude, module)?)?;
     Ok(())
 }

@@ -17,6 +17,8 @@ use crate::identify_arguments::IdentifyArguments;
 use crate::inject_arguments::InjectArguments;
 use crate::map_arguments::MapArguments;
 use crate::output::Output;
+#[cfg(feature = "plot")]
+use crate::plot_arguments::PlotArguments;
 #[cfg(feature = "serve")]
 use crate::serve_arguments::ServeArguments;
 use crate::statistics_arguments::{ReproduceArguments, StatisticsArguments};
@@ -48,6 +50,9 @@ pub enum Verb {
     Identify(Box<IdentifyArguments>),
     /// Maps of magnitude over a satellite's own sky and over that of a site
     Map(MapArguments),
+    /// Pictures: nights, fields, light curves, skies, fits, as PNG and SVG with their data beside
+    #[cfg(feature = "plot")]
+    Plot(Box<PlotArguments>),
     /// Streaks of satellites, or random ones, put into frames, with masks and their truth
     #[cfg(feature = "fits")]
     Inject(Box<InjectArguments>),

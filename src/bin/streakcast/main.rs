@@ -16,6 +16,8 @@ mod map_arguments;
 mod map_output;
 mod notices;
 mod output;
+#[cfg(feature = "plot")]
+mod plot_arguments;
 mod screen;
 #[cfg(feature = "serve")]
 mod serve_arguments;
@@ -44,6 +46,8 @@ fn main() -> ExitCode {
         Verb::Gate(typed) => verbs::gate::run(*typed),
         Verb::Identify(typed) => verbs::identify::run(*typed),
         Verb::Map(typed) => verbs::map::run(typed),
+        #[cfg(feature = "plot")]
+        Verb::Plot(typed) => verbs::plot::run(*typed),
         #[cfg(feature = "fits")]
         Verb::Inject(typed) => verbs::inject::run(*typed),
         #[cfg(feature = "fetch")]

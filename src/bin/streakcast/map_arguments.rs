@@ -70,8 +70,9 @@ pub struct MapOutputArguments {
     pub picture: Option<PathBuf>,
 }
 
+/// What a map of a satellite's own sky shows.
 #[derive(Args)]
-pub struct MapBodyArguments {
+pub struct BodyViewArguments {
     /// Brightness model by name (streakcast model list), or a model file
     #[arg(long, value_name = "NAME")]
     pub model: String,
@@ -83,12 +84,19 @@ pub struct MapBodyArguments {
     pub height_km: f64,
     #[command(flatten)]
     pub light: LightArguments,
+}
+
+#[derive(Args)]
+pub struct MapBodyArguments {
+    #[command(flatten)]
+    pub view: BodyViewArguments,
     #[command(flatten)]
     pub output: MapOutputArguments,
 }
 
+/// What a map of a site's sky shows.
 #[derive(Args)]
-pub struct MapSkyArguments {
+pub struct SkyViewArguments {
     /// Brightness model by name (streakcast model list), or a model file
     #[arg(long, value_name = "NAME")]
     pub model: String,
@@ -111,6 +119,12 @@ pub struct MapSkyArguments {
     pub place: PlaceArguments,
     #[command(flatten)]
     pub light: LightArguments,
+}
+
+#[derive(Args)]
+pub struct MapSkyArguments {
+    #[command(flatten)]
+    pub view: SkyViewArguments,
     #[command(flatten)]
     pub output: MapOutputArguments,
 }

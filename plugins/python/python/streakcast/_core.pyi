@@ -16,6 +16,65 @@ class SetupError(StreakcastError): ...
 def times_from_text(texts: list[str], scale: Optional[str] = None) -> tuple[_Reals, _Reals]: ...
 def times_from_mjd(mjd: _Reals, scale: str) -> tuple[_Reals, _Reals]: ...
 def setup_files(setup: str, config: Optional[str] = None) -> list[Path]: ...
+def utc_mjd(jd1: _Reals, jd2: _Reals) -> list[float]: ...
+def plot_night(
+    start_mjd: list[float],
+    duration_s: list[float],
+    n_streaks: list[float],
+    brightest_mag: list[float],
+    title: str,
+    caption: str,
+    limit_mag: Optional[float] = None,
+    sun: list[tuple[float, float]] = ...,
+    local_h: Optional[float] = None,
+    local_name: str = "",
+) -> Picture: ...
+def plot_field(
+    ra_deg: float,
+    dec_deg: float,
+    outlines: list[list[list[float]]],
+    streaks: list[tuple[str, list[list[float]], str, str, float, float]],
+    title: str,
+    caption: str,
+) -> Picture: ...
+def plot_light_curve(
+    time_mjd: list[float],
+    magnitude: list[float],
+    sigma_mag: list[float],
+    in_field: list[list[float]],
+    title: str,
+    caption: str,
+    shutter: Optional[list[float]] = None,
+    limit_mag: Optional[float] = None,
+    local_h: Optional[float] = None,
+    local_name: str = "",
+) -> Picture: ...
+def plot_sky_rate(
+    nside: int,
+    cells: list[int],
+    rate: list[float],
+    sun_azimuth_deg: float,
+    title: str,
+    subtitle: str,
+    caption: str,
+) -> Picture: ...
+def plot_sun_altitude(
+    sun_altitude_deg: list[float],
+    n_trails: list[float],
+    bin_deg: float,
+    title: str,
+    caption: str,
+    n_bright: Optional[list[float]] = None,
+    limit_mag: Optional[float] = None,
+) -> Picture: ...
+
+class Picture:
+    @property
+    def size(self) -> tuple[int, int]: ...
+    def png(self) -> bytes: ...
+    def svg(self) -> str: ...
+    def save(self, path: str) -> None: ...
+
 def model_names(setup: str) -> list[str]: ...
 def body_map(
     setup: str,

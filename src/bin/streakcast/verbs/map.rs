@@ -45,12 +45,13 @@ pub fn run(typed: MapArguments) -> anyhow::Result<Outcome> {
     }
 }
 
-fn body(typed: MapBodyArguments) -> anyhow::Result<Outcome> {
+/// A map of a satellite's own sky: numbers, picture or both.
+pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> anyhow::Result<Outcome> {
     let setup = typed.light.setup(Setup::default())?;
     let notices = begin(&setup)?;
     let model = model_of(&setup.model_library()?, &typed.model)?;
     let view = BodyView::new(&model, typed.sun_latitude_deg.to_radians(), typed.height_km, setup.photometry()?)?;
-    let target = Target::new(&typed.output, setup.format.as_deref())?;
+    let target = Target::new(&to, setup.format.as_deref())?;
     notices.warn(&provisional(&model));
     let of_a_site = [("extinction", setup.extinction.is_some()), ("shadow", setup.shadow.is_some())];
     notices.warn(&without_part(&setup, &of_a_site, "a map of a satellite's own sky"));
@@ -62,7 +63,7 @@ fn body(typed: MapBodyArguments) -> anyhow::Result<Outcome> {
         ));
     }
     #[cfg(feature = "plot")]
-    let picture = pictures::made(typed.output.picture.as_deref(), || streakcast::plot::body_picture(&view))?;
+    let picture = pictures::made(to.picture.as_deref(), || streakcast::plot::body_picture(&view))?;
     match &target {
         #[cfg(feature = "plot")]
         Target::Nothing => {}
@@ -74,11 +75,12 @@ fn body(typed: MapBodyArguments) -> anyhow::Result<Outcome> {
         Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
     }
     #[cfg(feature = "plot")]
-    pictures::write(typed.output.picture.as_deref(), picture)?;
+    pictures::write(to.picture.as_deref(), picture)?;
     Ok(Outcome::Done)
 }
 
-fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
+/// A map of the sky: numbers, picture or both.
+pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyhow::Result<Outcome> {
     let setup = typed.light.setup(typed.place.setup())?;
     let notices = begin(&setup)?;
     let model = model_of(&setup.model_library()?, &typed.model)?;
@@ -97,11 +99,11 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
     let (sun_azimuth, sun_altitude) = (typed.sun_azimuth_deg.to_radians(), typed.sun_altitude_deg.to_radians());
     let view =
         SkyView::new(&model, earth, typed.height_km, sun_azimuth, sun_altitude, options)?.with_shadow(setup.shadow()?);
-    let target = Target::new(&typed.output, setup.format.as_deref())?;
+    let target = Target::new(&to, setup.format.as_deref())?;
     notices.warn(&provisional(&model));
     notices.warn(&without_part(&setup, &[], "a map of the sky"));
     #[cfg(feature = "plot")]
-    let picture = pictures::made(typed.output.picture.as_deref(), || streakcast::plot::sky_picture(&view))?;
+    let picture = pictures::made(to.picture.as_deref(), || streakcast::plot::sky_picture(&view))?;
     match &target {
         #[cfg(feature = "plot")]
         Target::Nothing => {}
@@ -113,7 +115,7 @@ fn sky(typed: MapSkyArguments) -> anyhow::Result<Outcome> {
         Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
     }
     #[cfg(feature = "plot")]
-    pictures::write(typed.output.picture.as_deref(), picture)?;
+    pictures::write(to.picture.as_deref(), picture)?;
     Ok(Outcome::Done)
 }
 

@@ -16,6 +16,8 @@ pub mod map;
 pub mod model;
 mod night;
 pub mod passes;
+#[cfg(feature = "plot")]
+pub mod plot;
 pub mod reproduce;
 #[cfg(feature = "serve")]
 pub mod serve;

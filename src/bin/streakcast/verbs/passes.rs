@@ -3,10 +3,11 @@
 use anyhow::anyhow;
 use serde_json::json;
 use streakcast::frames::seconds_after;
-use streakcast::passes::{Exposure, PassOptions};
+use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, Passes};
 use streakcast::schedule::{StreakRow, exposure_table, lowest_altitudes_rad, streak_table};
 use streakcast::setup::{Prepared, Quantity, Setup, parse_moment};
 use streakcast::table::{Column, Kind, Section, Table, format_utc};
+use streakcast::telescope::Telescope;
 
 use crate::arguments::PassesArguments;
 use crate::failure::Outcome;
@@ -48,8 +49,46 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
         ..Setup::default()
     })?;
     let output = typed.output.open(&setup)?;
-    let notices = super::judged::begin(&setup)?;
+    let asked = ask(&setup)?;
+    let passes = asked.table(output.is_json());
+    let left_out = left_out_table(&asked.answer.left_out);
+    let exposures = exposure_table([&asked.exposure]);
+    let found = asked.found();
+    let brightest = |pass: &FieldPass| {
+        pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref()).map(|brightness| brightness.magnitude.0)
+    };
+    let bold_row = (0..found.len())
+        .filter(|&row| brightest(&found[row]).is_some())
+        .min_by(|&a, &b| brightest(&found[a]).partial_cmp(&brightest(&found[b])).unwrap_or(std::cmp::Ordering::Equal));
+    output.write(&Answer {
+        sections: vec![
+            Section { name: "exposures", table: &exposures },
+            Section { name: "passes", table: &passes },
+            Section { name: "left_out", table: &left_out },
+        ],
+        main: &passes,
+        provenance: &asked.prepared.provenance,
+        style: Style { columns: ON_SCREEN, bold_row },
+    })?;
+    summary(&asked.notices, &setup, found.len(), found.iter().filter_map(brightest));
+    Ok(if found.is_empty() { Outcome::No } else { Outcome::Done })
+}
 
+/// One exposure asked.
+pub struct Asked {
+    pub exposure: Exposure,
+    pub field: Field,
+    pub telescope: Option<Telescope>,
+    pub options: PassOptions,
+    /// The sky that was asked, with what the answer rests on.
+    pub prepared: Prepared,
+    pub answer: Passes,
+    pub notices: Notices,
+}
+
+/// Which satellites cross the exposure that a setup says.
+pub fn ask(setup: &Setup) -> anyhow::Result<Asked> {
+    let notices = super::judged::begin(setup)?;
     let exposure = setup.one_exposure()?;
     let field = setup.field_of_view()?;
     let telescope = setup.telescope()?;
@@ -65,38 +104,28 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
 
     let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &field, &options)?;
     notices.warn(&prepared.left_out_warning(&answer.left_out, exposure.start)?);
-    let found = answer.by_exposure.into_iter().next().unwrap_or_default();
-    let rows = found.iter().map(|pass| StreakRow {
-        exposure: &exposure,
-        pass,
-        elements: &prepared.sky.elements()[pass.element_index],
-        satellite_size_m: prepared.sky.model(pass.element_index).size_m(),
-        telescope: telescope.as_ref(),
-        photometry: &options.photometry,
-    });
-    let passes = streak_table(rows, output.is_json(), options.samples > 0);
-    state(&mut prepared, &setup, &exposure, &options, telescope.as_ref().map(|telescope| telescope.name.as_str()));
+    state(&mut prepared, setup, &exposure, &options, telescope.as_ref().map(|telescope| telescope.name.as_str()));
+    Ok(Asked { exposure, field, telescope, options, prepared, answer, notices })
+}
 
-    let left_out = left_out_table(&answer.left_out);
-    let exposures = exposure_table([&exposure]);
-    let brightest = |pass: &streakcast::passes::FieldPass| {
-        pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref()).map(|brightness| brightness.magnitude.0)
-    };
-    let bold_row = (0..found.len())
-        .filter(|&row| brightest(&found[row]).is_some())
-        .min_by(|&a, &b| brightest(&found[a]).partial_cmp(&brightest(&found[b])).unwrap_or(std::cmp::Ordering::Equal));
-    output.write(&Answer {
-        sections: vec![
-            Section { name: "exposures", table: &exposures },
-            Section { name: "passes", table: &passes },
-            Section { name: "left_out", table: &left_out },
-        ],
-        main: &passes,
-        provenance: &prepared.provenance,
-        style: Style { columns: ON_SCREEN, bold_row },
-    })?;
-    summary(&notices, &setup, found.len(), found.iter().filter_map(brightest));
-    Ok(if found.is_empty() { Outcome::No } else { Outcome::Done })
+impl Asked {
+    /// The passes of the one exposure.
+    pub fn found(&self) -> &[FieldPass] {
+        self.answer.by_exposure.first().map_or(&[], Vec::as_slice)
+    }
+
+    /// The passes as a table; with what nests tables in tables where that is wanted.
+    pub fn table(&self, is_nested: bool) -> Table {
+        let rows = self.found().iter().map(|pass| StreakRow {
+            exposure: &self.exposure,
+            pass,
+            elements: &self.prepared.sky.elements()[pass.element_index],
+            satellite_size_m: self.prepared.sky.model(pass.element_index).size_m(),
+            telescope: self.telescope.as_ref(),
+            photometry: &self.options.photometry,
+        });
+        streak_table(rows, is_nested, self.options.samples > 0)
+    }
 }
 
 /// Refuses what lies below the horizon, or the Earth's limb, at any time of the exposure.

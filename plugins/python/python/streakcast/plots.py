@@ -1,0 +1,351 @@
+"""Pictures of what `StreakModel` answers: PNG and SVG for notebooks and files, the same charts as ``streakcast plot``.
+
+>>> from streakcast import StreakModel, plots
+>>> model = StreakModel(site="Rubin Observatory", shells="starlink-gen1", fov="3.5deg", limit_mag=7)
+>>> passes = model.passes((198.9, 7.7), "2026-08-14T23:29:05Z", 30.0)
+>>> plots.field(passes, (198.9, 7.7), fov_deg=3.5).size
+(1440, 846)
+
+Each function takes tables as the model returns them (a `QTable` or a dictionary of arrays) and returns a `Picture`, which a notebook shows.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Sequence
+from typing import Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from . import _core
+from ._quantities import directions, number, scalar
+from ._times import TimeLike, is_time, to_tai
+
+__all__ = ["Picture", "field", "light_curve", "night", "sky_rate", "sun_altitude"]
+
+#: MJD of 1970-01-01, where ``datetime64`` begins.
+_UNIX_MJD = 40587.0
+_DAY_NS = 86_400e9
+#: Corners of a circle.
+_ROUND = 180
+
+
+class Picture:
+    """A finished picture. A notebook shows it by itself.
+
+    Attributes
+    ----------
+    size : (int, int)
+        Width and height in pixels.
+    """
+
+    def __init__(self, core: _core.Picture) -> None:
+        self._core = core
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height in pixels."""
+        return self._core.size
+
+    def png(self) -> bytes:
+        """The bytes of a PNG."""
+        return self._core.png()
+
+    def svg(self) -> str:
+        """The text of an SVG that brings its font along."""
+        return self._core.svg()
+
+    def save(self, path: Union[str, os.PathLike[str]]) -> None:
+        """Writes a file, whole or not at all.
+
+        Parameters
+        ----------
+        path : str or path
+            Its name ends in ``.png`` or ``.svg``.
+
+        Raises
+        ------
+        ValueError
+            Any other end.
+        OSError
+            The file cannot be written.
+        """
+        self._core.save(os.fspath(path))
+
+    def _repr_png_(self) -> bytes:
+        return self.png()
+
+    def _repr_svg_(self) -> str:
+        return self.svg()
+
+    def __repr__(self) -> str:
+        return f"<streakcast picture, {self.size[0]} by {self.size[1]} pixels>"
+
+
+def night(
+    flags: Any,
+    start: TimeLike,
+    exposure: Any,
+    *,
+    limit_mag: Union[float, None] = None,
+    utc_offset: Union[float, None] = None,
+    scale: Union[str, None] = None,
+    title: str = "",
+) -> Picture:
+    """Timeline of a night: which exposures are struck, how brightly, by how many.
+
+    Parameters
+    ----------
+    flags : QTable or dict of arrays, ``(n_exposures,)``
+        What `StreakModel.flags` returned: ``n_streaks`` and ``brightest_mag`` are drawn.
+    start, exposure, scale
+        As they were asked.
+    limit_mag : float, optional
+        A line at this magnitude.
+    utc_offset : float, optional
+        Local clock of the upper side, hours ahead of UTC.
+    title : str
+        Words above.
+
+    Returns
+    -------
+    Picture
+
+    Raises
+    ------
+    StreakcastError
+        Nothing to draw, columns of unequal length, or more than one night.
+    """
+    brightest = _numbers(flags, "brightest_mag")
+    streaks = _numbers(flags, "n_streaks")
+    start_mjd = np.broadcast_to(_mjd(start, scale), streaks.shape)
+    seconds = np.broadcast_to(number(exposure, "s", "exposure"), streaks.shape)
+    return Picture(
+        _core.plot_night(
+            start_mjd.tolist(),
+            seconds.tolist(),
+            streaks.tolist(),
+            brightest.tolist(),
+            title,
+            "",
+            limit_mag,
+            [],
+            utc_offset,
+            _clock_name(utc_offset),
+        )
+    )
+
+
+def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title: str = "") -> Picture:
+    """A field with the streaks that cross it: gnomonic, north up, east left.
+
+    Parameters
+    ----------
+    passes : QTable or dict of arrays, ``(n_passes,)``
+        What `StreakModel.passes` returned for one exposure.
+    target : SkyCoord or (ra, dec)
+        Centre of the field, as it was asked, ICRS.
+    fov_deg : float, optional
+        Full diameter of a circular field, degrees: its border.
+    title : str
+        Words above.
+
+    Returns
+    -------
+    Picture
+
+    Raises
+    ------
+    StreakcastError
+        Neither streaks nor a border; places more than 75 degrees from the centre.
+    """
+    ra, dec = (float(np.ravel(axis)[0]) for axis in directions(target))
+    outlines = [] if fov_deg is None else [_circle(ra, dec, 0.5 * scalar(fov_deg, "deg", "fov_deg"))]
+    axes = [[_numbers(passes, f"{end}_{axis}_deg") for axis in ("ra", "dec")] for end in ("enter", "mid", "exit")]
+    names, ids = _texts(passes, "name"), _numbers(passes, "norad_id")
+    ends = [_clocks(passes[f"{end}_utc"]) for end in ("enter", "exit")]
+    peak, sigma = _numbers(passes, "magnitude_peak"), _numbers(passes, "magnitude_sigma")
+    order = sorted(range(len(names)), key=lambda k: peak[k] if np.isfinite(peak[k]) else np.inf)
+    streaks = [
+        (
+            names[k] or f"NORAD {ids[k]:.0f}",
+            [[float(right[k]), float(up[k])] for right, up in axes],
+            ends[0][k],
+            ends[1][k],
+            float(peak[k]),
+            float(sigma[k]),
+        )
+        for k in order
+    ]
+    word = "streak" if len(streaks) == 1 else "streaks"
+    caption = f"Centre RA {ra:.4f}°, Dec {dec:.4f}°, ICRS; gnomonic (TAN), north up, east left. {len(streaks)} {word}."
+    return Picture(_core.plot_field(ra, dec, outlines, streaks, title, caption.replace(" -", " −")))
+
+
+def light_curve(
+    samples: Sequence[dict[str, Any]],
+    *,
+    limit_mag: Union[float, None] = None,
+    utc_offset: Union[float, None] = None,
+    title: str = "",
+) -> Picture:
+    """Magnitude along the track of one pass, with its error.
+
+    Parameters
+    ----------
+    samples : sequence of dict
+        A cell of the column ``samples`` of ``StreakModel.passes(..., samples=100)``, with ``utc``, ``magnitude`` and ``magnitude_sigma``.
+    limit_mag : float, optional
+        A line at this magnitude.
+    utc_offset : float, optional
+        Local clock of the upper side, hours ahead of UTC.
+    title : str
+        Words above.
+
+    Returns
+    -------
+    Picture
+
+    Raises
+    ------
+    StreakcastError
+        Fewer than two points, or none with a magnitude.
+    """
+    times = _mjd([str(point["utc"]) for point in samples], None)
+
+    def column(name: str) -> list[float]:
+        return [np.nan if point[name] is None else float(point[name]) for point in samples]
+
+    ends = [[float(times[0]), float(times[-1])]] if len(times) > 1 else []
+    curve = (times.tolist(), column("magnitude"), column("magnitude_sigma"))
+    return Picture(
+        _core.plot_light_curve(*curve, ends, title, "", None, limit_mag, utc_offset, _clock_name(utc_offset))
+    )
+
+
+def sky_rate(
+    cells: Any,
+    rate: Any,
+    *,
+    nside: int,
+    sun_azimuth_deg: float,
+    title: str = "Streaks per exposure",
+    subtitle: str = "",
+) -> Picture:
+    """Expected streaks an exposure over the sky of a site.
+
+    Parameters
+    ----------
+    cells : array of int, ``(n_cells,)``
+        HEALPix cells of azimuth and altitude in RING order, each once.
+    rate : array of float, ``(n_cells,)``
+        Expected streaks, 0 or more.
+    nside : int
+        Division of the sphere, 1 to 1024.
+    sun_azimuth_deg : float
+        Where the Sun is marked, degrees from north through east.
+    title, subtitle : str
+        Words above.
+
+    Returns
+    -------
+    Picture
+
+    Raises
+    ------
+    StreakcastError
+        No cell, a cell that there is not or that comes twice, a negative rate.
+    """
+    numbers = np.ravel(np.asarray(cells)).astype(np.uint64).tolist()
+    values = np.ravel(np.asarray(rate, dtype=np.float64)).tolist()
+    return Picture(_core.plot_sky_rate(nside, numbers, values, sun_azimuth_deg, title, subtitle, ""))
+
+
+def sun_altitude(
+    sun_altitude_deg: Any,
+    n_trails: Any,
+    *,
+    n_bright: Any = None,
+    limit_mag: Union[float, None] = None,
+    bin_deg: float = 2.0,
+    title: str = "Trails per exposure",
+) -> Picture:
+    """Trails an exposure against the Sun's altitude.
+
+    Parameters
+    ----------
+    sun_altitude_deg : array of float or Quantity, ``(n_exposures,)``
+        Altitude of the Sun in the middle of each exposure.
+    n_trails : array, ``(n_exposures,)``
+        Lit satellites that cross.
+    n_bright : array, optional
+        Those brighter than ``limit_mag``; both or neither.
+    bin_deg : float
+        Width of the bins, 0.1 to 30 degrees.
+    title : str
+        Words above.
+
+    Returns
+    -------
+    Picture
+
+    Raises
+    ------
+    StreakcastError
+        Nothing to draw, columns of unequal length, altitudes that are none.
+    ValueError
+        One of ``n_bright`` and ``limit_mag`` without the other.
+    """
+    if (n_bright is None) != (limit_mag is None):
+        raise ValueError("n_bright and limit_mag belong together; say both or neither")
+    altitudes = np.ravel(number(sun_altitude_deg, "deg", "sun_altitude_deg")).tolist()
+    trails = np.ravel(np.asarray(n_trails, dtype=np.float64)).tolist()
+    bright = None if n_bright is None else np.ravel(np.asarray(n_bright, dtype=np.float64)).tolist()
+    return Picture(_core.plot_sun_altitude(altitudes, trails, bin_deg, title, "", bright, limit_mag))
+
+
+def _clock_name(utc_offset: Union[float, None]) -> str:
+    if utc_offset is None:
+        return ""
+    sign, minutes = ("−" if utc_offset < 0 else "+"), round(abs(utc_offset) * 60)
+    rest = f":{minutes % 60:02}" if minutes % 60 else ""
+    return f"local time (UTC{sign}{minutes // 60}{rest})"
+
+
+def _numbers(table: Any, name: str) -> npt.NDArray[np.float64]:
+    """A column as plain numbers, not a number where it is masked."""
+    cells = table[name]
+    cells = getattr(cells, "value", cells)
+    if isinstance(cells, np.ma.MaskedArray):
+        return np.ravel(np.ma.filled(cells.astype(np.float64), np.nan))
+    return np.ravel(np.asarray(cells, dtype=np.float64))
+
+
+def _texts(table: Any, name: str) -> list[str]:
+    return ["" if cell is None or cell is np.ma.masked else str(cell) for cell in table[name]]
+
+
+def _mjd(times: Any, scale: Union[str, None]) -> npt.NDArray[np.float64]:
+    """Moments as MJD (UTC)."""
+    if not is_time(times):
+        array = np.asarray(times)
+        if np.issubdtype(array.dtype, np.datetime64):
+            return np.ravel(array.astype("datetime64[ns]").astype(np.int64) / _DAY_NS + _UNIX_MJD)
+    jd1, jd2 = to_tai(times, scale, "start")
+    return np.asarray(_core.utc_mjd(np.ravel(jd1).astype(np.float64), np.ravel(jd2).astype(np.float64)))
+
+
+def _clocks(times: Any) -> list[str]:
+    """Times of day to a tenth of a second."""
+    texts = times.utc.isot if is_time(times) else np.datetime_as_string(np.asarray(times, "datetime64[ns]"))
+    return [str(text).split("T")[1][:10] for text in np.ravel(texts)]
+
+
+def _circle(ra: float, dec: float, radius: float) -> list[list[float]]:
+    angle = np.linspace(0.0, 2.0 * np.pi, _ROUND, endpoint=False)
+    sin_dec, cos_dec = np.sin(np.radians(dec)), np.cos(np.radians(dec))
+    sin_r, cos_r = np.sin(np.radians(radius)), np.cos(np.radians(radius))
+    up = np.arcsin(np.clip(sin_dec * cos_r + cos_dec * sin_r * np.cos(angle), -1.0, 1.0))
+    right = np.arctan2(np.sin(angle) * sin_r * cos_dec, cos_r - sin_dec * np.sin(up))
+    return np.column_stack([np.degrees(right) + ra, np.degrees(up)]).tolist()

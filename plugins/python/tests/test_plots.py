@@ -1,0 +1,75 @@
+"""Charts of answers: PNG and SVG, the same as the command line's, in notebooks and files."""
+
+import numpy as np
+import pytest
+from streakcast import StreakcastError, StreakModel, plots
+
+TARGET = (198.9, 7.7)
+START = "2026-08-14T23:29:05Z"
+
+
+@pytest.fixture(scope="module")
+def model():
+    return StreakModel(site="Rubin Observatory", shells="starlink-gen1", fov="3.5deg", limit_mag=7)
+
+
+def shown(picture):
+    assert picture._repr_png_().startswith(b"\x89PNG") and picture._repr_png_() == picture.png()
+    svg = picture._repr_svg_()
+    assert svg.startswith("<svg") and "@font-face" in svg
+    return svg
+
+
+@pytest.mark.parametrize("output", ["qtable", "dict"])
+def test_a_field_shows_its_passes(model, output):
+    passes = model.passes(TARGET, START, 30.0, output=output)
+    svg = shown(plots.field(passes, TARGET, fov_deg=3.5, title="A field"))
+    assert "A field" in svg and f"{len(passes['name'])} streak" in svg
+    assert any(str(name)[:16] in svg for name in passes["name"])
+
+
+def test_forms_of_tables_are_one_picture(model):
+    one, other = (plots.field(model.passes(TARGET, START, 30.0, output=form), TARGET) for form in ("qtable", "dict"))
+    assert one.svg() == other.svg()
+
+
+def test_a_night_says_how_many_are_struck(model):
+    seconds = np.arange(20) * 60
+    start = np.datetime64("2026-08-14T23:20:00") + seconds.astype("timedelta64[s]")
+    flags = model.flags(TARGET, start, 30.0, scale="utc")
+    svg = shown(plots.night(flags, start, 30.0, limit_mag=7.0, utc_offset=-4, scale="utc"))
+    struck = int(np.sum(np.asarray(flags["n_streaks"]) > 0))
+    assert struck > 0 and f"20 exposures, {struck} struck" in svg
+    assert "UTC, 2026-08-14" in svg and "local time (UTC−4), 2026-08-14" in svg
+
+
+def test_a_light_curve_of_samples(model, tmp_path):
+    passes = model.passes(TARGET, START, 30.0, samples=50, output="dict")
+    picture = plots.light_curve(passes["samples"][0], title="A curve", limit_mag=7.0)
+    assert "magnitude, ±1σ" in shown(picture)
+    for name, begin in [("curve.png", b"\x89PNG"), ("curve.svg", b"<svg")]:
+        picture.save(tmp_path / name)
+        assert (tmp_path / name).read_bytes().startswith(begin)
+    with pytest.raises(ValueError, match=".png or .svg"):
+        picture.save(tmp_path / "curve.gif")
+    with pytest.raises(OSError, match="cannot write"):
+        picture.save(tmp_path / "nonesuch" / "curve.png")
+    assert {path.name for path in tmp_path.iterdir()} == {"curve.png", "curve.svg"}
+
+
+def test_rates_and_the_sun():
+    svg = shown(plots.sky_rate(np.arange(4), [0.0, 1.0, 2.0, 0.5], nside=4, sun_azimuth_deg=250.0))
+    assert "not asked" in svg
+    svg = shown(plots.sun_altitude(-np.arange(40.0), np.ones(40), n_bright=np.zeros(40), limit_mag=7))
+    assert "40 exposures, 1.00 trails each on average" in svg and "brighter than 7 mag" in svg
+
+
+def test_what_cannot_be_drawn_is_told():
+    with pytest.raises(StreakcastError, match="a cell is 99"):
+        plots.sky_rate([99], [1.0], nside=1, sun_azimuth_deg=0.0)
+    with pytest.raises(StreakcastError, match="numbers of trails: 2 values"):
+        plots.sun_altitude([-5.0], [1.0, 2.0])
+    with pytest.raises(ValueError, match="belong together"):
+        plots.sun_altitude([-5.0], [1.0], n_bright=[1.0])
+    with pytest.raises(StreakcastError, match="no points along the track"):
+        plots.light_curve([])

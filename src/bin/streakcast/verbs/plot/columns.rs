@@ -1,0 +1,177 @@
+//! Tables by the names of their columns: those of an answer, or of a file that a verb wrote before.
+
+use std::fs;
+use std::path::Path;
+
+use anyhow::{anyhow, bail};
+use serde_json::{Map, Value};
+use streakcast::frames::mjd_utc;
+use streakcast::setup::parse_moment;
+use streakcast::table::{Provenance, Table, Value as Cell};
+
+/// Cells as text, as CSV has them; what is missing is empty.
+pub struct Columns {
+    origin: String,
+    names: Vec<String>,
+    /// The cells, and the line or number of each row for messages.
+    rows: Vec<(usize, Vec<String>)>,
+    provenance: Map<String, Value>,
+}
+
+impl Columns {
+    /// Of an answer.
+    pub fn of(table: &Table, provenance: &Provenance) -> Self {
+        let cells = |row: &Vec<Cell>| table.columns.iter().zip(row).map(|(column, cell)| column.text(cell)).collect();
+        Self {
+            origin: "the answer".to_owned(),
+            names: table.columns.iter().map(|column| column.name.to_owned()).collect(),
+            rows: table.rows.iter().enumerate().map(|(index, row)| (index + 1, cells(row))).collect(),
+            provenance: provenance.entries().map(|(name, value)| (name.to_owned(), value.clone())).collect(),
+        }
+    }
+
+    /// A CSV, ECSV or JSON file; of a JSON document the array `section`, or the one that there is.
+    pub fn read(path: &Path, section: &str) -> anyhow::Result<Self> {
+        let origin = path.display().to_string();
+        let text = fs::read_to_string(path).map_err(|error| anyhow!("table {origin}: {error}"))?;
+        let columns = match text.trim_start().chars().next() {
+            Some('{' | '[') => Self::from_json(&origin, &text, section)?,
+            Some(_) => Self::from_csv(&origin, &text)?,
+            None => bail!("table {origin} is empty; allowed: CSV, ECSV or JSON"),
+        };
+        Ok(columns)
+    }
+
+    fn from_csv(origin: &str, text: &str) -> anyhow::Result<Self> {
+        let mut provenance = Map::new();
+        for line in text.lines().filter_map(|line| line.strip_prefix("# ")) {
+            if let Some((name, value)) = line.split_once(": ")
+                && let Ok(value) = serde_json::from_str::<Value>(value)
+            {
+                match (name, value) {
+                    ("meta", Value::Object(mut meta)) => {
+                        provenance.extend(meta.remove("provenance").and_then(object).unwrap_or_default());
+                    }
+                    (name, value) => drop(provenance.insert(name.to_owned(), value)),
+                }
+            }
+        }
+        // ECSV has blanks between its cells where it says nothing else.
+        let is_ecsv = text.trim_start().starts_with("# %ECSV");
+        let delimiter = if is_ecsv && !text.contains("# delimiter: ','") { b' ' } else { b',' };
+        let reader = csv::ReaderBuilder::new().comment(Some(b'#')).delimiter(delimiter).from_reader(text.as_bytes());
+        Self::from_records(origin, reader, provenance).map_err(|error| anyhow!("table {origin}: {error}"))
+    }
+
+    fn from_records(
+        origin: &str,
+        mut reader: csv::Reader<&[u8]>,
+        provenance: Map<String, Value>,
+    ) -> Result<Self, csv::Error> {
+        let names = reader.headers()?.iter().map(|name| name.trim().to_owned()).collect();
+        let mut rows = Vec::new();
+        for record in reader.into_records() {
+            let record = record?;
+            let line = record.position().map_or(0, |position| position.line() as usize);
+            rows.push((line, record.iter().map(|cell| cell.trim().to_owned()).collect()));
+        }
+        Ok(Self { origin: origin.to_owned(), names, rows, provenance })
+    }
+
+    fn from_json(origin: &str, text: &str, section: &str) -> anyhow::Result<Self> {
+        let broken = |error: serde_json::Error| anyhow!("table {origin}: not JSON: {error}");
+        let (mut document, rows) = match serde_json::from_str::<Value>(text) {
+            Ok(Value::Array(rows)) => (Map::new(), rows),
+            Ok(Value::Object(mut document)) => match document.remove(section) {
+                Some(Value::Array(rows)) => (document, rows),
+                _ => bail!("table {origin}: it has no array '{section}'"),
+            },
+            Ok(_) => bail!("table {origin}: allowed is an object with an array '{section}', or an array of objects"),
+            // One object a line, the first with what they rest on.
+            Err(error) => {
+                let lines = text.lines().filter(|line| !line.trim().is_empty());
+                let mut rows = lines
+                    .map(serde_json::from_str::<Value>)
+                    .collect::<Result<Vec<_>, _>>()
+                    .map_err(|_| broken(error))?;
+                let is_about = rows.first().is_some_and(|first| first.get("provenance").is_some());
+                let about = if is_about { object(rows.remove(0)).unwrap_or_default() } else { Map::new() };
+                (about, rows)
+            }
+        };
+        let mut names: Vec<String> = Vec::new();
+        for key in rows.iter().filter_map(Value::as_object).flat_map(Map::keys) {
+            if !names.contains(key) {
+                names.push(key.clone());
+            }
+        }
+        let cell = |row: &Value, name: &String| match row.get(name) {
+            None | Some(Value::Null) => String::new(),
+            Some(Value::String(text)) => text.clone(),
+            Some(other) => other.to_string(),
+        };
+        let rows = rows.iter().enumerate();
+        let rows = rows.map(|(index, row)| (index + 1, names.iter().map(|name| cell(row, name)).collect())).collect();
+        let provenance = document.remove("provenance").and_then(object).unwrap_or_default();
+        Ok(Self { origin: origin.to_owned(), names, rows, provenance })
+    }
+
+    pub fn len(&self) -> usize {
+        self.rows.len()
+    }
+
+    pub fn has(&self, name: &str) -> bool {
+        self.names.iter().any(|known| known == name)
+    }
+
+    /// A statement of what the table rests on.
+    pub fn stated(&self, name: &str) -> Option<&Value> {
+        self.provenance.get(name)
+    }
+
+    /// All of these statements.
+    pub fn provenance(&self) -> Provenance {
+        let mut provenance = Provenance::new();
+        self.provenance.iter().for_each(|(name, value)| provenance.state(name, value.clone()));
+        provenance
+    }
+
+    /// The cells of a column.
+    pub fn texts(&self, name: &str) -> anyhow::Result<Vec<&str>> {
+        let index = self.names.iter().position(|known| known == name).ok_or_else(|| {
+            anyhow!("table {}: it has no column {name}; its columns are {}", self.origin, self.names.join(", "))
+        })?;
+        Ok(self.rows.iter().map(|(_, row)| row.get(index).map_or("", String::as_str)).collect())
+    }
+
+    /// The numbers of a column; not a number where a cell is empty.
+    pub fn numbers(&self, name: &str) -> anyhow::Result<Vec<f64>> {
+        self.each(name, "a number", |text| match text {
+            "" => Some(f64::NAN),
+            "true" => Some(1.0),
+            "false" => Some(0.0),
+            text => text.parse().ok(),
+        })
+    }
+
+    /// The moments of a column, MJD (UTC); not a number where a cell is empty.
+    pub fn moments(&self, name: &str) -> anyhow::Result<Vec<f64>> {
+        self.each(name, "a time as 2024-08-14T00:30:00.000Z", |text| match text {
+            "" => Some(f64::NAN),
+            text => parse_moment(text, None).ok().map(mjd_utc),
+        })
+    }
+
+    fn each(&self, name: &str, allowed: &str, meaning: impl Fn(&str) -> Option<f64>) -> anyhow::Result<Vec<f64>> {
+        let values = self.texts(name)?.into_iter().zip(&self.rows).map(|(text, (line, _))| {
+            meaning(text).ok_or_else(|| {
+                anyhow!("table {}, line {line}: {name} is '{text}'; allowed: {allowed}, or nothing", self.origin)
+            })
+        });
+        values.collect()
+    }
+}
+
+fn object(value: Value) -> Option<Map<String, Value>> {
+    if let Value::Object(object) = value { Some(object) } else { None }
+}

@@ -1,0 +1,156 @@
+//! The exposures of a schedule with what strikes them, as the plots of nights need them: one table, asked or read.
+
+use std::path::Path;
+
+use anyhow::{anyhow, bail};
+use streakcast::frames::{EopTable, mjd_utc};
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::FieldPass;
+use streakcast::schedule::{ExposureFlag, Schedule, ScheduledExposure};
+use streakcast::setup::Setup;
+use streakcast::table::{Column, Kind, Provenance, Table, Value};
+
+use crate::verbs::judged::judge;
+
+use super::clock::sun_altitude_deg;
+use super::columns::Columns;
+
+/// Exposures with verdicts, and what they rest on.
+pub struct Exposures {
+    pub table: Table,
+    pub provenance: Provenance,
+}
+
+const COLUMNS: [Column; 9] = [
+    Column::new("exposure_id", Kind::Text, "The schedule's name of the exposure."),
+    Column::time("start_utc", "Shutter opening."),
+    Column::real("duration_s", "s", 3, "Length of the exposure."),
+    Column::new("band", Kind::Text, "Band of the exposure as the schedule names it."),
+    Column::new("verdict", Kind::Text, "clear, streaked, avoid, or invalid where it cannot be judged."),
+    Column::new("n_streaks", Kind::Integer, "Lit satellites whose nominal tracks cross the field."),
+    Column::new(
+        "n_bright",
+        Kind::Integer,
+        "Those of them brighter than the limit; empty without a limit for the band.",
+    ),
+    Column::real("brightest_mag", "mag", 3, "Brightest magnitude that any of them reaches in the field."),
+    Column::real("sun_altitude_deg", "deg", 4, "Altitude of the Sun's centre in the middle of the exposure."),
+];
+
+/// Judges a schedule.
+pub fn asked(setup: &Setup, schedule: &Path, site: Option<&Site>, eop: &EopTable) -> anyhow::Result<Exposures> {
+    let judged = judge(setup, schedule, None)?;
+    let observer = site.map(|site| Observer::new(site.clone()));
+    let limit = setup.policy()?.limit_mag;
+    let rows = judged.schedule.exposures.iter().zip(judged.report.flags.iter().zip(&judged.report.passes));
+    let row = |(row, (flag, passes)): (&ScheduledExposure, (&ExposureFlag, &Vec<FieldPass>))| {
+        let exposure = row.exposure.as_ref().ok();
+        // A telescope's own limits depend on each streak: they are no one number.
+        let limit = limit.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
+        let bright = limit.map(|limit| {
+            let crossings = passes.iter().filter(|pass| pass.lit && pass.is_crossing());
+            let peaks = crossings.filter_map(|pass| pass.peak.as_ref()?.brightness.as_ref());
+            peaks.filter(|brightness| brightness.magnitude.0 < limit).count()
+        });
+        let middle = exposure.map(|exposure| mjd_utc(exposure.start) + exposure.duration_s / 2.0 / 86_400.0);
+        vec![
+            flag.exposure_id.as_str().into(),
+            exposure.map(|exposure| exposure.start).into(),
+            exposure.map(|exposure| exposure.duration_s).into(),
+            row.band.clone().into(),
+            flag.verdict.name().into(),
+            exposure.map(|_| flag.n_streaks).into(),
+            exposure.and(bright).into(),
+            flag.brightest_mag.into(),
+            middle.zip(observer.as_ref()).map(|(middle, observer)| sun_altitude_deg(observer, eop, middle)).into(),
+        ]
+    };
+    Ok(Exposures {
+        table: Table { columns: COLUMNS.to_vec(), rows: rows.map(row).collect() },
+        provenance: judged.provenance,
+    })
+}
+
+/// What `flag` wrote of a schedule, with the times of the schedule.
+pub fn of_flags(
+    flags: &Columns,
+    path: &Path,
+    setup: &Setup,
+    observer: Option<&Observer>,
+    eop: &EopTable,
+) -> anyhow::Result<Table> {
+    let schedule = Schedule::read(path, &setup.schedule_options()?)?;
+    let ids = flags.texts("exposure_id")?;
+    let same =
+        schedule.exposures.len() == ids.len() && schedule.exposures.iter().zip(&ids).all(|(row, id)| row.id == *id);
+    if !same {
+        bail!(
+            "schedule {}: its {} exposures are not the {} of the flags, in their order; allowed: the schedule that was flagged",
+            path.display(),
+            schedule.exposures.len(),
+            ids.len()
+        );
+    }
+    let (verdicts, streaks, brightest) =
+        (flags.texts("verdict")?, flags.numbers("n_streaks")?, flags.numbers("brightest_mag")?);
+    let rows = schedule.exposures.iter().enumerate().map(|(index, row)| {
+        let exposure = row.exposure.as_ref().ok();
+        let middle = exposure.map(|exposure| mjd_utc(exposure.start) + exposure.duration_s / 2.0 / 86_400.0);
+        vec![
+            row.id.as_str().into(),
+            exposure.map(|exposure| exposure.start).into(),
+            exposure.map(|exposure| exposure.duration_s).into(),
+            row.band.clone().into(),
+            verdicts[index].into(),
+            exposure.map(|_| streaks[index] as usize).into(),
+            Value::Null,
+            Some(brightest[index]).filter(|mag| mag.is_finite()).into(),
+            middle.zip(observer).map(|(middle, observer)| sun_altitude_deg(observer, eop, middle)).into(),
+        ]
+    });
+    Ok(Table { columns: COLUMNS.to_vec(), rows: rows.collect() })
+}
+
+/// The rows of one night of a longer table, and which nights there are: dates of the evenings, from noon to noon of the site's meridian (of UTC without one).
+pub struct Nights {
+    /// One for each row; none where there is no time.
+    pub of_rows: Vec<Option<String>>,
+}
+
+impl Nights {
+    pub fn of(columns: &Columns, longitude_deg: f64) -> anyhow::Result<Self> {
+        let date = |mjd: f64| {
+            // Noon begins a night.
+            let day = (mjd + longitude_deg / 360.0 - 0.5).floor();
+            let (year, month, day, ..) = hifitime::Epoch::from_mjd_utc(day + 0.5).to_gregorian_utc();
+            format!("{year:04}-{month:02}-{day:02}")
+        };
+        let starts = columns.moments("start_utc")?;
+        Ok(Self { of_rows: starts.iter().map(|start| start.is_finite().then(|| date(*start))).collect() })
+    }
+
+    pub fn all(&self) -> Vec<&str> {
+        let mut all: Vec<&str> = self.of_rows.iter().flatten().map(String::as_str).collect();
+        all.sort_unstable();
+        all.dedup();
+        all
+    }
+
+    /// The night asked for, else the first.
+    pub fn choose(&self, wanted: Option<&str>) -> anyhow::Result<String> {
+        let all = self.all();
+        let allowed = || match all.as_slice() {
+            [] => "none: no row has a time".to_owned(),
+            [one] => (*one).to_owned(),
+            [first, .., last] => format!("{first} to {last}, {} nights", all.len()),
+        };
+        match wanted {
+            Some(night) if all.contains(&night) => Ok(night.to_owned()),
+            Some(night) => Err(anyhow!("night {night}: no exposure of the schedule is in it; allowed: {}", allowed())),
+            None => all
+                .first()
+                .map(|night| (*night).to_owned())
+                .ok_or_else(|| anyhow!("no exposure can be drawn: no row has a time")),
+        }
+    }
+}

@@ -1,0 +1,148 @@
+//! `plot field`: a field with the streaks that cross it.
+
+use anyhow::anyhow;
+use serde_json::Value;
+use streakcast::frames::{Direction, Gcrs};
+use streakcast::passes::Field;
+use streakcast::plot::{FieldChart, FieldStreak, Picture, field_chart};
+use streakcast::setup::{FieldSetup, Quantity, Setup, parse_moment};
+use streakcast::table::format_utc;
+
+use crate::failure::Outcome;
+use crate::plot_arguments::PlotFieldArguments;
+use crate::verbs::judged::begin;
+use crate::verbs::passes::ask;
+
+use super::columns::Columns;
+use super::target::Target;
+
+/// Names of satellites of shells end so; the caption says it of all.
+const SYNTHETIC: &str = " (synthetic)";
+/// Points of a circle.
+const ROUND: usize = 180;
+
+pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
+    let asked = Setup { include_dark: typed.include_dark.then_some(true), ..typed.exposure.setup() };
+    let setup = typed.shared.setup(asked)?;
+    let title = typed.title.title.as_deref();
+    if let Some(path) = &typed.from {
+        begin(&setup)?;
+        let target = Target::of_table(&typed.picture)?;
+        let columns = Columns::read(path, "passes")?;
+        let exposure = Place::stated(&columns).ok_or_else(|| {
+            anyhow!("table {}: it does not say which exposure it is of; allowed: what passes wrote", path.display())
+        })?;
+        let field = stated_field(&setup, &columns)?;
+        target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?)?;
+        return Ok(outcome(&columns));
+    }
+    let target = Target::new(&typed.picture)?;
+    let asked = ask(&setup)?;
+    let table = asked.table(false);
+    let columns = Columns::of(&table, &asked.prepared.provenance);
+    // As a table that is read later says it: one picture of both.
+    let exposure = Place::stated(&columns).ok_or_else(|| anyhow!("the answer does not say its exposure"))?;
+    let picture = picture(&columns, &exposure, Some(&asked.field), title)?;
+    target.write(&picture, "passes", &table, &asked.prepared.provenance)?;
+    Ok(outcome(&columns))
+}
+
+/// As of `passes`: 1 where nothing crosses, with the picture all the same.
+fn outcome(columns: &Columns) -> Outcome {
+    if columns.len() == 0 { Outcome::No } else { Outcome::Done }
+}
+
+/// Where the telescope looked.
+struct Place {
+    centre: Direction<Gcrs>,
+    rotation_rad: f64,
+    start_utc: String,
+    exposure_s: f64,
+}
+
+impl Place {
+    /// As the provenance of a table of passes has it.
+    fn stated(columns: &Columns) -> Option<Self> {
+        let options = columns.stated("options")?;
+        let number = |name: &str| options.get(name).and_then(Value::as_f64);
+        Some(Self {
+            centre: Direction::from_lon_lat_rad(number("ra_deg")?.to_radians(), number("dec_deg")?.to_radians()),
+            rotation_rad: number("rotation_deg").unwrap_or(0.0).to_radians(),
+            start_utc: options.get("start_utc")?.as_str()?.to_owned(),
+            exposure_s: number("exposure_s")?,
+        })
+    }
+}
+
+/// The field that was said now, else that of the table; none of a telescope, whose file is not at hand.
+fn stated_field(setup: &Setup, columns: &Columns) -> anyhow::Result<Option<Field>> {
+    if setup.fov.is_some() || setup.field.is_some() || setup.telescope.is_some() {
+        return Ok(Some(setup.field_of_view()?));
+    }
+    let said = columns.stated("options").and_then(|options| options.get("field"));
+    let text = |name: &str| said.and_then(|said| said.get(name)).and_then(Value::as_str).map(str::to_owned);
+    let setup = match (text("circle"), text("file")) {
+        (Some(circle), _) => Setup { fov: Some(Quantity::Text(circle)), ..Setup::default() },
+        (None, Some(file)) => Setup { field: Some(FieldSetup::File(file.into())), ..Setup::default() },
+        (None, None) => return Ok(None),
+    };
+    Ok(Some(setup.field_of_view()?))
+}
+
+fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Option<&str>) -> anyhow::Result<Picture> {
+    let names = columns.texts("name")?;
+    let ids = columns.texts("norad_id")?;
+    let (enter, exit) = (columns.texts("enter_utc")?, columns.texts("exit_utc")?);
+    let peak = columns.numbers("magnitude_peak")?;
+    let sigma = columns.numbers("magnitude_sigma")?;
+    let ends = ["enter", "mid", "exit"].map(|end| {
+        let of = |axis: &str| columns.numbers(&format!("{end}_{axis}_deg"));
+        Ok::<_, anyhow::Error>((of("ra")?, of("dec")?))
+    });
+    let ends = ends.into_iter().collect::<anyhow::Result<Vec<_>>>()?;
+    let streak = |k: usize| FieldStreak {
+        name: if names[k].is_empty() {
+            format!("NORAD {}", ids[k])
+        } else {
+            names[k].trim_end_matches(SYNTHETIC).to_owned()
+        },
+        track_deg: ends.iter().map(|(ra, dec)| [ra[k], dec[k]]).collect(),
+        enter: clock(enter[k]),
+        exit: clock(exit[k]),
+        magnitude: peak[k],
+        sigma_mag: sigma[k],
+    };
+    let mut streaks: Vec<FieldStreak> = (0..columns.len()).map(streak).collect();
+    // By what harms most: the brightest have numbers.
+    streaks.sort_by(|a, b| a.magnitude.total_cmp(&b.magnitude));
+    let degrees = |place: &Direction<Gcrs>| [place.longitude_rad().to_degrees(), place.latitude_rad().to_degrees()];
+    let outlines =
+        field.map(|field| field.on_sky(&place.centre, place.rotation_rad).outlines(ROUND)).unwrap_or_default();
+    let outlines: Vec<Vec<[f64; 2]>> = outlines.iter().map(|outline| outline.iter().map(degrees).collect()).collect();
+    let [ra_deg, dec_deg] = degrees(&place.centre);
+    let start = parse_moment(&place.start_utc, None).map_or(place.start_utc.clone(), |moment| format_utc(moment, 3));
+    let start = start.trim_end_matches('Z').trim_end_matches(".000").replace('T', " ");
+    let words = format!("{} UTC, {} s", start, place.exposure_s);
+    let lit = streaks.iter().filter(|streak| streak.magnitude.is_finite()).count();
+    let caption = format!(
+        "Centre RA {ra_deg:.4}°, Dec {}°, ICRS; gnomonic (TAN), north up, east left. {} {}, {lit} with a magnitude. Magnitudes are the brightest along each track.{}",
+        format!("{dec_deg:.4}").replace('-', "−"),
+        streaks.len(),
+        if streaks.len() == 1 { "streak" } else { "streaks" },
+        if names.iter().any(|name| name.ends_with(SYNTHETIC)) { " Satellites of shells are synthetic." } else { "" },
+    );
+    Ok(field_chart(&FieldChart {
+        title: title.unwrap_or(&format!("Streaks in the field, {words}")),
+        caption: &caption,
+        ra_deg,
+        dec_deg,
+        outlines: &outlines,
+        streaks: &streaks,
+    })?)
+}
+
+/// `2024-08-14T00:30:04.173456Z` as `00:30:04.2`.
+fn clock(utc: &str) -> String {
+    let rounded = parse_moment(utc, None).map(|moment| format_utc(moment, 1)).unwrap_or_else(|_| utc.to_owned());
+    rounded.split('T').nth(1).unwrap_or(&rounded).trim_end_matches('Z').to_owned()
+}

@@ -1,0 +1,176 @@
+//! `plot corner`, `residuals`, `histogram`, `phase-curve`: what a fit is judged by, from the files that it wrote.
+
+use anyhow::{anyhow, bail};
+use streakcast::fit::read_chain;
+use streakcast::geometry::ViewingGeometry;
+use streakcast::maps::BodyView;
+use streakcast::plot::{
+    Corner, PhaseCurve, Picture, ResidualHistogram, ResidualPanels, corner, phase_curve, residual_histogram,
+    residual_panels,
+};
+use streakcast::setup::Setup;
+use streakcast::table::{Column, Provenance, Table, Value};
+
+use crate::arguments::setup_of;
+use crate::failure::Outcome;
+use crate::plot_arguments::{PlotCornerArguments, PlotResidualsArguments};
+use crate::verbs::judged::begin;
+use crate::verbs::map::model_of;
+
+use super::columns::Columns;
+use super::target::Target;
+
+/// Parameters of one picture.
+const MOST: usize = 9;
+
+/// Which picture of residuals.
+#[derive(Copy, Clone)]
+pub enum Chart {
+    Panels,
+    Histogram,
+    PhaseCurve,
+}
+
+pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
+    // The chains themselves are the data.
+    let target = Target::of_table(&typed.picture)?;
+    let (chain, about) = read_chain(&typed.chains)?;
+    let known = &about.parameters;
+    let wanted: Vec<usize> = match typed.parameters.as_slice() {
+        [] => (0..known.len().min(MOST)).collect(),
+        names => names
+            .iter()
+            .map(|name| {
+                let index = known.iter().position(|parameter| parameter == name);
+                index.ok_or_else(|| anyhow!("parameter '{name}' is not in the chains; allowed: {}", known.join(", ")))
+            })
+            .collect::<anyhow::Result<_>>()?,
+    };
+    let burn_in = typed.burn_in.unwrap_or(chain.steps() / 4);
+    if burn_in >= chain.steps() {
+        bail!("burn-in {burn_in}: the chains have {} steps; allowed: fewer than that", chain.steps());
+    }
+    let names: Vec<String> = wanted.iter().map(|&index| known[index].clone()).collect();
+    let samples: Vec<Vec<f64>> = wanted.iter().map(|&index| chain.column(index, burn_in)).collect();
+    let words = format!("Posterior: {} walkers, {} steps after burn-in", chain.walkers(), chain.steps() - burn_in);
+    let title = typed.title.title.as_deref().unwrap_or(&words);
+    target.write_picture(&corner(&Corner { title, names: &names, samples: &samples, truths: None, bounds: None })?)?;
+    Ok(Outcome::Done)
+}
+
+const COLUMNS: [Column; 7] = [
+    Column::real("observed_mag", "mag", 4, "Measured magnitude at 1000 km."),
+    Column::real("computed_mag", "mag", 4, "That of the model in the same geometry."),
+    Column::real("residual_mag", "mag", 4, "Observed less computed."),
+    Column::real("sun_latitude_deg", "deg", 5, "Sun above the plane of the chassis."),
+    Column::real("observer_longitude_deg", "deg", 5, "Observer in the satellite's frame, from the Sun's azimuth."),
+    Column::real("observer_latitude_deg", "deg", 5, "Observer above the plane of the chassis."),
+    Column::real("phase_angle_deg", "deg", 5, "Sun, satellite, observer."),
+];
+
+/// Measured and computed magnitudes with their geometry, angles in radians.
+#[derive(Default)]
+struct Residuals {
+    observed: Vec<f64>,
+    computed: Vec<f64>,
+    residual: Vec<f64>,
+    sun: Vec<f64>,
+    longitude: Vec<f64>,
+    latitude: Vec<f64>,
+    phase: Vec<f64>,
+    dark: usize,
+}
+
+pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Result<Outcome> {
+    let base = setup_of(typed.config.as_deref())?;
+    let setup = Setup { band: typed.band.clone(), mag_system: typed.mag_system.clone(), ..Setup::default() }.over(base);
+    let notices = begin(&setup)?;
+    let target = Target::new(&typed.picture)?;
+    let found = residuals(&typed, &setup)?;
+    if found.dark > 0 {
+        notices.say(&format!("warning: {} points left out, for which the model sees no light", found.dark));
+    }
+    let words = format!("{}: observed less computed", typed.model);
+    let title = typed.title.title.as_deref().unwrap_or(&words);
+    let picture = found.picture(chart, title)?;
+    let mut provenance = Provenance::new();
+    provenance.state("measurements", typed.from.display().to_string());
+    provenance.state("model", typed.model.as_str());
+    let photometry = setup.photometry()?;
+    provenance.state("band", photometry.band.name());
+    provenance.state("mag_system", photometry.system.to_string());
+    target.write(&picture, "residuals", &found.table(), &provenance)?;
+    Ok(Outcome::Done)
+}
+
+/// Points, or pixels that were kept.
+fn residuals(typed: &PlotResidualsArguments, setup: &Setup) -> anyhow::Result<Residuals> {
+    let model = model_of(&setup.model_library()?, &typed.model)?;
+    let photometry = setup.photometry()?;
+    let pixels = Columns::read(&typed.from, "pixels");
+    let columns = if pixels.is_ok() { pixels? } else { Columns::read(&typed.from, "measurements")? };
+    let observed = columns.numbers(if columns.has("mode_mag") { "mode_mag" } else { "standard_magnitude" })?;
+    let kept = if columns.has("kept") { columns.numbers("kept")? } else { vec![1.0; observed.len()] };
+    let radians =
+        |name| Ok::<_, anyhow::Error>(columns.numbers(name)?.into_iter().map(f64::to_radians).collect::<Vec<_>>());
+    let (sun, longitude, latitude) =
+        (radians("sun_latitude_deg")?, radians("observer_longitude_deg")?, radians("observer_latitude_deg")?);
+    let height = columns.numbers("height_km")?;
+    let mut found = Residuals::default();
+    for k in (0..observed.len()).filter(|&k| kept[k] > 0.0 && observed[k].is_finite()) {
+        // At 1000 km, where magnitudes are standard ones.
+        let geometry = ViewingGeometry::from_angles(sun[k], longitude[k], latitude[k], 1000.0, height[k]);
+        let geometry =
+            geometry.ok_or_else(|| anyhow!("table {}: row {} has no geometry", typed.from.display(), k + 1))?;
+        let view = BodyView::new(&model, sun[k], height[k], photometry)?;
+        let Some(computed) = view.at(longitude[k], latitude[k]) else {
+            found.dark += 1;
+            continue;
+        };
+        found.observed.push(observed[k]);
+        found.computed.push(computed.0);
+        found.residual.push(observed[k] - computed.0);
+        found.sun.push(sun[k]);
+        found.longitude.push(longitude[k]);
+        found.latitude.push(latitude[k]);
+        found.phase.push(geometry.phase_angle_rad());
+    }
+    Ok(found)
+}
+
+impl Residuals {
+    fn picture(&self, chart: Chart, title: &str) -> anyhow::Result<Picture> {
+        Ok(match chart {
+            Chart::Panels => residual_panels(&ResidualPanels {
+                title,
+                residuals_mag: &self.residual,
+                sun_latitude_rad: &self.sun,
+                observer_longitude_rad: &self.longitude,
+                observer_latitude_rad: &self.latitude,
+                phase_angle_rad: &self.phase,
+            })?,
+            Chart::Histogram => {
+                // The normal curve is that of the residuals' own scatter.
+                let squares: f64 = self.residual.iter().map(|residual| residual * residual).sum();
+                let sigma_mag = (squares / self.residual.len().max(1) as f64).sqrt().max(1e-3);
+                residual_histogram(&ResidualHistogram { title, residuals_mag: &self.residual, sigma_mag })?
+            }
+            Chart::PhaseCurve => phase_curve(&PhaseCurve {
+                title,
+                magnitude_name: "magnitude at 1000 km",
+                phase_angle_rad: &self.phase,
+                measured_mag: &self.observed,
+                model_mag: &self.computed,
+            })?,
+        })
+    }
+
+    fn table(&self) -> Table {
+        let row = |k: usize| -> Vec<Value> {
+            let angles = [self.sun[k], self.longitude[k], self.latitude[k], self.phase[k]].map(f64::to_degrees);
+            let magnitudes = [self.observed[k], self.computed[k], self.residual[k]];
+            magnitudes.into_iter().chain(angles).map(Into::into).collect()
+        };
+        Table { columns: COLUMNS.to_vec(), rows: (0..self.residual.len()).map(row).collect() }
+    }
+}

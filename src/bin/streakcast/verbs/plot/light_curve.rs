@@ -1,0 +1,189 @@
+//! `plot light-curve`: magnitude along the track of one satellite, in the field and around it.
+
+use anyhow::{anyhow, bail};
+use serde_json::json;
+use streakcast::catalogue::NoradId;
+use streakcast::frames::{mjd_utc, seconds_after};
+use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, TrackPoint};
+use streakcast::plot::{LightCurve, Picture, light_curve};
+use streakcast::setup::parse_duration_s;
+use streakcast::table::{Column, Kind, Table, Value};
+
+use crate::failure::Outcome;
+use crate::plot_arguments::PlotLightCurveArguments;
+use crate::verbs::judged::begin;
+use crate::verbs::map::site_of;
+use crate::verbs::passes::{Asked, ask};
+
+use super::clock::Clock;
+use super::columns::Columns;
+use super::target::Target;
+
+/// Points along a track.
+const POINTS: usize = 400;
+/// More of the track than this around the field leads out of any sky, seconds.
+const MOST_AROUND_S: f64 = 600.0;
+const DAY_S: f64 = 86_400.0;
+
+const COLUMNS: [Column; 10] = [
+    Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
+    Column::time("utc", "Moment of reception."),
+    Column::real("ra_deg", "deg", 7, "Right ascension, ICRS astrometric topocentric."),
+    Column::real("dec_deg", "deg", 7, "Declination."),
+    Column::real("altitude_deg", "deg", 4, "Altitude without refraction."),
+    Column::real("azimuth_deg", "deg", 4, "Azimuth from north through east."),
+    Column::real("range_km", "km", 3, "Distance from the observer."),
+    Column::real("magnitude", "mag", 3, "Apparent magnitude; empty where nothing is seen."),
+    Column::real("magnitude_sigma", "mag", 3, "One sigma of it."),
+    Column::new("in_field", Kind::Boolean, "Inside the field while the shutter is open."),
+];
+
+pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
+    let setup = typed.shared.setup(typed.exposure.setup())?;
+    let site = site_of(&setup)?;
+    let clock = Clock::new(typed.clock.utc_offset, site.as_ref())?;
+    let title = typed.title.title.as_deref();
+    if let Some(path) = &typed.from {
+        begin(&setup)?;
+        let target = Target::of_table(&typed.picture)?;
+        let columns = Columns::read(path, "track")?;
+        target.write_picture(&picture(&columns, typed.limit_mag, clock.as_ref(), title)?)?;
+        return Ok(Outcome::Done);
+    }
+    let target = Target::new(&typed.picture)?;
+    let around_s = parse_duration_s("around", &typed.around)?;
+    if around_s > MOST_AROUND_S {
+        bail!("around {}; allowed: at most 10min", typed.around);
+    }
+    let mut asked = ask(&setup)?;
+    let pass = chosen(&asked, typed.norad)?;
+    let track = track(&asked, &pass, around_s)?;
+    let name = asked.prepared.sky.elements()[pass.element_index].name.clone();
+    let opening = mjd_utc(asked.exposure.start);
+    let is_in = |point: &TrackPoint| {
+        let seconds = (mjd_utc(point.epoch) - opening) * DAY_S;
+        pass.chords.iter().any(|chord| (chord.enter_s - 1e-3..=chord.exit_s + 1e-3).contains(&seconds))
+    };
+    let row = |point: &TrackPoint| -> Vec<Value> {
+        let brightness = point.brightness.as_ref();
+        vec![
+            i64::from(pass.norad_id.0).into(),
+            point.epoch.into(),
+            point.direction.longitude_rad().to_degrees().into(),
+            point.direction.latitude_rad().to_degrees().into(),
+            point.altitude_rad.map(f64::to_degrees).into(),
+            point.azimuth_rad.map(f64::to_degrees).into(),
+            point.range_km.into(),
+            brightness.map(|brightness| brightness.magnitude.0).into(),
+            brightness.map(|brightness| brightness.sigma_mag).into(),
+            is_in(point).into(),
+        ]
+    };
+    let table = Table { columns: COLUMNS.to_vec(), rows: track.iter().map(row).collect() };
+    let moments = |seconds: f64| streakcast::table::format_utc(seconds_after(asked.exposure.start, seconds), 6);
+    let chords: Vec<[String; 2]> =
+        pass.chords.iter().map(|chord| [moments(chord.enter_s), moments(chord.exit_s)]).collect();
+    let shutter = [moments(0.0), moments(asked.exposure.duration_s)];
+    asked.prepared.provenance.state("track", json!({ "name": &*name, "in_field_utc": chords, "shutter_utc": shutter }));
+    let columns = Columns::of(&table, &asked.prepared.provenance);
+    let picture = picture(&columns, typed.limit_mag, clock.as_ref(), title)?;
+    target.write(&picture, "track", &table, &asked.prepared.provenance)?;
+    Ok(Outcome::Done)
+}
+
+/// The satellite asked for, else the brightest.
+fn chosen(asked: &Asked, norad: Option<u32>) -> anyhow::Result<FieldPass> {
+    // Near misses have no time in the field.
+    let found: Vec<&FieldPass> = asked.found().iter().filter(|pass| pass.is_crossing()).collect();
+    if let Some(id) = norad {
+        let pass = found.iter().find(|pass| pass.norad_id == NoradId(id));
+        let ids: Vec<String> = found.iter().map(|pass| pass.norad_id.0.to_string()).collect();
+        let allowed = if ids.is_empty() { "none, the field is clear".to_owned() } else { ids.join(", ") };
+        return pass
+            .copied()
+            .cloned()
+            .ok_or_else(|| anyhow!("norad {id}: it does not cross this exposure; allowed: {allowed}"));
+    }
+    let magnitude = |pass: &FieldPass| pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0);
+    let bright = found.into_iter().filter_map(|pass| Some((magnitude(pass)?, pass)));
+    let brightest = bright.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, pass)| pass.clone());
+    brightest.ok_or_else(|| anyhow!("there is no light curve: no satellite that can be seen crosses this exposure"))
+}
+
+/// Points from `around_s` before the first entry to as much after the last exit, as far as it stands above the horizon, of that satellite alone.
+fn track(asked: &Asked, pass: &FieldPass, around_s: f64) -> anyhow::Result<Vec<TrackPoint>> {
+    let (first_s, last_s) = pass.chords.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), chord| {
+        (low.min(chord.enter_s), high.max(chord.exit_s))
+    });
+    let start = seconds_after(asked.exposure.start, first_s - around_s);
+    let duration_s = last_s - first_s + 2.0 * around_s;
+    // A circle about the place in the field, wide enough for the way there and on, should the satellite be half as fast again higher up.
+    let radius_rad = (1.5 * pass.angular_rate_rad_s * duration_s + 0.1).min(std::f64::consts::FRAC_PI_2);
+    let exposure = Exposure { start, duration_s, pointing: pass.mid.direction, ..asked.exposure.clone() };
+    let options = PassOptions { include_dark: true, min_probability: None, samples: POINTS, ..asked.options };
+    let wide = Field::circle(2.0 * radius_rad)?;
+    let answer = asked.prepared.sky.field_passes(&[exposure], &wide, &options)?;
+    let tracks = answer.by_exposure.into_iter().flatten();
+    let found = tracks.filter(|found| found.element_index == pass.element_index && found.samples.len() > 1);
+    let holds = |found: &FieldPass| {
+        found.samples[0].epoch <= pass.mid.epoch && pass.mid.epoch <= found.samples[found.samples.len() - 1].epoch
+    };
+    found.into_iter().find(holds).map(|found| found.samples).ok_or_else(|| {
+        anyhow!(
+            "norad {}: its track in the field is shorter than can be drawn; allowed: a longer --around",
+            pass.norad_id.0
+        )
+    })
+}
+
+fn picture(
+    columns: &Columns,
+    limit_mag: Option<f64>,
+    clock: Option<&Clock>,
+    title: Option<&str>,
+) -> anyhow::Result<Picture> {
+    let time_mjd = columns.moments("utc")?;
+    let (magnitude, sigma_mag) = (columns.numbers("magnitude")?, columns.numbers("magnitude_sigma")?);
+    let stated = columns.stated("track").cloned().unwrap_or_default();
+    let span = |value: &serde_json::Value| -> Option<[f64; 2]> {
+        let moment = |index: usize| {
+            let text = value.get(index)?.as_str()?;
+            streakcast::setup::parse_moment(text, None).ok().map(mjd_utc)
+        };
+        Some([moment(0)?, moment(1)?])
+    };
+    let in_field: Vec<[f64; 2]> =
+        stated.get("in_field_utc").and_then(|spans| spans.as_array()).into_iter().flatten().filter_map(span).collect();
+    let ids = columns.texts("norad_id")?;
+    let name = stated.get("name").and_then(|name| name.as_str()).unwrap_or_default().to_owned();
+    let words = format!("{name} (NORAD {})", ids.first().copied().unwrap_or_default());
+    let altitudes = columns.numbers("altitude_deg")?;
+    let ranges = columns.numbers("range_km")?;
+    let ends =
+        |values: &[f64]| (values.first().copied().unwrap_or(f64::NAN), values.last().copied().unwrap_or(f64::NAN));
+    let ((a0, a1), (r0, r1)) = (ends(&altitudes), ends(&ranges));
+    let mut caption = format!("From left to right: range {r0:.0} to {r1:.0} km");
+    if a0.is_finite() && a1.is_finite() {
+        caption += &format!(", altitude {a0:.0}° to {a1:.0}°");
+    }
+    if let [[enter, exit], ..] = in_field.as_slice() {
+        let seconds: f64 = in_field.iter().map(|[enter, exit]| (exit - enter) * DAY_S).sum();
+        let at = |mjd: f64| {
+            let text = streakcast::table::format_utc(hifitime::Epoch::from_mjd_utc(mjd), 2);
+            text.split('T').nth(1).unwrap_or_default().trim_end_matches('Z').to_owned()
+        };
+        let last = in_field.last().map_or(*exit, |[_, exit]| *exit);
+        caption += &format!("; in the field from {} to {} UTC, {seconds:.2} s", at(*enter), at(last));
+    }
+    Ok(light_curve(&LightCurve {
+        title: title.unwrap_or(&format!("Light curve of {}", words.trim_start())),
+        caption: &format!("{caption}."),
+        time_mjd: &time_mjd,
+        magnitude: &magnitude,
+        sigma_mag: &sigma_mag,
+        in_field: &in_field,
+        shutter: stated.get("shutter_utc").and_then(span),
+        limit_mag,
+        local: Clock::local(clock),
+    })?)
+}

@@ -1,0 +1,18 @@
+//! `plot`: pictures with their data beside. One plot a file; `columns` reads tables that verbs wrote, `target` says where pictures go, `clock` what
+//! time it is where the telescope stands, `exposures` what the plots of nights share.
+
+mod clock;
+mod columns;
+mod exposures;
+mod field;
+mod fits;
+mod light_curve;
+mod list;
+mod maps;
+mod night;
+mod run;
+mod sky_rate;
+mod sun_altitude;
+mod target;
+
+pub use run::run;

@@ -1,0 +1,115 @@
+//! `plot night`: which exposures of a night are struck, and how brightly.
+
+use streakcast::geometry::Observer;
+use streakcast::plot::{NightTimeline, Picture, night_timeline};
+use streakcast::table::Provenance;
+
+use crate::failure::Outcome;
+use crate::plot_arguments::PlotNightArguments;
+use crate::verbs::judged::begin;
+use crate::verbs::map::site_of;
+
+use super::clock::{Clock, sun_over};
+use super::columns::Columns;
+use super::exposures::{Nights, asked, of_flags};
+use super::target::Target;
+
+pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
+    let setup = typed.shared.setup(typed.rules.setup())?;
+    let notices = begin(&setup)?;
+    let target = match &typed.from {
+        Some(_) if typed.schedule.is_none() => Target::of_table(&typed.picture)?,
+        _ => Target::new(&typed.picture)?,
+    };
+    let (site, eop) = (site_of(&setup)?, setup.eop_table()?);
+    let clock = Clock::new(typed.clock.utc_offset, site.as_ref())?;
+    let (columns, table) = match (&typed.from, &typed.schedule) {
+        (Some(from), Some(schedule)) => {
+            let flags = Columns::read(from, "flags")?;
+            let observer = site.clone().map(Observer::new);
+            let table = of_flags(&flags, schedule, &setup, observer.as_ref(), &eop)?;
+            (Columns::of(&table, &Provenance::new()), Some((table, flags.provenance())))
+        }
+        (Some(from), None) => (Columns::read(from, "exposures")?, None),
+        (None, Some(schedule)) => {
+            let exposures = asked(&setup, schedule, site.as_ref(), &eop)?;
+            (Columns::of(&exposures.table, &exposures.provenance), Some((exposures.table, exposures.provenance)))
+        }
+        (None, None) => anyhow::bail!("plot night needs --schedule, or --from"),
+    };
+    let longitude_deg = site.as_ref().map_or(0.0, |site| site.longitude_rad.to_degrees());
+    let nights = Nights::of(&columns, longitude_deg)?;
+    let night = nights.choose(typed.night.as_deref())?;
+    let others = nights.all().len();
+    if others > 1 && typed.night.is_none() {
+        notices
+            .say(&format!("warning: the schedule has {others} nights; drawn is the first, {night} (--night chooses)"));
+    }
+    let keep: Vec<bool> = nights.of_rows.iter().map(|of| of.as_deref() == Some(&night)).collect();
+    let limit = setup.policy()?.limit_mag.as_ref().and_then(|limit| limit.of(setup.band.as_deref()));
+    let place = site.as_ref().map(|site| format!(", {}", site.name)).unwrap_or_default();
+    let title = typed.title.title.clone().unwrap_or_else(|| format!("Night of {night}{place}"));
+    let drawn = Night {
+        columns: &columns,
+        keep: &keep,
+        title: &title,
+        limit,
+        clock: clock.as_ref(),
+        site: site.as_ref(),
+        eop: &eop,
+    };
+    let picture = drawn.picture()?;
+    match &table {
+        Some((table, provenance)) => {
+            let mut of_night = table.clone();
+            let mut kept = keep.iter();
+            of_night.rows.retain(|_| kept.next().copied().unwrap_or(false));
+            target.write(&picture, "exposures", &of_night, provenance)?;
+        }
+        None => target.write_picture(&picture)?,
+    }
+    Ok(Outcome::Done)
+}
+
+/// What a timeline is made of.
+struct Night<'a> {
+    columns: &'a Columns,
+    keep: &'a [bool],
+    title: &'a str,
+    limit: Option<f64>,
+    clock: Option<&'a Clock>,
+    site: Option<&'a streakcast::geometry::Site>,
+    eop: &'a streakcast::frames::EopTable,
+}
+
+impl Night<'_> {
+    fn picture(&self) -> anyhow::Result<Picture> {
+        let kept = |column: Vec<f64>| -> Vec<f64> {
+            column.into_iter().zip(self.keep).filter(|(_, keep)| **keep).map(|(value, _)| value).collect()
+        };
+        let start_mjd = kept(self.columns.moments("start_utc")?);
+        let duration_s = kept(self.columns.numbers("duration_s")?);
+        let n_streaks = kept(self.columns.numbers("n_streaks")?);
+        let brightest_mag = kept(self.columns.numbers("brightest_mag")?);
+        let first = start_mjd.iter().copied().fold(f64::INFINITY, f64::min);
+        let last = start_mjd.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let sun = self.site.map(|site| sun_over(site, self.eop, first, last)).unwrap_or_default();
+        let invalid = self.columns.texts("verdict")?.iter().filter(|verdict| **verdict == "invalid").count();
+        let caption = match invalid {
+            0 => String::new(),
+            1 => "1 row of the schedule could not be judged.".to_owned(),
+            many => format!("{many} rows of the schedule could not be judged."),
+        };
+        Ok(night_timeline(&NightTimeline {
+            title: self.title,
+            caption: &caption,
+            start_mjd: &start_mjd,
+            duration_s: &duration_s,
+            n_streaks: &n_streaks,
+            brightest_mag: &brightest_mag,
+            limit_mag: self.limit,
+            sun: &sun,
+            local: Clock::local(self.clock),
+        })?)
+    }
+}

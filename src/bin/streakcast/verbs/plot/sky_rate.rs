@@ -1,0 +1,191 @@
+//! `plot sky-rate`: how many streaks an exposure has to expect, over the sky of a site at one moment.
+
+use anyhow::{anyhow, bail};
+use hifitime::Epoch;
+use serde_json::{Value, json};
+use streakcast::frames::{Direction, Horizontal, seconds_after};
+use streakcast::healpix::{cell_count, ring_centre_rad};
+use streakcast::passes::{CountRequest, Counts, StreakCount};
+use streakcast::plot::{Picture, SkyRate, sky_rate};
+use streakcast::setup::{Prepared, Quantity, Setup, parse_duration_s, parse_moment};
+use streakcast::table::{Column, Kind, Table, format_utc};
+
+use crate::failure::Outcome;
+use crate::plot_arguments::PlotSkyRateArguments;
+use crate::verbs::judged::{begin, field_said};
+
+use super::columns::Columns;
+use super::target::Target;
+
+const MOST_NSIDE: u32 = 64;
+const MOST_REPEATS: usize = 1000;
+const LONGEST_S: f64 = 6.0 * 3600.0;
+
+const COLUMNS: [Column; 6] = [
+    Column::new(
+        "healpix_cell",
+        Kind::Integer,
+        "Cell of azimuth and altitude, HEALPix in RING order; the provenance has nside.",
+    ),
+    Column::real("azimuth_deg", "deg", 6, "Azimuth of the cell's centre from north through east."),
+    Column::real("altitude_deg", "deg", 6, "Altitude of the cell's centre without refraction."),
+    Column::new("exposures", Kind::Integer, "Exposures averaged."),
+    Column::real("streaks_per_exposure", "", 5, "Mean number of lit satellites that cross an exposure."),
+    Column::real("bright_per_exposure", "", 5, "The same of those brighter than the limit; empty without one."),
+];
+
+pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
+    let text = |value: &Option<String>| value.clone().map(Quantity::Text);
+    let setup =
+        typed.shared.setup(Setup { start: text(&typed.start), exposure: text(&typed.exposure), ..Setup::default() })?;
+    let notices = begin(&setup)?;
+    let title = typed.title.title.as_deref();
+    if let Some(path) = &typed.from {
+        let target = Target::of_table(&typed.picture)?;
+        target.write_picture(&picture(&Columns::read(path, "directions")?, title)?)?;
+        return Ok(Outcome::Done);
+    }
+    let target = Target::new(&typed.picture)?;
+    if !(1..=MOST_NSIDE).contains(&typed.nside) || !typed.nside.is_power_of_two() {
+        bail!("nside {}; allowed: 1, 2, 4, 8, 16, 32, 64", typed.nside);
+    }
+    if !(1..=MOST_REPEATS).contains(&typed.repeats) {
+        bail!("repeats {}; allowed: 1 to {MOST_REPEATS}", typed.repeats);
+    }
+    let directions = cells_above(typed.nside, typed.min_altitude)?;
+    let over_s = parse_duration_s("over", &typed.over)?;
+    if over_s > LONGEST_S {
+        bail!("over {}; allowed: at most 6h", typed.over);
+    }
+    let (start, duration_s) = start_and_length(&setup)?;
+    let field = setup.field_of_view()?;
+    let prepared = setup.prepare(start, seconds_after(start, 86_400.0))?;
+    let moment = match typed.sun_altitude {
+        None => start,
+        Some(altitude) => sun_at(&prepared, altitude, start)?,
+    };
+    notices.warn(&prepared.warnings);
+    let middle = |index: usize| ((index as f64 + 0.5) / typed.repeats as f64 - 0.5) * over_s;
+    let moments: Vec<Epoch> = (0..typed.repeats).map(|index| seconds_after(moment, middle(index))).collect();
+    let places: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
+    let photometry = setup.photometry()?;
+    let request = CountRequest {
+        directions: &places,
+        moments: &moments,
+        duration_s,
+        field: &field,
+        photometry,
+        limit_mag: typed.limit_mag,
+    };
+    let counts = prepared.sky.streak_counts(&request, &prepared.eop)?;
+    notices.warn(&prepared.left_out_warning(&counts.left_out, moment)?);
+    let table = table(&directions, &counts, typed.limit_mag.is_some());
+    let (sun_altitude, sun_azimuth) = prepared.sky.sun_altitude_azimuth_rad(moment, &prepared.eop)?;
+    let mut provenance = prepared.provenance;
+    crate::verbs::judged::state_scales(&mut provenance, "utc", &photometry);
+    provenance.state(
+        "options",
+        json!({
+            "moment_utc": format_utc(moment, 3),
+            "exposure_s": duration_s,
+            "field": field_said(&setup),
+            "nside": typed.nside,
+            "repeats": typed.repeats,
+            "over_s": over_s,
+            "min_altitude_deg": typed.min_altitude,
+            "limit_mag": typed.limit_mag,
+            "sun_altitude_deg": (sun_altitude.to_degrees() * 1e4).round() / 1e4,
+            "sun_azimuth_deg": (sun_azimuth.to_degrees() * 1e4).round() / 1e4,
+        }),
+    );
+    let picture = picture(&Columns::of(&table, &provenance), title)?;
+    target.write(&picture, "directions", &table, &provenance)?;
+    Ok(Outcome::Done)
+}
+
+/// Opening and length of the exposures that a grid is of.
+pub fn start_and_length(setup: &Setup) -> anyhow::Result<(Epoch, f64)> {
+    let said = |value: &Option<Quantity>, what: &str| {
+        value
+            .as_ref()
+            .map(Quantity::text)
+            .ok_or_else(|| anyhow!("{what} is missing; allowed: --start 2024-08-14T00:30:00Z --exposure 30s"))
+    };
+    let start = parse_moment(&said(&setup.start, "the moment")?, setup.time_scale()?)?;
+    Ok((start, parse_duration_s("exposure", &said(&setup.exposure, "the length of an exposure")?)?))
+}
+
+/// Cells whose centres stand so high or higher, degrees.
+pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direction<Horizontal>)>> {
+    if !(0.0..=80.0).contains(&least_deg) {
+        bail!("min-altitude {least_deg}; allowed: 0 to 80 deg");
+    }
+    let centres = (0..cell_count(nside)).filter_map(|cell| Some((cell, ring_centre_rad(nside, cell)?)));
+    let above = centres.filter(|(_, (_, altitude))| *altitude >= least_deg.to_radians());
+    Ok(above.map(|(cell, (azimuth, altitude))| (cell, Direction::from_lon_lat_rad(azimuth, altitude))).collect())
+}
+
+fn sun_at(prepared: &Prepared, altitude_deg: f64, start: Epoch) -> anyhow::Result<Epoch> {
+    if !(-90.0..=90.0).contains(&altitude_deg) {
+        bail!("sun-altitude {altitude_deg}; allowed: -90 to 90 deg");
+    }
+    prepared.sky.sun_reaches(altitude_deg.to_radians(), start, &prepared.eop)?.ok_or_else(|| {
+        anyhow!("sun-altitude {altitude_deg}: the Sun does not stand there within a day of {}", format_utc(start, 0))
+    })
+}
+
+fn table(directions: &[(u64, Direction<Horizontal>)], counts: &Counts, has_limit: bool) -> Table {
+    let n = counts.by_moment.len();
+    let mean = |index: usize, of: fn(&StreakCount) -> usize| {
+        counts.by_moment.iter().map(|all| of(&all[index])).sum::<usize>() as f64 / n as f64
+    };
+    let row = |(index, (cell, direction)): (usize, &(u64, Direction<Horizontal>))| {
+        vec![
+            (*cell as i64).into(),
+            direction.longitude_rad().to_degrees().into(),
+            direction.latitude_rad().to_degrees().into(),
+            n.into(),
+            mean(index, |count| count.streaks).into(),
+            has_limit.then(|| mean(index, |count| count.bright)).into(),
+        ]
+    };
+    Table { columns: COLUMNS.to_vec(), rows: directions.iter().enumerate().map(row).collect() }
+}
+
+fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
+    let options = columns.stated("options").cloned().unwrap_or_default();
+    let number = |name: &str| options.get(name).and_then(Value::as_f64);
+    let missing =
+        || anyhow!("this table does not say its nside and the Sun's azimuth; allowed: the data of plot sky-rate");
+    let nside = number("nside").ok_or_else(missing)? as u32;
+    let sun_azimuth_deg = number("sun_azimuth_deg").ok_or_else(missing)?;
+    let limit = number("limit_mag");
+    let rate = columns.numbers(if limit.is_some() { "bright_per_exposure" } else { "streaks_per_exposure" })?;
+    let cells: Vec<u64> = columns.numbers("healpix_cell")?.into_iter().map(|cell| cell as u64).collect();
+    let exposure = number("exposure_s").unwrap_or(f64::NAN);
+    let bright = limit.map(|limit| format!(" brighter than {limit} mag")).unwrap_or_default();
+    let field = match options.get("field").and_then(|field| field.get("circle")).and_then(Value::as_str) {
+        Some(circle) => format!(", field {circle}"),
+        None => String::new(),
+    };
+    let sun = number("sun_altitude_deg").map(|altitude| format!("{altitude:.1}").replace('-', "−")).unwrap_or_default();
+    let utc = options.get("moment_utc").and_then(Value::as_str).unwrap_or_default();
+    let utc = utc.trim_end_matches('Z').replace('T', " ");
+    let place = columns.stated("site").and_then(|site| site.get("name")).and_then(Value::as_str).unwrap_or_default();
+    Ok(sky_rate(&SkyRate {
+        title: title.unwrap_or(&format!("Streaks{bright} per exposure of {exposure} s{field}")),
+        subtitle: &format!(
+            "{} UTC, Sun at altitude {sun}°, azimuth {sun_azimuth_deg:.1}°",
+            utc.get(..19).unwrap_or(&utc)
+        ),
+        caption: &format!(
+            "Site: {place}. Means of {} exposures over {:.0} min in HEALPix cells, nside {nside}.",
+            number("repeats").unwrap_or(f64::NAN),
+            number("over_s").unwrap_or(f64::NAN) / 60.0
+        ),
+        nside,
+        cells: &cells,
+        rate: &rate,
+        sun_azimuth_deg,
+    })?)
+}

@@ -1,0 +1,163 @@
+//! `plot sun-altitude`: trails an exposure against the Sun's altitude, of the exposures of a schedule or of a grid over the sky all night long.
+
+use anyhow::{anyhow, bail};
+use hifitime::Epoch;
+use serde_json::json;
+use streakcast::frames::seconds_after;
+use streakcast::passes::CountRequest;
+use streakcast::plot::{Picture, SunAltitude, sun_altitude};
+use streakcast::setup::{Quantity, Setup, parse_duration_s};
+use streakcast::table::{Column, Kind, Provenance, Table};
+
+use crate::failure::Outcome;
+use crate::plot_arguments::PlotSunAltitudeArguments;
+use crate::verbs::judged::{begin, field_said, state_scales};
+use crate::verbs::map::site_of;
+
+use super::columns::Columns;
+use super::exposures::asked;
+use super::sky_rate::{cells_above, start_and_length};
+use super::target::Target;
+
+/// Cells of the grid: 14.7° wide, 48 of them above 30°.
+const NSIDE: u32 = 4;
+const DAY_S: f64 = 86_400.0;
+const SHORTEST_STEP_S: f64 = 30.0;
+
+const COLUMNS: [Column; 6] = [
+    Column::time("start_utc", "Shutter opening."),
+    Column::real("azimuth_deg", "deg", 6, "Azimuth of the field's centre from north through east."),
+    Column::real("altitude_deg", "deg", 6, "Altitude of the field's centre without refraction."),
+    Column::new("n_streaks", Kind::Integer, "Lit satellites that cross the field."),
+    Column::new("n_bright", Kind::Integer, "Those of them brighter than the limit; empty without one."),
+    Column::real("sun_altitude_deg", "deg", 4, "Altitude of the Sun's centre in the middle of the exposure."),
+];
+
+pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
+    let text = |value: &Option<String>| value.clone().map(Quantity::Text);
+    let of_grid = Setup { start: text(&typed.start), exposure: text(&typed.exposure), ..typed.rules.setup() };
+    let setup = typed.shared.setup(of_grid)?;
+    let title = typed.title.title.as_deref();
+    let limit = setup.limit_mag.as_ref().and_then(|limit| limit.of(setup.band.as_deref()));
+    if let Some(path) = &typed.from {
+        begin(&setup)?;
+        let target = Target::of_table(&typed.picture)?;
+        target.write_picture(&picture(&Columns::read(path, "exposures")?, limit, typed.bin, title, "")?)?;
+        return Ok(Outcome::Done);
+    }
+    let target = Target::new(&typed.picture)?;
+    let (table, provenance, caption) = match &typed.schedule {
+        Some(schedule) => {
+            let site = site_of(&setup)?
+                .ok_or_else(|| anyhow!("plot sun-altitude needs a site: --site, --mpc or --lat and --lon"))?;
+            let exposures = asked(&setup, schedule, Some(&site), &setup.eop_table()?)?;
+            (exposures.table, exposures.provenance, format!("Site: {}.", site.name))
+        }
+        None => grid(&typed, &setup, limit)?,
+    };
+    let picture = picture(&Columns::of(&table, &provenance), limit, typed.bin, title, &caption)?;
+    target.write(&picture, "exposures", &table, &provenance)?;
+    Ok(Outcome::Done)
+}
+
+/// Exposures evenly over the sky, again and again through a day, while the Sun is low.
+fn grid(
+    typed: &PlotSunAltitudeArguments,
+    setup: &Setup,
+    limit: Option<f64>,
+) -> anyhow::Result<(Table, Provenance, String)> {
+    let notices = begin(setup)?;
+    let (start, duration_s) = start_and_length(setup)?;
+    let step_s = parse_duration_s("step", &typed.step)?;
+    if !(SHORTEST_STEP_S..=DAY_S).contains(&step_s) {
+        bail!("step {}; allowed: 30s to 24h", typed.step);
+    }
+    let field = setup.field_of_view()?;
+    let prepared = setup.prepare(start, seconds_after(start, DAY_S))?;
+    notices.warn(&prepared.warnings);
+    let mut moments: Vec<Epoch> = Vec::new();
+    for step in 0..(DAY_S / step_s).ceil() as usize {
+        let moment = seconds_after(start, step as f64 * step_s);
+        let middle = seconds_after(moment, duration_s / 2.0);
+        if prepared.sky.sun_altitude_azimuth_rad(middle, &prepared.eop)?.0 <= typed.max_sun_altitude.to_radians() {
+            moments.push(moment);
+        }
+    }
+    if moments.is_empty() {
+        bail!(
+            "the Sun does not sink to {} deg within a day of the start; allowed: a higher --max-sun-altitude",
+            typed.max_sun_altitude
+        );
+    }
+    let cells = cells_above(NSIDE, typed.min_altitude)?;
+    let directions: Vec<_> = cells.iter().map(|(_, direction)| *direction).collect();
+    let photometry = setup.photometry()?;
+    let request = CountRequest {
+        directions: &directions,
+        moments: &moments,
+        duration_s,
+        field: &field,
+        photometry,
+        limit_mag: limit,
+    };
+    let counts = prepared.sky.streak_counts(&request, &prepared.eop)?;
+    notices.warn(&prepared.left_out_warning(&counts.left_out, start)?);
+    let mut rows = Vec::new();
+    for ((moment, all), (sun, _)) in moments.iter().zip(&counts.by_moment).zip(&counts.sun_rad) {
+        for (direction, count) in directions.iter().zip(all) {
+            rows.push(vec![
+                (*moment).into(),
+                direction.longitude_rad().to_degrees().into(),
+                direction.latitude_rad().to_degrees().into(),
+                count.streaks.into(),
+                limit.map(|_| count.bright).into(),
+                sun.to_degrees().into(),
+            ]);
+        }
+    }
+    let caption = format!(
+        "Site: {}. Exposures of {duration_s} s evenly over the sky above {}°, every {:.0} min.",
+        prepared.sky.viewpoint().name(),
+        typed.min_altitude,
+        step_s / 60.0
+    );
+    let mut provenance = prepared.provenance;
+    state_scales(&mut provenance, "utc", &photometry);
+    provenance.state(
+        "options",
+        json!({
+            "exposure_s": duration_s,
+            "field": field_said(setup),
+            "nside": NSIDE,
+            "step_s": step_s,
+            "min_altitude_deg": typed.min_altitude,
+            "max_sun_altitude_deg": typed.max_sun_altitude,
+            "limit_mag": limit,
+        }),
+    );
+    Ok((Table { columns: COLUMNS.to_vec(), rows }, provenance, caption))
+}
+
+fn picture(
+    columns: &Columns,
+    limit: Option<f64>,
+    bin_deg: f64,
+    title: Option<&str>,
+    caption: &str,
+) -> anyhow::Result<Picture> {
+    let (sun, streaks, bright) =
+        (columns.numbers("sun_altitude_deg")?, columns.numbers("n_streaks")?, columns.numbers("n_bright")?);
+    // Rows that could not be judged have neither.
+    let kept: Vec<usize> = (0..columns.len()).filter(|&k| sun[k].is_finite() && streaks[k].is_finite()).collect();
+    let of = |column: &[f64]| kept.iter().map(|&k| column[k]).collect::<Vec<f64>>();
+    let (sun, streaks, bright) = (of(&sun), of(&streaks), of(&bright));
+    let has_bright = limit.is_some() && bright.iter().all(|count| count.is_finite());
+    Ok(sun_altitude(&SunAltitude {
+        title: title.unwrap_or("Trails per exposure"),
+        caption,
+        sun_altitude_deg: &sun,
+        n_trails: &streaks,
+        n_bright: limit.filter(|_| has_bright).map(|limit| (bright.as_slice(), limit)),
+        bin_deg,
+    })?)
+}

@@ -1,0 +1,316 @@
+//! A field with the streaks that cross it: gnomonic, north up, east left.
+
+use plotters::prelude::RGBColor;
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
+
+use super::axes::{Axis, Frame};
+use super::bar::colour_bar;
+use super::error::PlotError;
+use super::numbers::fixed;
+use super::picture::{INK, Picture, width_of};
+use super::scale::{ColourScale, Quantity};
+
+const WIDTH: f64 = 1440.0;
+const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
+const BAR_LEFT: f64 = 796.0;
+const LIST_LEFT: f64 = 912.0;
+/// Rows of the list beside, and as many streaks have a number.
+const MOST_LISTED: usize = 22;
+const ROW: f64 = 29.0;
+/// Points of a chart lie nearer to its centre than this, degrees: beyond, the plane of projection runs away.
+const FARTHEST_DEG: f64 = 75.0;
+const OUTLINE: RGBColor = RGBColor(60, 60, 60);
+const DARK: RGBColor = RGBColor(150, 150, 150);
+const INSIDE: RGBColor = RGBColor(240, 240, 240);
+
+/// A field and what crosses it.
+#[derive(Clone, Debug)]
+pub struct FieldChart<'a> {
+    /// Above.
+    pub title: &'a str,
+    /// Below.
+    pub caption: &'a str,
+    /// Right ascension of the centre, degrees.
+    pub ra_deg: f64,
+    /// Declination of the centre, degrees.
+    pub dec_deg: f64,
+    /// Borders of the field, each closed by itself: corners as right ascension and declination, degrees, near enough for straight lines.
+    pub outlines: &'a [Vec<[f64; 2]>],
+    /// What crosses, in the order of the list beside.
+    pub streaks: &'a [FieldStreak],
+}
+
+/// One streak in the field.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldStreak {
+    /// The satellite's name.
+    pub name: String,
+    /// Points from entry to exit, two or more: right ascension and declination, degrees.
+    pub track_deg: Vec<[f64; 2]>,
+    /// Entry, as it stands in the list: `00:30:04.1`.
+    pub enter: String,
+    /// Exit.
+    pub exit: String,
+    /// Magnitude; not a number where there is none.
+    pub magnitude: f64,
+    /// One sigma of it, mag; not a number where there is none.
+    pub sigma_mag: f64,
+}
+
+/// Draws the field on the tangent plane with its borders, every streak in the colour of its magnitude with an arrow where it leaves, and beside
+/// it a list with entry, exit and magnitude. The first streaks of the list have a number in the chart, the others are told to be in the data.
+///
+/// A field without streaks is drawn too, and says so; its size is then that of its borders, and there must be one.
+///
+/// # Errors
+/// Neither borders nor streaks, a streak of fewer than two points, places that are none or more than 75° from the centre.
+pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
+    let out = |what: &str, given: String, allowed| PlotError::OutOfRange { what: what.to_owned(), given, allowed };
+    let is_place = |[ra, dec]: [f64; 2]| ra.is_finite() && (-90.0..=90.0).contains(&dec);
+    let centre = [input.ra_deg, input.dec_deg];
+    if !is_place(centre) {
+        return Err(out("the centre of the field", format!("{centre:?}"), "right ascension and declination, degrees"));
+    }
+    if input.outlines.is_empty() && input.streaks.is_empty() {
+        return Err(PlotError::Empty { what: "streaks, and no border of the field is known".to_owned() });
+    }
+    let project = |place: [f64; 2]| {
+        let far = || out("a place of the chart", format!("{place:?} deg"), "at most 75° from the centre");
+        if is_place(place) { gnomonic(centre, place).ok_or_else(far) } else { Err(far()) }
+    };
+    let outlines = (input.outlines.iter())
+        .map(|outline| outline.iter().map(|place| project(*place)).collect::<Result<Vec<_>, _>>())
+        .collect::<Result<Vec<_>, _>>()?;
+    let tracks = (input.streaks.iter())
+        .map(|streak| streak.track_deg.iter().map(|place| project(*place)).collect::<Result<Vec<_>, _>>())
+        .collect::<Result<Vec<_>, _>>()?;
+    if let Some(short) = tracks.iter().position(|track| track.len() < 2) {
+        return Err(PlotError::Empty { what: format!("two points of the track of {}", input.streaks[short].name) });
+    }
+    let sized = if outlines.is_empty() { &tracks } else { &outlines };
+    let reach = sized.iter().flatten().map(|[x, y]| x.abs().max(y.abs())).fold(1e-5, f64::max) * 1.1;
+    let (unit, per_degree) = match reach {
+        reach if reach >= 1.0 => ("°", 1.0),
+        reach if reach >= 1.0 / 60.0 => ("′", 60.0),
+        _ => ("″", 3600.0),
+    };
+    let half = reach * per_degree;
+    let frame = Frame { sides: SIDES, x: Axis::linear(half, -half), y: Axis::linear(-half, half) };
+    let at = |[x, y]: [f64; 2]| frame.at(x * per_degree, y * per_degree);
+
+    let mut picture = Picture::new(WIDTH as usize, 846);
+    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    for outline in &outlines {
+        let mut border: Vec<_> = outline.iter().map(|place| at(*place)).collect();
+        picture.patch(border.clone(), INSIDE.to_rgba());
+        border.extend(border.first().copied());
+        picture.line(&border, OUTLINE.to_rgba(), 1.6);
+    }
+    let (x, y) = at([0.0, 0.0]);
+    picture.line(&[(x - 7.0, y), (x + 7.0, y)], INK.mix(0.6), 1.2);
+    picture.line(&[(x, y - 7.0), (x, y + 7.0)], INK.mix(0.6), 1.2);
+    let magnitudes = || input.streaks.iter().map(|streak| streak.magnitude).filter(|magnitude| magnitude.is_finite());
+    let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
+    let colour = |streak: &FieldStreak| match streak.magnitude.is_finite() {
+        true => {
+            let [red, green, blue] = scale.colour(streak.magnitude);
+            RGBColor(red, green, blue)
+        }
+        false => DARK,
+    };
+    for (streak, track) in input.streaks.iter().zip(&tracks) {
+        let line: Vec<_> = track.iter().map(|place| at(*place)).collect();
+        picture.line(&line, INK.to_rgba(), 5.0);
+        picture.line(&line, colour(streak).to_rgba(), 3.4);
+        arrow(&mut picture, &line, colour(streak));
+    }
+    // Numbers over all streaks, where each one's is not yet taken.
+    let mut taken: Vec<(f64, f64)> = Vec::new();
+    for (index, track) in tracks.iter().enumerate().take(MOST_LISTED) {
+        let line: Vec<_> = track.iter().map(|place| at(*place)).collect();
+        let shares = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9];
+        let apart = |place: (f64, f64)| {
+            taken.iter().map(|other| (place.0 - other.0).hypot(place.1 - other.1)).fold(f64::INFINITY, f64::min)
+        };
+        let places = shares.map(|share| along(&line, share));
+        let free = places.into_iter().find(|place| apart(*place) > 26.0);
+        let place = free
+            .unwrap_or_else(|| places.into_iter().max_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(places[0]));
+        taken.push(place);
+        let words = (index + 1).to_string();
+        let half = width_of(&words, 16.0) / 2.0 + 5.0;
+        let sides = [place.0 - half, place.1 - 11.0, place.0 + half, place.1 + 11.0];
+        picture.rectangle(sides, RGBColor(255, 255, 255).to_rgba());
+        picture.border(sides, 1.0);
+        picture.text(&words, place, 16.0, HPos::Center);
+    }
+    frame.draw(&mut picture, [true, true]);
+    frame.name_x(&mut picture, &format!("offset to the east, {unit}"));
+    frame.name_y(&mut picture, &format!("offset to the north, {unit}"), 62.0);
+    compass(&mut picture);
+    scale_bar(&mut picture, &frame, unit);
+    if input.streaks.is_empty() {
+        picture.note("no streak crosses this field", ((SIDES[0] + SIDES[2]) / 2.0, (SIDES[1] + SIDES[3]) / 2.0 + 60.0));
+    }
+    if magnitudes().next().is_some() {
+        let sides = [BAR_LEFT, SIDES[1] + 40.0, BAR_LEFT + 24.0, SIDES[3] - 40.0];
+        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.words());
+    }
+    if !input.streaks.is_empty() {
+        list(&mut picture, input.streaks, colour);
+    }
+    picture.set_scales(vec![scale]);
+    picture.paragraph(input.caption, [SIDES[0], WIDTH - 24.0], 816.0, 16.0);
+    Ok(picture)
+}
+
+/// Place on the tangent plane, degrees of the plane, x to the east and y to the north; `None` far away.
+///
+/// cos c = sin δ₀ sin δ + cos δ₀ cos δ cos Δα; ξ = cos δ sin Δα / cos c; η = (cos δ₀ sin δ − sin δ₀ cos δ cos Δα) / cos c
+/// (Calabretta & Greisen 2002, A&A 395, 1077, section 5.1.3, in right ascension and declination).
+fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f64; 2]> {
+    let ((sin0, cos0), (sin, cos)) = (dec0.to_radians().sin_cos(), dec.to_radians().sin_cos());
+    let (sin_ra, cos_ra) = (ra - ra0).to_radians().sin_cos();
+    let depth = sin0 * sin + cos0 * cos * cos_ra;
+    let plane = [cos * sin_ra / depth, (cos0 * sin - sin0 * cos * cos_ra) / depth];
+    (depth > FARTHEST_DEG.to_radians().cos()).then(|| plane.map(f64::to_degrees))
+}
+
+/// The place at a share of a line's length.
+fn along(line: &[(f64, f64)], share: f64) -> (f64, f64) {
+    let lengths: Vec<f64> = line.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).collect();
+    let mut left = share * lengths.iter().sum::<f64>();
+    for (pair, length) in line.windows(2).zip(lengths) {
+        if left <= length && length > 0.0 {
+            let part = left / length;
+            return (pair[0].0 + part * (pair[1].0 - pair[0].0), pair[0].1 + part * (pair[1].1 - pair[0].1));
+        }
+        left -= length;
+    }
+    line[line.len() - 1]
+}
+
+/// A head where a line ends; none on lines too short to have a direction.
+fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor) {
+    let (tip, tail) = (line[line.len() - 1], along(line, 0.98));
+    let length = (tip.0 - tail.0).hypot(tip.1 - tail.1);
+    if length < 0.05 {
+        return;
+    }
+    let (cos, sin) = ((tip.0 - tail.0) / length, (tip.1 - tail.1) / length);
+    let corner = |back: f64, side: f64| (tip.0 - back * cos - side * sin, tip.1 - back * sin + side * cos);
+    let corners = vec![tip, corner(17.0, 7.0), corner(17.0, -7.0), tip];
+    picture.patch(corners.clone(), colour.to_rgba());
+    picture.line(&corners, INK.to_rgba(), 1.3);
+}
+
+/// North up, east left, in the upper right corner.
+fn compass(picture: &mut Picture) {
+    let (x, y) = (SIDES[2] - 26.0, SIDES[1] + 72.0);
+    for (tip, words, place) in [((x, y - 42.0), "N", (x, y - 54.0)), ((x - 42.0, y), "E", (x - 54.0, y))] {
+        picture.line(&[(x, y), tip], INK.to_rgba(), 2.0);
+        let (across, up) = ((tip.0 - x) / 42.0, (tip.1 - y) / 42.0);
+        let side = |back: f64, side: f64| (tip.0 - back * across - side * up, tip.1 - back * up + side * across);
+        picture.patch(vec![tip, side(9.0, 4.0), side(9.0, -4.0)], INK.to_rgba());
+        picture.text(words, place, 17.0, HPos::Center);
+    }
+}
+
+/// A round length in the lower left corner, true in the middle of the chart.
+fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) {
+    let whole = (frame.x.from - frame.x.to).abs();
+    let decade = 10_f64.powf((0.3 * whole).log10().floor());
+    let length = [5.0, 2.0, 1.0].map(|step| step * decade).into_iter().find(|length| *length <= 0.3 * whole);
+    let length = length.unwrap_or(decade);
+    let pixels = length / whole * frame.width();
+    let (x, y) = (SIDES[0] + 20.0, SIDES[3] - 20.0);
+    let words = format!("{length}{unit}");
+    picture.rectangle(
+        [x - 8.0, y - 30.0, x + pixels.max(width_of(&words, 16.0)) + 8.0, y + 8.0],
+        RGBColor(255, 255, 255).mix(0.8),
+    );
+    picture.line(&[(x, y), (x + pixels, y)], INK.to_rgba(), 3.0);
+    for end in [x, x + pixels] {
+        picture.line(&[(end, y - 5.0), (end, y + 5.0)], INK.to_rgba(), 1.6);
+    }
+    picture.text(&words, (x + pixels / 2.0, y - 17.0), 16.0, HPos::Center);
+}
+
+/// Number, name, entry, exit and magnitude of each streak.
+fn list(picture: &mut Picture, streaks: &[FieldStreak], colour: impl Fn(&FieldStreak) -> RGBColor) {
+    let columns = [0.0, 46.0, 246.0, 339.0, 432.0].map(|away| LIST_LEFT + away);
+    let mut y = SIDES[1] + 10.0;
+    for (words, x) in ["", "satellite", "enter UTC", "exit UTC", "mag"].into_iter().zip(columns) {
+        picture.text(words, (x, y), 16.0, HPos::Left);
+    }
+    picture.line(&[(LIST_LEFT, y + 14.0), (WIDTH - 20.0, y + 14.0)], INK.to_rgba(), 1.2);
+    y += 32.0;
+    for (index, streak) in streaks.iter().enumerate().take(MOST_LISTED) {
+        picture.rectangle([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], colour(streak).to_rgba());
+        picture.border([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], 0.8);
+        picture.text(&(index + 1).to_string(), (columns[0] + 20.0, y), 16.0, HPos::Left);
+        picture.text(&shortened(&streak.name, 194.0), (columns[1], y), 16.0, HPos::Left);
+        picture.text(&streak.enter, (columns[2], y), 16.0, HPos::Left);
+        picture.text(&streak.exit, (columns[3], y), 16.0, HPos::Left);
+        let magnitude = match (streak.magnitude.is_finite(), streak.sigma_mag.is_finite()) {
+            (true, true) => format!("{} ±{}", fixed(streak.magnitude, 1), fixed(streak.sigma_mag, 1)),
+            (true, false) => fixed(streak.magnitude, 1),
+            (false, _) => "dark".to_owned(),
+        };
+        picture.text(&magnitude, (columns[4], y), 16.0, HPos::Left);
+        y += ROW;
+    }
+    if streaks.len() > MOST_LISTED {
+        let words = format!("and {} more, in the data", streaks.len() - MOST_LISTED);
+        picture.text(&words, (columns[1], y), 16.0, HPos::Left);
+    }
+}
+
+/// Words cut to a width, with a sign where they were.
+fn shortened(words: &str, width: f64) -> String {
+    if width_of(words, 16.0) <= width {
+        return words.to_owned();
+    }
+    let mut kept: String = words.to_owned();
+    while !kept.is_empty() && width_of(&format!("{kept}…"), 16.0) > width {
+        kept.pop();
+    }
+    format!("{}…", kept.trim_end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Centre, place, both in degrees, and degrees of the plane: astropy 8.0.2, `WCS` with `RA---TAN`, `DEC--TAN`, cdelt 1, `wcs_world2pix`, 2026-11-22.
+    const TAN: &[[[f64; 2]; 3]] = &[
+        [[10.0, 20.0], [11.5, 21.0], [1.400_845_158_4, 1.006_674_328_3]],
+        [[350.2, -89.9], [200.0, -89.5], [-0.248_496_951_4, -0.533_900_899_2]],
+        [[0.1, 45.0], [359.2, 44.0], [-0.647_518_449_7, -0.996_568_187_5]],
+        [[188.5, -30.5], [190.1, -28.9], [1.401_519_814_4, 1.590_954_421_9]],
+        [[30.0, 0.0], [75.0, 35.0], [57.295_779_513_1, 56.736_744_421_2]],
+    ];
+
+    #[test]
+    fn valid_the_plane_is_that_of_tan() {
+        for [centre, place, plane] in TAN {
+            let ours = gnomonic(*centre, *place).unwrap();
+            assert!((0..2).all(|k| (ours[k] - plane[k]).abs() < 1e-9), "{centre:?} {place:?}: {ours:?} {plane:?}");
+        }
+        // Behind and at the border of the plane.
+        assert!(gnomonic([0.0, 0.0], [180.0, 0.0]).is_none() && gnomonic([0.0, 0.0], [76.0, 0.0]).is_none());
+    }
+
+    #[test]
+    fn verif_places_along_a_line() {
+        let line = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)];
+        assert_eq!(
+            [along(&line, 0.25), along(&line, 0.75), along(&line, 1.0)],
+            [(5.0, 0.0), (10.0, 5.0), (10.0, 10.0)]
+        );
+        assert_eq!(along(&[(3.0, 4.0), (3.0, 4.0)], 0.5), (3.0, 4.0));
+        assert_eq!(shortened("STARLINK-1234", 500.0), "STARLINK-1234");
+        assert!(shortened("COSMOS 2251 DEBRIS OF 1993-036", 160.0).ends_with('…'));
+    }
+}

@@ -1,0 +1,88 @@
+//! How many streaks an exposure has to expect, over the sky of a site.
+
+use crate::healpix::{MOST_NSIDE, cell_count, ring_cell};
+
+use super::disc::{Disc, Seen};
+use super::disc_sheet::DiscSheet;
+use super::error::PlotError;
+use super::picture::Picture;
+use super::scale::Quantity;
+use super::statistics::check;
+
+const RADIUS: usize = 270;
+
+/// Streaks an exposure, by direction.
+#[derive(Clone, Debug)]
+pub struct SkyRate<'a> {
+    /// Above all.
+    pub title: &'a str,
+    /// Above the disc: where the Sun stands.
+    pub subtitle: &'a str,
+    /// Below.
+    pub caption: &'a str,
+    /// Division of the sphere into 12 N² cells in RING order, 1 to 1024.
+    pub nside: u32,
+    /// `(n_cell)` RING cells of azimuth (from north through east, as longitude) and altitude (as latitude), each once.
+    pub cells: &'a [u64],
+    /// `(n_cell)` expected streaks an exposure, 0 or more.
+    pub rate: &'a [f64],
+    /// Where the Sun is marked, degrees from north through east.
+    pub sun_azimuth_deg: f64,
+}
+
+/// Draws the sky as one sees it lying on the back, north up and east left: zenith in the middle, horizon at the rim; grey where nothing was asked.
+///
+/// # Errors
+/// No cell, columns of unequal length, a division or a cell that there is not, a rate that is negative or not finite.
+pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
+    let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
+    check("rates", input.rate)?;
+    if input.cells.len() != input.rate.len() {
+        let what = "cells".to_owned();
+        return Err(PlotError::Length { what, given: input.cells.len(), expected: input.rate.len() });
+    }
+    if !(1..=MOST_NSIDE).contains(&input.nside) {
+        return out("nside", input.nside.to_string(), "1 to 1024");
+    }
+    if !input.sun_azimuth_deg.is_finite() {
+        return out("the Sun's azimuth", input.sun_azimuth_deg.to_string(), "a number of degrees");
+    }
+    if let Some(rate) = input.rate.iter().find(|rate| **rate < 0.0) {
+        return out("a rate", rate.to_string(), "0 streaks or more an exposure");
+    }
+    let mut by_cell = vec![None; cell_count(input.nside) as usize];
+    for (&cell, &rate) in input.cells.iter().zip(input.rate) {
+        match by_cell.get_mut(cell as usize) {
+            Some(place @ None) => *place = Some(rate),
+            Some(Some(_)) => return out("a cell", cell.to_string(), "each once"),
+            None => return out("a cell", cell.to_string(), "0 to 12 nside² − 1"),
+        }
+    }
+    let nside = input.nside;
+    let seen = move |azimuth_rad: f64, from_zenith_rad: f64| {
+        let cell = ring_cell(nside, azimuth_rad, std::f64::consts::FRAC_PI_2 - from_zenith_rad);
+        cell.and_then(|cell| by_cell[cell as usize]).map_or(Seen::Nothing, Seen::Value)
+    };
+    let disc = Disc {
+        title: input.subtitle.to_owned(),
+        quantity: Quantity::Rate,
+        is_half: false,
+        seen: Box::new(seen),
+        scaled_within_rad: std::f64::consts::FRAC_PI_2,
+        sun_longitude_rad: input.sun_azimuth_deg.to_radians(),
+        rim: vec![(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
+        circles: vec![(30.0, "60°".to_owned()), (60.0, "30°".to_owned())],
+        limb_rad: None,
+    };
+    let caption = format!("Zenith in the middle, horizon at the rim, east left. {}", input.caption);
+    let sheet = DiscSheet {
+        title: input.title.to_owned(),
+        caption,
+        discs: vec![disc],
+        radius: RADIUS,
+        in_a_row: 1,
+        contour_mag: None,
+        nothing: "not asked",
+    };
+    Ok(sheet.picture())
+}
