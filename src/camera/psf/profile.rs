@@ -8,7 +8,7 @@ use super::tables::ProfileTables;
 ///
 /// Seeing of a pixel's width or more is kept in tables over the pixels themselves ([`ProfileTables`]). Narrower seeing is kept, and drawn, over finer pixels, so many that
 /// it is as wide as one of them, and these are summed: exact, and as many times slower. Oblong pixels are cut into squares likewise (of sides alike to
-/// one per cent, two at worst, for ratios between 0.4 and 2.5 to one).
+/// one per cent, three at worst, for ratios between 0.4 and 2.5 to one).
 #[derive(Clone, Debug, PartialEq)]
 pub struct RadialProfile {
     blur: Blur,
