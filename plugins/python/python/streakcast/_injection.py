@@ -247,7 +247,8 @@ def inject(
 def _difference(after: npt.NDArray[Any], before: npt.NDArray[Any]) -> npt.NDArray[Any]:
     """Exact also for whole numbers without sign."""
     wide = np.float32 if after.dtype == np.float32 or after.dtype.itemsize <= 2 else np.float64
-    return np.subtract(after, before, dtype=wide)
+    difference: npt.NDArray[Any] = np.subtract(after, before, dtype=wide)
+    return difference
 
 
 def _given(said: dict[str, Any]) -> dict[str, Any]:
