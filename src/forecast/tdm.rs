@@ -127,7 +127,7 @@ fn points<'a>(row: &PassRow<'a>) -> Vec<&'a TrackPoint> {
     } else {
         points.extend(row.pass.samples.iter().filter(within));
     }
-    points.sort_by(|a, b| a.epoch.cmp(&b.epoch));
+    points.sort_by_key(|point| point.epoch);
     points.dedup_by(|a, b| a.epoch == b.epoch);
     points
 }

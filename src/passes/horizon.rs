@@ -260,8 +260,8 @@ impl Follow<'_> {
             let set_s = set_until.map(|at| self.border(samples[at].time_s, first_top_s, limit)).transpose()?;
             // A stretch with several maxima (a slow or eccentric orbit) culminates at the highest of them.
             let end = set_until.unwrap_or(last + 1);
-            for at in (step + 1)..end {
-                if samples[at].sine > top {
+            for (at, sample) in samples.iter().enumerate().take(end).skip(step + 1) {
+                if sample.sine > top {
                     let (low_s, high_s) = around(at);
                     (top_s, top) = self.highest(low_s, high_s)?;
                 }
