@@ -127,8 +127,8 @@ fn verif_passes_identify_themselves() {
         for pass in &passes.by_exposure[0] {
             let [enter, mid, exit] = [&pass.enter, &pass.mid, &pass.exit];
             let length_rad = enter.direction.separation_rad(&exit.direction);
-            // A corner cut: no line to speak of. And objects that never part (docked, or a pair) cannot be told apart.
-            if length_rad < 0.1_f64.to_radians() || has_companion(&sky, pass.element_index) {
+            // A corner cut: no line to speak of. The geostationary ring moves as one. And objects that never part (docked, or a pair) cannot be told apart.
+            if length_rad < 0.1_f64.to_radians() || mid.range_km > 5_000.0 || has_companion(&sky, pass.element_index) {
                 continue;
             }
             let ends = [enter.direction, exit.direction];

@@ -32,6 +32,8 @@ use crate::photometry::PhotometryOptions;
 const CLOSE_S: f64 = 1e-5;
 /// Its most steps; three or four are usual.
 const MOST_STEPS: usize = 40;
+/// The mean of both ends is closed in on in at most so many steps; each leaves a tenth of what was there.
+const MOST_CORRECTIONS: usize = 5;
 /// Beyond this turn the ends have no nearest points that mean anything, radians.
 const LARGEST_TURN_RAD: f64 = 0.2;
 
@@ -150,8 +152,9 @@ pub(super) fn compare(
     let mut late_s = met.late_s;
     let mut track = stretch.track(element_index, late_s).ok()?;
     let mut line = Line::new(&track, passage_s, streak, met.beside_rad);
-    if let Some(early_s) = line.ends_early_s(streak) {
+    for _ in 0..MOST_CORRECTIONS {
         // A track that gets faster or slower is not at its middle at half time: the mean of both ends is.
+        let Some(early_s) = line.ends_early_s(streak).filter(|early_s| early_s.abs() > CLOSE_S) else { break };
         late_s += early_s;
         track = stretch.track(element_index, late_s).ok()?;
         line = Line::new(&track, passage_s, streak, met.beside_rad);
