@@ -1,5 +1,8 @@
 //! The paper's form as a fit sees it: magnitudes, derivatives, minima, posterior; against SciPy and emcee.
 
+mod common;
+
+use common::agreement::Agreement;
 use std::fs;
 
 use streakcast::fit::inference::{Chain, LogProbability, NormalEquations, autocorrelation_times};

@@ -62,9 +62,9 @@ impl Asked {
             random.streaks.check()?;
         }
         if random.is_none() && setup.elements.is_none() && setup.shells.is_none() {
-            return Err(InjectionError::said(format!(
-                "no streaks; say --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG"
-            )));
+            return Err(InjectionError::said(
+                "no streaks; say --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG".to_string(),
+            ));
         }
         refuse_idle(said)?;
         let (detector, own_gain) = match said.detector.as_deref().map(detector).transpose()? {
@@ -72,21 +72,19 @@ impl Asked {
             None => (None, None),
         };
         if own_gain.is_some() && said.gain.is_some() {
-            return Err(InjectionError::said(format!(
-                "--gain, and a gain_e_adu in the file of --detector; allowed: one of them"
-            )));
+            return Err(InjectionError::said(
+                "--gain, and a gain_e_adu in the file of --detector; allowed: one of them".to_string(),
+            ));
         }
         let synthetic = said.synthetic.as_deref().map(synthetic).transpose()?;
         if synthetic.is_some() && detector.is_some() {
-            return Err(InjectionError::said(format!(
-                "--detector and --synthetic: the file of a synthetic frame has its own table [detector]"
-            )));
+            return Err(InjectionError::said(
+                "--detector and --synthetic: the file of a synthetic frame has its own table [detector]".to_string(),
+            ));
         }
         let pixel_scale_arcsec = said.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
         if pixel_scale_arcsec.is_some() && random.is_none() {
-            return Err(InjectionError::said(format!(
-                "--pixel-scale is for random streaks in frames that say nothing of the sky; satellites need world coordinates"
-            )));
+            return Err(InjectionError::said("--pixel-scale is for random streaks in frames that say nothing of the sky; satellites need world coordinates".to_string()));
         }
         Ok(Self {
             said: FrameSaid {
@@ -164,7 +162,7 @@ fn times(
     let start = said.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
     let duration_s = said.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
     if duration_s.is_some_and(|seconds| seconds <= 0.0) {
-        return Err(InjectionError::said(format!("exposure of 0 s; allowed: above 0 s")));
+        return Err(InjectionError::said("exposure of 0 s; allowed: above 0 s".to_string()));
     }
     Ok((start, duration_s))
 }
@@ -221,9 +219,7 @@ fn random(said: &InjectionSaid) -> Result<Option<Random>, InjectionError> {
         (None, Some(mean)) => StreakNumber::OnAverage(mean),
         (None, None) if said.magnitude.is_empty() && said.streak_rate_deg_s.is_empty() => return Ok(None),
         (None, None) => {
-            return Err(InjectionError::said(format!(
-                "--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own"
-            )));
+            return Err(InjectionError::said("--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own".to_string()));
         }
     };
     let range = |given: &[f64], usual: [f64; 2]| match *given {
@@ -244,9 +240,10 @@ fn optics(said: &InjectionSaid, telescope: Option<&Telescope>) -> Result<Optics,
         (Some(text), _) => arcsec("seeing", text)?,
         (None, Some(telescope)) => telescope.seeing_arcsec,
         (None, None) => {
-            return Err(InjectionError::said(format!(
+            return Err(InjectionError::said(
                 "no width of a star's image; say --seeing 1.2arcsec, or --telescope NAME, which brings the defocus too"
-            )));
+                    .to_string(),
+            ));
         }
     };
     Ok(Optics {
@@ -313,7 +310,7 @@ fn refuse_idle(said: &InjectionSaid) -> Result<(), InjectionError> {
         return Err(InjectionError::said(format!("{option} is for --synthetic; a frame on file says where it is")));
     }
     if said.synthetic.is_some() && !said.hdu.is_empty() {
-        return Err(InjectionError::said(format!("--hdu is for frames on file; a synthetic one has one image")));
+        return Err(InjectionError::said("--hdu is for frames on file; a synthetic one has one image".to_string()));
     }
     if !(2..=MOST_TRUTH_POINTS).contains(&said.truth_points) {
         return Err(InjectionError::said(format!(

@@ -209,7 +209,7 @@ mod tests {
     fn aged(mut set: ElementSet, number: usize, epoch: Epoch) -> ElementSet {
         set.origin = Origin::Published;
         // Every third belongs to nobody: debris ages more slowly.
-        set.name = if number % 3 == 0 { "DEBRIS".into() } else { "STARLINK-1".into() };
+        set.name = if number.is_multiple_of(3) { "DEBRIS".into() } else { "STARLINK-1".into() };
         set.epoch = epoch;
         set
     }

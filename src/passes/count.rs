@@ -7,7 +7,6 @@ use super::field::Field;
 use super::sky::{PassOptions, Sky, SkyError};
 use super::track::FieldPass;
 use crate::frames::{Direction, EopTable, Horizontal, Orientation, seconds_after};
-use crate::geometry::Observer;
 use crate::orbit::LeftOut;
 use crate::photometry::PhotometryOptions;
 
@@ -96,11 +95,6 @@ impl Sky {
     pub fn sun_altitude_azimuth_rad(&self, moment: Epoch, eop: &EopTable) -> Result<(f64, f64), SkyError> {
         let state = self.site_observer()?.state(&Orientation::at(moment, eop));
         state.sun_altitude_azimuth_rad(moment).ok_or(SkyError::NoEphemeris { epoch: moment })
-    }
-
-    fn site_observer(&self) -> Result<&Observer, SkyError> {
-        let viewpoint = self.viewpoint();
-        viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: viewpoint.name() })
     }
 
     /// The first moment from `from` on, within a day, at which the Sun's centre stands at an altitude; `None` where it never does that day.

@@ -47,8 +47,7 @@ impl Sky {
         photometry: &PhotometryOptions,
     ) -> Result<(Vec<Glance>, Vec<LeftOut>), SkyError> {
         super::sky::check_epoch(epoch)?;
-        let observer =
-            self.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint().name() })?;
+        let observer = self.site_observer()?;
         let scene = self.scene_without_windows(epoch, 0.0);
         let (orientation, sun) = (scene.orientation.at_s(0.0), scene.sun.at_s(0.0).sun);
         let here = observer.state(&orientation);

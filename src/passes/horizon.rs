@@ -127,8 +127,7 @@ impl Sky {
     ) -> Result<(Vec<HorizonPass>, Vec<LeftOut>), SkyError> {
         super::sky::check_epoch(start)?;
         super::sky::check_epoch(end)?;
-        let observer =
-            self.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint().name() })?;
+        let observer = self.site_observer()?;
         let span_s = seconds_between(start, end).max(0.0);
         let scene = self.scene_without_windows(start, span_s);
         let middle_s = 0.5 * span_s;

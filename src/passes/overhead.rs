@@ -12,7 +12,6 @@ use super::track::TrackPoint;
 use crate::catalogue::NoradId;
 use crate::constants::DAY_S;
 use crate::frames::{Direction, Gcrs, seconds_after, seconds_between};
-use crate::geometry::Observer;
 use crate::orbit::{Arc, LeftOut, OrbitError};
 
 /// The longest stretch, seconds: longer ones are nights, for [`Sky::horizon_passes`].
@@ -168,9 +167,5 @@ impl Sky {
         let orientation = self.orientation_over(epoch, epoch).at_s(0.0);
         let direction = self.site_observer()?.state(&orientation).horizon * *pointing;
         Ok(Horizontally { altitude_rad: direction.latitude_rad(), azimuth_rad: direction.longitude_rad() })
-    }
-
-    fn site_observer(&self) -> Result<&Observer, SkyError> {
-        self.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint().name() })
     }
 }

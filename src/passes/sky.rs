@@ -20,7 +20,7 @@ use super::windows::{Wanted, Windows};
 use crate::catalogue::ElementSet;
 use crate::constants::DAY_S;
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
-use crate::geometry::ShadowModel;
+use crate::geometry::{Observer, ShadowModel};
 use crate::orbit::{
     Arc, LeftOut, OrbitClass, OrbitError, OrbitUncertainty, Reach, SatelliteIndex, Window, uncertainty,
 };
@@ -145,6 +145,11 @@ impl Sky {
     /// Where the telescope is.
     pub fn viewpoint(&self) -> &Viewpoint {
         &self.viewpoint
+    }
+
+    /// The observer on a site, for questions that ask of a horizon.
+    pub(super) fn site_observer(&self) -> Result<&Observer, SkyError> {
+        self.viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint.name() })
     }
 
     /// The brightness model of an element set.

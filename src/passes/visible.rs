@@ -142,8 +142,7 @@ impl Sky {
     ) -> Result<VisiblePasses, SkyError> {
         super::sky::check_epoch(request.start)?;
         super::sky::check_epoch(request.end)?;
-        let observer =
-            self.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: self.viewpoint().name() })?;
+        let observer = self.site_observer()?;
         let scene_start = seconds_after(request.start, -TWILIGHT_REACH_S);
         let span_s = seconds_between(request.start, request.end).max(0.0) + 2.0 * TWILIGHT_REACH_S;
         let scene = self.scene_without_windows(scene_start, span_s);

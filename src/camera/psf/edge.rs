@@ -150,7 +150,6 @@ fn refined(coarse: &[[f64; TERMS + 1]]) -> Vec<[f32; TERMS + 1]> {
 
 #[cfg(test)]
 mod tests {
-    use super::*;
     use crate::camera::psf::{Blur, RadialProfile, Seeing};
 
     /// Of the peak of a long line.
