@@ -19,6 +19,7 @@ from ._checks import at_least, limits, one_of
 from ._handed import Handed, Owner
 from ._mount import Mount, Openings
 from ._questions import BLOCKINGS, DAMAGES, Verdicts, judge, scale_of
+from ._warnings import told
 
 log = logging.getLogger("streakcast.rubin")
 
@@ -182,7 +183,8 @@ class StreakQueueManager(BaseQueueManager):
             # The telescope cannot go where the host wants it: the host's own affair.
             return None
         known = Openings(*(one[reached] for one in openings))
-        verdicts = judge(model, visits[reached], known, self.mjd_scale, self.jitter_s, self.damage, self.blocking)
+        with told(self.hook):
+            verdicts = judge(model, visits[reached], known, self.mjd_scale, self.jitter_s, self.damage, self.blocking)
         places, visits = places[reached], visits[reached]
         self.counts["checked"] += int(places.size)
         deferred = np.array([self._deferred.get(int(one), 0) for one in visits["target_id"]])

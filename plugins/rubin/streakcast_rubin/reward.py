@@ -14,6 +14,7 @@ from ._arrays import FloatArray
 from ._checks import at_least, limits, one_of
 from ._questions import DAMAGES, scale_of
 from ._tracks import SAMPLE_S, Samples, Sky, brighter_than, centres_of, loss_of
+from ._warnings import told
 from .mask import NSIDE
 
 
@@ -131,7 +132,8 @@ class StreakRewardBasisFunction(BaseBasisFunction):
         moments = now + np.linspace(0.0, self.look_ahead_min / 1440.0, self.samples)
         # The sky turns by 15 degrees an hour; the zenith of the middle holds for all.
         zenith_deg = ((float(np.max(conditions.lmst)) + self.look_ahead_min / 120.0) * 15.0 % 360.0, float(site.latitude))
-        seen = Sky(model, self.mjd_scale).ask(moments, SAMPLE_S, zenith_deg)
+        with told(self.hook):
+            seen = Sky(model, self.mjd_scale).ask(moments, SAMPLE_S, zenith_deg)
         value = -self._lost_mpx([brighter_than(self.limit_mag, band, one) for one in seen])
         self._made = (now, key, value)
         self.counts["made"] += 1

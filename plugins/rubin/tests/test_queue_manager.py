@@ -6,6 +6,7 @@ import pickle
 import time
 from types import SimpleNamespace
 
+import brute_force
 import numpy as np
 import pytest
 import streakcast
@@ -169,6 +170,18 @@ def test_elements_that_vanish(ready, folder, take_over, caplog):
     assert scheduler.queue_manager.counts["failed"] == 0
     assert scheduler.queue_manager.counts["kept_old"] >= 1
     assert len([one for one in caplog.records if "is missing" in one.message]) == 1
+
+
+def test_old_elements_are_told(ready, tmp_path, take_over, caplog):
+    """Ten weeks old: nobody knows where these are, and the night goes on."""
+    brute_force.write_walker(["starlink-gen1"], Time("2025-11-05T00:00:00"), tmp_path / "old.csv")
+    model = streakcast.StreakModel(site="Rubin Observatory", elements=tmp_path / "old.csv", telescope="rubin", mjd_scale="utc")
+    scheduler = take_over(ready, manager_of(model, look_ahead=2))
+    with caplog.at_level(logging.WARNING):
+        for _ in range(2):
+            assert np.size(scheduler.request_observation()) == 1
+    assert scheduler.queue_manager.counts["warned"] == 1 and scheduler.queue_manager.counts["failed"] == 0
+    assert len([one for one in caplog.records if "more than 14 days" in one.message]) == 1
 
 
 def test_another_site_is_told(ready, folder, take_over, caplog):
