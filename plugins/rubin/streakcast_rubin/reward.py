@@ -100,6 +100,7 @@ class StreakRewardBasisFunction(BaseBasisFunction):
             raise ValueError("the model has no field of view: give it telescope= or fov=")
         self.area_deg2 = area_deg2
         self.hook = Hook(model, "rubin", watch_s=watch_s)
+        self._sky: Union[Sky, None] = None
         self._made: Union[tuple[float, Any, FloatArray], None] = None
 
     @property
@@ -109,7 +110,7 @@ class StreakRewardBasisFunction(BaseBasisFunction):
 
     def __getstate__(self) -> dict[str, Any]:
         # A map of 98 kB that is made again on first use.
-        return {**self.__dict__, "_made": None, "value": 0, "recalc": True}
+        return {**self.__dict__, "_sky": None, "_made": None, "value": 0, "recalc": True}
 
     def _calc_value(self, conditions: Any, indx: Any = None, **_: Any) -> FloatArray:
         """The map of the next while; all zero where the question fails."""
@@ -133,7 +134,9 @@ class StreakRewardBasisFunction(BaseBasisFunction):
         # The sky turns by 15 degrees an hour; the zenith of the middle holds for all.
         zenith_deg = ((float(np.max(conditions.lmst)) + self.look_ahead_min / 120.0) * 15.0 % 360.0, float(site.latitude))
         with told(self.hook):
-            seen = Sky(model, self.mjd_scale).ask(moments, SAMPLE_S, zenith_deg)
+            if self._sky is None or self._sky.model is not model:
+                self._sky = Sky(model, self.mjd_scale)
+            seen = self._sky.ask(moments, SAMPLE_S, zenith_deg)
         value = -self._lost_mpx([brighter_than(self.limit_mag, band, one) for one in seen])
         self._made = (now, key, value)
         self.counts["made"] += 1
