@@ -213,6 +213,8 @@ def test_a_clock_37_seconds_off_is_told(ready, model, take_over, caplog):
         manager.find_valid_observations_indx(scheduler.conditions)
         manager.hook.ask(lambda one: manager._choice(one, scheduler.conditions, np.flatnonzero(manager.need_observing)), None)
     assert manager.counts["clock"] == 1
+    # Without a last visit the telescope stands where the conditions say.
+    assert manager.counts["failed"] == 0
     assert "37.0 s" in caplog.text
 
 
