@@ -57,8 +57,10 @@ class Mount:
         """A visit is complete, or is taken to be (``SummitWrapper`` hands back what it has only asked for, without its lengths)."""
         one = np.ravel(observation)[0]
         start, length_s = float(one["mjd"]), float(one["visittime"])
+        azimuth = float(one["cummTelAz"])
         if not length_s > 0.0:
             visit = np.ravel(np.asarray(observation))
+            azimuth = 0.0 if self.last is None else float(self.last["azimuth"])
             if self.last is not None:
                 start = max(start, float(self.last["free_mjd"]))
                 self._stand_at_last(start)
@@ -69,7 +71,7 @@ class Mount:
             "ra": float(one["RA"]),
             "dec": float(one["dec"]),
             "rotation": float(one["rotSkyPos"]),
-            "azimuth": float(one["cummTelAz"]),
+            "azimuth": azimuth,
             "band": str(one["band"]),
             "free_mjd": start + length_s / DAY_S,
         }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from streakcast import StreakModel
@@ -14,9 +14,24 @@ from ._mount import Openings
 REFERENCE_MAG = 7.0
 #: Between these the weight of light is kept: what is fainter is still a streak, what is brighter ruins no more than the frame.
 LEAST_WEIGHT, MOST_WEIGHT = 1e-3, 1e3
+#: What is less likely does not break a limit.
+LEAST_PROBABILITY = 0.5
 SCALES = ("utc", "tai", "tt")
 DAMAGES = ("pixels", "light")
 BLOCKINGS = ("any", "avoid")
+
+
+class Rules(NamedTuple):
+    """What counts, and how."""
+
+    scale: str
+    jitter_s: float
+    #: One of `DAMAGES`.
+    damage: str
+    #: One of `BLOCKINGS`.
+    blocking: str
+    #: A magnitude, magnitudes by band, or `None`.
+    limit_mag: Any
 
 
 class Verdicts(NamedTuple):
@@ -58,18 +73,41 @@ def weight_of_light(brightest_mag: FloatArray) -> FloatArray:
     return np.asarray(np.where(np.isfinite(weight), np.clip(weight, LEAST_WEIGHT, MOST_WEIGHT), 1.0), dtype=float)
 
 
-def judge(model: StreakModel, visits: Visits, openings: Openings, scale: str, jitter_s: float, damage: str, blocking: str) -> Verdicts:
-    """Asks for all visits at once whether anything crosses them, from `jitter_s` before their opening to as long after their closing."""
-    answer = model.assess(
-        (np.degrees(visits["RA"]), np.degrees(visits["dec"])),
-        openings.start_mjd - jitter_s / 86_400.0,
-        openings.length_s + 2.0 * jitter_s,
-        rotation=np.degrees(np.nan_to_num(visits["rotSkyPos"])),
-        band=[str(one) for one in visits["band"]],
-        scale=scale,
-    )
-    lost = np.where(np.isfinite(answer.lost_fraction), answer.lost_fraction, np.nan_to_num(answer.streak_length_deg))
-    if damage == "light":
-        lost = lost * weight_of_light(answer.brightest_mag)
-    blocked = answer.avoid if blocking == "avoid" else answer.crosses
-    return Verdicts(np.asarray(blocked, dtype=bool), np.asarray(lost, dtype=float), answer.n_streaks, answer.brightest_mag)
+def limit_of(limit_mag: Any, band: str | None) -> float | None:
+    """The limit of a band; `None` where none is said for it."""
+    limit = limit_mag.get(band, limit_mag.get("default")) if isinstance(limit_mag, dict) else limit_mag
+    return None if limit is None else float(limit)
+
+
+def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) -> Verdicts:
+    """Asks for all visits at once what crosses them, from `jitter_s` before their opening to as long after their closing."""
+    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
+    start = openings.start_mjd - rules.jitter_s / 86_400.0
+    length_s = openings.length_s + 2.0 * rules.jitter_s
+    rotation = np.degrees(np.nan_to_num(visits["rotSkyPos"]))
+    bands = [str(one) for one in visits["band"]]
+    if rules.blocking == "avoid" and rules.limit_mag is None:
+        # The policy's own limits: of loss and probability too, which take what may only just come by into account.
+        answer = model.assess(target, start, length_s, rotation=rotation, band=bands, scale=rules.scale)
+        lost = np.where(np.isfinite(answer.lost_fraction), answer.lost_fraction, np.nan_to_num(answer.streak_length_deg))
+        blocked, n_streaks, brightest_mag = answer.avoid, answer.n_streaks, answer.brightest_mag
+    else:
+        passes = model.passes(target, start, length_s, rotation=rotation, scale=rules.scale, output="dict")
+        which = np.asarray(passes["exposure_id"], dtype=np.int64)
+        magnitude = np.asarray(passes["magnitude_peak"], dtype=float)
+        share, length_deg = (np.asarray(passes[one], dtype=float) for one in ("lost_pixel_fraction", "streak_length_deg"))
+        n_streaks = np.bincount(which, minlength=visits.size)
+        # Where no telescope tells a share, the length of the streaks stands for it.
+        lost = np.bincount(which, weights=np.where(np.isfinite(share), share, length_deg), minlength=visits.size)
+        brightest_mag = np.full(visits.size, np.inf)
+        np.fmin.at(brightest_mag, which, magnitude)
+        brightest_mag[np.isinf(brightest_mag)] = np.nan
+        blocked = n_streaks > 0
+        if rules.blocking == "avoid":
+            limit = np.array([limit_of(rules.limit_mag, bands[one]) for one in which], dtype=float)
+            # As the model's own limits: brighter, and at least as likely as not. A band without a limit forbids nothing.
+            bright = (magnitude < limit) & (np.asarray(passes["probability"], dtype=float) >= LEAST_PROBABILITY)
+            blocked = np.bincount(which, weights=bright, minlength=visits.size) > 0
+    if rules.damage == "light":
+        lost = lost * weight_of_light(brightest_mag)
+    return Verdicts(np.asarray(blocked, dtype=bool), np.asarray(lost, dtype=float), n_streaks, brightest_mag)

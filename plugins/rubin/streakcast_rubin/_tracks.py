@@ -11,7 +11,7 @@ from astropy.time import Time
 from streakcast import StreakModel
 
 from ._arrays import FloatArray, IntArray
-from ._questions import weight_of_light
+from ._questions import limit_of, weight_of_light
 
 #: What is asked in one go, seconds: over so short a stretch a parabola through three points is good to some arcminutes.
 SLOT_S = 20.0
@@ -141,7 +141,7 @@ def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) 
 
 def brighter_than(limit_mag: Any, band: str | None, samples: Samples) -> Samples:
     """Those brighter than the limit of a band; all where no limit is said for it. What has no magnitude stays."""
-    limit = limit_mag.get(band, limit_mag.get("default")) if isinstance(limit_mag, dict) else limit_mag
+    limit = limit_of(limit_mag, band)
     if limit is None:
         return samples
     keep = ~(samples.magnitude >= limit)

@@ -15,6 +15,7 @@ from ._arrays import FloatArray
 from ._checks import at_least, limits, one_of
 from ._questions import DAMAGES, scale_of
 from ._tracks import SAMPLE_S, Sky, brighter_than, centres_of, loss_of, neighbours
+from ._warnings import told
 
 NSIDE = 32
 #: Half the side of a cell of nside 32, degrees.
@@ -131,7 +132,8 @@ class StreakMaskBasisFunction(BaseBasisFunction):
         opens = np.where(reached, slew_s - self.jitter_s, np.inf)
         closes = np.where(reached, slew_s + self.exptime_s + self.jitter_s, -np.inf)
         loss = np.zeros(slew_s.size)
-        slots = self._sky.over(now + opens.min() / 86_400.0, now + closes.max() / 86_400.0, zenith_deg)
+        with told(self.hook):
+            slots = self._sky.over(now + opens.min() / 86_400.0, now + closes.max() / 86_400.0, zenith_deg)
         for begun, samples in slots:
             band = self.bandname if self.bandname is not None else conditions.current_band
             samples = brighter_than(self.limit_mag, band, samples)

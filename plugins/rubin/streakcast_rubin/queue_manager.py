@@ -18,7 +18,8 @@ from ._candidates import Choice, candidates, choose
 from ._checks import at_least, limits, one_of
 from ._handed import Handed, Owner
 from ._mount import Mount, Openings
-from ._questions import BLOCKINGS, DAMAGES, Verdicts, judge, scale_of
+from ._questions import BLOCKINGS, DAMAGES, Rules, Verdicts, judge, scale_of
+from ._warnings import told
 
 log = logging.getLogger("streakcast.rubin")
 
@@ -94,7 +95,7 @@ class StreakQueueManager(BaseQueueManager):
         self.mjd_scale = scale_of(model, mjd_scale)
         self.blocking = blocking if blocking is not None else "any" if limit_mag is None else "avoid"
         one_of("blocking", self.blocking, BLOCKINGS)
-        limits(limit_mag)
+        self.limit_mag = limits(limit_mag)
         if model.field_radius_deg is None:
             raise ValueError("the model has no field of view: give it telescope= or fov=")
         self.damage = one_of("damage", damage, DAMAGES)
@@ -103,7 +104,8 @@ class StreakQueueManager(BaseQueueManager):
         self.jitter_s = at_least("jitter_s", jitter_s, 0.0)
         self.max_extra_slew_s = at_least("max_extra_slew_s", max_extra_slew_s, 0.0)
         self.mount = Mount(kinematics)
-        self.hook = Hook(model if limit_mag is None else model.with_options(limit_mag=limit_mag), "rubin", watch_s=watch_s)
+        self._rules = Rules(self.mjd_scale, self.jitter_s, self.damage, self.blocking, self.limit_mag)
+        self.hook = Hook(model, "rubin", watch_s=watch_s)
         self._deferred: dict[int, int] = {}
         self._handed, self._owner = Handed(), Owner()
         self._choosing = False
@@ -182,7 +184,8 @@ class StreakQueueManager(BaseQueueManager):
             # The telescope cannot go where the host wants it: the host's own affair.
             return None
         known = Openings(*(one[reached] for one in openings))
-        verdicts = judge(model, visits[reached], known, self.mjd_scale, self.jitter_s, self.damage, self.blocking)
+        with told(self.hook):
+            verdicts = judge(model, visits[reached], known, self._rules)
         places, visits = places[reached], visits[reached]
         self.counts["checked"] += int(places.size)
         deferred = np.array([self._deferred.get(int(one), 0) for one in visits["target_id"]])

@@ -14,6 +14,7 @@ from ._arrays import FloatArray
 from ._checks import at_least, limits, one_of
 from ._questions import DAMAGES, scale_of
 from ._tracks import SAMPLE_S, Samples, Sky, brighter_than, centres_of, loss_of
+from ._warnings import told
 from .mask import NSIDE
 
 
@@ -99,6 +100,7 @@ class StreakRewardBasisFunction(BaseBasisFunction):
             raise ValueError("the model has no field of view: give it telescope= or fov=")
         self.area_deg2 = area_deg2
         self.hook = Hook(model, "rubin", watch_s=watch_s)
+        self._sky: Union[Sky, None] = None
         self._made: Union[tuple[float, Any, FloatArray], None] = None
 
     @property
@@ -108,7 +110,7 @@ class StreakRewardBasisFunction(BaseBasisFunction):
 
     def __getstate__(self) -> dict[str, Any]:
         # A map of 98 kB that is made again on first use.
-        return {**self.__dict__, "_made": None, "value": 0, "recalc": True}
+        return {**self.__dict__, "_sky": None, "_made": None, "value": 0, "recalc": True}
 
     def _calc_value(self, conditions: Any, indx: Any = None, **_: Any) -> FloatArray:
         """The map of the next while; all zero where the question fails."""
@@ -131,7 +133,10 @@ class StreakRewardBasisFunction(BaseBasisFunction):
         moments = now + np.linspace(0.0, self.look_ahead_min / 1440.0, self.samples)
         # The sky turns by 15 degrees an hour; the zenith of the middle holds for all.
         zenith_deg = ((float(np.max(conditions.lmst)) + self.look_ahead_min / 120.0) * 15.0 % 360.0, float(site.latitude))
-        seen = Sky(model, self.mjd_scale).ask(moments, SAMPLE_S, zenith_deg)
+        with told(self.hook):
+            if self._sky is None or self._sky.model is not model:
+                self._sky = Sky(model, self.mjd_scale)
+            seen = self._sky.ask(moments, SAMPLE_S, zenith_deg)
         value = -self._lost_mpx([brighter_than(self.limit_mag, band, one) for one in seen])
         self._made = (now, key, value)
         self.counts["made"] += 1

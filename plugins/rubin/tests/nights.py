@@ -84,7 +84,8 @@ def elements_of(sky: str, evening: str, folder: Path) -> Path:
 
 
 def catalogue() -> Path | None:
-    data = Path(os.environ.get("STREAKCAST_DATA", Path(__file__).resolve().parents[4] / "shared" / "data"))
+    named = os.environ.get("STREAKCAST_DATA")
+    data = Path(named) if named else Path(__file__).resolve().parents[4] / "shared" / "data"
     path = data / "tle" / "active" / "active_2026-04-25.txt"
     return path if path.is_file() else None
 

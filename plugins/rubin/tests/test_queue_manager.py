@@ -4,8 +4,8 @@ import copy
 import logging
 import pickle
 import time
-from types import SimpleNamespace
 
+import brute_force
 import numpy as np
 import pytest
 import streakcast
@@ -14,6 +14,8 @@ from rubin_scheduler.scheduler.detailers import RotspUpdateDetailer
 from rubin_scheduler.scheduler.schedulers import BaseQueueManager, SummitWrapper
 from streakcast_rubin import StreakQueueManager
 from streakcast_rubin._candidates import candidates, choose
+from streakcast_rubin._mount import Openings
+from streakcast_rubin._questions import Rules, judge
 
 #: What a pickle of the scheduler may grow by.
 MOST_PICKLED = 100_000
@@ -32,16 +34,17 @@ def blocked(monkeypatch):
     """Names the visits (by their places among the candidates) that are crossed, whatever the sky is like."""
 
     def block(model_class, places, damage=None):
-        def assess(self, target, *_, **__):
+        def passes(self, target, *_, **__):
             n = np.size(target[0])
-            crossed = np.isin(np.arange(n), list(places) if places != "all" else np.arange(n))
+            crossed = np.arange(n) if places == "all" else np.array([one for one in places if one < n], dtype=int)
             lost = np.ones(n) if damage is None else np.resize(damage, n)
-            return SimpleNamespace(
-                crosses=crossed, avoid=crossed, n_streaks=crossed.astype(int), brightest_mag=np.full(n, 7.0), lost_fraction=lost,
-                streak_length_deg=np.ones(n),
-            )  # fmt: skip
+            ones = np.ones(crossed.size)
+            return {
+                "exposure_id": crossed, "magnitude_peak": 7.0 * ones, "lost_pixel_fraction": lost[crossed],
+                "streak_length_deg": ones, "probability": ones,
+            }  # fmt: skip
 
-        monkeypatch.setattr(model_class, "assess", assess)
+        monkeypatch.setattr(model_class, "passes", passes)
 
     return block
 
@@ -134,7 +137,7 @@ def test_any_failure_leaves_the_host_alone(ready, model, take_over, monkeypatch,
     def fails(*_, **__):
         raise RuntimeError("the index is gone")
 
-    monkeypatch.setattr(streakcast.StreakModel, "assess", fails)
+    monkeypatch.setattr(streakcast.StreakModel, "passes", fails)
     with caplog.at_level(logging.WARNING):
         for _ in range(5):
             assert ids(scheduler.request_observation()) == [queue[0]]
@@ -171,6 +174,18 @@ def test_elements_that_vanish(ready, folder, take_over, caplog):
     assert len([one for one in caplog.records if "is missing" in one.message]) == 1
 
 
+def test_old_elements_are_told(ready, tmp_path, take_over, caplog):
+    """Ten weeks old: nobody knows where these are, and the night goes on."""
+    brute_force.write_walker(["starlink-gen1"], Time("2025-11-05T00:00:00"), tmp_path / "old.csv")
+    model = streakcast.StreakModel(site="Rubin Observatory", elements=tmp_path / "old.csv", telescope="rubin", mjd_scale="utc")
+    scheduler = take_over(ready, manager_of(model, look_ahead=2))
+    with caplog.at_level(logging.WARNING):
+        for _ in range(2):
+            assert np.size(scheduler.request_observation()) == 1
+    assert scheduler.queue_manager.counts["warned"] == 1 and scheduler.queue_manager.counts["failed"] == 0
+    assert len([one for one in caplog.records if "more than 14 days" in one.message]) == 1
+
+
 def test_another_site_is_told(ready, folder, take_over, caplog):
     model = streakcast.StreakModel(lat=-30.0, lon=-70.0, height=2000.0, elements=folder / "4408.csv", telescope="rubin", mjd_scale="utc")
     scheduler = take_over(ready, manager_of(model))
@@ -198,6 +213,8 @@ def test_a_clock_37_seconds_off_is_told(ready, model, take_over, caplog):
         manager.find_valid_observations_indx(scheduler.conditions)
         manager.hook.ask(lambda one: manager._choice(one, scheduler.conditions, np.flatnonzero(manager.need_observing)), None)
     assert manager.counts["clock"] == 1
+    # Without a last visit the telescope stands where the conditions say.
+    assert manager.counts["failed"] == 0
     assert "37.0 s" in caplog.text
 
 
@@ -233,6 +250,24 @@ def test_tai_and_utc_differ(models, pairs_evening):
 def test_impossible_options(model, options, message):
     with pytest.raises(ValueError, match=message):
         manager_of(model, **options)
+
+
+def test_limits_of_the_models_policy(models, pairs_evening, ready):
+    """The model's own limits, and the same limit as an option, forbid the same visits."""
+    visits = np.asarray(pairs_evening.visits)
+    openings = Openings(visits["mjd"], np.zeros(visits.size), visits["exptime"])
+    model = models[40768]
+    by_policy, by_option, alone = (
+        judge(one, visits, openings, Rules("utc", 3.0, "light", blocking, limit))
+        for one, blocking, limit in ((model.with_options(limit_mag=7.0), "avoid", None), (model, "avoid", 7.0), (model, "any", None))
+    )
+    assert 5 < by_policy.blocked.sum() < alone.blocked.sum()
+    assert np.array_equal(by_policy.blocked, by_option.blocked)
+    assert np.array_equal(by_policy.n_streaks, by_option.n_streaks)
+    assert np.allclose(by_policy.brightest_mag, by_option.brightest_mag, equal_nan=True)
+    # The one takes near misses along.
+    crossed = alone.blocked
+    assert np.median(np.abs(by_policy.damage[crossed] / by_option.damage[crossed] - 1.0)) < 0.05
 
 
 def test_limits_by_band(ready, models, take_over):
@@ -279,26 +314,15 @@ def test_summit_wrapper(ready, models, take_over):
     assert 4 * 31.0 < taken_s < 4 * 31.0 + 4 * 40.0
 
 
-def test_summit_wrapper_gets_no_visit_twice(ready, model, take_over, monkeypatch):
+def test_summit_wrapper_gets_no_visit_twice(ready, model, take_over, blocked):
     """The first visit of the queue goes out second, and is under way when the one before it is done."""
     scheduler = take_over(ready, manager_of(model))
     queue = ids(scheduler.return_active_queue())
     wrapper = SummitWrapper(scheduler)
     wrapper.update_conditions(scheduler.conditions)
-    crossed = {"now": True}
-
-    def assess(self, target, *_, **__):
-        n = np.size(target[0])
-        first = np.arange(n) == 0
-        blocked = first if crossed["now"] else np.zeros(n, dtype=bool)
-        nothing = np.zeros(n)
-        return SimpleNamespace(
-            crosses=blocked, avoid=blocked, n_streaks=blocked.astype(int), brightest_mag=nothing, lost_fraction=nothing, streak_length_deg=nothing
-        )  # fmt: skip
-
-    monkeypatch.setattr(streakcast.StreakModel, "assess", assess)
+    blocked(streakcast.StreakModel, [0])
     one = wrapper.request_observation()
-    crossed["now"] = False
+    blocked(streakcast.StreakModel, [])
     two = wrapper.request_observation()
     assert ids(two) == [queue[0]] and ids(one)[0] > queue[0]
     done = wrapper.requested_but_unadded_obs[0].copy()

@@ -61,9 +61,10 @@ impl Outputs {
 
     /// The tables beside the frames, those of several frames one below the other.
     pub fn write_tables(&self, done: &Injections) -> anyhow::Result<()> {
-        let tables: [(&Option<Output>, fn(&FrameDone) -> &Table, &str); 2] =
-            [(&self.truth, |frame| &frame.truth, "streaks"), (&self.trails, |frame| &frame.trails, "trails")];
-        for (output, of, name) in tables {
+        type Choice = fn(&FrameDone) -> &Table;
+        let truth: Choice = |frame| &frame.truth;
+        let trails: Choice = |frame| &frame.trails;
+        for (output, of, name) in [(&self.truth, truth, "streaks"), (&self.trails, trails, "trails")] {
             let mut frames = done.frames.iter().map(of);
             let (Some(output), Some(first)) = (output, frames.next()) else { continue };
             let mut table = first.clone();
