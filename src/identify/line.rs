@@ -14,13 +14,18 @@ pub struct FittedLine {
     pub half_width_rad: f64,
 }
 
+/// How far the middle of an outline may lie beside the line: so many of its own widths,
+const WIDTHS_BESIDE: f64 = 2.0;
+/// and so much of the line's length, for lines drawn by hand along one streak have no width.
+const LENGTHS_BESIDE: f64 = 0.01;
+
 /// The line of corners of one or more outlines (boxes, polygons, lines) along one streak: through their middle, in the direction in which they spread most.
 ///
 /// Boxes drawn around several stretches of a streak are one line; the gaps between them do not matter.
 ///
 /// # Errors
 /// [`IdentifyError::NoLine`] where all corners are at one place; [`IdentifyError::NotOneLine`] where the middle of an outline lies farther beside the line
-/// than the outlines are wide.
+/// than twice its own width and a hundredth of the line's length.
 pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, IdentifyError> {
     let corners: Vec<Vector3<f64>> = outlines.iter().flatten().map(|corner| *corner.vector()).collect();
     let no_line = IdentifyError::NoLine { separation_arcsec: 0.0 };
@@ -30,28 +35,25 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Identif
     let plane = |corner: &Vector3<f64>| Vector2::new(corner.dot(&east), corner.dot(&north)) / corner.dot(&centre);
     let points: Vec<Vector2<f64>> = corners.iter().map(plane).collect();
     let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
-    let spread: Matrix2<f64> = points.iter().map(|point| (point - middle) * (point - middle).transpose()).sum();
-    let axes = SymmetricEigen::new(spread);
-    let along: Vector2<f64> = axes.eigenvectors.column(axes.eigenvalues.imax()).into_owned();
+    let along = longest(&points, &middle);
     let across = Vector2::new(-along.y, along.x);
     let half_width_rad =
         (points.iter().map(|point| (point - middle).dot(&across).powi(2)).sum::<f64>() / points.len() as f64).sqrt();
 
-    for outline in outlines {
-        let own: Vector2<f64> =
-            outline.iter().map(|corner| plane(corner.vector())).sum::<Vector2<f64>>() / outline.len().max(1) as f64;
-        let off_rad = (own - middle).dot(&across).abs();
-        if off_rad > 2.0 * width_rad(outline, &plane, &across) + 1e-9 {
-            return Err(IdentifyError::NotOneLine {
-                off_arcsec: off_rad.to_degrees() * 3600.0,
-                width_arcsec: width_rad(outline, &plane, &across).to_degrees() * 3600.0,
-            });
-        }
-    }
     let ways = points.iter().map(|point| (point - middle).dot(&along));
-    let (low, high) = ways.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way| (low.min(way), high.max(way)));
+    let (low, high) = ends_of(ways);
     if high <= low {
         return Err(no_line);
+    }
+    for outline in outlines.iter().filter(|outline| !outline.is_empty()) {
+        let own: Vec<Vector2<f64>> = outline.iter().map(|corner| plane(corner.vector())).collect();
+        let own_middle = own.iter().sum::<Vector2<f64>>() / own.len() as f64;
+        let off_rad = (own_middle - middle).dot(&across).abs();
+        let narrow_rad = narrow_width(&own, &own_middle);
+        if off_rad > WIDTHS_BESIDE * narrow_rad + LENGTHS_BESIDE * (high - low) {
+            let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
+            return Err(IdentifyError::NotOneLine { off_arcsec: arcsec(off_rad), width_arcsec: arcsec(narrow_rad) });
+        }
     }
     let ends = [low, high].map(|way| {
         let point = middle + along * way;
@@ -60,15 +62,23 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Identif
     Ok(FittedLine { ends, half_width_rad })
 }
 
-/// Full width of one outline across the line.
-fn width_rad(
-    outline: &[Direction<Gcrs>],
-    plane: &impl Fn(&Vector3<f64>) -> Vector2<f64>,
-    across: &Vector2<f64>,
-) -> f64 {
-    let ways = outline.iter().map(|corner| plane(corner.vector()).dot(across));
-    let (low, high) = ways.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way| (low.min(way), high.max(way)));
+/// The direction in which points spread most.
+fn longest(points: &[Vector2<f64>], middle: &Vector2<f64>) -> Vector2<f64> {
+    let spread: Matrix2<f64> = points.iter().map(|point| (point - middle) * (point - middle).transpose()).sum();
+    let axes = SymmetricEigen::new(spread);
+    axes.eigenvectors.column(axes.eigenvalues.imax()).into_owned()
+}
+
+/// Full width of one outline across its own length, radians.
+fn narrow_width(points: &[Vector2<f64>], middle: &Vector2<f64>) -> f64 {
+    let along = longest(points, middle);
+    let across = Vector2::new(-along.y, along.x);
+    let (low, high) = ends_of(points.iter().map(|point| (point - middle).dot(&across)));
     (high - low).max(0.0)
+}
+
+fn ends_of(ways: impl Iterator<Item = f64>) -> (f64, f64) {
+    ways.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way| (low.min(way), high.max(way)))
 }
 
 #[cfg(test)]

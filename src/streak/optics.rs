@@ -123,7 +123,7 @@ mod tests {
         assert!((blur.inner_radius_pix / blur.outer_radius_pix - 2.558 / 4.18).abs() < 1e-12);
         assert!((blur.body_radius_pix / blur.outer_radius_pix - 2.0 / 4.18).abs() < 1e-12);
         let message = optics.profile(550.0, 2.0, 20.0, 1.0).unwrap_err().to_string();
-        assert!(message.contains("550 km") && message.contains("fwhm_pix is 0.035"), "{message}");
+        assert!(message.contains("550 km") && message.contains("fwhm_pix is 0.03"), "{message}");
         assert!(optics.profile(550.0, 2.0, f64::NAN, 1.0).is_err());
         assert!(optics.profile(550.0, 2.0, 0.2, 3.0).unwrap_err().to_string().contains("aspect is 3"));
     }

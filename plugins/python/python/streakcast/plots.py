@@ -212,7 +212,8 @@ def light_curve(
     StreakcastError
         Fewer than two points, or none with a magnitude.
     """
-    times = _mjd([str(point["utc"]) for point in samples], None)
+    # An empty list is a question like any other: the chart says what it lacks.
+    times = _mjd(np.array([str(point["utc"]) for point in samples], dtype=str), None)
 
     def column(name: str) -> list[float]:
         return [np.nan if point[name] is None else float(point[name]) for point in samples]
@@ -348,4 +349,5 @@ def _circle(ra: float, dec: float, radius: float) -> list[list[float]]:
     sin_r, cos_r = np.sin(np.radians(radius)), np.cos(np.radians(radius))
     up = np.arcsin(np.clip(sin_dec * cos_r + cos_dec * sin_r * np.cos(angle), -1.0, 1.0))
     right = np.arctan2(np.sin(angle) * sin_r * cos_dec, cos_r - sin_dec * np.sin(up))
-    return np.column_stack([np.degrees(right) + ra, np.degrees(up)]).tolist()
+    corners: list[list[float]] = np.column_stack([np.degrees(right) + ra, np.degrees(up)]).tolist()
+    return corners
