@@ -63,7 +63,13 @@ def tell_missing_verbs(app, environment):
         raise RuntimeError(f"docs/verbs.md has no section of: {', '.join(missing)}")
 
 
+def link_to_repository(app, name, source):
+    """The plugins' own pages are not of the site: links to them lead to the repository."""
+    source[0] = source[0].replace("](../plugins/", "](https://github.com/streakcast/streakcast/blob/main/plugins/")
+
+
 def setup(app):
     app.add_directive("command-help", CommandHelp)
+    app.connect("source-read", link_to_repository)
     app.connect("env-updated", tell_missing_verbs)
     return {"parallel_read_safe": True}
