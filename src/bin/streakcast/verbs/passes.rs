@@ -3,7 +3,7 @@
 use anyhow::anyhow;
 use serde_json::json;
 use streakcast::frames::seconds_after;
-use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, Passes};
+use streakcast::passes::{Exposure, FieldPass, PassOptions, Passes};
 use streakcast::schedule::{StreakRow, exposure_table, lowest_altitudes_rad, streak_table};
 use streakcast::setup::{Prepared, Quantity, Setup, parse_moment};
 use streakcast::table::{Column, Kind, Section, Table, format_utc};
@@ -77,7 +77,6 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
 /// One exposure asked.
 pub struct Asked {
     pub exposure: Exposure,
-    pub field: Field,
     pub telescope: Option<Telescope>,
     pub options: PassOptions,
     /// The sky that was asked, with what the answer rests on.
@@ -105,7 +104,7 @@ pub fn ask(setup: &Setup) -> anyhow::Result<Asked> {
     let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &field, &options)?;
     notices.warn(&prepared.left_out_warning(&answer.left_out, exposure.start)?);
     state(&mut prepared, setup, &exposure, &options, telescope.as_ref().map(|telescope| telescope.name.as_str()));
-    Ok(Asked { exposure, field, telescope, options, prepared, answer, notices })
+    Ok(Asked { exposure, telescope, options, prepared, answer, notices })
 }
 
 impl Asked {

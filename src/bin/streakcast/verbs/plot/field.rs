@@ -42,7 +42,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
     let columns = Columns::of(&table, &asked.prepared.provenance);
     // As a table that is read later says it: one picture of both.
     let exposure = Place::stated(&columns).ok_or_else(|| anyhow!("the answer does not say its exposure"))?;
-    let picture = picture(&columns, &exposure, Some(&asked.field), title)?;
+    let picture = picture(&columns, &exposure, Some(&setup.field_of_view()?), title)?;
     target.write(&picture, "passes", &table, &asked.prepared.provenance)?;
     Ok(outcome(&columns))
 }
