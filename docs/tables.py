@@ -19,6 +19,10 @@ SMALLER = {
 }
 
 
+#: Digits of an exponent.
+RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
 def in_unit(value, unit):
     """A number with its unit, in the one that leaves no zeros in front."""
     scaled, name = value, unit
@@ -31,7 +35,7 @@ def in_unit(value, unit):
         text = f"{scaled:.0f}"
     mantissa, _, exponent = text.partition("e")
     if exponent:
-        text = f"{mantissa}·10^{int(exponent)}"
+        text = f"{mantissa}·10{str(int(exponent)).translate(RAISED)}"
     return f"{text} {name}".strip()
 
 

@@ -140,7 +140,8 @@ fn whole() -> Option<Setting> {
 fn valid_directions_against_horizons() {
     let Some(setting) = whole() else { return };
     let mut directions = Agreement::new("Astrometric directions of Starlinks", "JPL Horizons", WORST_ARCSEC, "arcsec");
-    let mut middle = Agreement::new("Astrometric directions of Starlinks, median", "JPL Horizons", MEDIAN_ARCSEC, "arcsec");
+    let mut middle =
+        Agreement::new("Astrometric directions of Starlinks, median", "JPL Horizons", MEDIAN_ARCSEC, "arcsec");
     for row in &setting.rows {
         directions.see(setting.seen(&row.name, row.epoch).direction.separation_rad(&row.direction) / ARCSEC_RAD);
     }
