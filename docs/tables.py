@@ -1,8 +1,5 @@
-"""What docs/tables.sh measured, as Markdown on standard output: `tables.py accuracy FIGURES`, `tables.py speed FOLDER`."""
+"""What the tests measured against authorities, as Markdown on standard output: `tables.py FIGURES`; docs/tables.sh calls it."""
 
-import os
-import platform
-import re
 import sys
 from datetime import date
 from pathlib import Path
@@ -39,16 +36,6 @@ def in_unit(value, unit):
     return f"{text} {name}".strip()
 
 
-def machine():
-    """What it was measured on."""
-    name = platform.processor() or platform.machine()
-    for line in Path("/proc/cpuinfo").read_text().splitlines() if Path("/proc/cpuinfo").exists() else []:
-        if line.startswith("model name"):
-            name = line.partition(":")[2].strip()
-            break
-    return f"{os.cpu_count()} cores of {name}"
-
-
 def accuracy(path):
     rows = [line.split("\t") for line in Path(path).read_text().splitlines()]
     worst = {}
@@ -65,33 +52,5 @@ def accuracy(path):
         print(f"| {what} | {authority} | {compared:,} | {in_unit(measured, unit)} | {in_unit(allowed, unit)} |")
 
 
-def benches(text):
-    """Rows of divan's trees: name with its parents, fastest, median."""
-    parents = []
-    for line in text.splitlines():
-        if found := re.match(r"^(\S+)\s+fastest", line):
-            parents = [found[1]]
-            continue
-        found = re.match(r"^([│ ]*)[├╰]─ (.+?)(?:\s{2,}|\s+│)(.*)$", line)
-        if not found:
-            continue
-        depth = len(found[1]) // 3 + 1
-        parents = parents[:depth] + [found[2].strip()]
-        times = [cell.strip() for cell in f"{found[3]}".split("│")]
-        if times and re.match(r"^[\d.]+ (ns|µs|ms|s)$", times[0]):
-            yield " / ".join(parents), times[0], times[2]
-
-
-def speed(folder):
-    folder = Path(folder)
-    print(f"<!-- Made by docs/tables.sh on {date.today()}; do not edit. -->\n")
-    print(f"{date.today()}, {machine()}.\n")
-    print("| bench | fastest | median |\n|---|---|---|")
-    for name, fastest, median in benches((folder / "benches").read_text()):
-        print(f"| {name} | {fastest} | {median} |")
-    for peer in ("photometry", "fit", "streaks"):
-        print(f"\n`tests/benches/peers/{peer}.py`, ours and the others in turn:\n\n```text\n{(folder / peer).read_text().rstrip()}\n```")
-
-
 if __name__ == "__main__":
-    {"accuracy": accuracy, "speed": speed}[sys.argv[1]](sys.argv[2])
+    accuracy(sys.argv[1])

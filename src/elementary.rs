@@ -16,7 +16,7 @@ pub fn fused<const F: bool>(a: f64, b: f64, c: f64) -> f64 {
 
 /// Horner's rule, the highest power first.
 #[inline(always)]
-fn polynomial<const F: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
+pub fn polynomial<const F: bool, const N: usize>(x: f64, coefficients: [f64; N]) -> f64 {
     let mut sum = coefficients[0];
     for coefficient in &coefficients[1..] {
         sum = fused::<F>(sum, x, *coefficient);

@@ -2,6 +2,8 @@
 
 use std::f64::consts::{FRAC_PI_2, LN_2};
 
+use crate::elementary::polynomial;
+
 /// Adding it rounds a number of magnitude below 2⁵¹ to an integer, kept in the lowest bits.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;
 /// Bits of √½.
@@ -10,6 +12,30 @@ const ROOT_HALF: u64 = 0x3fe6_a09e_667f_3bcd;
 const ONE: u64 = 0x3ff0_0000_0000_0000;
 /// Bits of 2⁵²: its mantissa counts integers.
 const COUNTER: u64 = 0x4330_0000_0000_0000;
+/// Taylor's series of sin u / u and cos u in u², the highest power first.
+const SINE: [f64; 9] = [
+    1.0 / 355_687_428_096_000.0,
+    -1.0 / 1_307_674_368_000.0,
+    1.0 / 6_227_020_800.0,
+    -1.0 / 39_916_800.0,
+    1.0 / 362_880.0,
+    -1.0 / 5040.0,
+    1.0 / 120.0,
+    -1.0 / 6.0,
+    1.0,
+];
+const COSINE: [f64; 10] = [
+    -1.0 / 6_402_373_705_728_000.0,
+    1.0 / 20_922_789_888_000.0,
+    -1.0 / 87_178_291_200.0,
+    1.0 / 479_001_600.0,
+    -1.0 / 3_628_800.0,
+    1.0 / 40_320.0,
+    -1.0 / 720.0,
+    1.0 / 24.0,
+    -1.0 / 2.0,
+    1.0,
+];
 const MANTISSA: u64 = 0x000f_ffff_ffff_ffff;
 
 /// xⁿ for x up to 1 and n from 0 to 10,000; less than 1e-300 where x < 0 (a lobe seen from more than 90° off).
@@ -62,24 +88,7 @@ pub(super) fn half_turn_sin_cos(angle: f64) -> (f64, f64) {
     // sin φ = cos u, cos φ = -sin u, u = φ - π/2
     let u = angle - FRAC_PI_2;
     let s = u * u;
-    let sin = u
-        * (1.0
-            + s * (-1.0 / 6.0
-                + s * (1.0 / 120.0
-                    + s * (-1.0 / 5040.0
-                        + s * (1.0 / 362_880.0
-                            + s * (-1.0 / 39_916_800.0
-                                + s * (1.0 / 6_227_020_800.0
-                                    + s * (-1.0 / 1_307_674_368_000.0 + s * (1.0 / 355_687_428_096_000.0)))))))));
-    let cos = 1.0
-        + s * (-1.0 / 2.0
-            + s * (1.0 / 24.0
-                + s * (-1.0 / 720.0
-                    + s * (1.0 / 40_320.0
-                        + s * (-1.0 / 3_628_800.0
-                            + s * (1.0 / 479_001_600.0
-                                + s * (-1.0 / 87_178_291_200.0
-                                    + s * (1.0 / 20_922_789_888_000.0 - s * (1.0 / 6_402_373_705_728_000.0)))))))));
+    let (sin, cos) = (u * polynomial::<false, 9>(s, SINE), polynomial::<false, 10>(s, COSINE));
     (cos, -sin)
 }
 
