@@ -5,7 +5,7 @@ mod common;
 
 use std::collections::BTreeSet;
 use std::io::{Read, Write};
-use std::sync::OnceLock;
+use std::sync::{Arc, Mutex, OnceLock, PoisonError, Weak};
 
 use common::cli::{json as command, run};
 use common::server::{Server, parse};
@@ -20,10 +20,15 @@ fn serve(more: &[&str]) -> Server {
     Server::start(&[SHARED, RULES, &["--telescope", "rubin"], more].concat())
 }
 
-/// One server for all tests that only ask; it ends with the process's standard output.
-fn shared() -> &'static Server {
-    static SERVER: OnceLock<Server> = OnceLock::new();
-    SERVER.get_or_init(|| serve(&["--rate", "100000"]))
+/// One server for all tests that only ask and run at the same time; it goes with the last that holds it.
+fn shared() -> Arc<Server> {
+    static SERVER: Mutex<Weak<Server>> = Mutex::new(Weak::new());
+    let mut known = SERVER.lock().unwrap_or_else(PoisonError::into_inner);
+    known.upgrade().unwrap_or_else(|| {
+        let server = Arc::new(serve(&["--rate", "100000"]));
+        *known = Arc::downgrade(&server);
+        server
+    })
 }
 
 fn flags_of_the_command_line() -> &'static Value {
@@ -33,7 +38,8 @@ fn flags_of_the_command_line() -> &'static Value {
 
 #[test]
 fn the_night_is_that_of_flag() {
-    let night = shared().json("/api/v1/night");
+    let server = shared();
+    let night = server.json("/api/v1/night");
     let flags = flags_of_the_command_line();
     assert_eq!(night["flags"], flags["flags"]);
     assert_eq!(night["flags"].as_array().unwrap().len(), 21);
@@ -46,15 +52,16 @@ fn the_night_is_that_of_flag() {
     let sun: Vec<f64> =
         night["sun"].as_array().unwrap().iter().map(|one| one["sun_altitude_deg"].as_f64().unwrap()).collect();
     assert!(sun[0] > 30.0 && sun[sun.len() - 1] > 30.0 && sun.iter().copied().fold(90.0, f64::min) < -40.0, "{sun:?}");
-    let problem = shared().get("/api/v1/night?night=2026-08-15");
+    let problem = server.get("/api/v1/night?night=2026-08-15");
     assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some("night")));
     assert!(problem.json()["detail"].as_str().unwrap().contains("allowed: 2026-08-14"));
 }
 
 #[test]
 fn every_exposure_is_that_of_flag_and_passes() {
+    let server = shared();
     let flags = flags_of_the_command_line();
-    let night = shared().json("/api/v1/night");
+    let night = server.json("/api/v1/night");
     let mut crossings = 0;
     for (row, flag) in night["exposures"].as_array().unwrap().iter().zip(flags["flags"].as_array().unwrap()) {
         let text = |name: &str| row[name].as_str().unwrap().to_owned();
@@ -65,7 +72,7 @@ fn every_exposure_is_that_of_flag_and_passes() {
             text("start_utc"),
             text("band")
         );
-        let answer = shared().json(&target);
+        let answer = server.json(&target);
         let mut expected = flag.clone();
         expected["exposure_id"] = json!("1");
         assert_eq!(answer["flags"][0], expected, "{target}");
@@ -88,6 +95,7 @@ fn every_exposure_is_that_of_flag_and_passes() {
 
 #[test]
 fn another_start_and_another_limit_are_what_a_schedule_of_them_says() {
+    let server = shared();
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("shifted.csv");
     let starts = ["23:29:10", "23:29:15.5", "23:29:24", "23:31:00"];
@@ -100,7 +108,7 @@ fn another_start_and_another_limit_are_what_a_schedule_of_them_says() {
         let target = format!(
             "/api/v1/exposure?start_utc=2026-08-14T{start}Z&duration_s=45&ra_deg=198.9&dec_deg=7.7&limit_mag=6.62"
         );
-        let answer = shared().json(&target);
+        let answer = server.json(&target);
         for key in ["verdict", "n_streaks", "brightest_mag", "next_clear_start_utc", "delay_s", "reasons"] {
             assert_eq!(answer["flags"][0][key], flag[key], "{target}: {key}");
         }
@@ -108,15 +116,16 @@ fn another_start_and_another_limit_are_what_a_schedule_of_them_says() {
     }
     assert!(verdicts.len() > 1, "{verdicts:?}");
     // The start that is called clear is clear.
-    let first = shared().json(&format!("/api/v1/exposure?{FIRST}"));
+    let first = server.json(&format!("/api/v1/exposure?{FIRST}"));
     let next = first["flags"][0]["next_clear_start_utc"].as_str().unwrap();
-    let then = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", next)));
+    let then = server.json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", next)));
     assert_eq!(then["flags"][0]["verdict"], "clear");
 }
 
 #[test]
 fn crossings_before_and_after_are_those_of_a_longer_exposure() {
-    let answer = shared().json(&format!("/api/v1/exposure?{FIRST}&around_s=120"));
+    let server = shared();
+    let answer = server.json(&format!("/api/v1/exposure?{FIRST}&around_s=120"));
     let passes = command(&[
         &["passes"],
         SHARED,
@@ -137,7 +146,8 @@ fn crossings_before_and_after_are_those_of_a_longer_exposure() {
 
 #[test]
 fn a_field_below_the_horizon_is_told() {
-    let answer = shared().json("/api/v1/exposure?start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=18.9&dec_deg=80");
+    let server = shared();
+    let answer = server.json("/api/v1/exposure?start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=18.9&dec_deg=80");
     assert_eq!(answer["flags"][0]["verdict"], "invalid");
     assert!(answer["flags"][0]["reasons"][0].as_str().unwrap().contains("horizon"));
     assert_eq!((&answer["passes"], &answer["around"]), (&json!([]), &json!([])));
@@ -146,8 +156,9 @@ fn a_field_below_the_horizon_is_told() {
 
 #[test]
 fn the_dome_holds_what_crosses_the_field() {
-    let dome = shared().json("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&height_km=550");
-    let exposure = shared().json(&format!("/api/v1/exposure?{FIRST}"));
+    let server = shared();
+    let dome = server.json("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&height_km=550");
+    let exposure = server.json(&format!("/api/v1/exposure?{FIRST}"));
     let up = dome["satellites"].as_array().unwrap();
     assert!(up.len() > 50, "{} satellites up at dusk", up.len());
     for pass in exposure["passes"].as_array().unwrap() {
@@ -182,7 +193,7 @@ fn the_dome_holds_what_crosses_the_field() {
         edge.iter().any(|place| place[1].as_f64().unwrap() > 0.0),
         "the Sun is low: the shadow has come up in the east"
     );
-    assert_eq!(shared().get("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&model=none").status, 400);
+    assert_eq!(server.get("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&model=none").status, 400);
 }
 
 /// Keys of the example bodies of SatChecker's docs (docs/source/fov.rst, 2026): clients read these.
@@ -191,14 +202,15 @@ const ABOVE: &[&str] = &["altitude", "azimuth", "dec", "julian_date", "name", "n
 
 #[test]
 fn satchecker_shapes_carry_magnitudes() {
+    let server = shared();
     // 2026-08-14T23:29:05Z; X05 by its own numbers.
-    let site = shared().json("/api/v1/night")["site"].clone();
+    let site = server.json("/api/v1/night")["site"].clone();
     let place =
         format!("latitude={}&longitude={}&elevation={}", site["latitude_deg"], site["longitude_deg"], site["height_m"]);
     let query =
         format!("{place}&start_time_jd=2461267.4785300926&duration=30&ra=198.9&dec=7.7&fov_radius=1.75&async=false");
-    let exposure = shared().json(&format!("/api/v1/exposure?{FIRST}"));
-    let grouped = shared().json(&format!("/fov/satellite-passes/?{query}&illuminated_only=True&group_by=satellite"));
+    let exposure = server.json(&format!("/api/v1/exposure?{FIRST}"));
+    let grouped = server.json(&format!("/fov/satellite-passes/?{query}&illuminated_only=True&group_by=satellite"));
     let satellites = grouped["data"]["satellites"].as_object().unwrap();
     let passes = exposure["passes"].as_array().unwrap();
     assert_eq!(satellites.len(), passes.len());
@@ -221,7 +233,7 @@ fn satchecker_shapes_carry_magnitudes() {
     }
     assert_eq!(grouped["data"]["total_satellites"], json!(passes.len()));
     let by_time =
-        shared().json(&format!("/fov/satellite-passes?{query}&illuminated_only=true&include_orbital_data=true"));
+        server.json(&format!("/fov/satellite-passes?{query}&illuminated_only=true&include_orbital_data=true"));
     let listed = by_time["data"].as_array().unwrap();
     assert_eq!(by_time["count"], grouped["data"]["total_position_results"]);
     let times: Vec<f64> = listed.iter().map(|one| one["julian_date"].as_f64().unwrap()).collect();
@@ -229,20 +241,19 @@ fn satchecker_shapes_carry_magnitudes() {
         times.is_sorted() && listed.iter().all(|one| one["norad_id"].is_number() && one["orbital_data"].is_object())
     );
 
-    let above = shared()
-        .json(&format!("/fov/satellites-above-horizon/?{place}&julian_date=2461267.4785300926&min_altitude=20"));
+    let above =
+        server.json(&format!("/fov/satellites-above-horizon/?{place}&julian_date=2461267.4785300926&min_altitude=20"));
     let up = above["data"].as_array().unwrap();
     assert_eq!(above["count"], json!(up.len()));
     assert!(up.len() > 20 && up.iter().all(|one| ABOVE.iter().all(|key| !one[key].is_null())));
     assert!(up.iter().all(|one| one["altitude"].as_f64().unwrap() >= 20.0));
     assert!(up.iter().any(|one| one["apparent_magnitude"].is_number()));
     // From a known site by name, and from the other side of the Earth.
-    let named =
-        shared().json("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4785300926&min_altitude=20");
+    let named = server.json("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4785300926&min_altitude=20");
     assert_eq!(named["count"], above["count"]);
     let elsewhere =
         "/fov/satellites-above-horizon/?latitude=40&longitude=120&elevation=0&julian_date=2461267.4785300926";
-    let elsewhere = shared().json(&format!("{elsewhere}&constellation=starlink&max_range=1500&illuminated_only=true"));
+    let elsewhere = server.json(&format!("{elsewhere}&constellation=starlink&max_range=1500&illuminated_only=true"));
     let names = |answer: &Value| -> BTreeSet<String> {
         answer["data"].as_array().unwrap().iter().map(|one| one["norad_id"].to_string()).collect()
     };
@@ -259,16 +270,17 @@ fn satchecker_shapes_carry_magnitudes() {
         ("site=rubin&start_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1&async=true", "async"),
         ("site=rubin&start_time_jd=2461267.4&duration=30&ra=1&dec=91&fov_radius=1", "dec"),
     ] {
-        let problem = shared().get(&format!("/fov/satellite-passes/?{query}"));
+        let problem = server.get(&format!("/fov/satellite-passes/?{query}"));
         assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some(parameter)), "{query}");
     }
     let crowd = "site=rubin&start_time_jd=2461267.4785&duration=3600&ra=254&dec=-30&fov_radius=45";
-    assert_eq!(shared().get(&format!("/fov/satellite-passes/?{crowd}")).status, 400);
+    assert_eq!(server.get(&format!("/fov/satellite-passes/?{crowd}")).status, 400);
 }
 
 #[test]
 fn openapi_says_what_there_is() {
-    let document = shared().json("/openapi.json");
+    let server = shared();
+    let document = server.json("/openapi.json");
     assert_eq!(document["openapi"], "3.1.0");
     for (path, operations) in document["paths"].as_object().unwrap() {
         assert_eq!(operations.as_object().unwrap().keys().collect::<Vec<_>>(), ["get"]);
@@ -279,12 +291,12 @@ fn openapi_says_what_there_is() {
             .iter()
             .filter(|parameter| parameter["required"] == true)
             .collect();
-        let answer = shared().get(path);
+        let answer = server.get(path);
         assert_eq!(answer.status, if missing.is_empty() && !path.starts_with("/fov") { 200 } else { 400 }, "{path}");
         assert!(operations["get"]["responses"][answer.status.to_string()].is_object(), "{path}");
-        assert_eq!(shared().send("POST", path, &[]).status, 405, "{path}");
+        assert_eq!(server.send("POST", path, &[]).status, 405, "{path}");
     }
-    let health = shared().json("/health");
+    let health = server.json("/health");
     assert_eq!(
         (&health["status"], &health["satellites"], &health["exposures"]),
         (&json!("ok"), &json!(4408), &json!(21))
@@ -293,6 +305,7 @@ fn openapi_says_what_there_is() {
 
 #[test]
 fn errors_are_problem_documents_and_everything_carries_its_headers() {
+    let server = shared();
     for (method, target, headers, status) in [
         ("GET", "/nothing", vec![], 404),
         ("GET", "/../Cargo.toml", vec![], 404),
@@ -306,7 +319,7 @@ fn errors_are_problem_documents_and_everything_carries_its_headers() {
         ("GET", "/health", vec![("Sec-Fetch-Site", "cross-site")], 403),
         ("GET", "/health", vec![("Content-Length", "3")], 413),
     ] {
-        let answer = shared().send(method, target, &headers);
+        let answer = server.send(method, target, &headers);
         assert_eq!(answer.status, status, "{method} {target} {headers:?}");
         assert_eq!(answer.header("content-type"), Some("application/problem+json"));
         let document = answer.json();
@@ -315,11 +328,11 @@ fn errors_are_problem_documents_and_everything_carries_its_headers() {
         assert_eq!(answer.header("allow"), (status == 405).then_some("GET, HEAD"));
     }
     for target in ["/", "/main.js", "/health", "/nothing"] {
-        let answer = shared().get(target);
+        let answer = server.get(target);
         assert!(answer.header("content-security-policy").unwrap().starts_with("default-src 'none';"), "{target}");
         assert_eq!(answer.header("x-content-type-options"), Some("nosniff"));
         assert!(answer.header("access-control-allow-origin").is_none());
-        let head = shared().send("HEAD", target, &[]);
+        let head = server.send("HEAD", target, &[]);
         assert_eq!((head.status, head.body.len()), (answer.status, 0), "{target}");
         assert_eq!(head.header("content-length"), answer.header("content-length"));
     }
@@ -327,22 +340,23 @@ fn errors_are_problem_documents_and_everything_carries_its_headers() {
 
 #[test]
 fn what_is_no_request_harms_nobody() {
+    let server = shared();
     let long = format!("GET /health?{} HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n", "a".repeat(3000));
-    assert_eq!(shared().raw(long.as_bytes()).status, 414);
+    assert_eq!(server.raw(long.as_bytes()).status, 414);
     let fat = format!("GET /health HTTP/1.1\r\nHost: localhost\r\nX: {}\r\n\r\n", "a".repeat(40_000));
-    assert_eq!(shared().raw(fat.as_bytes()).status, 431);
+    assert_eq!(server.raw(fat.as_bytes()).status, 431);
     let many: String = (0..100).map(|number| format!("X-{number}: 1\r\n")).collect();
-    assert_eq!(shared().raw(format!("GET /health HTTP/1.1\r\nHost: localhost\r\n{many}\r\n").as_bytes()).status, 431);
+    assert_eq!(server.raw(format!("GET /health HTTP/1.1\r\nHost: localhost\r\n{many}\r\n").as_bytes()).status, 431);
     for bytes in [&b"\x16\x03\x01\x02\x00"[..], b"GET\r\n\r\n", b"GET / HTTP/9.9\r\n\r\n", b"\0\0\0\0\r\n\r\n"] {
-        assert!((400..500).contains(&shared().raw(bytes).status), "{bytes:?}");
+        assert!((400..500).contains(&server.raw(bytes).status), "{bytes:?}");
     }
     // Bytes that are no UTF-8, and signs that mean something elsewhere.
     for query in
         ["%ff%fe", "start_utc=%00", "a=<script>", "start_utc=2026-08-14T23:29:60Z&duration_s=1e400&ra_deg=1&dec_deg=1"]
     {
-        assert_eq!(shared().get(&format!("/api/v1/exposure?{query}")).status, 400, "{query}");
+        assert_eq!(server.get(&format!("/api/v1/exposure?{query}")).status, 400, "{query}");
     }
-    assert_eq!(shared().get("/health").status, 200);
+    assert_eq!(server.get("/health").status, 200);
 }
 
 #[test]
