@@ -133,11 +133,9 @@ mod verbs {
             "2024-06-21",
             "2024-12-21",
             "--latitudes",
-            "-60",
-            "0",
+            "-60,0",
             "--sun-altitudes",
-            "-12",
-            "-30",
+            "-12,-30",
         ];
         let answer = json(&[STATISTICS, more]);
         let rows = answer["statistics"].as_array().unwrap();

@@ -14,10 +14,9 @@ pub struct StatisticsArguments {
     /// Altitudes of the Sun at which is counted, degrees
     #[arg(
         long,
-        value_name = "DEG",
-        num_args = 1..,
+        value_name = "DEG,...",
         value_delimiter = ',',
-        allow_negative_numbers = true,
+        allow_hyphen_values = true,
         default_values_t = [0.0, -6.0, -12.0, -18.0, -24.0, -30.0, -36.0, -42.0, -48.0]
     )]
     pub sun_altitudes: Vec<f64>,
@@ -25,7 +24,7 @@ pub struct StatisticsArguments {
     #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', default_values_t = [20.0, 30.0])]
     pub min_altitudes: Vec<f64>,
     /// Latitudes instead of the site's, degrees north, on its longitude
-    #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', allow_negative_numbers = true)]
+    #[arg(long, value_name = "DEG,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub latitudes: Vec<f64>,
     /// Length of the exposure with its unit
     #[arg(long, value_name = "TIME", default_value = "30s")]
