@@ -101,7 +101,7 @@ def test_elements_that_vanish_or_break_leave_the_old_ones(tmp_path, tasks, data,
     write_tle(path, walker(SHELLS[:1], START))
     constraint = made({"elements": str(path), "fov": "6deg"}, exposure_s=30)
     hook = constraint.hook()
-    hook._watch_s, hook._next_look_s = 1e-6, 0.0
+    hook._state.watch_s, hook._state.next_look_s = 1e-6, 0.0
     before = answers(constraint, tasks, data)
     text = path.read_text()
     path.unlink()

@@ -101,7 +101,7 @@ def test_missing_and_half_written_files_leave_the_old_satellites(hook, path, con
 def test_a_file_that_is_being_written_is_left_alone(hook, path):
     path.write_text(elements(30))
     look(hook)
-    assert count(hook) == 20 and hook._reading is None
+    assert count(hook) == 20 and hook._state.reading is None
 
 
 def test_site(model, caplog):
@@ -140,9 +140,32 @@ def test_copies(hook):
     count(hook)
     text = pickle.dumps(hook)
     assert len(text) < 10_000
-    for other in (pickle.loads(text), copy.deepcopy(hook)):
-        assert other.counts == hook.counts and count(other) == 20
-        assert hook.counts["asked"] == 1
+    other = pickle.loads(text)
+    assert other.counts == hook.counts and count(other) == 20
+    assert hook.counts["asked"] == 1
+
+
+def test_deep_copies_are_one_hook(hook, path, caplog):
+    copies = [copy.deepcopy(hook) for _ in range(3)]
+    write(path, elements(25))
+    look(copies[0])
+    assert [count(one) for one in (hook, *copies)] == [25] * 4
+    assert hook.counts["reloaded"] == 1 and hook.counts["asked"] == 5
+    for one in copies:
+        assert one.ask(lambda model: model.assess(TARGET, START, -1.0), None) is None
+    assert hook.counts["failed"] == 3
+    assert len([record for record in caplog.records if record.levelno == logging.WARNING]) == 1
+    # A copy of a copy made after new files came takes them too.
+    write(path, elements(30))
+    late = copy.deepcopy(copies[1])
+    look(late)
+    assert count(hook) == 30
+
+
+def test_a_pickle_of_yesterday_takes_the_files_of_today(hook, path):
+    text = pickle.dumps(hook)
+    write(path, elements(25))
+    assert count(pickle.loads(text)) == 25
 
 
 @pytest.mark.parametrize("arguments", [("no model", "test"), (None, "test")])

@@ -43,7 +43,7 @@ class Sky:
 
     def __init__(self, model: StreakModel, scale: str) -> None:
         self.model = model
-        self._wide = model.with_options(fov=f"{SKY_DEG} deg")
+        self._wide = model.with_options(fov=f"{SKY_DEG} deg", field=None)
         self._scale = scale
         self._slots: dict[int, Samples] = {}
 

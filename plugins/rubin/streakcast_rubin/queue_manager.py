@@ -170,7 +170,7 @@ class StreakQueueManager(BaseQueueManager):
         queue, now = np.asarray(self.desired_observations_array), self.mount.now(conditions)
         free = np.array([place for place in valid[: 4 * self.look_ahead] if not self._handed.by_others(queue[place], self._owner, now)])
         places = candidates(queue, free if free.size else valid, self.look_ahead)
-        self.hook.see_clock(now, self.mjd_scale)
+        self.hook.see_clock(float(np.max(conditions.mjd)), self.mjd_scale)
         placed = np.isfinite(queue["RA"][places]) & np.isfinite(queue["dec"][places])
         if not placed.all():
             self.hook.note("no_coordinates", f"visit {queue['target_id'][places[~placed][0]]} has no coordinates and is not judged")

@@ -11,6 +11,7 @@ from collections import Counter
 from typing import Any, Callable, TypeVar, Union
 
 from ._times import TimeLike, to_tai
+from .errors import ChangedFileError
 from .model import StreakModel
 
 Answer = TypeVar("Answer")
@@ -55,35 +56,38 @@ class Hook:
             raise TypeError(f"model is a {type(model).__name__}; allowed: a streakcast.StreakModel")
         if not (math.isfinite(watch_s) and watch_s > 0.0):
             raise ValueError(f"watch_s = {watch_s}; allowed: seconds above 0")
-        self.counts: Counter[str] = Counter()
-        self._begin(model, name, watch_s)
+        self._state = _State(model, name, watch_s, {})
 
-    def _begin(self, model: StreakModel, name: str, watch_s: float) -> None:
-        self._model, self._name, self._watch_s = model, name, watch_s
-        self._lock = threading.Lock()
-        self._said: set[str] = set()
-        self._reading: Union[threading.Thread, None] = None
-        self._seen = _signature(model.files)
-        self._next_look_s = clock.monotonic() + watch_s
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        return (_hook_of, (type(self), self._model, self._name, self._watch_s, dict(self.counts)))
+    # Hosts copy their schedulers and ask the copies: all of one process are one hook, with one model, one count and one memory of what was said.
+    def __copy__(self) -> "Hook":
+        copy = type(self).__new__(type(self))
+        copy._state = self._state
+        return copy
 
     def __deepcopy__(self, memo: dict[int, Any]) -> "Hook":
-        return _hook_of(type(self), self._model, self._name, self._watch_s, dict(self.counts))
+        return self.__copy__()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        state = self._state
+        return (_hook_of, (type(self), state.model, state.name, state.watch_s, dict(state.counts)))
 
     def __repr__(self) -> str:
-        return f"Hook({self._name!r}, {dict(self.counts)})"
+        return f"Hook({self._state.name!r}, {dict(self.counts)})"
 
     @property
     def model(self) -> StreakModel:
         """The model in use."""
-        return self._model
+        return self._state.model
+
+    @property
+    def counts(self) -> "Counter[str]":
+        """What happened how often; copies in one process count together."""
+        return self._state.counts
 
     @property
     def logger(self) -> logging.Logger:
         """Where trouble is told: ``streakcast.<name>``."""
-        return logging.getLogger(f"streakcast.{self._name}")
+        return logging.getLogger(f"streakcast.{self._state.name}")
 
     def ask(self, question: Callable[[StreakModel], Answer], otherwise: Answer) -> Answer:
         """Asks the model; where that fails, whatever the reason, the host goes on with another answer.
@@ -102,7 +106,7 @@ class Hook:
         self.counts["asked"] += 1
         try:
             self._watch()
-            return question(self._model)
+            return question(self._state.model)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.note("failed", f"satellites are not looked at: {type(error).__name__}: {error}")
             return otherwise
@@ -123,9 +127,9 @@ class Hook:
         """
         self.counts[counter] += 1
         kind = counter + ":" + (kind or message[: next((i for i, one in enumerate(message) if one.isdigit()), None)])
-        with self._lock:
-            new = kind not in self._said
-            self._said.add(kind)
+        with self._state.lock:
+            new = kind not in self._state.said
+            self._state.said.add(kind)
         if new:
             self.logger.log(level, "%s (said once; counted as '%s')", message, counter)
 
@@ -137,7 +141,7 @@ class Hook:
         location : `~astropy.coordinates.EarthLocation` or triple
             The site, or ``(latitude, longitude, height)`` in degrees, degrees east and metres.
         """
-        site = self._model.site
+        site = self._state.model.site
         if site is None:
             return
         if hasattr(location, "geodetic"):
@@ -164,7 +168,7 @@ class Hook:
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number; the model's ``mjd_scale`` where not said.
         """
-        jd1, jd2 = to_tai(now, self._model.mjd_scale if scale is None else scale, "now")
+        jd1, jd2 = to_tai(now, self._state.model.mjd_scale if scale is None else scale, "now")
         days, seconds = divmod(clock.time(), _DAY_S)
         mjd = _UNIX_EPOCH_JD - 2_400_000.5 + days
         here1, here2 = to_tai(mjd, "utc", "now")
@@ -176,53 +180,75 @@ class Hook:
 
     def settle(self) -> None:
         """Waits until files that are being read in the background are read."""
-        reading = self._reading
+        reading = self._state.reading
         if reading is not None:
             reading.join()
 
     # New files -------------------------------------------------------------------------------------------------------
 
     def _watch(self) -> None:
-        if clock.monotonic() < self._next_look_s:
+        state = self._state
+        if clock.monotonic() < state.next_look_s:
             return
-        with self._lock:
-            if clock.monotonic() < self._next_look_s or (self._reading is not None and self._reading.is_alive()):
+        with state.lock:
+            if clock.monotonic() < state.next_look_s or (state.reading is not None and state.reading.is_alive()):
                 return
-            self._next_look_s = clock.monotonic() + self._watch_s
-        now = _signature(self._model.files)
-        if now == self._seen:
+            state.next_look_s = clock.monotonic() + state.watch_s
+        now = _signature(state.model.files)
+        if now == state.seen:
             return
         missing = [path for path, stat in now.items() if stat is None]
         if missing:
             self.note("kept_old", f"{missing[0]} is missing; going on with the satellites read before", kind=f"missing {missing[0]}")
             return
-        if any(stat is not None and clock.time() - stat[0] / 1e9 < SETTLED_S for stat in now.values()):
+        # A time in the future (another computer's clock) says nothing of how long ago it was.
+        if any(stat is not None and 0.0 <= clock.time() - stat[0] / 1e9 < SETTLED_S for stat in now.values()):
             # Somebody may be writing it still.
-            self._next_look_s = clock.monotonic() + min(self._watch_s, SETTLED_S)
+            state.next_look_s = clock.monotonic() + min(state.watch_s, SETTLED_S)
             return
-        self._seen = now
-        self._reading = threading.Thread(target=self._read, name="streakcast-reload", daemon=True)
-        self._reading.start()
+        state.seen = now
+        state.reading = threading.Thread(target=self._read, name="streakcast-reload", daemon=True)
+        state.reading.start()
 
     def _read(self) -> None:
+        state = self._state
         try:
-            old = self._model
+            old = state.model
             new = old.reloaded()
             moment = _UNIX_EPOCH_JD - 2_400_000.5 + clock.time() / _DAY_S
             before, after = (model.satellites(moment, scale="utc") for model in (old, new))
             if after < LEAST_SHARE * before:
                 self.note("kept_old", f"the new files hold {after} satellites, {before} before; going on with these", kind="shrunk")
                 return
-            self._model = new
+            state.model = new
             self.note("reloaded", f"new element files taken: {after} satellites", level=logging.INFO, kind=str(new.key()))
         except Exception as error:  # noqa: BLE001 - the old model is as good as it was
             self.note("kept_old", f"the new files cannot be read, going on with the old satellites: {error}")
 
 
+class _State:
+    """What all copies of a hook share."""
+
+    def __init__(self, model: StreakModel, name: str, watch_s: float, counts: dict[str, int]) -> None:
+        self.model, self.name, self.watch_s = model, name, watch_s
+        self.counts: Counter[str] = Counter(counts)
+        self.lock = threading.Lock()
+        self.said: set[str] = set()
+        self.reading: Union[threading.Thread, None] = None
+        self.next_look_s = clock.monotonic() + watch_s
+        self.seen: dict[str, Union[tuple[int, int, int], None]] = {}
+        # Files that were replaced since the model was made differ from this at the first look.
+        if not model.changed_files():
+            self.seen = _signature(model.files)
+
+
 def _hook_of(kind: type[Hook], model: StreakModel, name: str, watch_s: float, counts: dict[str, int]) -> Hook:
     hook = kind.__new__(kind)
-    hook.counts = Counter(counts)
-    hook._begin(model, name, watch_s)
+    try:
+        hook._state = _State(model, name, watch_s, counts)
+    except ChangedFileError:
+        # Pickled before the day's elements came: a night goes on with the new ones.
+        hook._state = _State(model.reloaded(), name, watch_s, counts)
     return hook
 
 
