@@ -36,8 +36,8 @@ step() {
 
 # Test names that were left out for want of data, and the sum of all "test result" lines.
 counts() {
-    grep -ahoE '\*\*\* SKIPPED (indi|serve).sh.*' "$log/all" | sort -u || true
-    grep -ahoE '\*\*\* SKIPPED [^ ]+' "$log/all" | grep -vE '(indi|serve).sh' | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/:$//' | sort -u || true
+    grep -ahoE '\*\*\* SKIPPED (indi|serve|recover).sh.*' "$log/all" | sort -u || true
+    grep -ahoE '\*\*\* SKIPPED [^ ]+' "$log/all" | grep -vE '(indi|serve|recover).sh' | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/:$//' | sort -u || true
     awk '/^test result:/ { passed += $4; failed += $6; ignored += $8; suites += 1 }
          END { printf "%d suites\n%d passed, %d failed, %d skipped\n", suites, passed, failed, ignored }' "$log/all"
 }
@@ -65,6 +65,10 @@ else
         -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
     step "example charts" cargo run --quiet --example charts -- "$log"
     step "the gate against INDI's server and simulators" tests/indi.sh
+    # With a detector from the package index; STREAKCAST_PLUGINS=no leaves it out with the plugins.
+    if [ "${STREAKCAST_PLUGINS:-yes}" != no ]; then
+        step "injected streaks, found by acstools" tests/recover.sh
+    fi
     # In a browser, under load and a fuzz; chromium, npm and pip are asked for what is needed. STREAKCAST_SERVE=no leaves it out.
     if [ "${STREAKCAST_SERVE:-yes}" = no ]; then
         echo "*** SKIPPED serve.sh: STREAKCAST_SERVE=no"
