@@ -96,6 +96,7 @@ pub(super) enum Stored {
 
 impl PixelFormat {
     /// The physical value of a stored number; NaN for BLANK.
+    #[inline]
     pub fn physical(&self, stored: f64) -> f64 {
         if self.blank.is_some_and(|blank| self.bitpix.is_integer() && stored == blank as f64) {
             return f64::NAN;
@@ -115,6 +116,7 @@ impl PixelFormat {
     }
 
     /// Stores a physical value among bytes of a file.
+    #[inline]
     pub(super) fn put(&self, bytes: &mut [u8], index: usize, physical: f64) -> Outcome {
         let (number, is_clipped) = match self.stored(physical) {
             Stored::Exact(number) => (number, false),
@@ -128,6 +130,7 @@ impl PixelFormat {
     }
 
     /// The number to be stored for a physical value: rounded half to even and held within its type, beside BLANK.
+    #[inline]
     pub(super) fn stored(&self, physical: f64) -> Stored {
         let number = (physical - self.zero) / self.scale;
         if !self.bitpix.is_integer() {
@@ -180,6 +183,7 @@ impl PixelFormat {
     }
 
     /// The stored number at a place. Whole numbers of 64 bits beyond 2^53 lose their last digits.
+    #[inline]
     pub(super) fn raw(&self, bytes: &[u8], index: usize) -> f64 {
         let size = self.bitpix.bytes();
         let at = |k: usize| bytes[index * size + k];
@@ -194,6 +198,7 @@ impl PixelFormat {
     }
 
     /// Puts a stored number at a place.
+    #[inline]
     pub(super) fn put_raw(&self, bytes: &mut [u8], index: usize, number: f64) {
         let size = self.bitpix.bytes();
         let place = &mut bytes[index * size..(index + 1) * size];
