@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use streakcast::setup::Setup;
 
-use crate::arguments::{RulesArguments, SharedArguments};
+use crate::arguments::{RulesArguments, SharedArguments, norad_id};
 use crate::map_arguments::{BodyViewArguments, SkyViewArguments};
 
 #[derive(Args)]
@@ -140,7 +140,7 @@ pub struct PlotLightCurveArguments {
     #[command(flatten)]
     pub exposure: ExposureArguments,
     /// Which of the satellites that cross; the brightest where unsaid
-    #[arg(long, value_name = "ID")]
+    #[arg(long, value_name = "ID", value_parser = norad_id)]
     pub norad: Option<u32>,
     /// So much of the track before entry and after exit, with its unit; at most 10min
     #[arg(long, value_name = "TIME", default_value = "30s")]
