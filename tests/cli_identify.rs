@@ -147,8 +147,10 @@ fn valid_a_frame_says_where_and_when() {
         let (code, _, stderr) = run(&[&sky, &["--from-pix", "1,68.5", "--to-pix", "68.02,1"]]);
         assert!(code == 2 && stderr.contains("images; say which: --hdu"), "{stderr}");
         let hdu = hdu_of_s28(&frame).to_string();
-        let answer =
-            json(&[&sky, &["--hdu", &hdu, "--from-pix", "1,68.5", "--to-pix", "68.02,1", "--place-sigma", "0.13arcsec"]]);
+        let answer = json(&[
+            &sky,
+            &["--hdu", &hdu, "--from-pix", "1,68.5", "--to-pix", "68.02,1", "--place-sigma", "0.13arcsec"],
+        ]);
         assert_eq!(answer["candidates"][0]["name"], "STARLINK-1102", "{answer}");
         assert_eq!(answer["streak"][0]["start_utc"], "2020-03-06T00:04:15.410235Z", "{answer}");
     }

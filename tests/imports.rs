@@ -43,20 +43,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("forecast", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table"]),
     ("schedule", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "table", "telescope"]),
     ("setup", &["catalogue", "frames", "geometry", "orbit", "passes", "photometry", "schedule", "table", "telescope"]),
-    (
-        "questions",
-        &[
-            "camera",
-            "catalogue",
-            "forecast",
-            "frames",
-            "identify",
-            "passes",
-            "schedule",
-            "setup",
-            "table",
-        ],
-    ),
+    ("questions", &["camera", "catalogue", "forecast", "frames", "identify", "passes", "schedule", "setup", "table"]),
     (
         "injection",
         &["camera", "frames", "geometry", "passes", "photometry", "schedule", "setup", "streak", "table", "telescope"],

@@ -107,8 +107,7 @@ impl StreakSaid {
         let Place { line, sigma_arcsec } = place(self, from)?;
         let (start, duration_s, timing) = self.timed(setup)?;
         let said = self.place_sigma.as_deref();
-        let sigma_deg =
-            said.map_or(Ok(sigma_arcsec / 3600.0), |said| parse_angle_deg("place-sigma", said))?;
+        let sigma_deg = said.map_or(Ok(sigma_arcsec / 3600.0), |said| parse_angle_deg("place-sigma", said))?;
         let place_sigma_rad = sigma_deg.to_radians();
         let said = self.time_sigma.as_deref();
         let time_sigma_s = said.map_or(Ok(TIME_SIGMA_S), |said| parse_duration_s("time-sigma", said))?;

@@ -14,9 +14,7 @@ pub(super) fn pixel(text: &str) -> Result<PixelPosition, QuestionError> {
     numbers
         .filter(|(x, y): &(f64, f64)| x.is_finite() && y.is_finite())
         .map(|(x, y)| PixelPosition::from_fits(x, y))
-        .ok_or_else(|| {
-            QuestionError::said(format!("pixel '{text}'; allowed: X,Y counted from 1, as 1024.5,2048"))
-        })
+        .ok_or_else(|| QuestionError::said(format!("pixel '{text}'; allowed: X,Y counted from 1, as 1024.5,2048")))
 }
 
 /// The image that is meant: the one said, else the only one.
@@ -80,9 +78,8 @@ pub(super) fn exposure(
     let (file, hdu) = image(path, hdu)?;
     let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
     let fail = |error: &dyn std::fmt::Display| QuestionError::said(format!("{}: {error}", path.display()));
-    let duration_s = duration_s
-        .map_or_else(|| ExposureTime::duration_from_headers(&headers), Ok)
-        .map_err(|error| fail(&error))?;
+    let duration_s =
+        duration_s.map_or_else(|| ExposureTime::duration_from_headers(&headers), Ok).map_err(|error| fail(&error))?;
     let start = start
         .map_or_else(|| ExposureTime::start_from_headers(&headers, duration_s), Ok)
         .map_err(|error| fail(&error))?;

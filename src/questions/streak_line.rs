@@ -50,9 +50,7 @@ pub(super) fn place(said: &StreakSaid, from: &str) -> Result<Place, QuestionErro
 /// `188.5,-30.5`
 fn direction(text: &str) -> Result<Direction<Gcrs>, QuestionError> {
     let (ra, dec) = text.split_once(',').ok_or_else(|| {
-        QuestionError::said(format!(
-            "end '{text}' is no place; allowed: RA,DEC as 188.5,-30.5 or 12h34m,-30d30m"
-        ))
+        QuestionError::said(format!("end '{text}' is no place; allowed: RA,DEC as 188.5,-30.5 or 12h34m,-30d30m"))
     })?;
     at(ra.trim(), dec.trim())
 }

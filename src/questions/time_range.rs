@@ -41,9 +41,7 @@ pub fn time_range(
     let days = seconds_between(from, to) / DAY_S;
     if !(0.0..=LONGEST_DAYS).contains(&days) {
         let (from, to) = (format_utc(from, 0), format_utc(to, 0));
-        return Err(QuestionError::said(format!(
-            "{from} to {to}: allowed 0 to 31 days, the end not before the start"
-        )));
+        return Err(QuestionError::said(format!("{from} to {to}: allowed 0 to 31 days, the end not before the start")));
     }
     Ok((from, to))
 }
