@@ -45,11 +45,14 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
 }
 
 impl Forecast {
-    /// In words, why there is no pass; `None` where there is one.
-    pub fn why_empty(&self, site: &str, request: &ForecastRequest) -> Option<String> {
+    /// In words, why there is no pass over the sky's site; `None` where there is one.
+    pub fn why_empty(&self, sky: &Sky, request: &ForecastRequest) -> Option<String> {
         if !self.found.passes.is_empty() {
             return None;
         }
+        // Coordinates alone have no name.
+        let named = sky.viewpoint().site().map(|observer| observer.site().name.as_str());
+        let site = named.filter(|name| *name != "site").unwrap_or("the site");
         if let Some(why) = self.night.why_never_dark(site).filter(|_| !request.include_dark) {
             return Some(why);
         }

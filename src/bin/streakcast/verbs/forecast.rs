@@ -89,9 +89,7 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
     state(&mut prepared, &setup, &typed, &request);
     let site = site_of(&prepared)?;
-    // Coordinates alone have no name.
-    let place = if site.name == "site" { "the site" } else { &site.name };
-    let why_empty = found.why_empty(place, &request);
+    let why_empty = found.why_empty(&prepared.sky, &request);
 
     let elements = prepared.sky.elements();
     let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
