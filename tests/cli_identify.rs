@@ -147,6 +147,13 @@ fn valid_a_frame_says_where_and_when() {
         let (code, _, stderr) = run(&[&sky, &["--from-pix", "1,68.5", "--to-pix", "68.02,1"]]);
         assert!(code == 2 && stderr.contains("images; say which: --hdu"), "{stderr}");
         let hdu = hdu_of_s28(&frame).to_string();
+        for (from, to, outside) in [("1,68.5", "71,-2", "71,-2"), ("0.4,68.5", "68,1", "0.4,68.5")] {
+            let (code, _, stderr) = run(&[&sky, &["--hdu", &hdu, "--from-pix", from, "--to-pix", to]]);
+            let expected = format!(
+                "HDU {hdu}: pixel {outside} is outside of the frame; allowed: X from 0.5 to 100.5, Y from 0.5 to 100.5"
+            );
+            assert!(code == 2 && stderr.contains(&expected), "{stderr}");
+        }
         let answer = json(&[
             &sky,
             &["--hdu", &hdu, "--from-pix", "1,68.5", "--to-pix", "68.02,1", "--place-sigma", "0.13arcsec"],

@@ -159,7 +159,7 @@ pub struct SharedArguments {
 
 #[derive(Args)]
 pub struct OutputArguments {
-    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable
+    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable; parquet in builds that have it
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
     /// File to write, whole or not at all; standard output where unsaid
