@@ -96,7 +96,7 @@ pub struct NotShown {
     pub in_shadow: usize,
     /// Fainter than the limit, or without any magnitude.
     pub too_faint: usize,
-    /// Of these, how many would be so by a prior alone: nothing is known of the satellite's brightness.
+    /// Of these, how many are so by a prior alone: nothing is known of the satellite's brightness.
     pub too_faint_by_prior: usize,
     /// Culminating too low.
     pub too_low: usize,
@@ -306,7 +306,7 @@ impl Search<'_> {
             return Ok(Some(Kept::InShadow));
         }
         if self.request.max_magnitude.is_some_and(|limit| magnitude.is_none_or(|magnitude| magnitude > limit)) {
-            let by_prior = *self.sky.model(element_index).source() == MagnitudeSource::Prior;
+            let by_prior = magnitude.is_some() && *self.sky.model(element_index).source() == MagnitudeSource::Prior;
             return Ok(Some(Kept::TooFaint { by_prior }));
         }
         let point = |time_s: Option<f64>| time_s.and_then(|time_s| look.point(time_s));

@@ -24,6 +24,8 @@ const TOP: f64 = 82.0;
 /// As many passes have times along them: more would hide one another.
 const MOST_TIMED: usize = 3;
 const DAY_MIN: f64 = 1440.0;
+/// A rise at the horizon may lie below it by rounding, degrees.
+const LEAST_DEG: f64 = -0.01;
 /// Between two times along a pass, pixels.
 const ROOM: f64 = 62.0;
 const DARK: RGBColor = RGBColor(150, 150, 150);
@@ -154,7 +156,7 @@ fn held(track: &SkyTrack) -> Result<(), PlotError> {
         }
     }
     check(&of("the azimuths"), &track.azimuth_deg)?;
-    if let Some(altitude) = track.altitude_deg.iter().find(|altitude| !(0.0..=90.0).contains(*altitude)) {
+    if let Some(altitude) = track.altitude_deg.iter().find(|altitude| !(LEAST_DEG..=90.0).contains(*altitude)) {
         let given = format!("{altitude} deg");
         return Err(PlotError::OutOfRange { what: of("an altitude"), given, allowed: "0 to 90 deg" });
     }

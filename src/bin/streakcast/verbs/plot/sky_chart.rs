@@ -30,7 +30,7 @@ fn picture(columns: &Columns, found: Vec<Curve>, title: Option<&str>) -> anyhow:
     let tracks = brightest(found);
     let site = columns.stated("site").and_then(|site| site.get("name")).and_then(Value::as_str);
     let over = site.filter(|name| *name != "site").map_or("a site".to_owned(), str::to_owned);
-    let begins = tracks.iter().map(|track| track.time_mjd[0]).fold(f64::INFINITY, f64::min);
+    let begins = tracks.iter().filter_map(|track| track.time_mjd.first().copied()).fold(f64::INFINITY, f64::min);
     let date = if begins.is_finite() {
         format_utc(hifitime::Epoch::from_mjd_utc(begins), 0).chars().take(10).collect()
     } else {
