@@ -67,7 +67,7 @@ def test_verif_every_way_of_saying_it(sky, crossing, command_line):
     place = [f"--ra={float(middle[0])!r}", f"--dec={float(middle[1])!r}", f"--position-angle={float(column['position_angle_deg'])!r}"]
     clock = [f"{np.datetime_as_string(time)}Z" for time in times]
     ways = [
-        (dict(ends=ends, times=times, scale="utc"), [f"--end={text[0]}", f"--end={text[1]}", "--times", ",".join(clock)]),
+        (dict(ends=ends, times=times, scale="utc"), [f"--end={text[0]}", f"--end={text[1]}", "--times", *clock]),
         (dict(ends=ends, start=START, exposure=30.0), [f"--end={text[0]}", f"--end={text[1]}", *shutter]),
         (dict(place=middle, position_angle=column["position_angle_deg"], start=START, exposure=30.0), [*place, *shutter]),
         (
