@@ -21,6 +21,8 @@ const RADIUS: f64 = 330.0;
 const BAR_LEFT: f64 = 796.0;
 const LIST_LEFT: f64 = 912.0;
 const TOP: f64 = 82.0;
+/// Altitudes of the circles.
+const CIRCLES_DEG: [f64; 2] = [30.0, 60.0];
 /// As many passes have times along them: more would hide one another.
 const MOST_TIMED: usize = 3;
 const DAY_MIN: f64 = 1440.0;
@@ -90,6 +92,8 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         }
         arrow(&mut picture, line, colour(track.magnitude[line.len() - 1]));
     }
+    // Over the tracks, that they can be read.
+    CIRCLES_DEG.iter().for_each(|altitude| picture.note(&format!("{altitude:.0}°"), at(112.5, *altitude)));
     if input.tracks.len() <= MOST_TIMED {
         input.tracks.iter().for_each(|track| times_along(&mut picture, track));
     }
@@ -171,9 +175,8 @@ fn held(track: &SkyTrack) -> Result<(), PlotError> {
 fn ground(picture: &mut Picture) {
     let rim = (0..180).map(|part| at(2.0 * f64::from(part), 0.0)).collect();
     picture.patch(rim, GROUND.mix(0.6));
-    for altitude_deg in [30.0, 60.0] {
+    for altitude_deg in CIRCLES_DEG {
         picture.circle(MIDDLE, RADIUS * (90.0 - altitude_deg) / 90.0, INK.mix(0.45), 1.0);
-        picture.note(&format!("{altitude_deg:.0}°"), at(112.5, altitude_deg));
     }
     for azimuth_deg in [0.0, 90.0] {
         picture.line(&[at(azimuth_deg, 0.0), at(azimuth_deg + 180.0, 0.0)], INK.mix(0.25), 1.0);
