@@ -234,6 +234,37 @@ fn passes(count: usize) -> String {
     format!("{count} {}", if count == 1 { "pass" } else { "passes" })
 }
 
+/// Numbers come back as numbers, all else as the text of CSV; what it rests on stands in the file.
+#[cfg(feature = "parquet")]
+#[test]
+fn verif_parquet_has_the_rows_of_csv() {
+    use ::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+    use arrow_array::cast::AsArray;
+    use arrow_array::types::{Float64Type, Int64Type};
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "night.parquet");
+    done(&[NIGHT, SKY, FEW, &["-o", &file]]);
+    let rows = records(&done(&[NIGHT, SKY, FEW, &["--format", "csv"]]));
+    let builder = ParquetRecordBatchReaderBuilder::try_new(fs::File::open(&file).unwrap()).unwrap();
+    let said = builder.metadata().file_metadata().key_value_metadata().unwrap().clone();
+    assert!(said.iter().any(|one| one.key == "provenance" && one.value.as_ref().unwrap().contains("starlink-gen1")));
+    let batches: Vec<_> = builder.build().unwrap().map(Result::unwrap).collect();
+    assert_eq!(batches.iter().map(|batch| batch.num_rows()).sum::<usize>(), rows.len() - 1);
+    let names: Vec<_> = batches[0].schema().fields().iter().map(|field| field.name().clone()).collect();
+    assert_eq!(names.join(","), HEADER);
+    let (ids, magnitudes) = (
+        batches[0].column(0).as_primitive::<Int64Type>(),
+        names.iter().position(|name| name == "peak_magnitude").unwrap(),
+    );
+    let magnitude = batches[0].column(magnitudes).as_primitive::<Float64Type>();
+    let peaks = batches[0].column(10).as_string::<i32>();
+    for (row, cells) in rows[1..].iter().enumerate().take(batches[0].num_rows()) {
+        assert_eq!(ids.value(row).to_string(), cells[0]);
+        assert_eq!(magnitude.value(row), cells[magnitudes].parse::<f64>().unwrap());
+        assert_eq!(peaks.value(row), &cells[10]);
+    }
+}
+
 #[test]
 fn one_is_no_plural() {
     let folder = tempfile::tempdir().unwrap();
@@ -286,6 +317,11 @@ fn bad_input_is_one_line_that_says_what_is_allowed() {
         (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
         (&["--night", "2024-08-14", "--angle-type", "xyz"], &["angle-type 'xyz'", "radec, azel"]),
         (&["--night", "2024-08-14", "--format", "xlsx"], &["format 'xlsx'", "votable", ", ics, tdm, score"]),
+        #[cfg(not(feature = "parquet"))]
+        (
+            &["--night", "2024-08-14", "--format", "parquet"],
+            &["'parquet' needs a build with the cargo feature parquet"],
+        ),
         (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "nowhere"]),
         (&["--night", "1850-08-14"], &["1957 to 2099"]),
     ] {
