@@ -94,20 +94,13 @@ impl IdentifyArguments {
     /// The streak as it was typed.
     fn said(&self) -> StreakSaid {
         let (streak, time) = (self.streak.clone(), self.time.clone());
-        StreakSaid {
+        #[cfg_attr(not(feature = "fits"), expect(unused_mut))]
+        let mut said = StreakSaid {
             end: streak.end,
             ra: streak.ra,
             dec: streak.dec,
             position_angle: streak.position_angle,
             length: streak.length,
-            #[cfg(feature = "fits")]
-            image: streak.image,
-            #[cfg(feature = "fits")]
-            from_pix: streak.from_pix,
-            #[cfg(feature = "fits")]
-            to_pix: streak.to_pix,
-            #[cfg(feature = "fits")]
-            hdu: streak.hdu,
             region: streak.region,
             place_sigma: streak.place_sigma,
             angle_sigma: streak.angle_sigma,
@@ -117,7 +110,15 @@ impl IdentifyArguments {
             whole_streak: time.whole_streak,
             time_sigma: time.time_sigma,
             ..StreakSaid::default()
+        };
+        #[cfg(feature = "fits")]
+        {
+            said.image = streak.image;
+            said.from_pix = streak.from_pix;
+            said.to_pix = streak.to_pix;
+            said.hdu = streak.hdu;
         }
+        said
     }
 }
 
