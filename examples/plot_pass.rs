@@ -18,7 +18,7 @@ use streakcast::schedule::{night_of, parse_instant};
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
 
-    // 1. The passes of a night that get as bright as magnitude 4.8 and stand near the zenith, with points along each.
+    // 1. The passes of a night that get brighter than magnitude 4.9 and stand near the zenith, with points along each.
     let noon = parse_instant("2026-08-14T12:00:00Z", None)?;
     let elements = Constellation::by_name("starlink-gen1")?.element_sets(noon);
     let site = Site::by_mpc_code("X05")?;
