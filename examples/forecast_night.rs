@@ -45,7 +45,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             println!("    {} {}", format_utc(point.epoch, 0), magnitude.as_deref().unwrap_or("dark"));
         }
     }
-    if let Some(why) = answer.why_empty("Rubin Observatory", &request) {
+    if let Some(why) = answer.why_empty(&sky, &request) {
         println!("no passes: {why}");
     }
     Ok(())

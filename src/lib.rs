@@ -37,6 +37,7 @@ pub mod photometry;
 pub mod plot;
 mod quadrature;
 mod quantile;
+pub mod questions;
 pub mod schedule;
 pub mod setup;
 pub mod streak;

@@ -6,9 +6,9 @@ use image::RgbImage;
 use streakcast::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
     ColourScale, Corner, CountsAndSpread, FieldChart, FieldStreak, LayerPanel, Layers, LightCurve, LocalClock,
-    NightTimeline, PhaseCurve, Picture, PlotError, Quantity, ResidualHistogram, ResidualPanels, SkyRate, SunAltitude,
-    corner, counts_and_spread, field_chart, layers, light_curve, night_timeline, phase_curve, residual_histogram,
-    residual_panels, sky_rate, sun_altitude,
+    NightTimeline, PhaseCurve, Picture, PlotError, Quantity, ResidualHistogram, ResidualPanels, SkyChart, SkyRate,
+    SkyTrack, SunAltitude, corner, counts_and_spread, field_chart, layers, light_curve, night_timeline, phase_curve,
+    residual_histogram, residual_panels, sky_chart, sky_rate, sun_altitude,
 };
 
 /// Averaging of four pixels and rounding, in steps of 255.
@@ -588,4 +588,54 @@ fn verif_an_svg_carries_its_font() {
     let text = night_timeline(&timeline(&one, &[])).unwrap().to_svg().unwrap();
     assert!(text.contains("@font-face{font-family:\"DejaVu Sans\";src:url(data:font/ttf;base64,AAEAAAA"));
     assert!(!text.contains("http://") || text.matches("http").count() == 2, "only the two names of SVG itself");
+}
+
+/// A pass from west over the zenith to east in ten minutes, fading into the shadow.
+fn pass(name: &str) -> SkyTrack {
+    let points = 41;
+    let share = |k: usize| k as f64 / (points - 1) as f64;
+    SkyTrack {
+        name: name.to_owned(),
+        time_mjd: (0..points).map(|k| 60_536.0 + (5.0 + 600.0 * share(k)) / 86_400.0).collect(),
+        azimuth_deg: (0..points).map(|k| if share(k) < 0.5 { 270.0 } else { 90.0 }).collect(),
+        altitude_deg: (0..points).map(|k| 10.0 + 80.0 * (1.0 - (2.0 * share(k) - 1.0).abs())).collect(),
+        magnitude: (0..points).map(|k| if share(k) > 0.7 { f64::NAN } else { 5.0 - 2.0 * share(k) }).collect(),
+        sigma_mag: vec![0.4; points],
+    }
+}
+
+#[test]
+fn verif_a_sky_chart_says_who_when_and_how_bright() {
+    let one = [pass("SAMPLE 1")];
+    let drawn = |tracks: &[SkyTrack]| sky_chart(&SkyChart { title: "A night", caption: "Invented.", tracks });
+    let picture = drawn(&one).unwrap();
+    // Minutes along a pass that is alone; the ends to a second; the brightest magnitude.
+    has(
+        &picture,
+        &["A night", "Invented.", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"],
+    );
+    has(&picture, &["3.6 ±0.4"]);
+    pixels(&picture);
+    let many: Vec<SkyTrack> = (1..=30).map(|k| pass(&format!("SAMPLE {k}"))).collect();
+    let picture = drawn(&many).unwrap();
+    has(&picture, &["SAMPLE 22", "22", "and 8 more, in the data"]);
+    assert!(!words(&picture).iter().any(|words| words == "00:01"));
+    pixels(&picture);
+    // Dark all along is drawn too.
+    let dark = SkyTrack { magnitude: vec![f64::NAN; 41], ..pass("DARK") };
+    has(&drawn(&[dark]).unwrap(), &["dark"]);
+}
+
+#[test]
+fn verif_a_sky_chart_refuses_what_it_cannot_draw() {
+    let said = |track: SkyTrack| {
+        let tracks = [track];
+        sky_chart(&SkyChart { title: "", caption: "", tracks: &tracks }).map(|_| ()).unwrap_err().to_string()
+    };
+    let none = sky_chart(&SkyChart { title: "", caption: "", tracks: &[] }).map(|_| ());
+    assert!(none.unwrap_err().to_string().contains("there are no passes"));
+    assert!(said(SkyTrack { sigma_mag: vec![0.4], ..pass("A") }).contains("sigmas of A: 1 values"));
+    assert!(said(SkyTrack { altitude_deg: vec![-5.0; 41], ..pass("A") }).contains("allowed: 0 to 90 deg"));
+    assert!(said(SkyTrack { time_mjd: vec![60_536.0; 41], ..pass("A") }).contains("each later than the one before"));
+    assert!(said(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("only finite numbers"));
 }

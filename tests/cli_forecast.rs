@@ -194,6 +194,100 @@ fn verif_documents() {
     assert!(votable.starts_with("<?xml") && votable.trim_end().ends_with("</VOTABLE>"));
 }
 
+/// A satellite of which nobody knows how bright it is: told, shown or hidden.
+#[test]
+fn verif_priors_are_told() {
+    let elements = common::golden_dir().join("elements/sample.3le").display().to_string();
+    let asked = ["forecast", "--elements", &elements, "--lat", "35", "--lon", "10", "--format", "csv"];
+    let time = ["--start", "2026-03-18T00:00:00Z", "--end", "2026-03-23T00:00:00Z"];
+    let prior = |more: &[&str]| {
+        let (code, stdout, stderr) = run(&[&asked, &time, more]);
+        assert_eq!(code, 0, "{stderr}");
+        let told = stderr.lines().find(|line| line.contains("prior alone")).map(str::to_owned);
+        (records(&stdout), told, stderr)
+    };
+    let (all, told, _) = prior(&[]);
+    let (count, source) = (all.len() - 1, all[0].iter().position(|name| name == "mag_source").unwrap());
+    assert!(count > 1 && all[1..].iter().all(|row| &row[source] == "prior"), "{all:?}");
+    let told = told.expect("a warning");
+    assert!(
+        told.starts_with("warning: ") && told.contains(&format!("({count} passes shown); --qs-mag FILE")),
+        "{told}"
+    );
+    // The faintest peak as the limit but for a bit: one is hidden, and the grammar holds.
+    let peak = all[0].iter().position(|name| name == "peak_magnitude").unwrap();
+    let mut peaks: Vec<f64> = all[1..].iter().map(|row| row[peak].parse().unwrap()).collect();
+    peaks.sort_by(f64::total_cmp);
+    let limit = (0.5 * (peaks[count - 2] + peaks[count - 1])).to_string();
+    let (_, told, _) = prior(&["--max-mag", &limit]);
+    let expected = format!("{} shown, 1 pass left out as fainter than mag {limit})", passes(count - 1));
+    assert!(told.as_ref().is_some_and(|told| told.contains(&expected)), "{told:?}: {expected}");
+    let (_, told, stderr) = prior(&["--max-mag", "-9"]);
+    assert!(told.is_some_and(|told| told.contains(&format!("({count} passes left out as fainter than mag -9)"))));
+    assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -9"), "{stderr}");
+    // Nobody of a kind that has a model is told of.
+    let (code, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--format", "csv"]]);
+    assert!(code == 0 && !stderr.contains("prior"), "{stderr}");
+}
+
+fn passes(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "pass" } else { "passes" })
+}
+
+/// Numbers come back as numbers, all else as the text of CSV; what it rests on stands in the file.
+#[cfg(feature = "parquet")]
+#[test]
+fn verif_parquet_has_the_rows_of_csv() {
+    use ::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+    use arrow_array::cast::AsArray;
+    use arrow_array::types::{Float64Type, Int64Type};
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "night.parquet");
+    done(&[NIGHT, SKY, FEW, &["-o", &file]]);
+    let rows = records(&done(&[NIGHT, SKY, FEW, &["--format", "csv"]]));
+    let builder = ParquetRecordBatchReaderBuilder::try_new(fs::File::open(&file).unwrap()).unwrap();
+    let said = builder.metadata().file_metadata().key_value_metadata().unwrap().clone();
+    assert!(said.iter().any(|one| one.key == "provenance" && one.value.as_ref().unwrap().contains("starlink-gen1")));
+    let batches: Vec<_> = builder.build().unwrap().map(Result::unwrap).collect();
+    assert_eq!(batches.iter().map(|batch| batch.num_rows()).sum::<usize>(), rows.len() - 1);
+    let names: Vec<_> = batches[0].schema().fields().iter().map(|field| field.name().clone()).collect();
+    assert_eq!(names.join(","), HEADER);
+    let (ids, magnitudes) = (
+        batches[0].column(0).as_primitive::<Int64Type>(),
+        names.iter().position(|name| name == "peak_magnitude").unwrap(),
+    );
+    let magnitude = batches[0].column(magnitudes).as_primitive::<Float64Type>();
+    let peaks = batches[0].column(10).as_string::<i32>();
+    for (row, cells) in rows[1..].iter().enumerate().take(batches[0].num_rows()) {
+        assert_eq!(ids.value(row).to_string(), cells[0]);
+        assert_eq!(magnitude.value(row), cells[magnitudes].parse::<f64>().unwrap());
+        assert_eq!(peaks.value(row), &cells[10]);
+    }
+}
+
+#[test]
+fn one_is_no_plural() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "one.tle");
+    let good = fs::read_to_string(common::golden_dir().join("elements/sample.2le")).unwrap();
+    // The last digit of each line is its sum.
+    let wrong = |line: &str| format!("{}{}\n", &line[..68], (line.as_bytes()[68] - b'0' + 1) % 10);
+    fs::write(&file, good.lines().take(2).map(wrong).collect::<String>()).unwrap();
+    let asked = ["forecast", "--elements", &file, "--accept-bad-checksums", "--mpc", "X05", "--night", "2026-03-20"];
+    let (code, _, stderr) = run(&[&asked]);
+    assert!(code == 0 && stderr.contains("1 record taken in spite of a wrong checksum"), "{stderr}");
+    // One satellite and one high pass: found by asking for nothing but the highest.
+    let all = json(&[NIGHT, SKY, FEW]);
+    let all = all["passes"].as_array().unwrap();
+    let one = all.iter().map(|pass| number(&pass["max_altitude_deg"])).fold(0.0, f64::max);
+    let just_below = format!("{:.3}", one - 0.001);
+    let (_, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--min-culmination", &just_below, "--format", "csv"]]);
+    assert!(stderr.contains("1 pass of 1 satellite"), "{stderr}");
+    let (_, _, stderr) =
+        run(&[NIGHT, &SKY[..4], FEW, &["--min-culmination", &just_below, "--max-mag", "-9", "--format", "csv"]]);
+    assert!(stderr.contains("1 pass stays fainter than mag -9"), "{stderr}");
+}
+
 #[test]
 fn bad_input_is_one_line_that_says_what_is_allowed() {
     let folder = tempfile::tempdir().unwrap();
@@ -214,11 +308,20 @@ fn bad_input_is_one_line_that_says_what_is_allowed() {
             &["--night", "2024-08-14", "--name", "ISS (ZARYA)"],
             &["none of the 4408 satellites has a name with ISS (ZARYA)"],
         ),
-        (&["--night", "2024-08-14", "--norad", "x"], &["'x'"]),
+        (&["--night", "2024-08-14", "--norad", "x"], &["'x'", "NORAD catalogue numbers, 1 to 999999999"]),
+        (&["--night", "2024-08-14", "--norad", "0"], &["'0'", "1 to 999999999"]),
+        (&["--night", "2024-08-14", "--alarm", "5min"], &["--alarm is for calendars alone", "--format ics"]),
+        (&["--night", "2024-08-14", "--alarm", "5min", "--format", "csv"], &["--alarm is for calendars alone"]),
+        (&["--night", "2024-08-14", "--angle-type", "azel"], &["--angle-type is for tracking data", "--format tdm"]),
         (&["--night", "2024-08-14", "--utc-offset", "CET"], &["utc-offset 'CET'", "+01:00"]),
         (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
         (&["--night", "2024-08-14", "--angle-type", "xyz"], &["angle-type 'xyz'", "radec, azel"]),
-        (&["--night", "2024-08-14", "--format", "xlsx"], &["format 'xlsx'", "votable, ics, tdm, score"]),
+        (&["--night", "2024-08-14", "--format", "xlsx"], &["format 'xlsx'", "votable", ", ics, tdm, score"]),
+        #[cfg(not(feature = "parquet"))]
+        (
+            &["--night", "2024-08-14", "--format", "parquet"],
+            &["'parquet' needs a build with the cargo feature parquet"],
+        ),
         (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "nowhere"]),
         (&["--night", "1850-08-14"], &["1957 to 2099"]),
     ] {

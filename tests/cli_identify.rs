@@ -85,7 +85,7 @@ fn what_is_no_streak_is_told_on_one_line() {
     #[cfg_attr(not(feature = "fits"), allow(unused_mut))]
     let mut cases: Vec<(Vec<&str>, &str)> = vec![
         (shutter.to_vec(), "no streak; say --end RA,DEC twice"),
-        (with(&["--end", "1,2"]), "--end was said 1 times; allowed: twice"),
+        (with(&["--end", "1,2"]), "--end was said once; allowed: twice"),
         (with(&["--end", "1,2", "--end", "1,2"]), "both ends of the streak are at one place"),
         (with(&["--end", "1;2", "--end", "1,2"]), "end '1;2' is no place"),
         (with(&["--end", "1,2", "--end", "400,2"]), "is not a right ascension"),
@@ -144,11 +144,20 @@ fn valid_a_frame_says_where_and_when() {
     for file in ["supgp/starlink_supgp_2020-02-23.tle", "supgp/starlink_supgp_2020-02-25.tle"] {
         let elements = data.join("tle").join(file).display().to_string();
         let sky = ["identify", "--elements", &elements, "--mpc", "W84", "-q", "--image", &frame];
-        let (code, _, stderr) = run(&[&sky, &["--from-pix", "1,68.5", "--to-pix", "71,-2"]]);
+        let (code, _, stderr) = run(&[&sky, &["--from-pix", "1,68.5", "--to-pix", "68.02,1"]]);
         assert!(code == 2 && stderr.contains("images; say which: --hdu"), "{stderr}");
         let hdu = hdu_of_s28(&frame).to_string();
-        let answer =
-            json(&[&sky, &["--hdu", &hdu, "--from-pix", "1,68.5", "--to-pix", "71,-2", "--place-sigma", "0.13arcsec"]]);
+        for (from, to, outside) in [("1,68.5", "71,-2", "71,-2"), ("0.4,68.5", "68,1", "0.4,68.5")] {
+            let (code, _, stderr) = run(&[&sky, &["--hdu", &hdu, "--from-pix", from, "--to-pix", to]]);
+            let expected = format!(
+                "HDU {hdu}: pixel {outside} is outside of the frame; allowed: X from 0.5 to 100.5, Y from 0.5 to 100.5"
+            );
+            assert!(code == 2 && stderr.contains(&expected), "{stderr}");
+        }
+        let answer = json(&[
+            &sky,
+            &["--hdu", &hdu, "--from-pix", "1,68.5", "--to-pix", "68.02,1", "--place-sigma", "0.13arcsec"],
+        ]);
         assert_eq!(answer["candidates"][0]["name"], "STARLINK-1102", "{answer}");
         assert_eq!(answer["streak"][0]["start_utc"], "2020-03-06T00:04:15.410235Z", "{answer}");
     }

@@ -392,6 +392,56 @@ fn verif_bad_input_is_one_line_and_writes_nothing() {
 }
 
 #[test]
+fn verif_what_forecast_wrote_is_drawn() {
+    let folder = tempdir().unwrap();
+    let (curves, json, ecsv) = (path(&folder, "c.csv"), path(&folder, "n.json"), path(&folder, "c.ecsv"));
+    let night = ["forecast", "--night", "2026-08-14", "--max-mag", "5", "--min-culmination", "86", "--samples", "41"];
+    for (light_curves, output) in [(&curves, &json), (&ecsv, &path(&folder, "n.jsonl"))] {
+        let (code, _, stderr) = run(&[&night, SKY, &["--light-curves", light_curves, "-o", output]]);
+        assert_eq!(code, 0, "{stderr}");
+    }
+    // Rows of points, passes that hold them, in each format: one picture.
+    drawn(&folder, "sky", &[&["sky-chart", "--from", &curves]], 0);
+    let sky = words(&path(&folder, "sky.svg"));
+    for expected in ["Passes over Rubin Observatory, 2026-08-14", "N", "E", "60°", "from UTC", "13"] {
+        assert!(sky.iter().any(|words| words == expected), "{expected}: {sky:?}");
+    }
+    let picture = fs::read(path(&folder, "sky.png")).unwrap();
+    for file in [&ecsv, &json, &path(&folder, "n.jsonl")] {
+        drawn(&folder, "again", &[&["sky-chart", "--from", file]], 0);
+        assert!(fs::read(path(&folder, "again.png")).unwrap() == picture, "{file}");
+    }
+    // One pass has minutes along it, and its curve has the peak of the table.
+    let document: serde_json::Value = serde_json::from_str(&fs::read_to_string(&json).unwrap()).unwrap();
+    let passes = document["passes"].as_array().unwrap();
+    let peak = |pass: &serde_json::Value| pass["peak_magnitude"].as_f64().unwrap();
+    let brightest = passes.iter().min_by(|a, b| peak(a).total_cmp(&peak(b))).unwrap();
+    let id = brightest["norad_id"].to_string();
+    drawn(&folder, "one", &[&["sky-chart", "--from", &curves, "--norad", &id]], 0);
+    let one = words(&path(&folder, "one.svg"));
+    let clock = |name: &str| brightest[name].as_str().unwrap()[11..16].to_owned();
+    let minutes = |words: &String| words.len() == 5 && (clock("rise_utc")..=clock("set_utc")).contains(words);
+    assert!(one.iter().any(minutes) && !sky.iter().any(minutes), "{one:?}");
+    for file in [&curves, &json] {
+        drawn(&folder, "curve", &[&["light-curve", "--from", file, "--utc-offset", "-4"]], 0);
+        let said = words(&path(&folder, "curve.svg"));
+        assert!(said.iter().any(|words| words.contains(&format!("(NORAD {id})"))), "{said:?}");
+        assert!(
+            said.iter().any(|words| words == "magnitude, ±1σ") && !said.iter().any(|words| words == "in the field")
+        );
+    }
+    let out = path(&folder, "x.png");
+    let table = path(&folder, "plain.csv");
+    run(&[&night[..7], SKY, &["-o", &table]]);
+    for plot in ["sky-chart", "light-curve"] {
+        fails(&[&[plot, "--from", &table, "-o", &out]], &["no points along passes", "--light-curves FILE"]);
+        fails(&[&[plot, "--from", &curves, "--norad", "25544", "-o", &out]], &["norad 25544: table", "no pass of it"]);
+        fails(&[&[plot, "--from", &curves, "--norad", "ISS", "-o", &out]], &["'ISS'", "1 to 999999999"]);
+    }
+    fails(&[&["sky-chart", "-o", &out]], &["--from"]);
+}
+
+#[test]
 fn verif_the_list_names_every_plot() {
     let (code, list, _) = run(&[&["plot", "--list"]]);
     assert_eq!(code, 0);

@@ -58,6 +58,8 @@ else
     step "fits and plot alone" cargo check --quiet --no-default-features --features fits,plot
     step "example flag_exposures" cargo run --quiet --example flag_exposures
     step "example forecast_night" cargo run --quiet --example forecast_night
+    step "example identify_streak" cargo run --quiet --example identify_streak
+    step "example plot_pass" cargo run --quiet --example plot_pass -- "$log"
     step "example sky_map" cargo run --quiet --example sky_map
     step "example fit_photometry" cargo run --quiet --example fit_photometry
     step "example inject_streaks" cargo run --quiet --example inject_streaks

@@ -18,7 +18,7 @@ use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::{Illumination, Observer};
 use crate::orbit::{Arc, LeftOut, OrbitError};
-use crate::photometry::PhotometryOptions;
+use crate::photometry::{MagnitudeSource, PhotometryOptions};
 
 /// A pass that began before the night is followed back this far, and one that ends after it as far ahead, seconds: low satellites rise and set in it.
 const TWILIGHT_REACH_S: f64 = 1800.0;
@@ -96,6 +96,8 @@ pub struct NotShown {
     pub in_shadow: usize,
     /// Fainter than the limit, or without any magnitude.
     pub too_faint: usize,
+    /// Of these, how many are so by a prior alone: nothing is known of the satellite's brightness.
+    pub too_faint_by_prior: usize,
     /// Culminating too low.
     pub too_low: usize,
 }
@@ -117,7 +119,7 @@ pub struct VisiblePasses {
 enum Kept {
     Pass(Box<VisiblePass>),
     InShadow,
-    TooFaint,
+    TooFaint { by_prior: bool },
     TooLow,
 }
 
@@ -169,7 +171,10 @@ impl Sky {
                 match one {
                     Kept::Pass(pass) => answer.passes.push(*pass),
                     Kept::InShadow => answer.not_shown.in_shadow += 1,
-                    Kept::TooFaint => answer.not_shown.too_faint += 1,
+                    Kept::TooFaint { by_prior } => {
+                        answer.not_shown.too_faint += 1;
+                        answer.not_shown.too_faint_by_prior += usize::from(by_prior);
+                    }
                     Kept::TooLow => answer.not_shown.too_low += 1,
                 }
             }
@@ -301,7 +306,8 @@ impl Search<'_> {
             return Ok(Some(Kept::InShadow));
         }
         if self.request.max_magnitude.is_some_and(|limit| magnitude.is_none_or(|magnitude| magnitude > limit)) {
-            return Ok(Some(Kept::TooFaint));
+            let by_prior = magnitude.is_some() && *self.sky.model(element_index).source() == MagnitudeSource::Prior;
+            return Ok(Some(Kept::TooFaint { by_prior }));
         }
         let point = |time_s: Option<f64>| time_s.and_then(|time_s| look.point(time_s));
         // Where full light ends within the pass, and where it begins.

@@ -7,17 +7,14 @@ use plotters::style::text_anchor::HPos;
 use super::axes::{Axis, Frame};
 use super::bar::colour_bar;
 use super::error::PlotError;
-use super::numbers::fixed;
 use super::picture::{INK, Picture, width_of};
 use super::scale::{ColourScale, Quantity};
+use super::tracks::{Listed, arrow, list, numbers};
 
 const WIDTH: f64 = 1440.0;
 const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
 const BAR_LEFT: f64 = 796.0;
 const LIST_LEFT: f64 = 912.0;
-/// Rows of the list beside, and as many streaks have a number.
-const MOST_LISTED: usize = 22;
-const ROW: f64 = 29.0;
 /// Points of a chart lie nearer to its centre than this, degrees: beyond, the plane of projection runs away.
 const FARTHEST_DEG: f64 = 75.0;
 const OUTLINE: RGBColor = RGBColor(60, 60, 60);
@@ -125,26 +122,9 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
         picture.line(&line, colour(streak).to_rgba(), 3.4);
         arrow(&mut picture, &line, colour(streak));
     }
-    // Numbers over all streaks, where each one's is not yet taken.
-    let mut taken: Vec<(f64, f64)> = Vec::new();
-    for (index, track) in tracks.iter().enumerate().take(MOST_LISTED) {
-        let line: Vec<_> = track.iter().map(|place| at(*place)).collect();
-        let shares = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9];
-        let apart = |place: (f64, f64)| {
-            taken.iter().map(|other| (place.0 - other.0).hypot(place.1 - other.1)).fold(f64::INFINITY, f64::min)
-        };
-        let places = shares.map(|share| along(&line, share));
-        let free = places.into_iter().find(|place| apart(*place) > 26.0);
-        let place = free
-            .unwrap_or_else(|| places.into_iter().max_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(places[0]));
-        taken.push(place);
-        let words = (index + 1).to_string();
-        let half = width_of(&words, 16.0) / 2.0 + 5.0;
-        let sides = [place.0 - half, place.1 - 11.0, place.0 + half, place.1 + 11.0];
-        picture.rectangle(sides, RGBColor(255, 255, 255).to_rgba());
-        picture.border(sides, 1.0);
-        picture.text(&words, place, 16.0, HPos::Center);
-    }
+    let lines: Vec<Vec<(f64, f64)>> =
+        tracks.iter().map(|track| track.iter().map(|place| at(*place)).collect()).collect();
+    numbers(&mut picture, &lines);
     frame.draw(&mut picture, [true, true]);
     frame.name_x(&mut picture, &format!("offset to the east, {unit}"));
     frame.name_y(&mut picture, &format!("offset to the north, {unit}"), 62.0);
@@ -158,7 +138,15 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
         colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.words());
     }
     if !input.streaks.is_empty() {
-        list(&mut picture, input.streaks, colour);
+        let listed = |streak: &FieldStreak| Listed {
+            name: streak.name.clone(),
+            times: [streak.enter.clone(), streak.exit.clone()],
+            magnitude: streak.magnitude,
+            sigma_mag: streak.sigma_mag,
+            colour: colour(streak),
+        };
+        let rows: Vec<Listed> = input.streaks.iter().map(listed).collect();
+        list(&mut picture, [LIST_LEFT, WIDTH - 20.0], SIDES[1] + 10.0, ["enter UTC", "exit UTC"], &rows);
     }
     picture.set_scales(vec![scale]);
     picture.paragraph(input.caption, [SIDES[0], WIDTH - 24.0], 816.0, 16.0);
@@ -175,34 +163,6 @@ fn gnomonic([ra0, dec0]: [f64; 2], [ra, dec]: [f64; 2]) -> Option<[f64; 2]> {
     let depth = sin0 * sin + cos0 * cos * cos_ra;
     let plane = [cos * sin_ra / depth, (cos0 * sin - sin0 * cos * cos_ra) / depth];
     (depth > FARTHEST_DEG.to_radians().cos()).then(|| plane.map(f64::to_degrees))
-}
-
-/// The place at a share of a line's length.
-fn along(line: &[(f64, f64)], share: f64) -> (f64, f64) {
-    let lengths: Vec<f64> = line.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).collect();
-    let mut left = share * lengths.iter().sum::<f64>();
-    for (pair, length) in line.windows(2).zip(lengths) {
-        if left <= length && length > 0.0 {
-            let part = left / length;
-            return (pair[0].0 + part * (pair[1].0 - pair[0].0), pair[0].1 + part * (pair[1].1 - pair[0].1));
-        }
-        left -= length;
-    }
-    line[line.len() - 1]
-}
-
-/// A head where a line ends; none on lines too short to have a direction.
-fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor) {
-    let (tip, tail) = (line[line.len() - 1], along(line, 0.98));
-    let length = (tip.0 - tail.0).hypot(tip.1 - tail.1);
-    if length < 0.05 {
-        return;
-    }
-    let (cos, sin) = ((tip.0 - tail.0) / length, (tip.1 - tail.1) / length);
-    let corner = |back: f64, side: f64| (tip.0 - back * cos - side * sin, tip.1 - back * sin + side * cos);
-    let corners = vec![tip, corner(17.0, 7.0), corner(17.0, -7.0), tip];
-    picture.patch(corners.clone(), colour.to_rgba());
-    picture.line(&corners, INK.to_rgba(), 1.3);
 }
 
 /// North up, east left, in the upper right corner.
@@ -237,48 +197,6 @@ fn scale_bar(picture: &mut Picture, frame: &Frame, unit: &str) {
     picture.text(&words, (x + pixels / 2.0, y - 17.0), 16.0, HPos::Center);
 }
 
-/// Number, name, entry, exit and magnitude of each streak.
-fn list(picture: &mut Picture, streaks: &[FieldStreak], colour: impl Fn(&FieldStreak) -> RGBColor) {
-    let columns = [0.0, 46.0, 246.0, 339.0, 432.0].map(|away| LIST_LEFT + away);
-    let mut y = SIDES[1] + 10.0;
-    for (words, x) in ["", "satellite", "enter UTC", "exit UTC", "mag"].into_iter().zip(columns) {
-        picture.text(words, (x, y), 16.0, HPos::Left);
-    }
-    picture.line(&[(LIST_LEFT, y + 14.0), (WIDTH - 20.0, y + 14.0)], INK.to_rgba(), 1.2);
-    y += 32.0;
-    for (index, streak) in streaks.iter().enumerate().take(MOST_LISTED) {
-        picture.rectangle([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], colour(streak).to_rgba());
-        picture.border([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], 0.8);
-        picture.text(&(index + 1).to_string(), (columns[0] + 20.0, y), 16.0, HPos::Left);
-        picture.text(&shortened(&streak.name, 194.0), (columns[1], y), 16.0, HPos::Left);
-        picture.text(&streak.enter, (columns[2], y), 16.0, HPos::Left);
-        picture.text(&streak.exit, (columns[3], y), 16.0, HPos::Left);
-        let magnitude = match (streak.magnitude.is_finite(), streak.sigma_mag.is_finite()) {
-            (true, true) => format!("{} ±{}", fixed(streak.magnitude, 1), fixed(streak.sigma_mag, 1)),
-            (true, false) => fixed(streak.magnitude, 1),
-            (false, _) => "dark".to_owned(),
-        };
-        picture.text(&magnitude, (columns[4], y), 16.0, HPos::Left);
-        y += ROW;
-    }
-    if streaks.len() > MOST_LISTED {
-        let words = format!("and {} more, in the data", streaks.len() - MOST_LISTED);
-        picture.text(&words, (columns[1], y), 16.0, HPos::Left);
-    }
-}
-
-/// Words cut to a width, with a sign where they were.
-fn shortened(words: &str, width: f64) -> String {
-    if width_of(words, 16.0) <= width {
-        return words.to_owned();
-    }
-    let mut kept: String = words.to_owned();
-    while !kept.is_empty() && width_of(&format!("{kept}…"), 16.0) > width {
-        kept.pop();
-    }
-    format!("{}…", kept.trim_end())
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -300,17 +218,5 @@ mod tests {
         }
         // Behind and at the border of the plane.
         assert!(gnomonic([0.0, 0.0], [180.0, 0.0]).is_none() && gnomonic([0.0, 0.0], [76.0, 0.0]).is_none());
-    }
-
-    #[test]
-    fn verif_places_along_a_line() {
-        let line = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)];
-        assert_eq!(
-            [along(&line, 0.25), along(&line, 0.75), along(&line, 1.0)],
-            [(5.0, 0.0), (10.0, 5.0), (10.0, 10.0)]
-        );
-        assert_eq!(along(&[(3.0, 4.0), (3.0, 4.0)], 0.5), (3.0, 4.0));
-        assert_eq!(shortened("STARLINK-1234", 500.0), "STARLINK-1234");
-        assert!(shortened("COSMOS 2251 DEBRIS OF 1993-036", 160.0).ends_with('…'));
     }
 }

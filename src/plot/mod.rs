@@ -4,8 +4,8 @@
 //! value. `disc` projects a half sphere on a disc and `disc_sheet` lays discs, colour bars and words out; `maps` makes pictures of the room
 //! [`maps`](crate::maps) and of the paper's figures 6 to 9, `layers` of HEALPix cells. Charts stand on `axes` (a box with ticks), `bar` (of colours), `numbers` (how
 //! they are written), `statistics`, `density` (how many points lie where) and `dots`: `corner`, `histogram`, `counts_and_spread`, `phase_curve`
-//! and `residual_panels`. Charts for observers are `night` and `light_curve` (on `time_axis`, with `twilight` behind), `field_chart`, `sky_rate`
-//! and `sun_altitude`.
+//! and `residual_panels`. Charts for observers are `night` and `light_curve` (on `time_axis`, with `twilight` behind), `field_chart` and `sky_chart`
+//! (with the numbers and lists of `tracks`), `sky_rate` and `sun_altitude`.
 
 mod axes;
 mod bar;
@@ -30,10 +30,12 @@ mod phase_curve;
 mod picture;
 mod residual_panels;
 mod scale;
+mod sky_chart;
 mod sky_rate;
 mod statistics;
 mod sun_altitude;
 mod time_axis;
+mod tracks;
 mod twilight;
 
 pub use corner::{Corner, corner};
@@ -52,6 +54,7 @@ pub use phase_curve::{PhaseCurve, phase_curve};
 pub use picture::Picture;
 pub use residual_panels::{ResidualPanels, residual_panels};
 pub use scale::{ColourScale, Quantity};
+pub use sky_chart::{SkyChart, SkyTrack, sky_chart};
 pub use sky_rate::{SkyRate, sky_rate};
 pub use sun_altitude::{SunAltitude, sun_altitude};
 pub use time_axis::LocalClock;

@@ -11,7 +11,7 @@ use crate::geometry::{ShadowModel, Site};
 use crate::orbit::LeftOut;
 use crate::passes::{ModelChoice, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::{ModelLibrary, StandardMagnitudes};
-use crate::table::{Provenance, format_utc};
+use crate::table::{Provenance, counted, format_utc};
 
 use super::document::Setup;
 use super::error::SetupError;
@@ -275,7 +275,7 @@ fn catalogue_warnings(catalogue: &Catalogue) -> Vec<String> {
         let records = rejected + catalogue.sources.iter().map(|source| source.records).sum::<usize>();
         let named: Vec<String> = catalogue.rejected.iter().take(NAMED).map(ToString::to_string).collect();
         let more = if rejected > NAMED { "; ..." } else { "" };
-        let mut warning = format!("{rejected} of {records} records rejected");
+        let mut warning = format!("{rejected} of {} rejected", counted(records, "record", "records"));
         if 2 * rejected > records {
             warning +=
                 ", more than half: the answer is incomplete, the satellites of these records are missing from it";
@@ -289,7 +289,7 @@ fn catalogue_warnings(catalogue: &Catalogue) -> Vec<String> {
     }
     let accepted: usize = catalogue.sources.iter().map(|source| source.bad_checksums_accepted).sum();
     if accepted > 0 {
-        warnings.push(format!("{accepted} records taken in spite of a wrong checksum"));
+        warnings.push(format!("{} taken in spite of a wrong checksum", counted(accepted, "record", "records")));
     }
     warnings
 }

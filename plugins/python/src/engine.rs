@@ -8,19 +8,19 @@ use numpy::IntoPyArray;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::frames::seconds_after;
-use streakcast::passes::{Exposure, Field, FieldPass, HorizonPass, PassOptions, TrackPoint};
+use streakcast::passes::{Exposure, Field, FieldPass, PassOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict,
     WindowRequest, WindowTarget, clear_windows, flag_exposures, flag_table, judge_exposures, streak_table,
 };
 use streakcast::setup::{Prepared, SetupError};
-use streakcast::table::{Column, Kind, Table, Value};
+use streakcast::table::{Column, Table};
 use streakcast::telescope::Telescope;
 
 use crate::columns::{columns, times};
 use crate::failure;
-use crate::questions::{Columns, rows, scale_name, start_of, within};
+use crate::questions::{Columns, rows, scale_name, within};
 use crate::skies::{Skies, setup_of};
 
 /// An answer and what the user should know of it.
@@ -240,36 +240,6 @@ impl Engine {
         answer.set_item("last_start", moments(|window| window.last))?;
         Ok((answer, warnings))
     }
-
-    /// Rise, culmination and set of every satellite above an altitude between two moments.
-    #[pyo3(signature = (start, end, min_altitude_deg, lit_only))]
-    fn visible_passes<'py>(
-        &self,
-        py: Python<'py>,
-        start: (f64, f64),
-        end: (f64, f64),
-        min_altitude_deg: f64,
-        lit_only: bool,
-    ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
-        within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
-        let (start, end) = (start_of(0, start.0, start.1)?, start_of(1, end.0, end.1)?);
-        if end < start {
-            return Err(failure::asked("the end is before the start"));
-        }
-        let options = PassOptions { photometry: self.photometry, ..PassOptions::default() };
-        let (table, warnings) = failure::without_lock(py, || {
-            let prepared = self.skies.get().of(start)?;
-            let (mut passes, failed) = prepared
-                .sky
-                .horizon_passes(start, end, min_altitude_deg.to_radians(), &options)
-                .map_err(failure::asked)?;
-            passes
-                .retain(|pass| !lit_only || points(pass).into_iter().flatten().any(|point| point.brightness.is_some()));
-            let warnings = left_out(&prepared, &failed, start)?.into_iter().collect();
-            Ok((horizon_table(&passes, &prepared), warnings))
-        })?;
-        Ok((columns(py, &table)?, warnings))
-    }
 }
 
 impl Engine {
@@ -374,52 +344,4 @@ fn code(verdict: Verdict) -> u8 {
         Verdict::Avoid => 2,
         Verdict::Invalid => 3,
     }
-}
-
-fn points(pass: &HorizonPass) -> [Option<&TrackPoint>; 3] {
-    [pass.rise.as_ref(), Some(&pass.culmination), pass.set.as_ref()]
-}
-
-const HORIZON: [Column; 20] = [
-    Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
-    Column::new("name", Kind::Text, "Name in the element set."),
-    Column::time("rise_utc", "Where the altitude reaches the wanted one; missing where it is above at the beginning."),
-    Column::time("culmination_utc", "Highest point within the time asked for."),
-    Column::time("set_utc", "Where the altitude falls below the wanted one; missing where it is above at the end."),
-    Column::real("rise_altitude_deg", "deg", 4, "Altitude at rise, without refraction."),
-    Column::real("culmination_altitude_deg", "deg", 4, "Altitude at culmination."),
-    Column::real("set_altitude_deg", "deg", 4, "Altitude at set."),
-    Column::real("rise_azimuth_deg", "deg", 4, "Azimuth at rise, from north through east."),
-    Column::real("culmination_azimuth_deg", "deg", 4, "Azimuth at culmination."),
-    Column::real("set_azimuth_deg", "deg", 4, "Azimuth at set."),
-    Column::real("rise_range_km", "km", 3, "Distance at rise."),
-    Column::real("culmination_range_km", "km", 3, "Distance at culmination."),
-    Column::real("set_range_km", "km", 3, "Distance at set."),
-    Column::real("rise_magnitude", "mag", 3, "Apparent magnitude at rise; missing in the Earth's shadow."),
-    Column::real("culmination_magnitude", "mag", 3, "Apparent magnitude at culmination."),
-    Column::real("set_magnitude", "mag", 3, "Apparent magnitude at set."),
-    Column::real("rise_magnitude_sigma", "mag", 3, "One sigma of it at rise."),
-    Column::real("culmination_magnitude_sigma", "mag", 3, "One sigma of it at culmination."),
-    Column::real("set_magnitude_sigma", "mag", 3, "One sigma of it at set."),
-];
-
-fn horizon_table(passes: &[HorizonPass], prepared: &Prepared) -> Table {
-    let row = |pass: &HorizonPass| {
-        let elements = &prepared.sky.elements()[pass.element_index];
-        let points = points(pass);
-        let mut row: Vec<Value> = vec![i64::from(pass.norad_id.0).into(), (&*elements.name).into()];
-        row.extend(points.iter().map(|point| point.map(|point| point.epoch).into()));
-        let numbers: [fn(&TrackPoint) -> Option<f64>; 5] = [
-            |point| point.altitude_rad.map(f64::to_degrees),
-            |point| point.azimuth_rad.map(f64::to_degrees),
-            |point| Some(point.range_km),
-            |point| point.brightness.as_ref().map(|brightness| brightness.magnitude.0),
-            |point| point.brightness.as_ref().map(|brightness| brightness.sigma_mag),
-        ];
-        for number in numbers {
-            row.extend(points.iter().map(|point| point.and_then(number).into()));
-        }
-        row
-    };
-    Table { columns: HORIZON.to_vec(), rows: passes.iter().map(row).collect() }
 }

@@ -2,6 +2,7 @@
 
 use pyo3::prelude::*;
 
+mod asked;
 mod columns;
 mod engine;
 mod failure;
@@ -26,6 +27,8 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(skies::setup_files, module)?)?;
     module.add_function(wrap_pyfunction!(injection::utc_text, module)?)?;
     module.add_function(wrap_pyfunction!(injection::inject, module)?)?;
+    module.add_function(wrap_pyfunction!(asked::forecast, module)?)?;
+    module.add_function(wrap_pyfunction!(asked::identify, module)?)?;
     module.add_function(wrap_pyfunction!(light::body_map, module)?)?;
     module.add_function(wrap_pyfunction!(light::sky_map, module)?)?;
     module.add_function(wrap_pyfunction!(light::standard_magnitudes, module)?)?;
@@ -33,10 +36,6 @@ fn _core(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(light::model_names, module)?)?;
     module.add_class::<plots::Picture>()?;
     module.add_function(wrap_pyfunction!(plots::utc_mjd, module)?)?;
-    module.add_function(wrap_pyfunction!(plots::plot_night, module)?)?;
-    module.add_function(wrap_pyfunction!(plots::plot_field, module)?)?;
-    module.add_function(wrap_pyfunction!(plots::plot_light_curve, module)?)?;
-    module.add_function(wrap_pyfunction!(plots::plot_sky_rate, module)?)?;
-    module.add_function(wrap_pyfunction!(plots::plot_sun_altitude, module)?)?;
+    module.add_function(wrap_pyfunction!(plots::draw, module)?)?;
     Ok(())
 }

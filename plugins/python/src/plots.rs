@@ -7,8 +7,8 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use streakcast::frames::mjd_utc;
 use streakcast::plot::{
-    FieldChart, FieldStreak, LightCurve, LocalClock, NightTimeline, PictureFormat, SkyRate, SunAltitude, field_chart,
-    light_curve, night_timeline, sky_rate, sun_altitude,
+    FieldChart, FieldStreak, LightCurve, LocalClock, NightTimeline, PictureFormat, SkyChart, SkyRate, SkyTrack,
+    SunAltitude, field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
 };
 use streakcast::table::write_atomically;
 
@@ -48,136 +48,182 @@ impl Picture {
     }
 }
 
-fn drawn(picture: Result<streakcast::plot::Picture, streakcast::plot::PlotError>) -> PyResult<Picture> {
-    picture.map(Picture).map_err(failure::asked)
-}
-
-fn clock<'a>(ahead_of_utc_h: Option<f64>, name: &'a str) -> Option<LocalClock<'a>> {
-    ahead_of_utc_h.map(|ahead_of_utc_h| LocalClock { ahead_of_utc_h, name })
-}
-
 /// Two-part Julian dates, TAI, as MJD (UTC).
 #[pyfunction]
 pub fn utc_mjd<'py>(jd1: Column<'py>, jd2: Column<'py>) -> Vec<f64> {
     jd1.as_array().iter().zip(jd2.as_array()).map(|(one, two)| mjd_utc(epoch_of(*one, *two))).collect()
 }
 
-/// The timeline of a night.
-#[pyfunction]
-#[pyo3(signature = (start_mjd, duration_s, n_streaks, brightest_mag, title, caption, limit_mag=None, sun=vec![], local_h=None, local_name=""))]
-#[allow(clippy::too_many_arguments)]
-pub fn plot_night(
+/// What every chart may have beside its columns.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Words {
+    title: String,
+    caption: String,
+    limit_mag: Option<f64>,
+    /// Local clock of the upper side: hours ahead of UTC, and its name.
+    local: Option<(f64, String)>,
+}
+
+impl Words {
+    fn clock(&self) -> Option<LocalClock<'_>> {
+        self.local.as_ref().map(|(ahead_of_utc_h, name)| LocalClock { ahead_of_utc_h: *ahead_of_utc_h, name })
+    }
+}
+
+/// Columns of a timeline.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Night {
     start_mjd: Vec<f64>,
     duration_s: Vec<f64>,
     n_streaks: Vec<f64>,
     brightest_mag: Vec<f64>,
-    title: &str,
-    caption: &str,
-    limit_mag: Option<f64>,
-    sun: Vec<(f64, f64)>,
-    local_h: Option<f64>,
-    local_name: &str,
-) -> PyResult<Picture> {
-    drawn(night_timeline(&NightTimeline {
-        title,
-        caption,
-        start_mjd: &start_mjd,
-        duration_s: &duration_s,
-        n_streaks: &n_streaks,
-        brightest_mag: &brightest_mag,
-        limit_mag,
-        sun: &sun,
-        local: clock(local_h, local_name),
-    }))
 }
 
-/// Name, track, entry, exit, magnitude, sigma.
-type Streak = (String, Vec<[f64; 2]>, String, String, f64, f64);
-
-/// A field with its streaks.
-#[pyfunction]
-pub fn plot_field(
+/// A field and its streaks: name, track, entry, exit, magnitude, sigma.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct FieldOf {
     ra_deg: f64,
     dec_deg: f64,
     outlines: Vec<Vec<[f64; 2]>>,
-    streaks: Vec<Streak>,
-    title: &str,
-    caption: &str,
-) -> PyResult<Picture> {
-    let streak = |(name, track_deg, enter, exit, magnitude, sigma_mag)| FieldStreak {
-        name,
-        track_deg,
-        enter,
-        exit,
-        magnitude,
-        sigma_mag,
-    };
-    let streaks: Vec<FieldStreak> = streaks.into_iter().map(streak).collect();
-    drawn(field_chart(&FieldChart { title, caption, ra_deg, dec_deg, outlines: &outlines, streaks: &streaks }))
+    streaks: Vec<(String, Vec<[f64; 2]>, String, String, f64, f64)>,
 }
 
-/// Magnitude along a track.
-#[pyfunction]
-#[pyo3(signature = (time_mjd, magnitude, sigma_mag, in_field, title, caption, shutter=None, limit_mag=None, local_h=None, local_name=""))]
-#[allow(clippy::too_many_arguments)]
-pub fn plot_light_curve(
+/// Columns of a light curve.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Curve {
     time_mjd: Vec<f64>,
     magnitude: Vec<f64>,
     sigma_mag: Vec<f64>,
     in_field: Vec<[f64; 2]>,
-    title: &str,
-    caption: &str,
-    shutter: Option<[f64; 2]>,
-    limit_mag: Option<f64>,
-    local_h: Option<f64>,
-    local_name: &str,
-) -> PyResult<Picture> {
-    drawn(light_curve(&LightCurve {
-        title,
-        caption,
-        time_mjd: &time_mjd,
-        magnitude: &magnitude,
-        sigma_mag: &sigma_mag,
-        in_field: &in_field,
-        shutter,
-        limit_mag,
-        local: clock(local_h, local_name),
-    }))
 }
 
-/// Expected streaks over the sky.
-#[pyfunction]
-pub fn plot_sky_rate(
+/// Passes over a site.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Sky {
+    tracks: Vec<Track>,
+}
+
+/// One of them.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Track {
+    name: String,
+    time_mjd: Vec<f64>,
+    azimuth_deg: Vec<f64>,
+    altitude_deg: Vec<f64>,
+    magnitude: Vec<f64>,
+    sigma_mag: Vec<f64>,
+}
+
+/// Cells of a sky.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Rates {
     nside: u32,
     cells: Vec<u64>,
     rate: Vec<f64>,
     sun_azimuth_deg: f64,
-    title: &str,
-    subtitle: &str,
-    caption: &str,
-) -> PyResult<Picture> {
-    drawn(sky_rate(&SkyRate { title, subtitle, caption, nside, cells: &cells, rate: &rate, sun_azimuth_deg }))
+    subtitle: String,
 }
 
-/// Trails an exposure against the Sun's altitude.
-#[pyfunction]
-#[pyo3(signature = (sun_altitude_deg, n_trails, bin_deg, title, caption, n_bright=None, limit_mag=None))]
-pub fn plot_sun_altitude(
+/// Columns of trails.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+struct Trails {
     sun_altitude_deg: Vec<f64>,
     n_trails: Vec<f64>,
     bin_deg: f64,
-    title: &str,
-    caption: &str,
     n_bright: Option<Vec<f64>>,
-    limit_mag: Option<f64>,
-) -> PyResult<Picture> {
-    let n_bright = n_bright.as_deref().zip(limit_mag);
-    drawn(sun_altitude(&SunAltitude {
-        title,
-        caption,
-        sun_altitude_deg: &sun_altitude_deg,
-        n_trails: &n_trails,
-        n_bright,
-        bin_deg,
-    }))
+}
+
+/// A chart by its name, of words and columns (dictionaries).
+#[pyfunction]
+pub fn draw(chart: &str, words: Words, columns: Bound<'_, PyAny>) -> PyResult<Picture> {
+    let (title, caption, limit_mag) = (words.title.as_str(), words.caption.as_str(), words.limit_mag);
+    let picture = match chart {
+        "night" => {
+            let Night { start_mjd, duration_s, n_streaks, brightest_mag } = columns.extract()?;
+            night_timeline(&NightTimeline {
+                title,
+                caption,
+                start_mjd: &start_mjd,
+                duration_s: &duration_s,
+                n_streaks: &n_streaks,
+                brightest_mag: &brightest_mag,
+                limit_mag,
+                sun: &[],
+                local: words.clock(),
+            })
+        }
+        "field" => {
+            let FieldOf { ra_deg, dec_deg, outlines, streaks } = columns.extract()?;
+            let streak = |(name, track_deg, enter, exit, magnitude, sigma_mag)| FieldStreak {
+                name,
+                track_deg,
+                enter,
+                exit,
+                magnitude,
+                sigma_mag,
+            };
+            let streaks: Vec<FieldStreak> = streaks.into_iter().map(streak).collect();
+            field_chart(&FieldChart { title, caption, ra_deg, dec_deg, outlines: &outlines, streaks: &streaks })
+        }
+        "light_curve" => {
+            let Curve { time_mjd, magnitude, sigma_mag, in_field } = columns.extract()?;
+            light_curve(&LightCurve {
+                title,
+                caption,
+                time_mjd: &time_mjd,
+                magnitude: &magnitude,
+                sigma_mag: &sigma_mag,
+                in_field: &in_field,
+                shutter: None,
+                limit_mag,
+                local: words.clock(),
+            })
+        }
+        "sky_chart" => {
+            let Sky { tracks } = columns.extract()?;
+            let track = |Track { name, time_mjd, azimuth_deg, altitude_deg, magnitude, sigma_mag }| SkyTrack {
+                name,
+                time_mjd,
+                azimuth_deg,
+                altitude_deg,
+                magnitude,
+                sigma_mag,
+            };
+            let tracks: Vec<SkyTrack> = tracks.into_iter().map(track).collect();
+            sky_chart(&SkyChart { title, caption, tracks: &tracks })
+        }
+        "sky_rate" => {
+            let Rates { nside, cells, rate, sun_azimuth_deg, subtitle } = columns.extract()?;
+            sky_rate(&SkyRate {
+                title,
+                subtitle: &subtitle,
+                caption,
+                nside,
+                cells: &cells,
+                rate: &rate,
+                sun_azimuth_deg,
+            })
+        }
+        "sun_altitude" => {
+            let Trails { sun_altitude_deg, n_trails, bin_deg, n_bright } = columns.extract()?;
+            sun_altitude(&SunAltitude {
+                title,
+                caption,
+                sun_altitude_deg: &sun_altitude_deg,
+                n_trails: &n_trails,
+                n_bright: n_bright.as_deref().zip(limit_mag),
+                bin_deg,
+            })
+        }
+        other => return Err(PyValueError::new_err(format!("there is no chart '{other}'"))),
+    };
+    picture.map(Picture).map_err(failure::asked)
 }

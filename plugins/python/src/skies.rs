@@ -43,12 +43,22 @@ impl Skies {
             return Ok(prepared.clone());
         }
         let (first, last) = self.bounds(night);
-        let prepared = Arc::new(self.stock.prepare(first, last)?);
-        let warnings = prepared.warnings.iter().map(|warning| failure::as_arguments(warning));
-        self.news.lock().unwrap_or_else(PoisonError::into_inner).extend(warnings);
+        let prepared = self.made(first, last)?;
         kept.push((night, prepared.clone()));
         let surplus = kept.len().saturating_sub(KEPT);
         kept.drain(..surplus);
+        Ok(prepared)
+    }
+
+    /// A sky for questions from one moment to another alone, as the command line makes it; that of the caller's one moment where there is one.
+    pub fn over(&self, first: Epoch, last: Epoch) -> Result<Arc<Prepared>, SetupError> {
+        if self.epoch.is_some() { self.prepared(first) } else { self.made(first, last) }
+    }
+
+    fn made(&self, first: Epoch, last: Epoch) -> Result<Arc<Prepared>, SetupError> {
+        let prepared = Arc::new(self.stock.prepare(first, last)?);
+        let warnings = prepared.warnings.iter().map(|warning| failure::as_arguments(warning));
+        self.news.lock().unwrap_or_else(PoisonError::into_inner).extend(warnings);
         Ok(prepared)
     }
 

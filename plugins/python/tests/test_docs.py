@@ -39,7 +39,7 @@ def test_types_are_shipped():
 
 
 def test_models_have_their_questions():
-    assert {f"StreakModel.{name}" for name in ("assess", "passes", "inject", "clear_windows", "reloaded", "key")} <= set(METHODS)
+    assert {f"StreakModel.{name}" for name in ("assess", "passes", "forecast", "identify", "inject", "clear_windows", "reloaded", "key")} <= set(METHODS)
 
 
 def test_all_is_all():

@@ -57,6 +57,27 @@ def test_a_light_curve_of_samples(model, tmp_path):
     assert {path.name for path in tmp_path.iterdir()} == {"curve.png", "curve.svg"}
 
 
+@pytest.mark.parametrize("output", ["qtable", "dict"])
+def test_a_forecast_over_the_sky_and_in_time(model, output):
+    passes = model.forecast("2026-08-14", max_mag=5, min_culmination=86, samples=41, output=output).passes
+    svg = shown(plots.sky_chart(passes, title="A night"))
+    assert "A night" in svg and "from UTC" in svg and all(f"\n{side}\n" in svg for side in "NESW")
+    assert "brightest of" not in svg and len(passes["name"]) == 13
+    one = passes[:1] if output == "qtable" else {name: cells[:1] for name, cells in passes.items()}
+    # Full minutes stand along a pass that is alone.
+    assert "\n22:48\n" in shown(plots.sky_chart(one)) and "\n22:48\n" not in svg
+    curve = shown(plots.light_curve(passes["samples"][0], title="A pass"))
+    # From rise to set it is no field that it is in.
+    assert "in the field" not in curve and "magnitude, ±1σ" in curve
+    many = model.forecast("2026-08-14", max_mag=5, min_culmination=75, samples=3, output=output).passes
+    assert f"The 22 brightest of {len(many['name'])} passes" in shown(plots.sky_chart(many))
+    none = model.forecast("2026-08-14", max_mag=-8, samples=3, output=output).passes
+    with pytest.raises(StreakcastError, match="there are no passes"):
+        plots.sky_chart(none)
+    with pytest.raises(ValueError, match="samples=100"):
+        plots.sky_chart(model.forecast("2026-08-14", max_mag=-8, output=output).passes)
+
+
 def test_rates_and_the_sun():
     svg = shown(plots.sky_rate(np.arange(4), [0.0, 1.0, 2.0, 0.5], nside=4, sun_azimuth_deg=250.0))
     assert "not asked" in svg

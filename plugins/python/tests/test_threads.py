@@ -45,19 +45,16 @@ def test_a_thread_that_keeps_the_lock_is_noticed():
     assert steps_while(lambda: sum(range(3_000_000))) == 0
 
 
-@pytest.mark.parametrize("question", ["judge", "flags", "passes", "visible_passes", "clear_windows"])
+@pytest.mark.parametrize("question", ["judge", "flags", "passes", "clear_windows"])
 def test_two_threads_overlap(model, question):
     skies, engine = model._open()
     many = np.full(3000, TARGET[0]) + np.linspace(0, 10, 3000), np.full(3000, TARGET[1])
     asked, bands, _ = model._question(many, START, 30.0, 0.0, None, None)
     few, _, _ = model._question((many[0][:20], many[1][:20]), START, 7200.0, 0.0, None, None)
-    night = model._moment(START, None)
-    end = (night[0], night[1] + 0.2)
     work = {
         "judge": lambda: engine.judge(asked, bands),
         "flags": lambda: engine.flags({name: column[:500] for name, column in asked.items()}, bands),
         "passes": lambda: engine.passes(asked, False, 0),
-        "visible_passes": lambda: engine.visible_passes(night, end, 10.0, True),
         "clear_windows": lambda: engine.clear_windows(few, bands, 30.0, 0.0, "any"),
     }[question]
     work()

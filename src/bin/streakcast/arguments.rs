@@ -24,6 +24,9 @@ use crate::serve_arguments::ServeArguments;
 use crate::statistics_arguments::{ReproduceArguments, StatisticsArguments};
 use crate::window_arguments::WindowsArguments;
 
+/// Catalogue numbers have nine digits at most.
+const MOST_NORAD: u32 = 999_999_999;
+
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
 #[derive(Parser)]
 #[command(name = "streakcast", version, arg_required_else_help = true, propagate_version = true)]
@@ -99,7 +102,7 @@ pub struct SharedArguments {
     #[arg(long, value_name = "FILE", help_heading = "Site")]
     pub observer_elements: Option<PathBuf>,
     /// NORAD number of the telescope in orbit, in that file, or where none is named among --elements
-    #[arg(long, value_name = "ID", help_heading = "Site")]
+    #[arg(long, value_name = "ID", value_parser = norad_id, help_heading = "Site")]
     pub observer_norad: Option<u32>,
     /// Height of the air, km, that hides what a telescope in orbit would see behind it; 0 where unsaid
     #[arg(long, value_name = "KM", allow_hyphen_values = true, help_heading = "Site")]
@@ -156,7 +159,7 @@ pub struct SharedArguments {
 
 #[derive(Args)]
 pub struct OutputArguments {
-    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable
+    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable; parquet in builds that have it
     #[arg(long, value_name = "FORMAT", help_heading = "Output")]
     pub format: Option<String>,
     /// File to write, whole or not at all; standard output where unsaid
@@ -361,6 +364,12 @@ impl RulesArguments {
             ..Setup::default()
         }
     }
+}
+
+/// A NORAD catalogue number.
+pub fn norad_id(text: &str) -> Result<u32, String> {
+    let number = text.parse().ok().filter(|number| (1..=MOST_NORAD).contains(number));
+    number.ok_or_else(|| format!("allowed: NORAD catalogue numbers, 1 to {MOST_NORAD}, as 25544"))
 }
 
 /// A configuration file, or nothing said.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::arguments::{OutputArguments, SharedArguments};
+use crate::arguments::{OutputArguments, SharedArguments, norad_id};
 
 #[derive(Args)]
 pub struct ForecastArguments {
@@ -36,7 +36,7 @@ pub struct ForecastArguments {
     #[arg(long, value_name = "TEXT", num_args = 1.., help_heading = "Filters")]
     pub name: Vec<String>,
     /// Satellites of these NORAD catalogue numbers alone
-    #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', help_heading = "Filters")]
+    #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id, help_heading = "Filters")]
     pub norad: Vec<u32>,
     /// Passes in the Earth's shadow and by daylight too
     #[arg(long, help_heading = "Filters")]
@@ -53,9 +53,9 @@ pub struct ForecastArguments {
     /// In a calendar, an alarm so long before each pass, as 5min
     #[arg(long, value_name = "TIME", help_heading = "Output")]
     pub alarm: Option<String>,
-    /// Angles of a tracking data message: radec or azel
-    #[arg(long, value_name = "TYPE", default_value = "radec", help_heading = "Output")]
-    pub angle_type: String,
+    /// Angles of a tracking data message: radec (where unsaid) or azel
+    #[arg(long, value_name = "TYPE", help_heading = "Output")]
+    pub angle_type: Option<String>,
     #[command(flatten)]
     pub shared: SharedArguments,
     #[command(flatten)]

@@ -25,7 +25,7 @@ pub struct IdentifyArguments {
 }
 
 /// Where the streak lies: by two ends, by a place and an angle, in a frame, or by regions.
-#[derive(Args)]
+#[derive(Args, Clone)]
 #[command(next_help_heading = "Streak")]
 pub struct StreakPlaceArguments {
     /// One end of the streak (ICRS), said twice: 232.01,8.93 or 15h28m04s,8d55m42s
@@ -71,7 +71,7 @@ pub struct StreakPlaceArguments {
 }
 
 /// When it was made.
-#[derive(Args)]
+#[derive(Args, Clone)]
 #[command(next_help_heading = "Streak")]
 pub struct StreakTimeArguments {
     /// When the satellite was at the first and at the second --end

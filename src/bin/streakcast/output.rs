@@ -24,10 +24,16 @@ pub enum Format {
     Json,
     JsonLines,
     VoTable,
+    #[cfg(feature = "parquet")]
+    Parquet,
 }
 
 /// Their names.
+#[cfg(not(feature = "parquet"))]
 pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable";
+/// Their names.
+#[cfg(feature = "parquet")]
+pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable, parquet";
 
 impl Format {
     pub fn by_name(name: &str) -> Option<Self> {
@@ -38,6 +44,8 @@ impl Format {
             "json" => Some(Format::Json),
             "jsonl" => Some(Format::JsonLines),
             "votable" | "vot" => Some(Format::VoTable),
+            #[cfg(feature = "parquet")]
+            "parquet" => Some(Format::Parquet),
             _ => None,
         }
     }
@@ -77,7 +85,10 @@ impl Output {
             None if stdout().is_terminal() => Format::Table,
             None => Format::Csv,
         };
-        let unknown = |name| anyhow!("format '{name}' is not known; allowed: {FORMATS}");
+        let unknown = |name| match name {
+            "parquet" => anyhow!("format 'parquet' needs a build with the cargo feature parquet; allowed: {FORMATS}"),
+            name => anyhow!("format '{name}' is not known; allowed: {FORMATS}"),
+        };
         let by_name = |name| Format::by_name(name).ok_or_else(|| unknown(name));
         let format = format.map(by_name).transpose()?.unwrap_or_else(unsaid);
         if let Some(path) = &path {
@@ -101,6 +112,13 @@ impl Output {
             Format::Json => write_json(out, &answer.sections, answer.provenance),
             Format::JsonLines => write_json_lines(out, answer.main, answer.provenance),
             Format::VoTable => write_votable(out, answer.main, answer.provenance),
+            #[cfg(feature = "parquet")]
+            Format::Parquet => {
+                // Its end tells where everything is: the writer wants a place of its own.
+                let mut bytes = Vec::new();
+                streakcast::table::write_parquet(&mut bytes, answer.main, answer.provenance)?;
+                out.write_all(&bytes)
+            }
         })
     }
 

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 use streakcast::setup::Setup;
 
-use crate::arguments::{RulesArguments, SharedArguments};
+use crate::arguments::{RulesArguments, SharedArguments, norad_id};
 use crate::map_arguments::{BodyViewArguments, SkyViewArguments};
 
 #[derive(Args)]
@@ -26,6 +26,8 @@ pub enum PlotVerb {
     Field(Box<PlotFieldArguments>),
     /// Magnitude along a track with its error, and when the satellite is in the field
     LightCurve(Box<PlotLightCurveArguments>),
+    /// Passes of a forecast over the sky of their site, from rise to set, with times and magnitudes
+    SkyChart(Box<PlotSkyChartArguments>),
     /// Expected streaks an exposure over the sky of a site at one moment
     SkyRate(Box<PlotSkyRateArguments>),
     /// Trails an exposure against the Sun's altitude, of a schedule or of a night
@@ -134,13 +136,13 @@ pub struct PlotFieldArguments {
 
 #[derive(Args)]
 pub struct PlotLightCurveArguments {
-    /// A table instead of a question: the data of an earlier plot light-curve
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["start", "exposure", "ra", "dec", "elements", "shells", "norad"])]
+    /// A table instead of a question: the data of an earlier plot light-curve, or what forecast wrote (--light-curves, or JSON with --samples N)
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["start", "exposure", "ra", "dec", "elements", "shells"])]
     pub from: Option<PathBuf>,
     #[command(flatten)]
     pub exposure: ExposureArguments,
-    /// Which of the satellites that cross; the brightest where unsaid
-    #[arg(long, value_name = "ID")]
+    /// Which of the satellites that cross, or of a forecast's passes; the brightest where unsaid
+    #[arg(long, value_name = "ID", value_parser = norad_id)]
     pub norad: Option<u32>,
     /// So much of the track before entry and after exit, with its unit; at most 10min
     #[arg(long, value_name = "TIME", default_value = "30s")]
@@ -152,6 +154,20 @@ pub struct PlotLightCurveArguments {
     pub shared: SharedArguments,
     #[command(flatten)]
     pub clock: ClockArguments,
+    #[command(flatten)]
+    pub title: TitleArguments,
+    #[command(flatten)]
+    pub picture: PictureArguments,
+}
+
+#[derive(Args)]
+pub struct PlotSkyChartArguments {
+    /// What forecast wrote: the file of --light-curves, or JSON with --samples N
+    #[arg(long, value_name = "FILE")]
+    pub from: PathBuf,
+    /// Passes of these satellites alone; else the 22 brightest
+    #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)]
+    pub norad: Vec<u32>,
     #[command(flatten)]
     pub title: TitleArguments,
     #[command(flatten)]

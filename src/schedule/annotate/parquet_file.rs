@@ -1,14 +1,13 @@
 //! Parquet: every column as it was, with the file's metadata; flags as further columns, streaks in a file beside it.
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, RecordBatchReader, StringArray};
-use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use arrow_array::{BooleanArray, RecordBatch, RecordBatchReader};
+use arrow_schema::{Field, Schema, SchemaRef};
 use arrow_select::filter::filter_record_batch;
 use parquet::arrow::ArrowWriter;
-use parquet::basic::{Compression, ZstdLevel};
+use parquet::basic::Compression;
 use parquet::file::metadata::{KeyValue, ParquetMetaData};
 use parquet::file::properties::WriterProperties;
 
@@ -17,7 +16,7 @@ use super::super::formats::{batches, display};
 use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, streaks_path};
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::table::{AtomicFile, Column, Kind, Table, Value};
+use crate::table::{AtomicFile, parquet_columns, parquet_fields, write_parquet};
 
 /// Made anew by the writer.
 const ARROW_SCHEMA: &str = "ARROW:schema";
@@ -36,7 +35,7 @@ pub(super) fn annotate(
     check_rows(input, usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(0), annotation)?;
 
     let fields: Vec<Arc<Field>> =
-        own.iter().map(|&index| schema.fields()[index].clone()).chain(flag_fields(&flags).map(Arc::new)).collect();
+        own.iter().map(|&index| schema.fields()[index].clone()).chain(parquet_fields(&flags).map(Arc::new)).collect();
     // What the schema says beyond its fields stands in the file's own metadata, where pyarrow looks for it.
     let new_schema: SchemaRef = Arc::new(Schema::new(fields));
     let file = AtomicFile::new(output).map_err(|source| AnnotateError::Write { path: display(output), source })?;
@@ -60,7 +59,7 @@ pub(super) fn annotate(
             batch
         };
         let next = flag_row + batch.num_rows();
-        let arrays = arrays(&flags.columns, flags.rows.get(flag_row..next).unwrap_or_default());
+        let arrays = parquet_columns(&flags.columns, flags.rows.get(flag_row..next).unwrap_or_default());
         flag_row = next;
         let columns = batch.columns().iter().cloned().chain(arrays).collect();
         let batch = RecordBatch::try_new(new_schema.clone(), columns).map_err(|error| broken(&error))?;
@@ -99,51 +98,6 @@ fn write_streaks(path: &Path, annotation: &Annotation<'_>) -> Result<AtomicFile,
     let broken =
         |error: &dyn std::fmt::Display| AnnotateError::Parquet { path: display(path), what: error.to_string() };
     let file = AtomicFile::new(path).map_err(|source| AnnotateError::Write { path: display(path), source })?;
-    let streaks = annotation.streaks;
-    let schema: SchemaRef = Arc::new(Schema::new(flag_fields(streaks).collect::<Vec<_>>()));
-    let provenance = serde_json::to_string(annotation.provenance).unwrap_or_default();
-    let properties = WriterProperties::builder()
-        .set_compression(Compression::ZSTD(ZstdLevel::default()))
-        .set_key_value_metadata(Some(vec![KeyValue::new("provenance".to_owned(), provenance)]))
-        .build();
-    let mut writer =
-        ArrowWriter::try_new(file.file(), schema.clone(), Some(properties)).map_err(|error| broken(&error))?;
-    let batch =
-        RecordBatch::try_new(schema, arrays(&streaks.columns, &streaks.rows)).map_err(|error| broken(&error))?;
-    writer.write(&batch).map_err(|error| broken(&error))?;
-    writer.close().map_err(|error| broken(&error))?;
+    write_parquet(file.file(), annotation.streaks, annotation.provenance).map_err(|error| broken(&error))?;
     Ok(file)
-}
-
-/// The columns of a table as Arrow calls them, units and meanings in their metadata.
-fn flag_fields(table: &Table) -> impl Iterator<Item = Field> + '_ {
-    table.columns.iter().map(|column| {
-        let kind = match column.kind {
-            Kind::Integer => DataType::Int64,
-            Kind::Real { .. } => DataType::Float64,
-            Kind::Boolean => DataType::Boolean,
-            Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => DataType::Utf8,
-        };
-        let said = [("unit", column.unit), ("description", column.description)];
-        let said = said.into_iter().filter(|(_, text)| !text.is_empty());
-        let said: HashMap<String, String> = said.map(|(key, text)| (key.to_owned(), text.to_owned())).collect();
-        Field::new(column.name, kind, true).with_metadata(said)
-    })
-}
-
-/// Rows as columns; numbers with the digits of the other formats.
-fn arrays(columns: &[Column], rows: &[Vec<Value>]) -> Vec<ArrayRef> {
-    let column = |(index, column): (usize, &Column)| -> ArrayRef {
-        let texts =
-            rows.iter().map(|row| row.get(index).map(|value| column.text(value)).filter(|text| !text.is_empty()));
-        match column.kind {
-            Kind::Integer => Arc::new(texts.map(|text| text?.parse().ok()).collect::<Int64Array>()),
-            Kind::Real { .. } => Arc::new(texts.map(|text| text?.parse().ok()).collect::<Float64Array>()),
-            Kind::Boolean => Arc::new(texts.map(|text| text?.parse().ok()).collect::<BooleanArray>()),
-            Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => {
-                Arc::new(texts.collect::<StringArray>())
-            }
-        }
-    };
-    columns.iter().enumerate().map(column).collect()
 }

@@ -66,3 +66,28 @@ class ClearWindows(NamedTuple):
     last_start: Any
     #: Length from the first to the last start, seconds.
     length_s: FloatArray
+
+
+class Forecast(NamedTuple):
+    """The visible passes of one or several nights."""
+
+    #: One row a pass, by the moment from which it can be seen: ``night`` (row of ``nights``), rise, culmination and set, shadow entry and
+    #: exit, the visible part (``begin``, ``highest``, ``end`` and by what it begins and ends), peak magnitude with sigma, source, place and
+    #: range, age of the elements, and ``samples`` where asked for.
+    passes: Any
+    #: One row a night: when it is dark, the Sun at its lowest, how many passes were left out and why, and ``why_empty``.
+    nights: Any
+
+
+class Identification(NamedTuple):
+    """Whose streak it may be."""
+
+    #: One row a candidate, the most probable first: offsets along and across the track with their sigmas, angle, length, chi square,
+    #: probability, place, magnitude, age of the elements.
+    candidates: Any
+    #: The streak as it was understood, one row.
+    streak: Any
+    #: How many candidates there are, listed or not.
+    n_candidates: int
+    #: Probability that it is none of them, but a satellite without elements here.
+    unknown_probability: float

@@ -17,56 +17,7 @@ def times_from_text(texts: list[str], scale: Optional[str] = None) -> tuple[_Rea
 def times_from_mjd(mjd: _Reals, scale: str) -> tuple[_Reals, _Reals]: ...
 def setup_files(setup: str, config: Optional[str] = None) -> list[Path]: ...
 def utc_mjd(jd1: _Reals, jd2: _Reals) -> list[float]: ...
-def plot_night(
-    start_mjd: list[float],
-    duration_s: list[float],
-    n_streaks: list[float],
-    brightest_mag: list[float],
-    title: str,
-    caption: str,
-    limit_mag: Optional[float] = None,
-    sun: list[tuple[float, float]] = ...,
-    local_h: Optional[float] = None,
-    local_name: str = "",
-) -> Picture: ...
-def plot_field(
-    ra_deg: float,
-    dec_deg: float,
-    outlines: list[list[list[float]]],
-    streaks: list[tuple[str, list[list[float]], str, str, float, float]],
-    title: str,
-    caption: str,
-) -> Picture: ...
-def plot_light_curve(
-    time_mjd: list[float],
-    magnitude: list[float],
-    sigma_mag: list[float],
-    in_field: list[list[float]],
-    title: str,
-    caption: str,
-    shutter: Optional[list[float]] = None,
-    limit_mag: Optional[float] = None,
-    local_h: Optional[float] = None,
-    local_name: str = "",
-) -> Picture: ...
-def plot_sky_rate(
-    nside: int,
-    cells: list[int],
-    rate: list[float],
-    sun_azimuth_deg: float,
-    title: str,
-    subtitle: str,
-    caption: str,
-) -> Picture: ...
-def plot_sun_altitude(
-    sun_altitude_deg: list[float],
-    n_trails: list[float],
-    bin_deg: float,
-    title: str,
-    caption: str,
-    n_bright: Optional[list[float]] = None,
-    limit_mag: Optional[float] = None,
-) -> Picture: ...
+def draw(chart: str, words: dict[str, Any], columns: dict[str, Any]) -> Picture: ...
 
 class Picture:
     @property
@@ -122,6 +73,11 @@ def inject(
     header: Optional[str] = None,
 ) -> dict[str, Any]: ...
 
+def forecast(questions: list[str], setup: str, config: Optional[str], skies: Skies) -> dict[str, Any]: ...
+def identify(
+    said: str, setup: str, config: Optional[str], skies: Skies, include_dark: bool, top: int
+) -> dict[str, Any]: ...
+
 class Skies:
     def __new__(
         cls, setup: str, config: Optional[str] = None, epoch: Optional[tuple[float, float]] = None
@@ -154,6 +110,3 @@ class Engine:
         blocking: str,
         max_sun_altitude_deg: Optional[float] = None,
     ) -> tuple[dict[str, Any], list[str]]: ...
-    def visible_passes(
-        self, start: tuple[float, float], end: tuple[float, float], min_altitude_deg: float, lit_only: bool
-    ) -> tuple[_Columns, list[str]]: ...

@@ -9,7 +9,7 @@ import numpy.typing as npt
 
 from ._answers import VERDICTS, Assessment, ClearWindows
 from ._quantities import FloatArray, directions, number, scalar
-from ._state import ModelState
+from ._sights import Sights
 from ._tables import TableLike, table_of, time_of, wants_qtable
 from ._times import TimeLike, to_tai
 
@@ -19,13 +19,8 @@ BLOCKING = ("any", "avoid", "limits")
 Numbers = Any
 
 
-class Questions(ModelState):
+class Questions(Sights):
     """The questions of `StreakModel`."""
-
-    @property
-    def mjd_scale(self) -> Union[str, None]:
-        """The scale of bare numbers of time."""
-        return self._open()[1].time_scale
 
     def assess(
         self,
@@ -243,42 +238,6 @@ class Questions(ModelState):
         moments = [one[2].view("datetime64[ns]") for one in (first, last)]
         return ClearWindows(answer["target"], moments[0], moments[1], length)
 
-    def visible_passes(
-        self,
-        start: TimeLike,
-        end: TimeLike,
-        *,
-        min_altitude: Numbers = 10.0,
-        lit_only: bool = True,
-        scale: Union[str, None] = None,
-        output: str = "auto",
-    ) -> TableLike:
-        """Rise, culmination and set of every satellite in a night, with magnitudes.
-
-        Parameters
-        ----------
-        start, end : time
-            From when to when.
-        min_altitude : float or `~astropy.units.Quantity`
-            What rise and set are counted from, degrees, without refraction.
-        lit_only : bool
-            Only passes with a magnitude at rise, culmination or set.
-        scale : {"utc", "tai", "tt"}, optional
-            Scale of bare numbers.
-        output : {"auto", "qtable", "dict"}
-            As for `flags`.
-
-        Returns
-        -------
-        QTable or dict of arrays, ``(n_passes,)`` each, by time of culmination
-        """
-        moments = [self._moment(time, scale) for time in (start, end)]
-        skies, engine = self._open()
-        altitude = scalar(min_altitude, "deg", "min_altitude")
-        columns, told = engine.visible_passes(moments[0], moments[1], altitude, lit_only)
-        self._tell(skies, told)
-        return table_of(columns, output)
-
     def check_pointings(
         self,
         pointing_ras: Numbers,
@@ -310,15 +269,6 @@ class Questions(ModelState):
         """
         answer = self.assess((pointing_ras, pointing_decs), mjds, visit_time, scale=scale)
         return np.atleast_1d(answer.streak_length_deg), np.atleast_1d(answer.n_streaks)
-
-    def _scale(self, scale: Union[str, None]) -> Union[str, None]:
-        return self.mjd_scale if scale is None else scale
-
-    def _moment(self, time: TimeLike, scale: Union[str, None]) -> tuple[float, float]:
-        jd1, jd2 = to_tai(time, self._scale(scale))
-        if np.shape(jd1) != ():
-            raise ValueError(f"time has the shape {np.shape(jd1)}; allowed: one moment")
-        return float(jd1), float(jd2)
 
     def _question(
         self, target: Any, start: TimeLike, exposure: Numbers, rotation: Numbers, band: Any, scale: Union[str, None]

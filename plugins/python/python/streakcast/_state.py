@@ -10,8 +10,11 @@ import warnings
 import weakref
 from typing import TYPE_CHECKING, Any, Union
 
+import numpy as np
+
 from . import _core
 from ._setup import ENGINE_KEYS, SKY_KEYS, document
+from ._times import TimeLike, to_tai
 from .errors import ChangedFileError, StreakcastWarning
 
 if TYPE_CHECKING:
@@ -121,6 +124,20 @@ class ModelState:
         """Paths of all files that this model was made of, with the SHA-256 of each."""
         self._open()
         return dict(self._state["files"])
+
+    @property
+    def mjd_scale(self) -> Union[str, None]:
+        """The scale of bare numbers of time."""
+        return self._open()[1].time_scale
+
+    def _scale(self, scale: Union[str, None]) -> Union[str, None]:
+        return self.mjd_scale if scale is None else scale
+
+    def _moment(self, time: TimeLike, scale: Union[str, None]) -> tuple[float, float]:
+        jd1, jd2 = to_tai(time, self._scale(scale))
+        if np.shape(jd1) != ():
+            raise ValueError(f"time has the shape {np.shape(jd1)}; allowed: one moment")
+        return float(jd1), float(jd2)
 
     def changed_files(self) -> list[str]:
         """Files whose content is not what this model was made of: missing, half written, or new.

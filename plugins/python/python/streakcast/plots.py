@@ -22,13 +22,15 @@ from . import _core
 from ._quantities import directions, number, scalar
 from ._times import TimeLike, is_time, to_tai
 
-__all__ = ["Picture", "field", "light_curve", "night", "sky_rate", "sun_altitude"]
+__all__ = ["Picture", "field", "light_curve", "night", "sky_chart", "sky_rate", "sun_altitude"]
 
 #: MJD of 1970-01-01, where ``datetime64`` begins.
 _UNIX_MJD = 40587.0
 _DAY_NS = 86_400e9
 #: Corners of a circle.
 _ROUND = 180
+#: Passes in one chart of the sky: the list beside has room for no more.
+_MOST_PASSES = 22
 
 
 class Picture:
@@ -121,20 +123,10 @@ def night(
     streaks = _numbers(flags, "n_streaks")
     start_mjd = np.broadcast_to(_mjd(start, scale), streaks.shape)
     seconds = np.broadcast_to(number(exposure, "s", "exposure"), streaks.shape)
-    return Picture(
-        _core.plot_night(
-            start_mjd.tolist(),
-            seconds.tolist(),
-            streaks.tolist(),
-            brightest.tolist(),
-            title,
-            "",
-            limit_mag,
-            [],
-            utc_offset,
-            _clock_name(utc_offset),
-        )
-    )
+    return _drawn(
+        "night", title, limit_mag=limit_mag, utc_offset=utc_offset,
+        start_mjd=start_mjd, duration_s=seconds, n_streaks=streaks, brightest_mag=brightest,
+    )  # fmt: skip
 
 
 def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title: str = "") -> Picture:
@@ -180,7 +172,8 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
     ]
     word = "streak" if len(streaks) == 1 else "streaks"
     caption = f"Centre RA {ra:.4f}°, Dec {dec:.4f}°, ICRS; gnomonic (TAN), north up, east left. {len(streaks)} {word}."
-    return Picture(_core.plot_field(ra, dec, outlines, streaks, title, caption.replace(" -", " −")))
+    caption = caption.replace(" -", " −")
+    return _drawn("field", title, caption, ra_deg=ra, dec_deg=dec, outlines=outlines, streaks=streaks)
 
 
 def light_curve(
@@ -195,7 +188,8 @@ def light_curve(
     Parameters
     ----------
     samples : sequence of dict
-        A cell of the column ``samples`` of ``StreakModel.passes(..., samples=100)``, with ``utc``, ``magnitude`` and ``magnitude_sigma``.
+        A cell of the column ``samples`` of ``StreakModel.passes(..., samples=100)`` (then all of it lies in the field) or of
+        ``StreakModel.forecast(..., samples=100).passes`` (from rise to set), with ``utc``, ``magnitude`` and ``magnitude_sigma``.
     limit_mag : float, optional
         A line at this magnitude.
     utc_offset : float, optional
@@ -212,17 +206,54 @@ def light_curve(
     StreakcastError
         Fewer than two points, or none with a magnitude.
     """
-    # An empty list is a question like any other: the chart says what it lacks.
-    times = _mjd(np.array([str(point["utc"]) for point in samples], dtype=str), None)
+    times = _sample_times(samples)
+    # What is from rise to set has places without any light too, and says so.
+    is_of_field = len(times) > 1 and "illumination" not in samples[0]
+    return _drawn(
+        "light_curve", title, limit_mag=limit_mag, utc_offset=utc_offset,
+        time_mjd=times, magnitude=_of_samples(samples, "magnitude"), sigma_mag=_of_samples(samples, "magnitude_sigma"),
+        in_field=[[float(times[0]), float(times[-1])]] if is_of_field else [],
+    )  # fmt: skip
 
-    def column(name: str) -> list[float]:
-        return [np.nan if point[name] is None else float(point[name]) for point in samples]
 
-    ends = [[float(times[0]), float(times[-1])]] if len(times) > 1 else []
-    curve = (times.tolist(), column("magnitude"), column("magnitude_sigma"))
-    return Picture(
-        _core.plot_light_curve(*curve, ends, title, "", None, limit_mag, utc_offset, _clock_name(utc_offset))
-    )
+def sky_chart(passes: Any, *, title: str = "") -> Picture:
+    """Passes over the sky of a site: zenith in the middle, north up, east left, in the colours of their magnitudes.
+
+    Parameters
+    ----------
+    passes : QTable or dict of arrays, ``(n_passes,)``
+        What ``StreakModel.forecast(..., samples=100).passes`` returned, or some of its rows; the 22 brightest are drawn.
+    title : str
+        Words above.
+
+    Returns
+    -------
+    Picture
+
+    Raises
+    ------
+    StreakcastError
+        No pass, or passes without two points along them.
+    ValueError
+        A table without ``samples``.
+    """
+    names = passes.keys()
+    if "samples" not in names:
+        raise ValueError("passes have no column samples; ask forecast(..., samples=100)")
+    tracks = [
+        dict(
+            name=str(name), time_mjd=_sample_times(samples).tolist(), azimuth_deg=_of_samples(samples, "azimuth_deg"),
+            altitude_deg=_of_samples(samples, "altitude_deg"), magnitude=_of_samples(samples, "magnitude"),
+            sigma_mag=_of_samples(samples, "magnitude_sigma"),
+        )
+        for name, samples in zip(_texts(passes, "name"), passes["samples"])
+    ]  # fmt: skip
+    count = len(tracks)
+    brightest = sorted(range(count), key=lambda k: min([m for m in tracks[k]["magnitude"] if m == m], default=np.inf))
+    tracks = [tracks[k] for k in sorted(brightest[:_MOST_PASSES])]
+    more = f" The {len(tracks)} brightest of {count} passes." if len(tracks) < count else ""
+    caption = "Zenith in the middle, horizon at the rim, north up, east left; grey where nothing is seen." + more
+    return _drawn("sky_chart", title, caption, tracks=tracks)
 
 
 def sky_rate(
@@ -260,7 +291,9 @@ def sky_rate(
     """
     numbers = np.ravel(np.asarray(cells)).astype(np.uint64).tolist()
     values = np.ravel(np.asarray(rate, dtype=np.float64)).tolist()
-    return Picture(_core.plot_sky_rate(nside, numbers, values, sun_azimuth_deg, title, subtitle, ""))
+    return _drawn(
+        "sky_rate", title, nside=nside, cells=numbers, rate=values, sun_azimuth_deg=sun_azimuth_deg, subtitle=subtitle
+    )
 
 
 def sun_altitude(
@@ -303,12 +336,39 @@ def sun_altitude(
     altitudes = np.ravel(number(sun_altitude_deg, "deg", "sun_altitude_deg")).tolist()
     trails = np.ravel(np.asarray(n_trails, dtype=np.float64)).tolist()
     bright = None if n_bright is None else np.ravel(np.asarray(n_bright, dtype=np.float64)).tolist()
-    return Picture(_core.plot_sun_altitude(altitudes, trails, bin_deg, title, "", bright, limit_mag))
+    return _drawn(
+        "sun_altitude", title, limit_mag=limit_mag,
+        sun_altitude_deg=altitudes, n_trails=trails, bin_deg=bin_deg, n_bright=bright,
+    )  # fmt: skip
 
 
-def _clock_name(utc_offset: Union[float, None]) -> str:
-    if utc_offset is None:
-        return ""
+def _drawn(
+    chart: str,
+    title: str,
+    caption: str = "",
+    *,
+    limit_mag: Union[float, None] = None,
+    utc_offset: Union[float, None] = None,
+    **columns: Any,
+) -> Picture:
+    """A chart by its name, of its words and its own columns."""
+    local = None if utc_offset is None else (float(utc_offset), _clock_name(utc_offset))
+    words = {"title": title, "caption": caption, "limit_mag": limit_mag, "local": local}
+    plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in columns.items()}
+    return Picture(_core.draw(chart, words, plain))
+
+
+def _sample_times(samples: Sequence[dict[str, Any]]) -> npt.NDArray[np.float64]:
+    """Moments along a pass, MJD (UTC)."""
+    # An empty list is a question like any other: the chart says what it lacks.
+    return _mjd(np.array([str(point["utc"]) for point in samples], dtype=str), None)
+
+
+def _of_samples(samples: Sequence[dict[str, Any]], name: str) -> list[float]:
+    return [np.nan if point[name] is None else float(point[name]) for point in samples]
+
+
+def _clock_name(utc_offset: float) -> str:
     sign, minutes = ("−" if utc_offset < 0 else "+"), round(abs(utc_offset) * 60)
     rest = f":{minutes % 60:02}" if minutes % 60 else ""
     return f"local time (UTC{sign}{minutes // 60}{rest})"

@@ -3,15 +3,15 @@
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::json;
-use streakcast::catalogue::Generation;
 use streakcast::forecast::{
-    AngleType, Forecast, ForecastRequest, PassRow, Selection, calendar, forecast, light_curve_table, night_table,
-    pass_table, readable_table, score_report, tdm,
+    AngleType, Forecast, ForecastRequest, PassRow, calendar, forecast, light_curve_table, night_table, pass_table,
+    readable_table, score_report, tdm,
 };
 use streakcast::geometry::Site;
 use streakcast::passes::SkyError;
+use streakcast::questions::ForecastSaid;
 use streakcast::setup::{Prepared, Setup, parse_duration_s};
-use streakcast::table::{Section, format_utc};
+use streakcast::table::{Section, counted, format_utc};
 
 use super::judged::{begin, state_scales};
 use super::passes::left_out_table;
@@ -74,33 +74,22 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let curves = typed.light_curves.clone().map(|path| Output::new(None, Some(path))).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
     let offset_s = typed.utc_offset.as_deref().map(parse_offset_s).transpose()?;
-    let angles = AngleType::by_name(&typed.angle_type)
-        .ok_or_else(|| anyhow!("angle-type '{}' is not known; allowed: radec, azel", typed.angle_type))?;
-    let selection = selection(&typed)?;
+    let angles = angles(typed.angle_type.as_deref())?;
+    says_something(&typed, document)?;
+    let said = typed.said();
+    let selection = said.selection()?;
     let notices = begin(&setup)?;
-    let (from, to) = super::night::range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &setup)?;
-    let unsaid_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
-    let request = ForecastRequest {
-        max_sun_altitude_rad: Some(typed.sun_altitude_deg.to_radians()),
-        min_altitude_rad: typed.min_altitude.to_radians(),
-        min_culmination_rad: typed.min_culmination.to_radians(),
-        max_magnitude: typed.max_mag,
-        include_dark: typed.include_dark,
-        samples: typed.samples.or(setup.samples).unwrap_or(unsaid_samples),
-        photometry: setup.photometry()?,
-        ..ForecastRequest::new(from, to)
-    };
-    request.check()?;
+    let (from, to) = said.time_range(&setup)?;
+    let request = said.request((from, to), &setup, if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 })?;
 
     let mut prepared = setup.prepare(from, to)?;
     notices.warn(&prepared.warnings);
     let found = forecast(&prepared.sky, &request, &selection)?;
     notices.warn(&prepared.left_out_warning(&found.found.left_out, from)?);
+    notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
     state(&mut prepared, &setup, &typed, &request);
     let site = site_of(&prepared)?;
-    // Coordinates alone have no name.
-    let place = if site.name == "site" { "the site" } else { &site.name };
-    let why_empty = found.why_empty(place, &request);
+    let why_empty = found.why_empty(&prepared.sky, &request);
 
     let elements = prepared.sky.elements();
     let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
@@ -156,18 +145,43 @@ fn open(typed: &ForecastArguments, setup: &Setup) -> anyhow::Result<(Output, Opt
     }
 }
 
-fn selection(typed: &ForecastArguments) -> anyhow::Result<Selection> {
-    let kind = |name: &String| {
-        Generation::by_name(name).ok_or_else(|| {
-            let known = Generation::ALL.map(Generation::name).join(", ");
-            anyhow!("generation '{name}' is not known; allowed: {known}")
-        })
-    };
-    Ok(Selection {
-        generations: typed.generation.iter().map(kind).collect::<anyhow::Result<_>>()?,
-        names: typed.name.clone(),
-        norad_ids: typed.norad.clone(),
+fn angles(said: Option<&str>) -> anyhow::Result<AngleType> {
+    said.map_or(Ok(AngleType::default()), |name| {
+        AngleType::by_name(name).ok_or_else(|| anyhow!("angle-type '{name}' is not known; allowed: radec, azel"))
     })
+}
+
+/// Flags of one format say nothing in another; that is better said than passed over.
+fn says_something(typed: &ForecastArguments, document: Option<Document>) -> anyhow::Result<()> {
+    if typed.alarm.is_some() && document != Some(Document::Calendar) {
+        return Err(anyhow!("--alarm is for calendars alone; allowed: with --format ics, or a file that ends in .ics"));
+    }
+    if typed.angle_type.is_some() && document != Some(Document::TrackingData) {
+        return Err(anyhow!(
+            "--angle-type is for tracking data messages alone; allowed: with --format tdm, or a file that ends in .tdm"
+        ));
+    }
+    Ok(())
+}
+
+impl ForecastArguments {
+    /// The question as it was typed.
+    fn said(&self) -> ForecastSaid {
+        ForecastSaid {
+            night: self.night.clone(),
+            start: self.start.clone(),
+            end: self.end.clone(),
+            max_mag: self.max_mag,
+            min_altitude: self.min_altitude,
+            min_culmination: self.min_culmination,
+            sun_altitude_deg: Some(self.sun_altitude_deg),
+            generation: self.generation.clone(),
+            name: self.name.clone(),
+            norad: self.norad.clone(),
+            include_dark: self.include_dark,
+            samples: self.samples,
+        }
+    }
 }
 
 /// `+01:00`, `-4:30`, `+5`, `Z`: seconds ahead of UTC.
@@ -233,7 +247,6 @@ fn brightest(found: &Forecast) -> Option<usize> {
 fn summary(found: &Forecast) -> String {
     let passes = &found.found.passes;
     let satellites: std::collections::BTreeSet<_> = passes.iter().map(|pass| pass.element_index).collect();
-    let counted = |count: usize, one: &str, many: &str| format!("{count} {}", if count == 1 { one } else { many });
     let passes = counted(passes.len(), "pass", "passes");
     format!("{passes} of {}", counted(satellites.len(), "satellite", "satellites"))
 }

@@ -1,10 +1,10 @@
 //! `passes`: every satellite that crosses the field during one exposure.
 
-use anyhow::anyhow;
 use serde_json::json;
 use streakcast::frames::seconds_after;
 use streakcast::passes::{Exposure, FieldPass, PassOptions, Passes};
-use streakcast::schedule::{StreakRow, exposure_table, lowest_altitudes_rad, streak_table};
+use streakcast::questions::above_the_horizon;
+use streakcast::schedule::{StreakRow, exposure_table, streak_table};
 use streakcast::setup::{Prepared, Quantity, Setup, parse_moment};
 use streakcast::table::{Column, Kind, Section, Table, format_utc};
 use streakcast::telescope::Telescope;
@@ -124,22 +124,6 @@ impl Asked {
             photometry: &self.options.photometry,
         });
         streak_table(rows, is_nested, self.options.samples > 0)
-    }
-}
-
-/// Refuses what lies below the horizon, or the Earth's limb, at any time of the exposure.
-pub fn above_the_horizon(what: &str, exposure: &Exposure, prepared: &Prepared) -> anyhow::Result<()> {
-    let viewpoint = prepared.sky.viewpoint();
-    let altitudes_rad = lowest_altitudes_rad(&[exposure], viewpoint, &prepared.eop);
-    match altitudes_rad.first() {
-        Some(altitude_rad) if *altitude_rad < 0.0 => Err(anyhow!(
-            "the {what} is below {} of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
-            viewpoint.border_name(),
-            viewpoint.name(),
-            format_utc(exposure.start, 0),
-            altitude_rad.to_degrees()
-        )),
-        _ => Ok(()),
     }
 }
 

@@ -32,10 +32,15 @@ impl Columns {
 
     /// A CSV, ECSV or JSON file; of a JSON document the array `section`, or the one that there is.
     pub fn read(path: &Path, section: &str) -> anyhow::Result<Self> {
+        Self::read_first(path, &[section])
+    }
+
+    /// The same of several arrays: the first that the document has.
+    pub fn read_first(path: &Path, sections: &[&str]) -> anyhow::Result<Self> {
         let origin = path.display().to_string();
         let text = fs::read_to_string(path).map_err(|error| anyhow!("table {origin}: {error}"))?;
         let columns = match text.trim_start().chars().next() {
-            Some('{' | '[') => Self::from_json(&origin, &text, section)?,
+            Some('{' | '[') => Self::from_json(&origin, &text, sections)?,
             Some(_) => Self::from_csv(&origin, &text)?,
             None => bail!("table {origin} is empty; allowed: CSV, ECSV or JSON"),
         };
@@ -78,15 +83,16 @@ impl Columns {
         Ok(Self { origin: origin.to_owned(), names, rows, provenance })
     }
 
-    fn from_json(origin: &str, text: &str, section: &str) -> anyhow::Result<Self> {
+    fn from_json(origin: &str, text: &str, sections: &[&str]) -> anyhow::Result<Self> {
         let broken = |error: serde_json::Error| anyhow!("table {origin}: not JSON: {error}");
+        let wanted = sections.join("' or '");
         let (mut document, rows) = match serde_json::from_str::<Value>(text) {
             Ok(Value::Array(rows)) => (Map::new(), rows),
-            Ok(Value::Object(mut document)) => match document.remove(section) {
+            Ok(Value::Object(mut document)) => match sections.iter().find_map(|section| document.remove(*section)) {
                 Some(Value::Array(rows)) => (document, rows),
-                _ => bail!("table {origin}: it has no array '{section}'"),
+                _ => bail!("table {origin}: it has no array '{wanted}'"),
             },
-            Ok(_) => bail!("table {origin}: allowed is an object with an array '{section}', or an array of objects"),
+            Ok(_) => bail!("table {origin}: allowed is an object with an array '{wanted}', or an array of objects"),
             // One object a line, the first with what they rest on.
             Err(error) => {
                 let lines = text.lines().filter(|line| !line.trim().is_empty());
@@ -114,6 +120,11 @@ impl Columns {
         let rows = rows.map(|(index, row)| (index + 1, names.iter().map(|name| cell(row, name)).collect())).collect();
         let provenance = document.remove("provenance").and_then(object).unwrap_or_default();
         Ok(Self { origin: origin.to_owned(), names, rows, provenance })
+    }
+
+    /// What messages call it.
+    pub fn origin(&self) -> &str {
+        &self.origin
     }
 
     pub fn len(&self) -> usize {

@@ -14,10 +14,9 @@ use crate::verbs::judged::begin;
 use crate::verbs::passes::ask;
 
 use super::columns::Columns;
+use super::curves::SYNTHETIC;
 use super::target::Target;
 
-/// Names of satellites of shells end so; the caption says it of all.
-const SYNTHETIC: &str = " (synthetic)";
 /// Points of a circle.
 const ROUND: usize = 180;
 

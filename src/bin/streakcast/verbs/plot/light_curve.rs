@@ -17,6 +17,7 @@ use crate::verbs::passes::{Asked, ask};
 
 use super::clock::Clock;
 use super::columns::Columns;
+use super::curves::{Curve, SECTIONS, curves};
 use super::target::Target;
 
 /// Points along a track.
@@ -46,8 +47,16 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     if let Some(path) = &typed.from {
         begin(&setup)?;
         let target = Target::of_table(&typed.picture)?;
-        let columns = Columns::read(path, "track")?;
-        target.write_picture(&picture(&columns, typed.limit_mag, clock.as_ref(), title)?)?;
+        let columns = Columns::read_first(path, &[&["track"], SECTIONS].concat())?;
+        let picture = if columns.has("in_field") {
+            if let Some(id) = typed.norad {
+                bail!("norad {id}: table {} is of one pass alone; leave it out", path.display());
+            }
+            picture(&columns, typed.limit_mag, clock.as_ref(), title)?
+        } else {
+            of_forecast(&columns, typed.norad, typed.limit_mag, clock.as_ref(), title)?
+        };
+        target.write_picture(&picture)?;
         return Ok(Outcome::Done);
     }
     let target = Target::new(&typed.picture)?;
@@ -134,6 +143,38 @@ fn track(asked: &Asked, pass: &FieldPass, around_s: f64) -> anyhow::Result<Vec<T
             pass.norad_id.0
         )
     })
+}
+
+/// The brightest pass of a forecast, or of one satellite in it, from rise to set.
+fn of_forecast(
+    columns: &Columns,
+    norad: Option<u32>,
+    limit_mag: Option<f64>,
+    clock: Option<&Clock>,
+    title: Option<&str>,
+) -> anyhow::Result<Picture> {
+    let found = curves(columns, norad.as_slice())?;
+    // Not a number sorts behind all numbers.
+    let brightest = found.into_iter().min_by(|a, b| a.brightest().total_cmp(&b.brightest()));
+    let Curve { norad_id, range_km: [from_km, to_km], track } =
+        brightest.ok_or_else(|| anyhow!("table {}: it has no pass; allowed: one or more", columns.origin()))?;
+    let highest = track.altitude_deg.iter().copied().fold(f64::NAN, f64::max);
+    let caption = format!(
+        "The whole pass, up to {highest:.0}° high: range {from_km:.0} km where it begins, {to_km:.0} km where it ends."
+    );
+    let known = format!("NORAD {norad_id}");
+    let words = if track.name == known { known } else { format!("{} ({known})", track.name) };
+    Ok(light_curve(&LightCurve {
+        title: title.unwrap_or(&format!("Light curve of {words}")),
+        caption: &caption,
+        time_mjd: &track.time_mjd,
+        magnitude: &track.magnitude,
+        sigma_mag: &track.sigma_mag,
+        in_field: &[],
+        shutter: None,
+        limit_mag,
+        local: Clock::local(clock),
+    })?)
 }
 
 fn picture(

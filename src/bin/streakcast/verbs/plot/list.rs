@@ -20,7 +20,12 @@ const PLOTS: &[[&str; 3]] = &[
     [
         "light-curve",
         "magnitude along a track",
-        "--ra --dec --start --exposure and satellites, site, field; or --from its data",
+        "--ra --dec --start --exposure and satellites, site, field; or --from its data, or what forecast wrote",
+    ],
+    [
+        "sky-chart",
+        "passes over the sky of a site",
+        "--from what forecast wrote by --light-curves, or as JSON with --samples",
     ],
     ["sky-rate", "expected streaks over the sky", "--start --exposure and satellites, site, field; or --from its data"],
     [

@@ -1,8 +1,10 @@
-//! `plot`: pictures with their data beside. One plot a file; `columns` reads tables that verbs wrote, `target` says where pictures go, `clock` what
+//! `plot`: pictures with their data beside. One plot a file; `columns` reads tables that verbs wrote (of forecasts
+//! `curves`), `target` says where pictures go, `clock` what
 //! time it is where the telescope stands, `exposures` what the plots of nights share.
 
 mod clock;
 mod columns;
+mod curves;
 mod exposures;
 mod field;
 mod fits;
@@ -11,6 +13,7 @@ mod list;
 mod maps;
 mod night;
 mod run;
+mod sky_chart;
 mod sky_rate;
 mod sun_altitude;
 mod target;

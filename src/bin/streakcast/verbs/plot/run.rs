@@ -10,6 +10,7 @@ pub fn run(typed: PlotArguments) -> anyhow::Result<Outcome> {
         Some(PlotVerb::Night(typed)) => super::night::run(*typed),
         Some(PlotVerb::Field(typed)) => super::field::run(*typed),
         Some(PlotVerb::LightCurve(typed)) => super::light_curve::run(*typed),
+        Some(PlotVerb::SkyChart(typed)) => super::sky_chart::run(*typed),
         Some(PlotVerb::SkyRate(typed)) => super::sky_rate::run(*typed),
         Some(PlotVerb::SunAltitude(typed)) => super::sun_altitude::run(*typed),
         Some(PlotVerb::Sky(typed)) => super::maps::sky(*typed),

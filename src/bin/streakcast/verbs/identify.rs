@@ -1,22 +1,21 @@
-//! The answer: ranked candidates.
+//! `identify`: which satellite a measured streak is of, as ranked candidates.
 
 use anyhow::anyhow;
 use serde_json::json;
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, Identified, IdentifyOptions, candidate_table, identify_streak, streak_table};
-use streakcast::passes::Exposure;
+use streakcast::questions::{StreakAsked, StreakSaid, above_the_horizon};
 use streakcast::setup::Setup;
 use streakcast::table::Section;
 
-use super::asked::asked;
+use super::judged::{begin, state_scales};
+use super::passes::left_out_table;
 use crate::arguments::SharedArguments;
 use crate::failure::Outcome;
 use crate::identify_arguments::IdentifyArguments;
 use crate::notices::Notices;
 use crate::output::Answer;
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::verbs::judged::{begin, state_scales};
-use crate::verbs::passes::{above_the_horizon, left_out_table};
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),
@@ -45,7 +44,7 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
         return Err(anyhow!("top 0; allowed: 1 or more"));
     }
     let setup = typed.shared.setup(Setup::default())?;
-    let asked = asked(&typed, &setup)?;
+    let asked: StreakAsked = typed.said().asked(&setup)?;
     let output = typed.output.open(&setup)?;
     let notices = begin(&setup)?;
     let streak = &asked.streak;
@@ -55,14 +54,7 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     };
     let mut prepared = setup.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
     notices.warn(&prepared.warnings);
-    let exposure = Exposure {
-        id: String::new(),
-        start: streak.start(),
-        duration_s: streak.duration_s(),
-        pointing: streak.place(),
-        rotation_rad: 0.0,
-    };
-    above_the_horizon("streak", &exposure, &prepared)?;
+    above_the_horizon("streak", &asked.exposure(), &prepared)?;
     let found = identify_streak(&prepared.sky, streak, &options)?;
     notices.warn(&prepared.left_out_warning(&found.left_out, streak.start())?);
 
@@ -96,6 +88,38 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     })?;
     summary(&notices, &found, &prepared.sky);
     Ok(if found.candidates.is_empty() { Outcome::No } else { Outcome::Done })
+}
+
+impl IdentifyArguments {
+    /// The streak as it was typed.
+    fn said(&self) -> StreakSaid {
+        let (streak, time) = (self.streak.clone(), self.time.clone());
+        #[cfg_attr(not(feature = "fits"), expect(unused_mut))]
+        let mut said = StreakSaid {
+            end: streak.end,
+            ra: streak.ra,
+            dec: streak.dec,
+            position_angle: streak.position_angle,
+            length: streak.length,
+            region: streak.region,
+            place_sigma: streak.place_sigma,
+            angle_sigma: streak.angle_sigma,
+            times: time.times,
+            start: time.start,
+            exposure: time.exposure,
+            whole_streak: time.whole_streak,
+            time_sigma: time.time_sigma,
+            ..StreakSaid::default()
+        };
+        #[cfg(feature = "fits")]
+        {
+            said.image = streak.image;
+            said.from_pix = streak.from_pix;
+            said.to_pix = streak.to_pix;
+            said.hdu = streak.hdu;
+        }
+        said
+    }
 }
 
 /// Flags of a camera say nothing here; that is better said than passed over.

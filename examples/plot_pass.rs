@@ -1,0 +1,74 @@
+//! The brightest passes of a night over the sky, and the light curve of one: `cargo run --example plot_pass -- FOLDER` writes both as PNG and SVG.
+//!
+//! The satellites are synthetic; with real element sets, the line that makes `elements` becomes
+//! `Catalogue::read(&paths, &ReadOptions::default())?.element_sets`.
+
+use std::error::Error;
+use std::path::PathBuf;
+
+use streakcast::catalogue::Constellation;
+use streakcast::forecast::{ForecastRequest, PassRow, Selection, forecast};
+use streakcast::frames::{EopTable, mjd_utc};
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::{ModelChoice, Sky, TrackPoint};
+use streakcast::photometry::ModelLibrary;
+use streakcast::plot::{LightCurve, SkyChart, SkyTrack, light_curve, sky_chart};
+use streakcast::schedule::{night_of, parse_instant};
+
+fn main() -> Result<(), Box<dyn Error>> {
+    let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));
+
+    // 1. The passes of a night that get brighter than magnitude 4.9 and stand near the zenith, with points along each.
+    let noon = parse_instant("2026-08-14T12:00:00Z", None)?;
+    let elements = Constellation::by_name("starlink-gen1")?.element_sets(noon);
+    let site = Site::by_mpc_code("X05")?;
+    let (from, to) = night_of(noon, site.longitude_rad);
+    let sky =
+        Sky::new(elements, Observer::new(site), EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
+    let request = ForecastRequest {
+        max_magnitude: Some(4.9),
+        min_culmination_rad: 86.0_f64.to_radians(),
+        samples: 101,
+        ..ForecastRequest::new(from, to)
+    };
+    let answer = forecast(&sky, &request, &Selection::default())?;
+    let rows = answer.found.passes.iter().map(|pass| PassRow { pass, elements: &sky.elements()[pass.element_index] });
+
+    // 2. Columns are all that charts know.
+    let tracks: Vec<SkyTrack> = rows.map(|row| track(row.name(), &row.pass.samples)).collect();
+    let over = sky_chart(&SkyChart {
+        title: "Bright passes over Rubin Observatory, 2026-08-14",
+        caption: "Zenith in the middle, horizon at the rim, north up, east left; grey where nothing is seen. Satellites are synthetic.",
+        tracks: &tracks,
+    })?;
+    let first = tracks.first().ok_or("no pass is that bright")?;
+    let curve = light_curve(&LightCurve {
+        title: &first.name,
+        caption: "From rise to set.",
+        time_mjd: &first.time_mjd,
+        magnitude: &first.magnitude,
+        sigma_mag: &first.sigma_mag,
+        in_field: &[],
+        shutter: None,
+        limit_mag: Some(6.0),
+        local: None,
+    })?;
+    for (name, picture) in [("passes", over), ("pass", curve)] {
+        std::fs::write(folder.join(format!("{name}.png")), picture.to_png()?)?;
+        std::fs::write(folder.join(format!("{name}.svg")), picture.to_svg()?)?;
+    }
+    println!("{} passes in passes.png, {} in pass.png", tracks.len(), first.name);
+    Ok(())
+}
+
+fn track(name: String, points: &[TrackPoint]) -> SkyTrack {
+    let column = |value: fn(&TrackPoint) -> Option<f64>| points.iter().map(|p| value(p).unwrap_or(f64::NAN)).collect();
+    SkyTrack {
+        name,
+        time_mjd: points.iter().map(|point| mjd_utc(point.epoch)).collect(),
+        azimuth_deg: column(|point| point.azimuth_rad.map(f64::to_degrees)),
+        altitude_deg: column(|point| point.altitude_rad.map(f64::to_degrees)),
+        magnitude: column(|point| point.brightness.as_ref().map(|light| light.magnitude.0)),
+        sigma_mag: column(|point| point.brightness.as_ref().map(|light| light.sigma_mag)),
+    }
+}

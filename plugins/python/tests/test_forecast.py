@@ -1,0 +1,194 @@
+"""Passes of a night: those of the command line digit for digit, and what cannot be asked."""
+
+import csv
+import datetime
+import os
+import subprocess
+import warnings
+from decimal import Decimal
+
+import numpy as np
+import pytest
+from astropy import units as u
+from astropy.table import QTable
+from astropy.time import Time
+
+from conftest import START
+from test_threads import steps_while
+import streakcast
+
+NIGHT = "2026-08-14"
+#: Some planes of the first shells: an evening and a morning, few enough for a debug build.
+FEW = ["S1 P2", "S1 P6"]
+
+
+@pytest.fixture(scope="module")
+def sky():
+    return streakcast.StreakModel(mpc="X05", shells="starlink-gen1")
+
+
+def text_of(cell, decimals):
+    """As the command line writes a number: rounded to its column's decimals."""
+    return f"{float(getattr(cell, 'value', cell)):.{decimals}f}"
+
+
+def is_missing(cell):
+    if cell is None or cell is np.ma.masked or bool(np.any(getattr(cell, "mask", False))):
+        return True
+    return isinstance(cell, str) and not cell or not isinstance(cell, str) and np.ndim(cell) == 0 and is_nan(cell)
+
+
+def is_nan(cell):
+    value = getattr(cell, "value", cell)
+    return isinstance(value, (float, np.floating)) and np.isnan(value)
+
+
+def assert_equal(ours, theirs, name):
+    """One cell against one of JSON: every digit that was written."""
+    if theirs is None:
+        assert is_missing(ours), (name, ours)
+    elif isinstance(theirs, Decimal):
+        assert Decimal(text_of(ours, -theirs.as_tuple().exponent)) == theirs, (name, ours, theirs)
+    elif isinstance(theirs, str) and theirs.endswith("Z") and name.endswith("utc"):
+        assert same_moment(ours, theirs), (name, ours, theirs)
+    elif isinstance(theirs, bool):
+        assert bool(ours) is theirs, name
+    else:
+        assert ours == theirs, (name, ours, theirs)
+
+
+def same_moment(ours, theirs):
+    """Half of the last digit that was written, which halves are rounded to either side of; a nanosecond for the way through two doubles."""
+    if isinstance(ours, str):
+        return ours == theirs
+    digits = len(theirs.split(".")[1]) - 1 if "." in theirs else 0
+    return abs((ours - Time(theirs[:-1], scale="utc")).to_value("s")) <= 0.5 * 10.0**-digits + 1e-9
+
+
+def assert_same_passes(ours, theirs):
+    assert len(ours) == len(theirs) > 0
+    for row, expected in zip(ours, theirs):
+        for name, value in expected.items():
+            if name != "samples":
+                assert_equal(row[name], value, name)
+                continue
+            assert len(row["samples"]) == len(value)
+            for point, other in zip(row["samples"], value):
+                for part in other:
+                    assert_equal(point[part], other[part], part)
+
+
+def test_verif_a_night_is_the_command_lines(sky, command_line):
+    said = ["forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", NIGHT, "--name", *FEW]
+    answer = command_line(*said, "--max-mag", "6", "--samples", "5")
+    ours = sky.forecast(NIGHT, name=FEW, max_mag=6, samples=5)
+    assert_same_passes(ours.passes, answer["passes"])
+    assert (ours.passes["night"] == 0).all() and len(ours.nights) == 1
+    for name, value in answer["night"][0].items():
+        assert_equal(ours.nights[0][name], value, name)
+    assert answer["night"][0]["passes_too_faint"] > 0
+    # All that can be said, at once.
+    answer = command_line(
+        *said, "--sun-altitude-deg=-12", "--min-altitude", "20", "--min-culmination", "40", "--generation", "starlink-v1.5", "--include-dark"
+    )
+    ours = sky.forecast(
+        datetime.date(2026, 8, 14), name=FEW, max_sun_altitude=-12 * u.deg, min_altitude=20 * u.deg, min_culmination=40,
+        generation="starlink-v1.5", include_dark=True,
+    )  # fmt: skip
+    assert_same_passes(ours.passes, answer["passes"])
+
+
+def test_verif_two_moments_are_the_command_lines(sky, command_line):
+    end = "2026-08-15T00:20:00Z"
+    answer = command_line("forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--start", START, "--end", end, "--max-mag", "4.8")
+    expected = sky.forecast(start=START, end=end, max_mag=4.8)
+    assert_same_passes(expected.passes, answer["passes"])
+    other = sky.forecast(start=Time(START[:-1]).mjd, end=Time(end[:-1]), scale="utc", max_mag=4.8)
+    assert list(other.passes["norad_id"]) == list(expected.passes["norad_id"])
+
+
+def test_verif_a_real_night_is_the_command_lines(data, tmp_path):
+    elements = data / "tle" / "active" / "active_2026-04-25.txt"
+    path = tmp_path / "night.csv"
+    binary = os.environ.get("STREAKCAST_BIN") or pytest.fail("set STREAKCAST_BIN, or run plugins/test.sh")
+    names = ["STARLINK-311", "ONEWEB-01", "ISS (", "COSMOS 22"]
+    done = subprocess.run(
+        [binary, "forecast", "--elements", elements, "--mpc", "X05", "--night", "2026-04-25", "--name", *names, "-o", path],
+        capture_output=True, text=True, check=False,
+    )  # fmt: skip
+    assert done.returncode == 0, done.stderr
+    theirs = list(csv.DictReader(line for line in path.read_text().splitlines() if not line.startswith("#")))
+    model = streakcast.StreakModel(mpc="X05", elements=elements)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        ours = model.forecast("2026-04-25", name=names).passes
+    assert len(ours) == len(theirs) > 50
+    for row, expected in zip(ours, theirs):
+        for name, value in expected.items():
+            if name in ("norad_id", "name", "mag_source"):
+                assert str(row[name]) == value
+            elif not value:
+                assert is_missing(row[name]), name
+            else:
+                assert_equal(row[name], value if name.endswith("utc") else Decimal(value), name)
+    # The same warnings, of the priors among them, by the names of arguments.
+    mine = [str(one.message) for one in told if issubclass(one.category, streakcast.StreakcastWarning)]
+    (prior,) = [line for line in mine if "prior" in line]
+    assert f"warning: {prior}".replace("qs_mag", "--qs-mag") in done.stderr.splitlines()
+    assert f"{sum(source == 'prior' for source in ours['mag_source'])} passes shown" in prior
+
+
+def test_several_nights_and_forms(sky):
+    nights = sky.forecast([NIGHT, "2026-08-16"], norad=[900000539, 900002197], samples=2)
+    alone = [sky.forecast(night, norad=[900000539, 900002197]).passes for night in (NIGHT, "2026-08-16")]
+    assert len(nights.nights) == 2 and list(nights.passes["night"]) == [0] * len(alone[0]) + [1] * len(alone[1])
+    assert list(nights.passes["peak_magnitude"]) == [*alone[0]["peak_magnitude"], *alone[1]["peak_magnitude"]]
+    assert isinstance(nights.passes, QTable) and nights.passes["range_km"].unit == u.km
+    plain = sky.forecast(NIGHT, norad=900000539, output="dict")
+    assert plain.passes["peak_utc"].dtype == np.dtype("datetime64[ns]") and plain.passes["peak_magnitude"].dtype == float
+    # Nobody comes by: no row, the columns, and why.
+    none = sky.forecast(NIGHT, norad=900000539, max_mag=-8)
+    assert len(none.passes) == 0 and "peak_magnitude" in none.passes.colnames
+    assert "fainter than mag -8" in none.nights["why_empty"][0]
+
+
+def test_the_old_name_is_the_same_answer(sky):
+    end = "2026-08-14T23:34:05Z"
+    old = sky.visible_passes(START, end, min_altitude=20, lit_only=False)
+    new = sky.forecast(start=START, end=end, min_altitude=20, max_sun_altitude=None, include_dark=True).passes
+    assert list(old["norad_id"]) == list(new["norad_id"]) and len(old) > 10
+
+
+def test_what_cannot_be_asked_is_said(sky):
+    cases = [
+        (dict(night="14.8.2026"), "night '14.8.2026' is not a date; allowed: the evening's local date"),
+        (dict(), "say a night, or start and end"),
+        (dict(night=[]), "no night; allowed"),
+        (dict(night=NIGHT, start=START, end=START), "say a night, or start and end"),
+        (dict(start=START), "start and end belong together"),
+        (dict(start=START, end="2026-08-13T00:00:00Z"), "the end not before the start"),
+        (dict(night=NIGHT, min_altitude=95), "min_altitude 95 deg; allowed: 0 deg to below 90 deg"),
+        (dict(night=NIGHT, max_sun_altitude=-100), "max_sun_altitude -100 deg"),
+        (dict(night=NIGHT, max_mag=float("nan")), "max_mag is nan"),
+        (dict(night=NIGHT, samples=20_000), "samples 20000; allowed: 0 to 10000"),
+        (dict(night=NIGHT, samples=-1), "samples -1; allowed: 0 or more"),
+        (dict(night=NIGHT, generation="starlink"), "generation 'starlink' is not known; allowed: .*starlink-v2mini"),
+        (dict(night=NIGHT, name="ISS (ZARYA)"), "none of the 4408 satellites has a name with ISS"),
+        (dict(night=NIGHT, norad=0), "norad 0; allowed: 1 or more"),
+        (dict(night=NIGHT, norad=10**10), "1 to 999999999"),
+        (dict(night=NIGHT, output="pandas"), "allowed: auto, qtable, dict"),
+    ]
+    for said, message in cases:
+        with pytest.raises(ValueError, match=message):
+            sky.forecast(**said)
+    for said in (dict(night=NIGHT, norad="ISS"), dict(night=NIGHT, name=25544), dict(night=NIGHT, samples=1.5)):
+        with pytest.raises(TypeError, match="allowed"):
+            sky.forecast(**said)
+    with pytest.raises(TypeError, match="scale"):
+        sky.forecast(start=61266.9, end=61267.1)
+
+
+def test_other_threads_go_on_meanwhile(sky):
+    work = lambda: sky.forecast(NIGHT)  # noqa: E731
+    work()
+    assert steps_while(work) > 10

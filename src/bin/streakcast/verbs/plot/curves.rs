@@ -1,0 +1,126 @@
+//! Points along passes, out of what `forecast` wrote: a table of light curves, or passes that hold their samples.
+
+use anyhow::{anyhow, bail};
+use serde_json::Value;
+use streakcast::frames::mjd_utc;
+use streakcast::plot::SkyTrack;
+use streakcast::setup::parse_moment;
+
+use super::columns::Columns;
+
+/// Names of satellites of shells end so; the caption says it of all.
+pub const SYNTHETIC: &str = " (synthetic)";
+/// Where the points are, in JSON.
+pub const SECTIONS: &[&str] = &["light_curves", "passes"];
+
+/// One pass with its points.
+pub struct Curve {
+    pub norad_id: String,
+    /// With the distances of its first and last point, km.
+    pub range_km: [f64; 2],
+    pub track: SkyTrack,
+}
+
+impl Curve {
+    /// The brightest magnitude; not a number where nothing is seen.
+    pub fn brightest(&self) -> f64 {
+        self.track.magnitude.iter().copied().fold(f64::NAN, f64::min)
+    }
+}
+
+/// The passes of a table in its order, those of one satellite alone where a number is said.
+///
+/// # Errors
+/// A table without points; a satellite that is not in it.
+pub fn curves(columns: &Columns, norad: &[u32]) -> anyhow::Result<Vec<Curve>> {
+    let all = if columns.has("samples") {
+        of_samples(columns)?
+    } else if ["utc", "altitude_deg", "azimuth_deg", "norad_id"].iter().all(|name| columns.has(name)) {
+        of_rows(columns)?
+    } else {
+        bail!(
+            "table {}: it has no points along passes; allowed: what forecast wrote by --light-curves FILE, or as JSON with --samples N",
+            columns.origin()
+        );
+    };
+    let wanted: Vec<String> = norad.iter().map(u32::to_string).collect();
+    let known: std::collections::BTreeSet<String> = all.iter().map(|curve| curve.norad_id.clone()).collect();
+    if let Some(absent) = wanted.iter().find(|id| !known.contains(*id)) {
+        let shown: Vec<&str> = known.iter().take(10).map(String::as_str).collect();
+        let more = if known.len() > shown.len() { ", ..." } else { "" };
+        return Err(anyhow!(
+            "norad {absent}: table {} has no pass of it; allowed: {}{more}",
+            columns.origin(),
+            shown.join(", ")
+        ));
+    }
+    Ok(all.into_iter().filter(|curve| wanted.is_empty() || wanted.contains(&curve.norad_id)).collect())
+}
+
+/// One row a point; a pass is what belongs to one satellite and one culmination.
+fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
+    let ids = columns.texts("norad_id")?;
+    let culminations = if columns.has("culmination_utc") { columns.texts("culmination_utc")? } else { ids.clone() };
+    let names = if columns.has("name") { columns.texts("name")? } else { vec![""; ids.len()] };
+    let time_mjd = columns.moments("utc")?;
+    let [azimuth, altitude, range] = ["azimuth_deg", "altitude_deg", "range_km"].map(|name| columns.numbers(name));
+    let (azimuth, altitude, range) = (azimuth?, altitude?, range?);
+    let (magnitude, sigma) = (columns.numbers("magnitude")?, columns.numbers("magnitude_sigma")?);
+    let rows: Vec<usize> = (0..ids.len()).collect();
+    let of_one = |a: &usize, b: &usize| (ids[*a], culminations[*a]) == (ids[*b], culminations[*b]);
+    let curve = |rows: &[usize]| {
+        let (first, last) = (rows[0], rows[rows.len() - 1]);
+        let of = |column: &[f64]| column[first..=last].to_vec();
+        Curve {
+            norad_id: ids[first].to_owned(),
+            range_km: [range[first], range[last]],
+            track: SkyTrack {
+                name: called(names[first], ids[first]),
+                time_mjd: of(&time_mjd),
+                azimuth_deg: of(&azimuth),
+                altitude_deg: of(&altitude),
+                magnitude: of(&magnitude),
+                sigma_mag: of(&sigma),
+            },
+        }
+    };
+    Ok(rows.chunk_by(of_one).map(curve).collect())
+}
+
+/// One row a pass, its points as JSON in a cell.
+fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
+    let (ids, names) = (columns.texts("norad_id")?, columns.texts("name")?);
+    let rows = ids.iter().zip(&names).zip(columns.texts("samples")?).enumerate();
+    rows.map(|(row, ((id, name), samples))| {
+        let fail = |problem: &str| anyhow!("table {}, pass {}: samples {problem}", columns.origin(), row + 1);
+        let points: Vec<Value> =
+            serde_json::from_str(samples).map_err(|_| fail("are no list of points; allowed: what forecast wrote"))?;
+        let number = |name: &str| -> Vec<f64> {
+            points.iter().map(|point| point.get(name).and_then(Value::as_f64).unwrap_or(f64::NAN)).collect()
+        };
+        let moment = |point: &Value| {
+            let text = point.get("utc").and_then(Value::as_str)?;
+            parse_moment(text, None).ok().map(mjd_utc)
+        };
+        let time_mjd = points.iter().map(moment).collect::<Option<Vec<f64>>>();
+        let range = number("range_km");
+        let ends = [range.first(), range.last()].map(|end| end.copied().unwrap_or(f64::NAN));
+        Ok(Curve {
+            norad_id: (*id).to_owned(),
+            range_km: ends,
+            track: SkyTrack {
+                name: called(name, id),
+                time_mjd: time_mjd.ok_or_else(|| fail("lack a time utc, as 2024-08-14T00:30:00.000Z"))?,
+                azimuth_deg: number("azimuth_deg"),
+                altitude_deg: number("altitude_deg"),
+                magnitude: number("magnitude"),
+                sigma_mag: number("magnitude_sigma"),
+            },
+        })
+    })
+    .collect()
+}
+
+fn called(name: &str, id: &str) -> String {
+    if name.is_empty() || name == id { format!("NORAD {id}") } else { name.trim_end_matches(SYNTHETIC).to_owned() }
+}

@@ -1,0 +1,243 @@
+//! Passes over the sky of a site: where each goes from rise to set, how bright, and when.
+
+use std::f64::consts::FRAC_PI_2;
+
+use plotters::prelude::RGBColor;
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
+
+use super::bar::colour_bar;
+use super::disc::place;
+use super::error::PlotError;
+use super::picture::{INK, Picture};
+use super::scale::{ColourScale, Quantity};
+use super::statistics::check;
+use super::tracks::{Listed, arrow, list, numbers};
+
+const WIDTH: f64 = 1440.0;
+const HEIGHT: usize = 846;
+const MIDDLE: (f64, f64) = (408.0, 424.0);
+const RADIUS: f64 = 330.0;
+const BAR_LEFT: f64 = 796.0;
+const LIST_LEFT: f64 = 912.0;
+const TOP: f64 = 82.0;
+/// Altitudes of the circles.
+const CIRCLES_DEG: [f64; 2] = [30.0, 60.0];
+/// As many passes have times along them: more would hide one another.
+const MOST_TIMED: usize = 3;
+const DAY_MIN: f64 = 1440.0;
+/// A rise at the horizon may lie below it by rounding, degrees.
+const LEAST_DEG: f64 = -0.01;
+/// Between two times along a pass, pixels.
+const ROOM: f64 = 62.0;
+const DARK: RGBColor = RGBColor(150, 150, 150);
+const GROUND: RGBColor = RGBColor(240, 240, 240);
+
+/// Passes over a site.
+#[derive(Clone, Debug)]
+pub struct SkyChart<'a> {
+    /// Above.
+    pub title: &'a str,
+    /// Below.
+    pub caption: &'a str,
+    /// The passes, in the order of the list beside.
+    pub tracks: &'a [SkyTrack],
+}
+
+/// One pass: columns of one length, two points or more.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SkyTrack {
+    /// The satellite's name.
+    pub name: String,
+    /// `(n_point)` moments, MJD (UTC), growing.
+    pub time_mjd: Vec<f64>,
+    /// `(n_point)` azimuths from north through east, degrees.
+    pub azimuth_deg: Vec<f64>,
+    /// `(n_point)` altitudes, 0 to 90 degrees.
+    pub altitude_deg: Vec<f64>,
+    /// `(n_point)` magnitudes; not a number where nothing is seen (the Earth's shadow).
+    pub magnitude: Vec<f64>,
+    /// `(n_point)` one sigma of them, mag; not a number where there is none.
+    pub sigma_mag: Vec<f64>,
+}
+
+/// Draws the sky as one sees it lying on the back, north up and east left: every pass in the colours of its magnitudes, grey where nothing is seen, with
+/// an arrow where it sets, and beside it a list with the times of its ends and its brightest magnitude. Up to three passes have times along them.
+///
+/// # Errors
+/// No pass, fewer than two points, columns of unequal length, times that do not grow, altitudes that are none.
+pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
+    if input.tracks.is_empty() {
+        return Err(PlotError::Empty { what: "passes".to_owned() });
+    }
+    input.tracks.iter().try_for_each(held)?;
+    let lines: Vec<Vec<(f64, f64)>> = input.tracks.iter().map(SkyTrack::line).collect();
+    let mut picture = Picture::new(WIDTH as usize, HEIGHT);
+    picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
+    ground(&mut picture);
+    let magnitudes = || input.tracks.iter().flat_map(|track| track.magnitude.iter().copied());
+    let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
+    let colour = |magnitude: f64| match magnitude.is_finite() {
+        true => {
+            let [red, green, blue] = scale.colour(magnitude);
+            RGBColor(red, green, blue)
+        }
+        false => DARK,
+    };
+    for (track, line) in input.tracks.iter().zip(&lines) {
+        picture.line(line, INK.to_rgba(), 5.0);
+        for (step, pair) in line.windows(2).enumerate() {
+            // A step into the shadow is dark.
+            picture.line(pair, colour(0.5 * (track.magnitude[step] + track.magnitude[step + 1])).to_rgba(), 3.4);
+        }
+        arrow(&mut picture, line, colour(track.magnitude[line.len() - 1]));
+    }
+    // Over the tracks, that they can be read.
+    CIRCLES_DEG.iter().for_each(|altitude| picture.note(&format!("{altitude:.0}°"), at(112.5, *altitude)));
+    if input.tracks.len() <= MOST_TIMED {
+        input.tracks.iter().for_each(|track| times_along(&mut picture, track));
+    }
+    if input.tracks.len() > 1 {
+        numbers(&mut picture, &lines);
+    }
+    if magnitudes().any(f64::is_finite) {
+        let sides = [BAR_LEFT, TOP + 60.0, BAR_LEFT + 24.0, MIDDLE.1 + RADIUS - 30.0];
+        colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.words());
+    }
+    let rows: Vec<Listed> = input
+        .tracks
+        .iter()
+        .map(|track| {
+            let brightest = track.brightest();
+            let at = |column: &[f64]| brightest.map_or(f64::NAN, |point| column[point]);
+            Listed {
+                name: track.name.clone(),
+                times: [0, track.time_mjd.len() - 1].map(|point| clock(track.time_mjd[point], 1.0)),
+                magnitude: at(&track.magnitude),
+                sigma_mag: at(&track.sigma_mag),
+                colour: colour(at(&track.magnitude)),
+            }
+        })
+        .collect();
+    list(&mut picture, [LIST_LEFT, WIDTH - 20.0], TOP, ["from UTC", "to UTC"], &rows);
+    picture.set_scales(vec![scale]);
+    picture.paragraph(input.caption, [48.0, WIDTH - 24.0], 816.0, 16.0);
+    Ok(picture)
+}
+
+impl SkyTrack {
+    /// Where it is drawn.
+    fn line(&self) -> Vec<(f64, f64)> {
+        self.azimuth_deg.iter().zip(&self.altitude_deg).map(|(azimuth, altitude)| at(*azimuth, *altitude)).collect()
+    }
+
+    /// The point of the brightest magnitude.
+    fn brightest(&self) -> Option<usize> {
+        let lit = (0..self.magnitude.len()).filter(|point| self.magnitude[*point].is_finite());
+        lit.min_by(|a, b| self.magnitude[*a].total_cmp(&self.magnitude[*b]))
+    }
+}
+
+/// Right and down in the picture.
+fn at(azimuth_deg: f64, altitude_deg: f64) -> (f64, f64) {
+    let (right, below) = place(azimuth_deg.to_radians(), FRAC_PI_2 - altitude_deg.to_radians());
+    (MIDDLE.0 + RADIUS * right, MIDDLE.1 + RADIUS * below)
+}
+
+/// Refuses a pass that cannot be drawn.
+fn held(track: &SkyTrack) -> Result<(), PlotError> {
+    let n = track.time_mjd.len();
+    let of = |what: &str| format!("{what} of {}", track.name);
+    check(&of("the points along the pass"), &track.time_mjd)?;
+    for (what, column) in [
+        ("azimuths", &track.azimuth_deg),
+        ("altitudes", &track.altitude_deg),
+        ("magnitudes", &track.magnitude),
+        ("sigmas", &track.sigma_mag),
+    ] {
+        if column.len() != n {
+            return Err(PlotError::Length { what: of(what), given: column.len(), expected: n });
+        }
+    }
+    check(&of("the azimuths"), &track.azimuth_deg)?;
+    if let Some(altitude) = track.altitude_deg.iter().find(|altitude| !(LEAST_DEG..=90.0).contains(*altitude)) {
+        let given = format!("{altitude} deg");
+        return Err(PlotError::OutOfRange { what: of("an altitude"), given, allowed: "0 to 90 deg" });
+    }
+    if n < 2 || track.time_mjd.windows(2).any(|pair| pair[0] >= pair[1]) {
+        let (what, given) = (of("the times"), format!("{n} that do not grow from one to the next"));
+        return Err(PlotError::OutOfRange { what, given, allowed: "two or more, each later than the one before" });
+    }
+    Ok(())
+}
+
+/// The empty sky.
+fn ground(picture: &mut Picture) {
+    let rim = (0..180).map(|part| at(2.0 * f64::from(part), 0.0)).collect();
+    picture.patch(rim, GROUND.mix(0.6));
+    for altitude_deg in CIRCLES_DEG {
+        picture.circle(MIDDLE, RADIUS * (90.0 - altitude_deg) / 90.0, INK.mix(0.45), 1.0);
+    }
+    for azimuth_deg in [0.0, 90.0] {
+        picture.line(&[at(azimuth_deg, 0.0), at(azimuth_deg + 180.0, 0.0)], INK.mix(0.25), 1.0);
+    }
+    picture.circle(MIDDLE, RADIUS, INK.to_rgba(), 1.6);
+    for (azimuth_deg, words) in [(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")] {
+        let (x, y) = at(azimuth_deg, 0.0);
+        let away = |from: f64, to: f64| (to - from) / RADIUS * 18.0;
+        picture.text(words, (x + away(MIDDLE.0, x), y + away(MIDDLE.1, y)), 19.0, HPos::Center);
+    }
+}
+
+/// A dot at every full minute of a pass, with the time where there is room.
+fn times_along(picture: &mut Picture, track: &SkyTrack) {
+    let (first, last) = (track.time_mjd[0], track.time_mjd[track.time_mjd.len() - 1]);
+    let line = track.line();
+    let mut labelled: Option<(f64, f64)> = None;
+    for minute in (first * DAY_MIN).ceil() as i64..=(last * DAY_MIN).floor() as i64 {
+        let mjd = minute as f64 / DAY_MIN;
+        let Some(step) = track.time_mjd.windows(2).position(|pair| (pair[0]..=pair[1]).contains(&mjd)) else {
+            continue;
+        };
+        let part = (mjd - track.time_mjd[step]) / (track.time_mjd[step + 1] - track.time_mjd[step]);
+        let ((x0, y0), (x1, y1)) = (line[step], line[step + 1]);
+        let (x, y) = (x0 + part * (x1 - x0), y0 + part * (y1 - y0));
+        picture.circle((x, y), 4.0, INK.to_rgba(), 2.0);
+        if labelled.is_none_or(|(x_before, y_before): (f64, f64)| (x - x_before).hypot(y - y_before) > ROOM) {
+            // Beside the track, away from it.
+            let length = (x1 - x0).hypot(y1 - y0).max(1e-9);
+            let (across, up) = ((y1 - y0) / length, -(x1 - x0) / length);
+            picture.note(&clock(mjd, 60.0), (x + 34.0 * across, y + 22.0 * up));
+            labelled = Some((x, y));
+        }
+    }
+}
+
+/// Time of day to the nearest second, or of a full minute without seconds.
+fn clock(mjd: f64, step_s: f64) -> String {
+    // Whole seconds of the day: leap seconds do not move a clock that is read.
+    let seconds = ((mjd - mjd.floor()) * 86_400.0).round() as i64 % 86_400;
+    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
+    if step_s < 60.0 {
+        format!("{hours:02}:{minutes:02}:{:02}", seconds % 60)
+    } else {
+        format!("{hours:02}:{minutes:02}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_the_sky_has_north_up_and_east_left() {
+        let near = |a: (f64, f64), b: (f64, f64)| (a.0 - b.0).hypot(a.1 - b.1) < 1e-9;
+        assert!(near(at(0.0, 90.0), MIDDLE) && near(at(123.0, 90.0), MIDDLE));
+        assert!(near(at(0.0, 0.0), (MIDDLE.0, MIDDLE.1 - RADIUS)));
+        assert!(near(at(90.0, 45.0), (MIDDLE.0 - RADIUS / 2.0, MIDDLE.1)));
+        assert_eq!(
+            (clock(60_536.5, 60.0), clock(60_536.25 + 1.4 / 86_400.0, 1.0)),
+            ("12:00".into(), "06:00:01".into())
+        );
+    }
+}

@@ -1,0 +1,131 @@
+//! Tracks in a chart: an arrow where each leaves, numbers over them, and a list beside.
+
+use plotters::prelude::RGBColor;
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
+
+use super::numbers::fixed;
+use super::picture::{INK, Picture, width_of};
+
+/// Rows of the list beside, and as many tracks have a number.
+pub(super) const MOST_LISTED: usize = 22;
+const ROW: f64 = 29.0;
+
+/// One row of the list.
+pub(super) struct Listed {
+    pub name: String,
+    /// Where it begins and ends, as it stands there.
+    pub times: [String; 2],
+    pub magnitude: f64,
+    pub sigma_mag: f64,
+    pub colour: RGBColor,
+}
+
+/// The place at a share of a line's length.
+pub(super) fn along(line: &[(f64, f64)], share: f64) -> (f64, f64) {
+    let lengths: Vec<f64> = line.windows(2).map(|pair| (pair[1].0 - pair[0].0).hypot(pair[1].1 - pair[0].1)).collect();
+    let mut left = share * lengths.iter().sum::<f64>();
+    for (pair, length) in line.windows(2).zip(lengths) {
+        if left <= length && length > 0.0 {
+            let part = left / length;
+            return (pair[0].0 + part * (pair[1].0 - pair[0].0), pair[0].1 + part * (pair[1].1 - pair[0].1));
+        }
+        left -= length;
+    }
+    line[line.len() - 1]
+}
+
+/// A head where a line ends; none on lines too short to have a direction.
+pub(super) fn arrow(picture: &mut Picture, line: &[(f64, f64)], colour: RGBColor) {
+    let (tip, tail) = (line[line.len() - 1], along(line, 0.98));
+    let length = (tip.0 - tail.0).hypot(tip.1 - tail.1);
+    if length < 0.05 {
+        return;
+    }
+    let (cos, sin) = ((tip.0 - tail.0) / length, (tip.1 - tail.1) / length);
+    let corner = |back: f64, side: f64| (tip.0 - back * cos - side * sin, tip.1 - back * sin + side * cos);
+    let corners = vec![tip, corner(17.0, 7.0), corner(17.0, -7.0), tip];
+    picture.patch(corners.clone(), colour.to_rgba());
+    picture.line(&corners, INK.to_rgba(), 1.3);
+}
+
+/// Numbers over the first tracks, where each one's place is not yet taken.
+pub(super) fn numbers(picture: &mut Picture, lines: &[Vec<(f64, f64)>]) {
+    let mut taken: Vec<(f64, f64)> = Vec::new();
+    for (index, line) in lines.iter().enumerate().take(MOST_LISTED) {
+        let shares = [0.5, 0.35, 0.65, 0.2, 0.8, 0.1, 0.9];
+        let apart = |place: (f64, f64)| {
+            taken.iter().map(|other| (place.0 - other.0).hypot(place.1 - other.1)).fold(f64::INFINITY, f64::min)
+        };
+        let places = shares.map(|share| along(line, share));
+        let free = places.into_iter().find(|place| apart(*place) > 26.0);
+        let place = free
+            .unwrap_or_else(|| places.into_iter().max_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(places[0]));
+        taken.push(place);
+        let words = (index + 1).to_string();
+        let half = width_of(&words, 16.0) / 2.0 + 5.0;
+        let sides = [place.0 - half, place.1 - 11.0, place.0 + half, place.1 + 11.0];
+        picture.rectangle(sides, RGBColor(255, 255, 255).to_rgba());
+        picture.border(sides, 1.0);
+        picture.text(&words, place, 16.0, HPos::Center);
+    }
+}
+
+/// Number, name, two times and magnitude of each track, between two verticals from a height on.
+pub(super) fn list(picture: &mut Picture, [left, right]: [f64; 2], top: f64, times: [&str; 2], rows: &[Listed]) {
+    let columns = [0.0, 46.0, 246.0, 339.0, 432.0].map(|away| left + away);
+    let mut y = top;
+    for (words, x) in ["", "satellite", times[0], times[1], "mag"].into_iter().zip(columns) {
+        picture.text(words, (x, y), 16.0, HPos::Left);
+    }
+    picture.line(&[(left, y + 14.0), (right, y + 14.0)], INK.to_rgba(), 1.2);
+    y += 32.0;
+    for (index, row) in rows.iter().enumerate().take(MOST_LISTED) {
+        picture.rectangle([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], row.colour.to_rgba());
+        picture.border([columns[0], y - 8.0, columns[0] + 14.0, y + 8.0], 0.8);
+        picture.text(&(index + 1).to_string(), (columns[0] + 20.0, y), 16.0, HPos::Left);
+        picture.text(&shortened(&row.name, 194.0), (columns[1], y), 16.0, HPos::Left);
+        picture.text(&row.times[0], (columns[2], y), 16.0, HPos::Left);
+        picture.text(&row.times[1], (columns[3], y), 16.0, HPos::Left);
+        let magnitude = match (row.magnitude.is_finite(), row.sigma_mag.is_finite()) {
+            (true, true) => format!("{} ±{}", fixed(row.magnitude, 1), fixed(row.sigma_mag, 1)),
+            (true, false) => fixed(row.magnitude, 1),
+            (false, _) => "dark".to_owned(),
+        };
+        picture.text(&magnitude, (columns[4], y), 16.0, HPos::Left);
+        y += ROW;
+    }
+    if rows.len() > MOST_LISTED {
+        let words = format!("and {} more, in the data", rows.len() - MOST_LISTED);
+        picture.text(&words, (columns[1], y), 16.0, HPos::Left);
+    }
+}
+
+/// Words cut to a width, with a sign where they were.
+fn shortened(words: &str, width: f64) -> String {
+    if width_of(words, 16.0) <= width {
+        return words.to_owned();
+    }
+    let mut kept: String = words.to_owned();
+    while !kept.is_empty() && width_of(&format!("{kept}…"), 16.0) > width {
+        kept.pop();
+    }
+    format!("{}…", kept.trim_end())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_places_along_a_line() {
+        let line = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)];
+        assert_eq!(
+            [along(&line, 0.25), along(&line, 0.75), along(&line, 1.0)],
+            [(5.0, 0.0), (10.0, 5.0), (10.0, 10.0)]
+        );
+        assert_eq!(along(&[(3.0, 4.0), (3.0, 4.0)], 0.5), (3.0, 4.0));
+        assert_eq!(shortened("STARLINK-1234", 500.0), "STARLINK-1234");
+        assert!(shortened("COSMOS 2251 DEBRIS OF 1993-036", 160.0).ends_with('…'));
+    }
+}

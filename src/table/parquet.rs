@@ -1,0 +1,71 @@
+//! Parquet: columns with types, units and meanings in their metadata, the provenance in the file's.
+
+use std::collections::HashMap;
+use std::io::{self, Write};
+use std::sync::Arc;
+
+use arrow_array::{ArrayRef, BooleanArray, Float64Array, Int64Array, RecordBatch, StringArray};
+use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use parquet::arrow::ArrowWriter;
+use parquet::basic::{Compression, ZstdLevel};
+use parquet::errors::ParquetError;
+use parquet::file::metadata::KeyValue;
+use parquet::file::properties::WriterProperties;
+
+use super::column::{Column, Kind};
+use super::provenance::Provenance;
+use super::value::{Table, Value};
+
+/// Writes a table: whole numbers, numbers and truths with types, all else as text with the digits of the other formats; the provenance as JSON under
+/// the key `provenance` of the file's metadata.
+///
+/// # Errors
+/// Whatever `out` fails with.
+pub fn write_parquet(out: impl Write + Send, table: &Table, provenance: &Provenance) -> io::Result<()> {
+    let broken = |error: ParquetError| io::Error::other(error);
+    let schema: SchemaRef = Arc::new(Schema::new(parquet_fields(table).collect::<Vec<_>>()));
+    let said = serde_json::to_string(provenance).unwrap_or_default();
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(ZstdLevel::default()))
+        .set_key_value_metadata(Some(vec![KeyValue::new("provenance".to_owned(), said)]))
+        .build();
+    let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(properties)).map_err(broken)?;
+    let columns = parquet_columns(&table.columns, &table.rows);
+    let batch = RecordBatch::try_new(schema, columns).map_err(io::Error::other)?;
+    writer.write(&batch).map_err(broken)?;
+    writer.close().map_err(broken)?;
+    Ok(())
+}
+
+/// The columns of a table as Arrow calls them, units and meanings in their metadata.
+pub(crate) fn parquet_fields(table: &Table) -> impl Iterator<Item = Field> + '_ {
+    table.columns.iter().map(|column| {
+        let kind = match column.kind {
+            Kind::Integer => DataType::Int64,
+            Kind::Real { .. } => DataType::Float64,
+            Kind::Boolean => DataType::Boolean,
+            Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => DataType::Utf8,
+        };
+        let said = [("unit", column.unit), ("description", column.description)];
+        let said = said.into_iter().filter(|(_, text)| !text.is_empty());
+        let said: HashMap<String, String> = said.map(|(key, text)| (key.to_owned(), text.to_owned())).collect();
+        Field::new(column.name, kind, true).with_metadata(said)
+    })
+}
+
+/// Rows as columns; numbers with the digits of the other formats.
+pub(crate) fn parquet_columns(columns: &[Column], rows: &[Vec<Value>]) -> Vec<ArrayRef> {
+    let column = |(index, column): (usize, &Column)| -> ArrayRef {
+        let texts =
+            rows.iter().map(|row| row.get(index).map(|value| column.text(value)).filter(|text| !text.is_empty()));
+        match column.kind {
+            Kind::Integer => Arc::new(texts.map(|text| text?.parse().ok()).collect::<Int64Array>()),
+            Kind::Real { .. } => Arc::new(texts.map(|text| text?.parse().ok()).collect::<Float64Array>()),
+            Kind::Boolean => Arc::new(texts.map(|text| text?.parse().ok()).collect::<BooleanArray>()),
+            Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => {
+                Arc::new(texts.collect::<StringArray>())
+            }
+        }
+    };
+    columns.iter().enumerate().map(column).collect()
+}
