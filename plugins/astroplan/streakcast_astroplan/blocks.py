@@ -29,7 +29,7 @@ class Rules:
     exposures : Exposures
         What a block consists of.
     score : {"clear", "pixels"}
-        Worth of an exposure: 1 where it is clear, else 0; or the share of its pixels that are left.
+        Worth of an exposure: 1 where it is clear, else 0; or the share of its pixels that are left. 0 below the horizon.
     blocking : {"any", "avoid"}
         What keeps it from being clear: every lit satellite, or those that break a limit of magnitude of the model's policy.
     margin_s : float

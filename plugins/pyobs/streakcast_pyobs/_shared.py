@@ -6,6 +6,7 @@ import asyncio
 import json
 import logging
 import threading
+from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
 from math import isfinite
 from time import monotonic
@@ -27,6 +28,10 @@ if TYPE_CHECKING:
 
 #: The host's clock is looked at no more often than this, seconds: that costs as much as the question.
 CLOCK_LOOK_S = 10.0
+#: Models that are kept; an observatory has one or two, and one of an edited configuration now and then.
+KEPT_HOSTS = 32
+#: A model that cannot be made is tried again after so long, seconds.
+AGAIN_S = 60.0
 
 
 class Host:
@@ -41,27 +46,26 @@ class Host:
     def __init__(self, hook: Hook) -> None:
         self.hook = hook
         self.memory = ClearStarts()
-        self._location: Any = None
+        self._observer: Any = None
         self._next_look_s = 0.0
 
     def see(self, data: DataProvider) -> None:
         """Site and clock of the host; pyobs plans ahead, so the clock is what it calls now."""
-        try:
-            location = data.observer.location
-            if location is not self._location:
-                self.hook.see_site(location)
-                self._location = location
-            if monotonic() >= self._next_look_s:
-                self._next_look_s = monotonic() + CLOCK_LOOK_S
-                self.hook.see_clock(Time.now())
-        except Exception as error:  # noqa: BLE001 - a hook never stops its host
-            self.hook.note("failed", f"site and clock are not looked at: {type(error).__name__}: {error}")
+        observer = getattr(data, "observer", None)
+        if observer is None or observer is not self._observer:
+            self._observer = observer
+            self.hook.see_site(lambda: data.observer.location)
+        if monotonic() >= self._next_look_s:
+            self._next_look_s = monotonic() + CLOCK_LOOK_S
+            self.hook.see_clock(Time.now)
 
 
 # One model and one set of counters for all constraints and merits of the same model: pyobs makes new ones with each list of tasks, copies
-# them, compares them and sends them to other processes, so they hold nothing but their settings.
-_hosts: dict[str, Host] = {}
+# them, compares them and sends them to other processes, so they hold nothing but their settings. The one used longest ago comes first.
+_hosts: OrderedDict[str, Host] = OrderedDict()
 _hosts_lock = threading.Lock()
+# Until when (monotonic) a model that could not be made is not tried again.
+_broken: dict[str, float] = {}
 # Waking a sleeping worker costs a tenth of a millisecond; a question of a night may take tens.
 _worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="streakcast")
 
@@ -111,18 +115,38 @@ class Settings(BaseModel):
 
     def _host(self) -> Host:
         key = json.dumps(self.model, sort_keys=True, default=str)
-        host = _hosts.get(key)
-        if host is None:
-            with _hosts_lock:
-                host = _hosts.get(key)
-                if host is None:
-                    log.info("reading satellites")
-                    host = _hosts[key] = Host(Hook(StreakModel(**self.model), "pyobs"))
+        with _hosts_lock:
+            host = _hosts.get(key)
+            if host is None:
+                log.info("reading satellites")
+                host = _hosts[key] = Host(Hook(StreakModel(**self.model), "pyobs"))
+                while len(_hosts) > KEPT_HOSTS:
+                    _hosts.popitem(last=False)
+            _hosts.move_to_end(key)
+        return host
+
+    def host_or_none(self) -> Union[Host, None]:
+        """What answers at night; `None` where the model cannot be made: settings came into a process whose files are missing."""
+        key = json.dumps(self.model, sort_keys=True, default=str)
+        if monotonic() < _broken.get(key, 0.0):
+            return None
+        try:
+            host = self._host()
+        except Exception as error:  # noqa: BLE001 - a hook never stops its host
+            if key not in _broken:
+                log.warning("satellites are not looked at: %s: %s (said once; tried again every %.0f s)", type(error).__name__, error, AGAIN_S)
+            if len(_broken) > KEPT_HOSTS:
+                _broken.clear()
+            _broken[key] = monotonic() + AGAIN_S
+            return None
+        _broken.pop(key, None)
         return host
 
     async def share_of_task(self, time: Time, task: Task, data: DataProvider, otherwise: float) -> float:
         """Worth of a task that begins then, [0, 1]; `otherwise` where satellites cannot be looked at."""
-        host = self._host()
+        host = self.host_or_none()
+        if host is None:
+            return otherwise
         host.see(data)
         hook = host.hook
         target = task.target
@@ -148,10 +172,11 @@ class Settings(BaseModel):
 
     async def shares_of(self, time: Time, coordinates: SkyCoord, data: DataProvider, otherwise: float) -> npt.NDArray[np.float64]:
         """Worth of one block at each of many places: ``(n,)``. Without a task it is one of ``n_exposures`` (1 unless said)."""
-        host = self._host()
+        host, everywhere = self.host_or_none(), np.full(len(coordinates), otherwise)
+        if host is None:
+            return everywhere
         host.see(data)
-        hook = host.hook
-        rules, everywhere = self.rules(), np.full(len(coordinates), otherwise)
+        hook, rules = host.hook, self.rules()
 
         def question(model: StreakModel) -> npt.NDArray[np.float64]:
             ra_deg, dec_deg = icrs_deg(coordinates)

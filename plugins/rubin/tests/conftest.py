@@ -77,9 +77,9 @@ def dodged_evening(folder, models, planned):
     """The same hours under 40,768 satellites with the queue manager."""
 
     class Noting(StreakQueueManager):
-        def _account(self, choice, visits, verdicts, openings):
+        def _account(self, choice, visits, verdicts, openings, now):
             planned[int(visits["target_id"][choice.place])] = float(openings.start_mjd[choice.place])
-            super()._account(choice, visits, verdicts, openings)
+            super()._account(choice, visits, verdicts, openings, now)
 
     manager = Noting(models[40768], detailers=[RotspUpdateDetailer()])
     return night.run(EVENING, "pairs", folder, hours=HOURS, queue_manager=manager)

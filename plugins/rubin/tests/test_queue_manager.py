@@ -245,6 +245,7 @@ def test_tai_and_utc_differ(models, pairs_evening):
         ({"blocking": "some"}, "blocking 'some'; allowed: any, avoid"),
         ({"limit_mag": {"q": 7.0}}, "limit_mag names the band 'q'"),
         ({"limit_mag": "bright"}, "limit_mag is 'bright'"),
+        ({"limit_mag": 7.0, "blocking": "any"}, "limit_mag with blocking='any' does nothing"),
     ],
 )
 def test_impossible_options(model, options, message):
@@ -270,8 +271,21 @@ def test_limits_of_the_models_policy(models, pairs_evening, ready):
     assert np.median(np.abs(by_policy.damage[crossed] / by_option.damage[crossed] - 1.0)) < 0.05
 
 
+def test_a_band_without_a_limit_is_one_without_limits(models, pairs_evening):
+    """As where no limit is given at all: every lit satellite counts."""
+    visits = np.asarray(pairs_evening.visits)
+    openings = Openings(visits["mjd"], np.zeros(visits.size), visits["exptime"])
+    alone, other_band, mixed = (
+        judge(models[40768], visits, openings, Rules("utc", 3.0, "light", blocking, limit)).blocked
+        for blocking, limit in (("any", None), ("avoid", {"u": -20.0}), ("avoid", {visits["band"][0]: -20.0}))
+    )
+    assert np.array_equal(other_band, alone)
+    limited = visits["band"] == visits["band"][0]
+    assert alone[limited].any() and not mixed[limited].any() and np.array_equal(mixed[~limited], alone[~limited])
+
+
 def test_limits_by_band(ready, models, take_over):
-    """Nothing is brighter than -20 mag; a limit for another band is none."""
+    """Nothing is brighter than -20 mag."""
     scheduler = take_over(ready, manager_of(models[40768].with_options(fov="140deg"), limit_mag={"default": -20.0}))
     first = ids(scheduler.return_active_queue())[0]
     assert ids(scheduler.request_observation()) == [first]
@@ -280,15 +294,58 @@ def test_limits_by_band(ready, models, take_over):
 
 
 def test_a_night_that_begins_again(ready, model, take_over):
-    """A host that goes back in time is not answered for the night that it had before."""
+    """A host that goes back in time is not answered for what it did later, in the night before or in the same one."""
     manager = manager_of(model)
     scheduler = take_over(ready, manager)
     scheduler.request_observation()
+    mount = manager.mount
+    now = mount.now(scheduler.conditions)
+    mount.tell(now + 3.0)
+    assert mount.now(scheduler.conditions) == now
+    mount.tell(now + 0.01)
+    assert mount.now(scheduler.conditions) == now + 0.01
+    # Two hours on by the host's word, then back by its word.
+    mount.tell(now + 0.08)
+    assert mount.now(scheduler.conditions) == now + 0.08
+    mount.tell(now)
+    assert mount.now(scheduler.conditions) == now and mount.last is not None
+    # Two hours on by a visit, then back by the conditions.
+    later, visit = copy.copy(scheduler.conditions), np.atleast_1d(ready.visits[-1:]).copy()
+    visit["mjd"] = now + 0.08
+    later._mjd = now + 0.08
+    mount.done(visit)
+    assert mount.now(later) > now + 0.08
+    assert mount.now(scheduler.conditions) == now and mount.last is None
+
+
+def test_a_time_that_cannot_be_followed_stops_nothing(ready, model, take_over, monkeypatch):
+    manager = manager_of(model)
+    scheduler = take_over(ready, manager)
     now = manager.mount.now(scheduler.conditions)
-    manager.mount.tell(now + 3.0)
-    assert manager.mount.now(scheduler.conditions) == now
-    manager.mount.told_mjd = now + 0.01
-    assert manager.mount.now(scheduler.conditions) == now + 0.01
+    expected = BaseQueueManager.find_valid_observations_indx(manager, scheduler.conditions, mjd=now)
+    monkeypatch.setattr(manager.mount, "tell", lambda mjd: 1 / 0)
+    found = manager.find_valid_observations_indx(scheduler.conditions, mjd=now)
+    assert np.array_equal(found, expected) and manager.counts["clock"] == 1
+
+
+def test_a_site_that_cannot_be_looked_at_is_told(ready, model, take_over, blocked, caplog):
+    scheduler = take_over(ready, manager_of(model))
+    queue = ids(scheduler.return_active_queue())
+    blocked(streakcast.StreakModel, [0, *range(2, 12)])
+    site = scheduler.conditions.site
+
+    class Hidden:
+        """The host's own site, but for its latitude in degrees."""
+
+        def __getattr__(self, name):
+            if name == "latitude":
+                raise RuntimeError("no such site")
+            return getattr(site, name)
+
+    scheduler.conditions.site = Hidden()
+    assert ids(scheduler.request_observation()) == [queue[1]]
+    counts = scheduler.queue_manager.counts
+    assert counts["site"] == 1 and counts["failed"] == 0 and "cannot be looked at" in caplog.text
 
 
 def test_a_model_without_a_field(folder):
@@ -335,6 +392,36 @@ def test_summit_wrapper_gets_no_visit_twice(ready, model, take_over, blocked):
     manager = copy.deepcopy(scheduler.queue_manager)
     manager.mount.tell(manager.mount.now(scheduler.conditions) + 11.0 / 1440.0)
     assert ids(manager.request_observation(scheduler.conditions)) == [queue[0]]
+
+
+def test_visits_are_put_off_so_often_by_all_copies_together(ready, model, take_over, blocked):
+    """The wrapper asks a new copy after each visit that is done."""
+    scheduler = take_over(ready, manager_of(model, max_defer=3))
+    first = ids(scheduler.return_active_queue())[0]
+    wrapper = SummitWrapper(scheduler)
+    wrapper.update_conditions(scheduler.conditions)
+    blocked(streakcast.StreakModel, [0])
+    out, copies = [], set()
+    for _ in range(4):
+        out.append(ids(wrapper.request_observation())[0])
+        copies.add(id(wrapper.ahead_scheduler.queue_manager))
+        done = wrapper.requested_but_unadded_obs[0].copy()
+        done["visittime"] = 31.0
+        wrapper.add_observation(done)
+    assert len(copies) > 1
+    assert out[:3].count(first) == 0 and out[3] == first
+    assert wrapper.ahead_scheduler.queue_manager.counts["due"] == 1
+
+
+def test_what_was_put_off_stays_so_in_a_pickle(ready, model, take_over, blocked):
+    manager = manager_of(model, max_defer=2)
+    scheduler = take_over(ready, manager)
+    first = ids(scheduler.return_active_queue())[0]
+    blocked(streakcast.StreakModel, [0])
+    for _ in range(2):
+        assert ids(manager.request_observation(scheduler.conditions)) != [first]
+    again = pickle.loads(pickle.dumps(manager))
+    assert ids(again.request_observation(scheduler.conditions)) == [first]
 
 
 def test_pickles_stay_small(ready, models, take_over):
