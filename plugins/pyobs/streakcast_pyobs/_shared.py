@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 #: The host's clock is looked at no more often than this, seconds: that costs as much as the question.
 CLOCK_LOOK_S = 10.0
+#: Worth of what satellites cannot be looked at for.
+CLEAR = 1.0
 #: Models that are kept; an observatory has one or two, and one of an edited configuration now and then.
 KEPT_HOSTS = 32
 #: A model that cannot be made is tried again after so long, seconds.
@@ -142,37 +144,37 @@ class Settings(BaseModel):
         _broken.pop(key, None)
         return host
 
-    async def share_of_task(self, time: Time, task: Task, data: DataProvider, otherwise: float) -> float:
-        """Worth of a task that begins then, [0, 1]; `otherwise` where satellites cannot be looked at."""
+    async def share_of_task(self, time: Time, task: Task, data: DataProvider) -> float:
+        """Worth of a task that begins then, [0, 1]; 1 where satellites cannot be looked at."""
         host = self.host_or_none()
         if host is None:
-            return otherwise
+            return CLEAR
         host.see(data)
         hook = host.hook
         target = task.target
         if target is None:
             hook.note("target", "a task without a target is taken as clear", kind="no target")
-            return otherwise
+            return CLEAR
         try:
             coordinates = target.coordinates(time)
             duration_s = _duration_s(task, time)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             hook.note("target", f"a task's target or duration cannot be told: {type(error).__name__}: {error}", kind="target")
-            return otherwise
+            return CLEAR
         rules = self.rules()
 
         def question(model: StreakModel) -> float:
             ra_deg, dec_deg = (float(angle) for angle in icrs_deg(coordinates))
             if not (isfinite(ra_deg) and isfinite(dec_deg)):
                 hook.note("target", "a target without coordinates is taken as clear", kind="coordinates")
-                return otherwise
+                return CLEAR
             return host.memory.worth_of_block(model, rules, ra_deg, dec_deg, float(unix_s(time)), duration_s)
 
-        return await asyncio.get_running_loop().run_in_executor(_worker, hook.ask, question, otherwise)
+        return await asyncio.get_running_loop().run_in_executor(_worker, hook.ask, question, CLEAR)
 
-    async def shares_of(self, time: Time, coordinates: SkyCoord, data: DataProvider, otherwise: float) -> npt.NDArray[np.float64]:
+    async def shares_of(self, time: Time, coordinates: SkyCoord, data: DataProvider) -> npt.NDArray[np.float64]:
         """Worth of one block at each of many places: ``(n,)``. Without a task it is one of ``n_exposures`` (1 unless said)."""
-        host, everywhere = self.host_or_none(), np.full(len(coordinates), otherwise)
+        host, everywhere = self.host_or_none(), np.full(len(coordinates), CLEAR)
         if host is None:
             return everywhere
         host.see(data)

@@ -58,7 +58,7 @@ class SatelliteConstraint(Settings, Constraint):
         bool
             False also where the target is below the horizon.
         """
-        return await self.share_of_task(time, task, data, 1.0) >= self.min_clear_share
+        return await self.share_of_task(time, task, data) >= self.min_clear_share
 
     async def filter_skycoord(self, time: Time, coords: SkyCoord, data: DataProvider) -> npt.NDArray[np.bool_]:
         """Which of many places would be clear: one exposure, or ``n_exposures`` of them, that begin then.
@@ -76,7 +76,7 @@ class SatelliteConstraint(Settings, Constraint):
         -------
         array of bool, ``(n,)``
         """
-        return np.asarray(await self.shares_of(time, coords, data, 1.0) >= self.min_clear_share, dtype=np.bool_)
+        return np.asarray(await self.shares_of(time, coords, data) >= self.min_clear_share, dtype=np.bool_)
 
     def to_astroplan(self) -> astroplan.Constraint:
         """The same for pyobs's ``AstroplanScheduler``: all cells of time of a block are clear, or with ``min_clear_share`` below 1 a score.

@@ -91,13 +91,17 @@ def limit_of(limit_mag: Any, band: str | None) -> float | None:
     return None if limit is None else float(limit)
 
 
+def pointings(visits: Visits) -> tuple[tuple[FloatArray, FloatArray], FloatArray, list[str]]:
+    """Where the host's visits point, in degrees: right ascension and declination, and the rotation of the sky; and their bands."""
+    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
+    return target, np.degrees(np.nan_to_num(visits["rotSkyPos"])), [str(one) for one in visits["band"]]
+
+
 def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) -> Verdicts:
     """Asks for all visits at once what crosses them, from `jitter_s` before their opening to as long after their closing."""
-    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
+    target, rotation, bands = pointings(visits)
     start = openings.start_mjd - rules.jitter_s / 86_400.0
     length_s = openings.length_s + 2.0 * rules.jitter_s
-    rotation = np.degrees(np.nan_to_num(visits["rotSkyPos"]))
-    bands = [str(one) for one in visits["band"]]
     if rules.blocking == "avoid" and rules.limit_mag is None:
         # The policy's own limits: of loss and probability too, which take what may only just come by into account.
         answer = model.assess(target, start, length_s, rotation=rotation, band=bands, scale=rules.scale)

@@ -14,7 +14,7 @@ import numpy as np
 from streakcast import StreakModel
 
 from ._arrays import Visits
-from ._questions import scale_of
+from ._questions import pointings, scale_of
 
 #: A row a visit.
 FLAG_COLUMNS = {
@@ -62,9 +62,7 @@ def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, N
         ``streak_length_deg``, ``norad_ids`` and more.
     """
     scale = scale_of(model, mjd_scale)
-    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
-    rotation = np.degrees(np.nan_to_num(visits["rotSkyPos"]))
-    bands = [str(one) for one in visits["band"]]
+    target, rotation, bands = pointings(visits)
     found = model.flags(target, visits["mjd"], visits["exptime"], rotation=rotation, band=bands, scale=scale, output="dict")
     return dict(found)
 
