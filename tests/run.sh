@@ -49,9 +49,8 @@ counts() {
              for (i = 2; i <= NF; i++) { if ($i ~ /^passed/) pytest += $(i - 1); if ($i ~ /^skipped/) left += $(i - 1) }
          }
          END {
-             printf "%d suites of Rust: %d passed, %d failed, %d skipped\n", suites, passed, failed, ignored
-             if (python) printf "%d suites of Python: %d passed, %d skipped\n", python, pytest, left
-             printf "%d passed, %d skipped\n", passed + pytest, ignored + left
+             printf "%d suites: %d of Rust with %d tests, %d of Python with %d\n", suites + python, suites, passed, python, pytest
+             printf "%d passed, %d failed, %d skipped\n", passed + pytest, failed, ignored + left
          }' "$log/all"
 }
 
