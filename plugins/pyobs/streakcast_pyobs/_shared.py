@@ -53,10 +53,14 @@ class Host:
 
     def see(self, data: DataProvider) -> None:
         """Site and clock of the host; pyobs plans ahead, so the clock is what it calls now."""
-        observer = getattr(data, "observer", None)
-        if observer is None or observer is not self._observer:
+
+        def place() -> Any:
+            observer = data.observer
+            location = None if observer is self._observer else observer.location
             self._observer = observer
-            self.hook.see_site(lambda: data.observer.location)
+            return location
+
+        self.hook.see_site(place)
         if monotonic() >= self._next_look_s:
             self._next_look_s = monotonic() + CLOCK_LOOK_S
             self.hook.see_clock(Time.now)

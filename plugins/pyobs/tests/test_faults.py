@@ -155,6 +155,13 @@ def test_a_host_without_a_site_or_a_clock_goes_on(settings, tasks, observer, log
     monkeypatch.setattr(_shared.Time, "now", lambda: 1 / 0)
     _shared._hosts.clear()
     assert answers(constraint, tasks, SimpleNamespace()) == expected
+
+    class Broken:
+        @property
+        def observer(self):
+            raise RuntimeError("no observer")
+
+    assert answers(constraint, tasks, Broken()) == expected
     counts = constraint.hook().counts
     assert counts["site"] >= 1 and counts["clock"] >= 1 and counts["failed"] == 0 and len(lines(log)) == 2
 

@@ -262,6 +262,7 @@ def test_a_site_or_a_clock_that_cannot_be_looked_at(model, caplog):
     assert len([record for record in caplog.records if "cannot be looked at" in record.message]) == 2
     site = model.site
     hook.see_site(lambda: (site.latitude_deg, site.longitude_deg, site.height_m))
+    hook.see_site(lambda: None)
     hook.see_clock(lambda: None)
     hook.see_clock(lambda: datetime.datetime.now(datetime.timezone.utc))
     assert hook.counts["site"] == hook.counts["clock"] == 6

@@ -73,4 +73,3 @@ def distance_km(one: tuple[float, float, float], other: tuple[float, float, floa
     hav = math.sin((lat2 - lat1) / 2) ** 2 + math.cos(lat1) * math.cos(lat2) * math.sin((lon2 - lon1) / 2) ** 2
     along_km = 2.0 * _EARTH_KM * math.asin(min(1.0, math.sqrt(hav)))
     return math.hypot(along_km, (one[2] - other[2]) / 1000.0)
-

@@ -153,13 +153,15 @@ class Hook:
         ----------
         location : `~astropy.coordinates.EarthLocation` or triple, or callable
             The site, or ``(latitude, longitude, height)`` in degrees, degrees east and metres; or a function that looks it up in the
-            host, so that an error there is caught here.
+            host, so that an error there is caught here; `None` from that function: nothing to hold.
         """
         site = self._state.model.site
         if site is None:
             return
         try:
             place = location() if callable(location) else location
+            if place is None and callable(location):
+                return
             if hasattr(place, "geodetic"):
                 longitude, latitude, height = place.geodetic
                 place = (latitude.to_value("deg"), longitude.to_value("deg"), height.to_value("m"))
