@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ctypes
+import itertools
 from collections import Counter
 from collections.abc import Mapping
 from multiprocessing.context import get_spawning_popen
@@ -42,7 +43,9 @@ class Mailbox:
 
     def counts(self) -> dict[str, int]:
         """What was written."""
-        return {slot.name.decode(errors="replace"): int(slot.count) for slot in self._slots if slot.name}
+        # Slots are taken in turn: nothing stands behind an empty one.
+        used = itertools.takewhile(lambda slot: slot.name, self._slots)
+        return {slot.name.decode(errors="replace"): int(slot.count) for slot in used}
 
     def say(self, words: str) -> None:
         """Keeps a line, where none is kept yet."""

@@ -155,10 +155,10 @@ class Hook:
             The site, or ``(latitude, longitude, height)`` in degrees, degrees east and metres; or a function that looks it up in the
             host, so that an error there is caught here; `None` from that function: nothing to hold.
         """
-        site = self._state.model.site
-        if site is None:
-            return
         try:
+            site = self._state.model.site
+            if site is None:
+                return
             place = location() if callable(location) else location
             if place is None and callable(location):
                 return
