@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::io::stdout;
 
-use streakcast::camera::{Plane, Wcs};
+use streakcast::camera::{LightArea, Plane, Wcs};
 use streakcast::frames::Direction;
 use streakcast::streak::{
     Chip, CountScale, Modulation, Optics, RandomStreaks, SeeingForm, Shot, Source, SourceName, StreakNumber, Tracking,
@@ -21,6 +21,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         name: "one".to_owned(),
         rows: 2000,
         columns: 2000,
+        light_area: LightArea::whole(2000, 2000),
         wcs: Wcs::tangent(centre, 0.5, 0.0, 2000, 2000)?,
         is_on_sky: true,
         // A star of magnitude 25 is one count in 30 s.

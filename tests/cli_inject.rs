@@ -7,20 +7,9 @@ use std::fs;
 use std::path::Path;
 
 use common::cli::{done, path, records, run};
+use common::injected::{RANDOM, SKY, column, numbers, unrounded, values, with_card};
 use streakcast::camera::FrameFile;
 use tempfile::TempDir;
-
-const SKY: &str = "columns = 400
-rows = 300
-pixel_scale_arcsec = 1.0
-zero_point_1s_mag = 25.0
-sky_mag_arcsec2 = 21.0
-stars = { per_megapixel = 200, slope = 0.3, brightest_mag = 13, faintest_mag = 20 }
-detector = { gain_e_adu = 2.0, read_noise_e = 5, bias_adu = 300, quantisation = { greatest_adu = 65535 } }
-";
-
-const RANDOM: &[&str] =
-    &["--random-streaks", "2", "--magnitude", "6,8", "--exposure", "30s", "--seeing", "2.5arcsec", "--quiet"];
 
 fn synthetic(folder: &TempDir, name: &str, more: &[&str]) -> String {
     let description = path(folder, "sky.toml");
@@ -30,22 +19,8 @@ fn synthetic(folder: &TempDir, name: &str, more: &[&str]) -> String {
     output
 }
 
-fn values(file: &str, hdu: usize) -> Vec<f32> {
-    FrameFile::open(Path::new(file)).unwrap().read_plane(hdu).unwrap().values().to_vec()
-}
-
 fn names(file: &str) -> Vec<String> {
     FrameFile::open(Path::new(file)).unwrap().hdus().iter().map(|hdu| hdu.name.clone()).collect()
-}
-
-/// Columns of a truth table by name, as text.
-fn column(rows: &[csv::StringRecord], name: &str) -> Vec<String> {
-    let index = rows[0].iter().position(|header| header == name).unwrap_or_else(|| panic!("no column {name}"));
-    rows[1..].iter().map(|row| row[index].to_owned()).collect()
-}
-
-fn numbers(rows: &[csv::StringRecord], name: &str) -> Vec<f64> {
-    column(rows, name).iter().map(|cell| cell.parse().unwrap()).collect()
 }
 
 #[test]
@@ -303,20 +278,6 @@ fn verif_faint_light_is_not_rounded_away() {
         assert!((added - wanted).abs() < 5.0 * sigma && pixels > 500.0, "{added} {wanted} ± {sigma}, {pixels} pixels");
         assert!(wanted > 10.0 * sigma, "the test can fail: {wanted} {sigma}");
     }
-}
-
-/// The value of a header's card, right-justified in columns 11 to 30 of its first 80-byte record.
-fn with_card(file: &[u8], keyword: &str, value: &str) -> Vec<u8> {
-    let mut bytes = file.to_vec();
-    let start = format!("{keyword:<8}= ");
-    let card = bytes.chunks_exact_mut(80).find(|card| card.starts_with(start.as_bytes())).expect("the card");
-    card[10..30].copy_from_slice(format!("{value:>20}").as_bytes());
-    bytes
-}
-
-/// `SKY` in numbers with fractions, so that nothing is rounded.
-fn unrounded() -> String {
-    SKY.replace(", quantisation = { greatest_adu = 65535 }", "")
 }
 
 #[test]

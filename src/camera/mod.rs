@@ -7,6 +7,7 @@ mod exposure;
 #[cfg(feature = "fits")]
 mod fits;
 mod header;
+mod light_area;
 mod patch;
 mod pixel;
 mod plane;
@@ -28,6 +29,7 @@ pub use fits::{
     Pixels, Rice, TableColumn, write_frame,
 };
 pub use header::Header;
+pub use light_area::LightArea;
 pub use patch::{Patch, PatchRows, PatchSpan};
 pub use pixel::PixelPosition;
 pub use plane::{Plane, PlaneError};

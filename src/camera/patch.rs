@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::light_area::LightArea;
 use super::pixel::PixelPosition;
 use super::plane::Plane;
 
@@ -143,6 +144,26 @@ impl Patch {
             }
         }
         summed
+    }
+
+    /// The light on an area of the frame alone.
+    pub fn within(self, area: &LightArea) -> Self {
+        if *area == LightArea::whole(self.rows, self.columns) {
+            return self;
+        }
+        let mut extents = PatchRows::new(self.rows, self.columns);
+        let cut = |span: &PatchSpan<'_>| {
+            let end = span.first_column + span.values.len();
+            span.first_column.max(area.columns.start)..end.min(area.columns.end)
+        };
+        let rows = || self.iter().filter(|span| area.rows.contains(&span.row));
+        rows().for_each(|span| extents.add(span.row, cut(&span)));
+        let mut patch = extents.into_patch();
+        patch.fill(|row, first, values| {
+            let span = self.row(row);
+            values.copy_from_slice(&span.values[first - span.first_column..][..values.len()]);
+        });
+        patch
     }
 
     /// Pixels that hold at least `threshold`, as `(row, columns)`: for masks.

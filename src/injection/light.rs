@@ -168,7 +168,7 @@ fn random_sources(
 
 fn area_deg2(chip: &Chip) -> f64 {
     let side_deg = chip.pixel_scale_arcsec() / 3600.0;
-    side_deg * side_deg * chip.rows as f64 * chip.columns as f64
+    side_deg * side_deg * chip.light_area.pixels() as f64
 }
 
 /// Band and system of a frame: as said, else by the first word of its filter; with a warning where that is no band.

@@ -13,8 +13,8 @@ use crate::camera::PixelPosition;
 use crate::frames::Direction;
 use crate::setup::Setup;
 use crate::streak::{
-    DrawnStreak, InjectOptions, Injected, MaskPlanes, Shot, Source, SourceName, TargetFrame, TruthRow, draw_on_chip,
-    inject, points_table, trail_table, truth_rows, truth_table,
+    Chip, DrawnStreak, InjectOptions, Injected, MaskPlanes, Shot, Source, SourceName, TargetFrame, TruthRow,
+    draw_on_chip, inject, points_table, trail_table, truth_rows, truth_table,
 };
 use crate::table::{Column, Kind, Provenance, Table, Value};
 
@@ -107,7 +107,18 @@ pub fn inject_frames(
             state(&mut provenance, first, image, &asked, &photometry, said.seed);
         }
     }
-    Ok(Injections { frames: done, remarks: notes.remarks, warnings, provenance })
+    let remarks = notes.remarks.into_iter().chain(known.iter().filter_map(overscan)).collect();
+    Ok(Injections { frames: done, remarks, warnings, provenance })
+}
+
+/// Which of a frame's pixels get no light.
+fn overscan(frame: &TargetFrame) -> Option<String> {
+    let is_cut = |chip: &&Chip| chip.light_area.pixels() < chip.rows * chip.columns;
+    let cut: Vec<&Chip> = frame.chips.iter().map(|target| &target.chip).filter(is_cut).collect();
+    let (first, area) = cut.first().map(|chip| (chip.hdu, chip.light_area.section()))?;
+    let others = if cut.len() > 1 { format!(", {} others likewise", cut.len() - 1) } else { String::new() };
+    let shown = frame.file.path().display();
+    Some(format!("{shown}: HDU {first}: light falls on {area} alone, as the header says; overscan gets none{others}"))
 }
 
 fn one(

@@ -4,7 +4,7 @@ use super::count_scale::CountScale;
 use super::light::{SkyPoint, SkyTrack};
 use super::render::{PathError, PathNode, StreakPath};
 use super::tracking::Tracking;
-use crate::camera::{PixelPosition, Wcs};
+use crate::camera::{LightArea, PixelPosition, Wcs};
 use crate::frames::{Direction, Gcrs};
 
 /// Points of a track on the way across a chip.
@@ -21,6 +21,8 @@ pub struct Chip {
     pub rows: usize,
     /// Pixels along a row.
     pub columns: usize,
+    /// Those of its pixels that light falls on.
+    pub light_area: LightArea,
     /// Pixels to sky.
     pub wcs: Wcs,
     /// False where the frame says nothing of the sky and `wcs` is a stand-in of the right scale: places on the sky are then not told.
@@ -39,19 +41,18 @@ pub struct ChipPath {
 }
 
 impl Chip {
-    /// The middle of the chip in pixels.
+    /// The middle of what light falls on, in pixels.
     pub fn middle(&self) -> PixelPosition {
-        PixelPosition { x: 0.5 * (self.columns as f64 - 1.0), y: 0.5 * (self.rows as f64 - 1.0) }
+        self.light_area.place(0.5, 0.5)
     }
 
     /// Its middle on the sky, and the radius about it that holds all corners; `None` where the WCS gives none.
     pub fn circle(&self) -> Option<(Direction<Gcrs>, f64)> {
         let middle = self.wcs.to_sky(self.middle())?;
-        let [right, top] = [self.columns as f64 - 0.5, self.rows as f64 - 0.5];
-        let corners = [(-0.5, -0.5), (right, -0.5), (-0.5, top), (right, top)];
         let mut radius_rad = 0.0f64;
-        for (x, y) in corners {
-            radius_rad = radius_rad.max(self.wcs.to_sky(PixelPosition { x, y })?.separation_rad(&middle));
+        for (along_row, along_column) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let corner = self.light_area.place(along_row, along_column);
+            radius_rad = radius_rad.max(self.wcs.to_sky(corner)?.separation_rad(&middle));
         }
         Some((middle, radius_rad))
     }
@@ -64,12 +65,6 @@ impl Chip {
     /// How many times as wide on the sky as high a pixel in the middle is.
     pub fn pixel_aspect(&self) -> f64 {
         self.wcs.pixel_aspect(self.middle())
-    }
-
-    /// True for a place on one of its pixels.
-    pub fn holds(&self, at: PixelPosition) -> bool {
-        let within = |value: f64, pixels: usize| (-0.5..=pixels as f64 - 0.5).contains(&value);
-        within(at.x, self.columns) && within(at.y, self.rows)
     }
 
     /// False where a track stays farther away from the chip than `margin_rad`.
@@ -133,7 +128,7 @@ impl Chip {
             })
             .chain(nodes.last().map(|last| last.time_s))
             .collect();
-        let inside = |time_s: f64| self.holds(path.point_at(time_s));
+        let inside = |time_s: f64| self.light_area.holds(path.point_at(time_s));
         let first = times_s.iter().position(|&time_s| inside(time_s))?;
         let last = times_s.iter().rposition(|&time_s| inside(time_s))?;
         let border = |mut out_s: f64, mut in_s: f64| {
@@ -215,14 +210,14 @@ pub fn circle_of<'a>(chips: impl Iterator<Item = &'a Chip> + Clone) -> Option<(D
 
 /// A direction on one of several chips from three numbers in [0, 1): the first chooses a chip by its area, the others a place on it.
 pub fn direction_on<'a>(chips: impl Iterator<Item = &'a Chip> + Clone, drawn: [f64; 3]) -> Option<Direction<Gcrs>> {
-    let pixels = |chip: &Chip| chip.rows as f64 * chip.columns as f64;
+    let pixels = |chip: &Chip| chip.light_area.pixels() as f64;
     let mut left = drawn[0] * chips.clone().map(pixels).sum::<f64>();
     let chip = chips.clone().find(|chip| {
         left -= pixels(chip);
         left < 0.0
     });
     let chip = chip.or(chips.last())?;
-    chip.wcs.to_sky(PixelPosition { x: drawn[1] * chip.columns as f64 - 0.5, y: drawn[2] * chip.rows as f64 - 0.5 })
+    chip.wcs.to_sky(chip.light_area.place(drawn[1], drawn[2]))
 }
 
 #[cfg(test)]
@@ -238,6 +233,7 @@ mod tests {
             name: String::new(),
             rows: side,
             columns: side,
+            light_area: LightArea::whole(side, side),
             wcs: Wcs::tangent(centre, scale_arcsec, 0.0, side, side).unwrap(),
             is_on_sky: true,
             scale: CountScale::of_frame(25.0, 30.0).unwrap(),

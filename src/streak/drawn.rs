@@ -120,7 +120,7 @@ pub fn draw_on_chip<'a>(
             .paths(&part.track, shot.tracking, &shot.centre, profile.pixel_reach_pix())
             .map_err(|source| DrawError::Path { hdu: chip.hdu, source })?;
         for way in paths.iter().filter(|way| way.path.total() > 0.0) {
-            let patch = draw(&way.path, &profile, chip.rows, chip.columns);
+            let patch = draw(&way.path, &profile, chip.rows, chip.columns).within(&chip.light_area);
             if !patch.is_empty() && patch.sum() > 0.0 {
                 drawn.push(told(source, part, chip, shot, way, patch, &profile));
             }

@@ -5,6 +5,8 @@ pub mod agreement;
 #[cfg(feature = "cli")]
 pub mod cli;
 pub mod elements;
+#[cfg(feature = "fits")]
+pub mod injected;
 pub mod maps;
 pub mod random;
 #[cfg(feature = "serve")]

@@ -1,7 +1,6 @@
 """Streaks that `streakcast inject` put into frames, found again by detectors that nobody here wrote.
 
-    venv/bin/pip install --requirement tests/reference/requirements.txt
-    cargo build --release
+    tests/recover.sh, or
     venv/bin/python tests/reference/recover_streaks.py target/release/streakcast ../shared/data
 
 Place and angle: acstools' median Radon transform (findsat_mrt), which knows nothing of the truth. Flux: NumPy's integral of the median cut across the
@@ -66,6 +65,9 @@ def cut_across(image, start, end, half):
 failed = 0
 print(f"{'frame':24}{'angle deg':>12}{'place pix':>12}{'flux':>9}{'width':>9}")
 for name, what, magnitude, more, hdu in CASES:
+    if what[0] == "--image" and not what[1].is_file():
+        print(f"*** SKIPPED recover.sh: {name}: no {what[1]}")
+        continue
     with tempfile.TemporaryDirectory() as folder:
         out, truth = inject(what, magnitude, more, 3, pathlib.Path(folder))
         image = np.nan_to_num(fits.getdata(out, hdu).astype(float), nan=np.nanmedian(fits.getdata(out, hdu)))

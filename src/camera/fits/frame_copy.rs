@@ -199,16 +199,11 @@ impl FrameCopy {
                     length = table.len() as u64;
                     sum = Some(checksum::sum_padded(0, table));
                 }
-                // Where no sum needs all the data, the system copies them and the few bytes that change are written over them.
-                (None, Some(edit)) => match edit.few_parts().filter(|_| !is_summed) {
-                    Some(parts) => {
-                        let start = at + header_length;
-                        copy_range(&mut self.input, output, data.clone())?;
-                        edit.rewrite(&parts, &mut self.input, output, start)?;
-                        output.seek(SeekFrom::Start(start + length))?;
-                    }
-                    None => sum = Some(edit.stream(&mut self.input, &mut output, is_summed)?),
-                },
+                (None, Some(edit)) => {
+                    let start = at + header_length;
+                    sum = edit.stream(self.output.path(), start, is_summed)?;
+                    output.seek(SeekFrom::Start(start + length))?;
+                }
                 (None, None) => copy_range(&mut self.input, output, data.clone())?,
             }
             let end = pad(output, at + header_length + length, pad_byte(info))?;

@@ -5,6 +5,8 @@ use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use rayon::prelude::*;
+
 use super::super::header::Header;
 use super::changed::Changed;
 use super::checksum;
@@ -14,13 +16,8 @@ use super::hdu::{HduInfo, HduKind};
 use super::overlay::Overlay;
 use super::tiles::{Rebuilt, TileImage};
 
-/// Touched bytes that lie nearer to one another are rewritten together.
-const GAP: usize = 2048;
-/// Share of the data, as its inverse, up to which touched bytes are rewritten in a copy; with more of them all data pass through memory.
-const FEW: usize = 4;
-
-/// Bytes that go from the input to the output at once: whole pixels of every type.
-const CHUNK: usize = 1 << 20;
+/// Bytes that go from the input to the output at once: whole pixels of every type, whole words of sums, and few enough to stay in a processor's cache.
+const CHUNK: usize = 1 << 17;
 
 /// Changes to one image.
 #[derive(Debug)]
@@ -131,7 +128,7 @@ impl PixelEdit {
         let of_tiles = |why: String| FrameError::Tiles { path: self.path.clone(), hdu: self.info.index, why };
         let (columns, changed) = (self.columns, &mut self.changed);
         let mut failed = None;
-        self.light.take(0..usize::MAX, |pixel, sum| {
+        self.light.each(0..usize::MAX, |pixel, sum| {
             let (row, column) = (pixel / columns, pixel % columns);
             match tiles.read(row, column..column + 1) {
                 Ok(old) => {
@@ -147,80 +144,53 @@ impl PixelEdit {
         }
     }
 
-    /// Parts of the data of an image as it is that are to change, bytes; `None` where they are many, or where there are tiles.
-    pub(super) fn few_parts(&self) -> Option<Vec<Range<usize>>> {
-        let StoredPixels::Plain(overlay) = &self.stored else { return None };
-        let size = self.info.format.bitpix.bytes();
-        let lit = self.light.touched().map(|pixels| pixels.start * size..pixels.end * size);
-        let mut all: Vec<Range<usize>> = lit.chain(overlay.touched()).collect();
-        all.sort_by_key(|range| range.start);
-        let mut parts: Vec<Range<usize>> = Vec::new();
-        for range in all {
-            match parts.last_mut() {
-                Some(last) if range.start < last.end + GAP => last.end = last.end.max(range.end),
-                _ => parts.push(range),
-            }
-        }
-        let touched: usize = parts.iter().map(Range::len).sum();
-        (touched < self.info.data_length as usize / FEW).then_some(parts)
-    }
-
-    /// Rewrites parts of the data in a copy of them that begins at `data_at` of the output.
-    pub(super) fn rewrite(
-        &mut self,
-        parts: &[Range<usize>],
-        input: &mut File,
-        mut output: &File,
-        data_at: u64,
-    ) -> io::Result<()> {
-        let mut chunk = Vec::new();
-        for part in parts {
-            input.seek(SeekFrom::Start(self.info.data_at + part.start as u64))?;
-            self.read_chunk(input, part.start, part.len(), &mut chunk)?;
-            output.seek(SeekFrom::Start(data_at + part.start as u64))?;
-            output.write_all(&chunk)?;
-        }
-        Ok(())
-    }
-
-    /// For an image as it is: its data from the input to the output, changed on the way; the sum of what was written, if it is wanted.
+    /// For an image as it is: its data from the input into the file at `output` from `to` on, changed on the way; their sum, if it is wanted.
     ///
-    /// While one chunk is written the next one is read, in the caller's pool of threads.
-    pub(super) fn stream(&mut self, input: &mut File, output: &mut (impl Write + Send), sums: bool) -> io::Result<u32> {
-        input.seek(SeekFrom::Start(self.info.data_at))?;
+    /// Each thread of the caller's pool takes one stretch of the data through files that it opens for itself.
+    pub(super) fn stream(&mut self, output: &Path, to: u64, is_summed: bool) -> io::Result<Option<u32>> {
         let length = self.info.data_length as usize;
-        let (mut ready, mut next) = (Vec::new(), Vec::new());
-        let (mut from, mut sum) = (0, 0);
-        self.read_chunk(input, from, CHUNK.min(length), &mut ready)?;
-        while !ready.is_empty() {
-            from += ready.len();
-            let count = CHUNK.min(length - from);
-            let (written, read) =
-                rayon::join(|| output.write_all(&ready), || self.read_chunk(input, from, count, &mut next));
-            written.and(read)?;
-            if sums {
-                sum = checksum::sum_padded(sum, &ready);
-            }
-            std::mem::swap(&mut ready, &mut next);
-        }
-        Ok(sum)
+        let stretch = length.div_ceil(CHUNK).div_ceil(rayon::current_num_threads()).max(1) * CHUNK;
+        let stretches = (0..length).into_par_iter().step_by(stretch);
+        let ends: Vec<(Changed, u32)> = stretches
+            .map(|from| self.stream_part(from..length.min(from + stretch), output, to, is_summed))
+            .collect::<io::Result<_>>()?;
+        ends.iter().for_each(|(changed, _)| self.changed += *changed);
+        // The sum of sums is the sum of all: every stretch but the last is of whole words.
+        Ok(is_summed.then(|| ends.iter().fold(0, |sum, (_, part)| checksum::sum(sum, &part.to_be_bytes()))))
     }
 
-    /// Some bytes of the data of an image as it is to be.
-    fn read_chunk(&mut self, input: &mut File, from: usize, count: usize, chunk: &mut Vec<u8>) -> io::Result<()> {
-        chunk.resize(count, 0);
-        input.read_exact(chunk)?;
-        let StoredPixels::Plain(overlay) = &self.stored else { return Ok(()) };
-        overlay.patch(from, chunk);
-        let (format, changed) = (self.info.format, &mut self.changed);
+    fn stream_part(&self, part: Range<usize>, output: &Path, to: u64, is_summed: bool) -> io::Result<(Changed, u32)> {
+        let gone = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", self.path.display()));
+        let mut input = File::open(&self.path).map_err(gone)?;
+        let mut output = File::options().write(true).open(output)?;
+        input.seek(SeekFrom::Start(self.info.data_at + part.start as u64))?;
+        output.seek(SeekFrom::Start(to + part.start as u64))?;
+        let (mut changed, mut sum) = (Changed::default(), 0);
+        let mut chunk = vec![0; CHUNK];
+        for from in part.clone().step_by(CHUNK) {
+            let chunk = &mut chunk[..CHUNK.min(part.end - from)];
+            input.read_exact(chunk)?;
+            self.put_changes(from, chunk, &mut changed);
+            output.write_all(chunk)?;
+            if is_summed {
+                sum = checksum::sum_padded(sum, chunk);
+            }
+        }
+        Ok((changed, sum))
+    }
+
+    /// Brings some bytes of the data of an image to what they are to be.
+    fn put_changes(&self, from: usize, bytes: &mut [u8], changed: &mut Changed) {
+        let StoredPixels::Plain(overlay) = &self.stored else { return };
+        overlay.patch(from, bytes);
+        let format = self.info.format;
         let size = format.bitpix.bytes();
         let first = from / size;
-        self.light.take(first..first + count / size, |pixel, sum| {
-            let old = format.physical(format.raw(chunk, pixel - first));
+        self.light.each(first..first + bytes.len() / size, |pixel, sum| {
+            let old = format.physical(format.raw(bytes, pixel - first));
             changed
-                .set(old, old + sum + between_steps(pixel, format.step()), |new| format.put(chunk, pixel - first, new));
+                .set(old, old + sum + between_steps(pixel, format.step()), |new| format.put(bytes, pixel - first, new));
         });
-        Ok(())
     }
 }
 

@@ -9,7 +9,8 @@ use thiserror::Error;
 use super::super::chip::{Chip, circle_of};
 use super::super::count_scale::{CountScale, CountScaleError};
 use crate::camera::{
-    Calibration, CountBasis, ExposureError, ExposureTime, FrameError, FrameFile, Header, PixelUnit, Wcs, WcsError,
+    Calibration, CountBasis, ExposureError, ExposureTime, FrameError, FrameFile, Header, LightArea, PixelUnit, Wcs,
+    WcsError,
 };
 use crate::frames::{Direction, Gcrs};
 
@@ -267,6 +268,7 @@ fn target_chip(
     let [rows, columns] = file.image_size(hdu)?;
     let info = file.hdu(hdu)?;
     let name = info.name.clone();
+    let light_area = LightArea::from_header(file.header(hdu)?, rows, columns);
     let is_flux = calibration.pixel_unit == PixelUnit::Flux;
     // A gain in the header of electrons or of a flux is that of the counts they were made from.
     let gain_e_adu = said.gain_e_adu.or(match calibration.pixel_unit {
@@ -276,7 +278,7 @@ fn target_chip(
     });
     let is_rate = calibration.is_rate;
     Ok(TargetChip {
-        chip: Chip { hdu, name, rows, columns, wcs, is_on_sky, scale },
+        chip: Chip { hdu, name, rows, columns, light_area, wcs, is_on_sky, scale },
         electrons_a_unit: gain_e_adu.map(|gain| if is_rate { gain * exposure_s } else { gain }),
         whole_range: info.format.whole_range(),
         saturation: calibration.saturation_adu.map(|level| level.value).filter(|_| !is_flux && !is_rate),

@@ -140,14 +140,16 @@ fn add(copy: &mut FrameCopy, target: &TargetChip, streaks: &[&DrawnStreak<'_>]) 
 /// One sigma of a chip's pixels, from some of its rows.
 fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, FrameError> {
     const ROWS: usize = 48;
-    let (hdu, rows) = (target.chip.hdu, target.chip.rows);
+    let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
     if frame.file.hdus().get(hdu).is_some_and(|info| info.kind != HduKind::Image) {
         // Tiles are unpacked all together.
-        return Ok(noise_of(frame.file.read_plane(hdu)?.values()));
+        let plane = frame.file.read_plane(hdu)?;
+        let values: Vec<f32> = lit.rows.clone().flat_map(|row| &plane.row(row)[lit.columns.clone()]).copied().collect();
+        return Ok(noise_of(&values));
     }
     let mut values = Vec::new();
-    for row in (0..rows).step_by(rows.div_ceil(ROWS).max(1)) {
-        values.extend(frame.file.read_rows(hdu, row..row + 1)?.into_iter().map(|value| value as f32));
+    for row in lit.rows.clone().step_by(lit.rows.len().div_ceil(ROWS).max(1)) {
+        values.extend(frame.file.read_rows(hdu, row..row + 1)?[lit.columns.clone()].iter().map(|value| *value as f32));
     }
     Ok(noise_of(&values))
 }
@@ -161,8 +163,8 @@ fn expose(
     detector: &Detector,
     seed: u64,
 ) -> Result<(), InjectError> {
-    let before = frame.file.read_plane(target.chip.hdu)?;
-    let hdu = target.chip.hdu;
+    let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
+    let before = frame.file.read_plane(hdu)?;
     let electrons = |patch: &Patch| {
         let mut patch = patch.clone();
         patch.scale(detector.gain_e_adu as f32);
@@ -173,12 +175,13 @@ fn expose(
     // Every chip has random numbers of its own.
     let seed = seed ^ (hdu as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     detector.add_light(&mut after, &patches, seed).map_err(|source| InjectError::Detector { hdu, source })?;
-    for row in 0..before.rows() {
+    // Charge that bled out of what is lit went to the registers.
+    for row in lit.rows.clone() {
         let (old, new) = (before.row(row), after.row(row));
         // Not a number is not equal to itself, and stays.
         let differs = |column: &usize| old[*column] != new[*column] && !old[*column].is_nan();
-        let Some(first) = (0..old.len()).find(differs) else { continue };
-        let end = (0..old.len()).rev().find(differs).map_or(first, |last| last) + 1;
+        let Some(first) = lit.columns.clone().find(differs) else { continue };
+        let end = lit.columns.clone().rev().find(differs).map_or(first, |last| last) + 1;
         // The difference: values of 32 bits and more have digits that single precision does not hold.
         let added: Vec<f32> = old[first..end]
             .iter()
