@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# The documentation as a site: `docs/build.sh [FOLDER]`, in target/site without one. Needs cargo, Python 3.11 or newer and a package index.
+# The documentation as a site: `docs/build.sh [FOLDER]`, in target/site without one. Needs cargo (or STREAKCAST_BIN), Python 3.11 or newer and a package index.
 # A link that leads nowhere, a verb without a section or a page that no list names fails.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
@@ -10,16 +10,21 @@ mkdir -p "${CARGO_TARGET_DIR:-target}"
 target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
 site=${1:-$target/site}
 
-# The environment stays from run to run while the pins are the same.
+# The environment stays from run to run while the pins and Python are the same.
 venv=$target/docs-venv
-if ! sha256sum --check --status "$venv/requirements.sha256" 2>/dev/null; then
+made_of=$({ "$python" -VV; "$python" -c 'import sys; print(sys.base_prefix)'; cat docs/requirements.txt; } | sha256sum)
+if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then
     rm -rf "$venv"
     "$python" -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check --requirement docs/requirements.txt
-    sha256sum docs/requirements.txt >"$venv/requirements.sha256"
+    echo "$made_of" >"$venv/made-of"
 fi
 
-cargo build --quiet --bin streakcast
-export STREAKCAST_BIN=$target/debug/streakcast
+# What the pages show is asked of a command line: the one that STREAKCAST_BIN names, else one is built.
+if [ -z "${STREAKCAST_BIN:-}" ]; then
+    cargo build --quiet --bin streakcast
+    STREAKCAST_BIN=$target/debug/streakcast
+fi
+export STREAKCAST_BIN
 "$venv/bin/sphinx-build" --quiet --fail-on-warning --keep-going -d "$target/site-doctrees" docs "$site"
 echo "$site/index.html"

@@ -34,12 +34,24 @@ step() {
     cat "$log/step" >>"$log/all"
 }
 
-# Test names that were left out for want of data, and the sum of all "test result" lines.
+# skipped WHAT: says loudly what is left out, here and in the sum.
+skipped() {
+    echo "*** SKIPPED $*" | tee -a "$log/all"
+}
+
+# What was left out, and the sums of Rust's "test result" lines and of pytest's last lines.
 counts() {
-    grep -ahoE '\*\*\* SKIPPED (indi|serve|recover).sh.*' "$log/all" | sort -u || true
-    grep -ahoE '\*\*\* SKIPPED [^ ]+' "$log/all" | grep -vE '(indi|serve|recover).sh' | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/:$//' | sort -u || true
+    grep -ahoE '\*\*\* SKIPPED [^ ]+: no real data' "$log/all" | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/: no real data$//' | sort -u || true
+    grep -ahoE '\*\*\* SKIPPED .*' "$log/all" | grep -vE ': no real data' | sed 's/\*\*\* SKIPPED /left out: /; s/ \*\*\*$//; s/"*, stacklevel.*//' | sort -u || true
     awk '/^test result:/ { passed += $4; failed += $6; ignored += $8; suites += 1 }
-         END { printf "%d suites\n%d passed, %d failed, %d skipped\n", suites, passed, failed, ignored }' "$log/all"
+         / in [0-9.]+s/ && !/^test result:/ && /[0-9]+ (passed|failed|skipped|error)/ {
+             python += 1
+             for (i = 2; i <= NF; i++) { if ($i ~ /^passed/) pytest += $(i - 1); if ($i ~ /^skipped/) left += $(i - 1) }
+         }
+         END {
+             printf "%d suites: %d of Rust with %d tests, %d of Python with %d\n", suites + python, suites, passed, python, pytest
+             printf "%d passed, %d failed, %d skipped\n", passed + pytest, failed, ignored + left
+         }' "$log/all"
 }
 
 lint=(-- -D warnings)
@@ -50,6 +62,12 @@ if [ "$mode" = quick ]; then
 else
     step "cargo clippy --all-targets" cargo clippy --quiet --all-targets "${lint[@]}"
     step "cargo test" cargo test
+    # The one build of the command line that all that follows asks. A later one would have other features: without those of the
+    # development dependencies everything would be built again.
+    target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
+    mkdir "$log/bin"
+    cp "$target/debug/streakcast" "$log/bin/streakcast"
+    export STREAKCAST=$log/bin/streakcast STREAKCAST_BIN=$log/bin/streakcast
     step "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps
     step "without features" cargo check --quiet --no-default-features
     step "cli alone" cargo check --quiet --no-default-features --features cli
@@ -63,7 +81,7 @@ else
     step "example sky_map" cargo run --quiet --example sky_map
     step "example fit_photometry" cargo run --quiet --example fit_photometry
     step "example inject_streaks" cargo run --quiet --example inject_streaks
-    step "a synthetic frame with the README's streaks" cargo run --quiet -- inject --synthetic examples/synthetic.toml \
+    step "a synthetic frame with the README's streaks" "$STREAKCAST_BIN" inject --synthetic examples/synthetic.toml \
         -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
     step "example charts" cargo run --quiet --example charts -- "$log"
     step "the gate against INDI's server and simulators" tests/indi.sh
@@ -73,15 +91,24 @@ else
     fi
     # In a browser, under load and a fuzz; chromium, npm and pip are asked for what is needed. STREAKCAST_SERVE=no leaves it out.
     if [ "${STREAKCAST_SERVE:-yes}" = no ]; then
-        echo "*** SKIPPED serve.sh: STREAKCAST_SERVE=no"
+        skipped "serve.sh: STREAKCAST_SERVE=no"
     else
         step "the page in a browser, under load, and a fuzz of its API" tests/serve.sh
     fi
-    # What the pages show is what comes out: every line of the answer stands in them.
+    # What the pages show is what comes out: every line of the answer stands in them. `transcript [--exits CODE] PAGE ARGUMENT...`, where
+    # the command is expected to end with another code than 0.
     transcript() {
+        local expected=0 code=0
+        if [ "$1" = --exits ]; then expected=$2; shift 2; fi
         local page=$1
         shift
-        NO_COLOR=1 cargo run --quiet -- "$@" --format table 2>&1 | sed 's/[ ]*$//' >"$log/answer"
+        NO_COLOR=1 "$STREAKCAST_BIN" "$@" --format table >"$log/answer.raw" 2>&1 || code=$?
+        if [ "$code" != "$expected" ]; then
+            cat "$log/answer.raw"
+            echo "streakcast $* ended with $code, not $expected ($page)"
+            return 1
+        fi
+        sed 's/[ ]*$//' "$log/answer.raw" >"$log/answer"
         if ! [ -s "$log/answer" ] || grep -vxFf "$page" "$log/answer"; then
             echo "$page does not show these lines of: streakcast $*"
             return 1
@@ -107,16 +134,22 @@ else
             --start 2021-07-16T08:41:49.5Z --exposure 30s --elements "$boley/starlink.15JUL2021" --mpc 658
         step "docs/fetch.md" transcript docs/fetch.md doctor --elements "$data/tle/daily/starlink_2026-08-21.tle" --mpc X05 \
             --telescope rubin --now 2026-08-23T00:00:00Z --cache cache
+    else
+        for page in models statistics space identify fetch; do
+            skipped "the transcripts of docs/$page.md: no data folder $data (STREAKCAST_DATA)"
+        done
     fi
-    step "examples/field.json" cargo run --quiet -- flag "${first[@]:0:4}" --field examples/field.json \
+    step "examples/field.json" "$STREAKCAST_BIN" flag "${first[@]:0:4}" --field examples/field.json \
         --schedule examples/night.csv
     # In an environment of their own, from the package index; where there is none, STREAKCAST_PLUGINS=no leaves them out.
     if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
-        echo "*** SKIPPED plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
+        skipped "plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
     else
         step "plugins/test.sh" plugins/test.sh
         step "docs/build.sh" docs/build.sh
     fi
+    # Last, for it makes another command line.
+    step "with parquet" cargo test --features parquet --lib --bins --test cli_annotate_formats
 fi
 counts
 echo "all passed in $((SECONDS - begin)) s"

@@ -21,6 +21,8 @@ _UNIX_EPOCH_MJD = 40_587.0
 CHUNK_S = 43_200.0
 #: Windows are told to the millisecond, and keep one or two from a satellite's entry.
 TICK_S = 2e-3
+#: The brightest limit that a policy takes; the Sun is fainter.
+NOTHING_IS_AS_BRIGHT_MAG = -30.0
 NO_TELESCOPE = "score 'pixels', but the model has no telescope that says how wide a streak is; give StreakModel(telescope=...), or score 'clear'"
 
 
@@ -101,7 +103,7 @@ def lost_on_grid(
 ) -> FloatArray:
     """Share of the field's pixels that each exposure loses to lit satellites, [0, 1]: ``(n_targets, n_starts)``; arguments as above.
 
-    An exposure that sees only a part of a crossing loses that part of its streak.
+    An exposure that sees only a part of a crossing loses that part of its streak; one below the horizon loses all.
 
     Raises
     ------
@@ -125,7 +127,13 @@ def lost_on_grid(
             seen_s = np.minimum(exit_s[row], starts + length_s) - np.maximum(enter_s[row], starts)
             part = seen_s / max(exit_s[row] - enter_s[row], TICK_S)
             lost[passes["exposure_id"][row], begin + first[row] : begin + last[row]] += pixels[row] * np.clip(part, 0.0, 1.0)
-    return np.minimum(lost, 1.0)
+    return np.where(_up_on_grid(model, ra_deg, dec_deg, starts_s, length_s), np.minimum(lost, 1.0), 1.0)
+
+
+def _up_on_grid(model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> BoolArray:
+    """Whether an exposure that begins then stays above the horizon: what is clear where no satellite counts."""
+    blind = model.with_options(fov="1arcsec", field=None, policy={"limit_mag": NOTHING_IS_AS_BRIGHT_MAG}, limit_mag=None)
+    return clear_on_grid(blind, ra_deg, dec_deg, starts_s, length_s, "avoid")
 
 
 def refuse_without_telescope(model: StreakModel) -> None:

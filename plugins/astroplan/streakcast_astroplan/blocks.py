@@ -29,7 +29,7 @@ class Rules:
     exposures : Exposures
         What a block consists of.
     score : {"clear", "pixels"}
-        Worth of an exposure: 1 where it is clear, else 0; or the share of its pixels that are left.
+        Worth of an exposure: 1 where it is clear, else 0; or the share of its pixels that are left. 0 below the horizon.
     blocking : {"any", "avoid"}
         What keeps it from being clear: every lit satellite, or those that break a limit of magnitude of the model's policy.
     margin_s : float
@@ -60,6 +60,10 @@ class Rules:
         if self.score == "pixels":
             refuse_without_telescope(model)
 
+    def with_margins(self, starts_s: FloatArray, length_s: float) -> tuple[FloatArray, float]:
+        """What is kept clear of exposures: its beginnings, and how long it lasts."""
+        return starts_s - self.margin_s, length_s + 2.0 * self.margin_s
+
     def worth(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> FloatArray:
         """Worth of exposures of one length, [0, 1]: ``(n_targets, n_starts)``.
 
@@ -74,14 +78,14 @@ class Rules:
         length_s : float
             Length of the exposures, seconds.
         """
-        early_s, long_s = starts_s - self.margin_s, length_s + 2.0 * self.margin_s
+        early_s, long_s = self.with_margins(starts_s, length_s)
         if self.score == "clear":
             return clear_on_grid(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)
         return 1.0 - lost_on_grid(model, ra_deg, dec_deg, early_s, long_s)
 
     def worth_of_each(self, model: StreakModel, ra_deg: FloatArray, dec_deg: FloatArray, starts_s: FloatArray, length_s: float) -> FloatArray:
         """The same for exposures each with its own start: ``(n,)``, all arrays ``(n,)``."""
-        early_s, long_s = starts_s - self.margin_s, length_s + 2.0 * self.margin_s
+        early_s, long_s = self.with_margins(starts_s, length_s)
         if self.score == "clear":
             return clear_one_by_one(model, ra_deg, dec_deg, early_s, long_s, self.blocking).astype(float)
         ones = [lost_on_grid(model, ra_deg[i : i + 1], dec_deg[i : i + 1], early_s[i : i + 1], long_s) for i in range(len(ra_deg))]

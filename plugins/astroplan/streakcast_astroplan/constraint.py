@@ -119,10 +119,10 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
     def _begin(self) -> None:
         self._kept: OrderedDict[Any, Any] = OrderedDict()
         self._kept_of: Union[StreakModel, None] = None
-        self._site: Any = None
+        self._observer: Any = None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {key: value for key, value in self.__dict__.items() if key not in ("_kept", "_kept_of", "_site")}
+        return {key: value for key, value in self.__dict__.items() if key not in ("_kept", "_kept_of", "_observer")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -170,9 +170,9 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         """
         shape = np.broadcast_shapes(times.shape, () if targets is None else targets.shape)
         open_gate = np.ones(shape, dtype=bool if self.boolean_constraint else float)
-        if observer is not None and observer.location is not self._site:
-            self._site = observer.location
-            self.hook.see_site(observer.location)
+        if observer is not None and observer is not self._observer:
+            self._observer = observer
+            self.hook.see_site(lambda: observer.location)
         if targets is None:
             self.hook.note("target", "no target was handed over; it is taken as observable")
             return open_gate

@@ -45,8 +45,7 @@ class ClearStarts:
         offsets_s, length_s = rules.exposures.in_block(block_s)
         if rules.score != "clear":
             return float(rules.worth_of_block(model, np.array([ra_deg]), np.array([dec_deg]), start_s, block_s)[0])
-        starts_s = start_s + offsets_s - rules.margin_s
-        length_s += 2.0 * rules.margin_s
+        starts_s, length_s = rules.with_margins(start_s + offsets_s, length_s)
         clear = np.zeros(len(starts_s), dtype=bool)
         stretches = np.floor(starts_s / STRETCH_S).astype(int)
         for stretch in range(stretches[0], stretches[-1] + 1):

@@ -39,6 +39,7 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
                 weight: 1.0
                 readout: 5
                 model: {mpc: X05, elements: /var/elements/gp.csv, fov: 10deg, limit_mag: 6}
+                blocking: avoid
 
     Parameters
     ----------
@@ -50,7 +51,7 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         Fields with a smaller share of clear exposures are vetoed. The default 0 vetoes none: where POCS finds every field vetoed it
         stops observing.
     blocking : {"any", "avoid"}
-        Every lit satellite, or only those brighter than the model's ``limit_mag``.
+        Every lit satellite, whatever the model's ``limit_mag``, or only those brighter than it.
     **kwargs
         ``weight`` and what else POCS gives a constraint.
     """
@@ -93,8 +94,8 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
         """
         if getattr(observation, "dark", False):
             return False, self.weight
-        self._see_clock(time)
-        self.hook.see_site(observer.location)
+        self.hook.see_clock(lambda: _told_now(time))
+        self.hook.see_site(lambda: observer.location)
         share = self.hook.ask(lambda model: self._share(model, time, observation), 1.0)
         return share < self.min_clear_share, share * self.weight
 
@@ -109,11 +110,11 @@ class SatelliteStreaks(BaseConstraint):  # type: ignore[misc]
     def _rules(self, exposure_s: float, count: int) -> Rules:
         return Rules(Exposures(exposure_s, self.readout_s, count), blocking=self.blocking)
 
-    def _see_clock(self, time: Time) -> None:
-        """POCS asks about now, or a little earlier; what is further off is told."""
-        late_s = float((Time.now() - time).to_value(u.s))
-        if not 0.0 <= late_s < DECISION_S:
-            self.hook.see_clock(time)
-
     def __str__(self) -> str:
         return "Satellite streaks"
+
+
+def _told_now(time: Time) -> Union[Time, None]:
+    """POCS asks about now, or a little earlier; what is further off is held against the clock."""
+    late_s = float((Time.now() - time).to_value(u.s))
+    return None if 0.0 <= late_s < DECISION_S else time

@@ -111,6 +111,23 @@ def test_the_score_of_pixels_is_that_of_the_model(elements, observer, few):
     assert (scores[lost == 0] == 1.0).all()
 
 
+def test_below_the_horizon_no_pixel_is_left(elements, observer):
+    """As the score of clear exposures, by the altitude that the model itself tells."""
+    model = StreakModel(site=LOCATION, elements=elements[0], telescope="rubin", fov=FOV_DEG * u.deg)
+    # Setting, always up, never up.
+    places = SkyCoord([55.0, 150.0, 150.0], [0.0, -60.0, 75.0], unit="deg")[:, np.newaxis]
+    times = START + np.arange(40) * 180 * u.s
+    pixels, clear = (
+        SatelliteStreakConstraint(model, 60.0, margin=0, boolean_constraint=False, score=score, worst_score=1e-9)
+        for score in ("pixels", "clear")
+    )
+    scores = pixels.compute_constraint(times, observer, places)
+    below = np.isnan(model.assess(places, times, 60.0).lost_fraction)
+    assert 5 < below[0].sum() < 35 and not below[1].any() and below[2].all()
+    assert (scores[below] <= 1e-9).all() and (scores[~below] > 0.9).all()
+    assert (clear.compute_constraint(times, observer, places)[below] <= 1e-9).all()
+
+
 def test_blocking_avoid_lets_faint_satellites_pass(elements, observer, grid, few):
     counts = []
     for limit_mag in (3.0, 6.0, 20.0):

@@ -70,7 +70,33 @@ def test_pocs_goes_on(options, observer, field, log):
         constraint.get_score(Time.now() - 10 * u.s, observer, field)
     counts = constraint.hook.counts
     assert counts["failed"] == 3 and counts["clock"] == 3
-    assert len([one for one in log.records if one.name == "streakcast.pocs"]) == 2
+    # And the elements are old by the clock of today.
+    told = [one.message for one in log.records if one.name == "streakcast.pocs"]
+    assert len(told) == 3 and sum("counted as 'warned'" in one for one in told) == 1
+
+
+class Nowhere:
+    """A host's observer or place that breaks when it is looked at."""
+
+    @property
+    def location(self):
+        raise RuntimeError("no such site")
+
+    shape = location
+
+
+def test_sites_and_clocks_that_break_stop_no_host(options, model, observer, field, targets):
+    constraint = pocs(options)
+    expected = constraint.get_score(START, observer, field)
+    assert constraint.get_score(START, Nowhere(), field) == expected
+    assert constraint.hook.counts["site"] == 1 and constraint.hook.counts["failed"] == 0
+    # A time that is none: nothing can be asked either.
+    assert constraint.get_score("soon", observer, field) == (False, 1.0)
+    assert constraint.hook.counts["clock"] == constraint.hook.counts["failed"] == 1
+    for_m4opt = ForM4opt(model, 30 * u.s)
+    asked = (targets[0].coord, START + np.arange(20) * 60 * u.s)
+    assert (for_m4opt(Nowhere(), *asked) == for_m4opt(observer.location, *asked)).all()
+    assert for_m4opt.constraint.hook.counts["site"] == 1
 
 
 @pytest.mark.filterwarnings("ignore::Warning")

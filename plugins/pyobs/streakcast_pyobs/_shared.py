@@ -6,6 +6,7 @@ import asyncio
 import json
 import logging
 import threading
+from collections import OrderedDict
 from concurrent.futures import ThreadPoolExecutor
 from math import isfinite
 from time import monotonic
@@ -27,6 +28,12 @@ if TYPE_CHECKING:
 
 #: The host's clock is looked at no more often than this, seconds: that costs as much as the question.
 CLOCK_LOOK_S = 10.0
+#: Worth of what satellites cannot be looked at for.
+CLEAR = 1.0
+#: Models that are kept; an observatory has one or two, and one of an edited configuration now and then.
+KEPT_HOSTS = 32
+#: A model that cannot be made is tried again after so long, seconds.
+AGAIN_S = 60.0
 
 
 class Host:
@@ -41,27 +48,30 @@ class Host:
     def __init__(self, hook: Hook) -> None:
         self.hook = hook
         self.memory = ClearStarts()
-        self._location: Any = None
+        self._observer: Any = None
         self._next_look_s = 0.0
 
     def see(self, data: DataProvider) -> None:
         """Site and clock of the host; pyobs plans ahead, so the clock is what it calls now."""
-        try:
-            location = data.observer.location
-            if location is not self._location:
-                self.hook.see_site(location)
-                self._location = location
-            if monotonic() >= self._next_look_s:
-                self._next_look_s = monotonic() + CLOCK_LOOK_S
-                self.hook.see_clock(Time.now())
-        except Exception as error:  # noqa: BLE001 - a hook never stops its host
-            self.hook.note("failed", f"site and clock are not looked at: {type(error).__name__}: {error}")
+
+        def place() -> Any:
+            observer = data.observer
+            location = None if observer is self._observer else observer.location
+            self._observer = observer
+            return location
+
+        self.hook.see_site(place)
+        if monotonic() >= self._next_look_s:
+            self._next_look_s = monotonic() + CLOCK_LOOK_S
+            self.hook.see_clock(Time.now)
 
 
 # One model and one set of counters for all constraints and merits of the same model: pyobs makes new ones with each list of tasks, copies
-# them, compares them and sends them to other processes, so they hold nothing but their settings.
-_hosts: dict[str, Host] = {}
+# them, compares them and sends them to other processes, so they hold nothing but their settings. The one used longest ago comes first.
+_hosts: OrderedDict[str, Host] = OrderedDict()
 _hosts_lock = threading.Lock()
+# Until when (monotonic) a model that could not be made is not tried again.
+_broken: dict[str, float] = {}
 # Waking a sleeping worker costs a tenth of a millisecond; a question of a night may take tens.
 _worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="streakcast")
 
@@ -111,47 +121,68 @@ class Settings(BaseModel):
 
     def _host(self) -> Host:
         key = json.dumps(self.model, sort_keys=True, default=str)
-        host = _hosts.get(key)
-        if host is None:
-            with _hosts_lock:
-                host = _hosts.get(key)
-                if host is None:
-                    log.info("reading satellites")
-                    host = _hosts[key] = Host(Hook(StreakModel(**self.model), "pyobs"))
+        with _hosts_lock:
+            host = _hosts.get(key)
+            if host is None:
+                log.info("reading satellites")
+                host = _hosts[key] = Host(Hook(StreakModel(**self.model), "pyobs"))
+                while len(_hosts) > KEPT_HOSTS:
+                    _hosts.popitem(last=False)
+            _hosts.move_to_end(key)
         return host
 
-    async def share_of_task(self, time: Time, task: Task, data: DataProvider, otherwise: float) -> float:
-        """Worth of a task that begins then, [0, 1]; `otherwise` where satellites cannot be looked at."""
-        host = self._host()
+    def host_or_none(self) -> Union[Host, None]:
+        """What answers at night; `None` where the model cannot be made: settings came into a process whose files are missing."""
+        key = json.dumps(self.model, sort_keys=True, default=str)
+        if monotonic() < _broken.get(key, 0.0):
+            return None
+        try:
+            host = self._host()
+        except Exception as error:  # noqa: BLE001 - a hook never stops its host
+            if key not in _broken:
+                log.warning("satellites are not looked at: %s: %s (said once; tried again every %.0f s)", type(error).__name__, error, AGAIN_S)
+            if len(_broken) > KEPT_HOSTS:
+                _broken.clear()
+            _broken[key] = monotonic() + AGAIN_S
+            return None
+        _broken.pop(key, None)
+        return host
+
+    async def share_of_task(self, time: Time, task: Task, data: DataProvider) -> float:
+        """Worth of a task that begins then, [0, 1]; 1 where satellites cannot be looked at."""
+        host = self.host_or_none()
+        if host is None:
+            return CLEAR
         host.see(data)
         hook = host.hook
         target = task.target
         if target is None:
             hook.note("target", "a task without a target is taken as clear", kind="no target")
-            return otherwise
+            return CLEAR
         try:
             coordinates = target.coordinates(time)
             duration_s = _duration_s(task, time)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             hook.note("target", f"a task's target or duration cannot be told: {type(error).__name__}: {error}", kind="target")
-            return otherwise
+            return CLEAR
         rules = self.rules()
 
         def question(model: StreakModel) -> float:
             ra_deg, dec_deg = (float(angle) for angle in icrs_deg(coordinates))
             if not (isfinite(ra_deg) and isfinite(dec_deg)):
                 hook.note("target", "a target without coordinates is taken as clear", kind="coordinates")
-                return otherwise
+                return CLEAR
             return host.memory.worth_of_block(model, rules, ra_deg, dec_deg, float(unix_s(time)), duration_s)
 
-        return await asyncio.get_running_loop().run_in_executor(_worker, hook.ask, question, otherwise)
+        return await asyncio.get_running_loop().run_in_executor(_worker, hook.ask, question, CLEAR)
 
-    async def shares_of(self, time: Time, coordinates: SkyCoord, data: DataProvider, otherwise: float) -> npt.NDArray[np.float64]:
+    async def shares_of(self, time: Time, coordinates: SkyCoord, data: DataProvider) -> npt.NDArray[np.float64]:
         """Worth of one block at each of many places: ``(n,)``. Without a task it is one of ``n_exposures`` (1 unless said)."""
-        host = self._host()
+        host, everywhere = self.host_or_none(), np.full(len(coordinates), CLEAR)
+        if host is None:
+            return everywhere
         host.see(data)
-        hook = host.hook
-        rules, everywhere = self.rules(), np.full(len(coordinates), otherwise)
+        hook, rules = host.hook, self.rules()
 
         def question(model: StreakModel) -> npt.NDArray[np.float64]:
             ra_deg, dec_deg = icrs_deg(coordinates)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+import astroplan
 import numpy as np
 import numpy.typing as npt
 from astropy.coordinates import SkyCoord
@@ -57,7 +58,7 @@ class SatelliteConstraint(Settings, Constraint):
         bool
             False also where the target is below the horizon.
         """
-        return await self.share_of_task(time, task, data, 1.0) >= self.min_clear_share
+        return await self.share_of_task(time, task, data) >= self.min_clear_share
 
     async def filter_skycoord(self, time: Time, coords: SkyCoord, data: DataProvider) -> npt.NDArray[np.bool_]:
         """Which of many places would be clear: one exposure, or ``n_exposures`` of them, that begin then.
@@ -75,12 +76,19 @@ class SatelliteConstraint(Settings, Constraint):
         -------
         array of bool, ``(n,)``
         """
-        return np.asarray(await self.shares_of(time, coords, data, 1.0) >= self.min_clear_share, dtype=np.bool_)
+        return np.asarray(await self.shares_of(time, coords, data) >= self.min_clear_share, dtype=np.bool_)
 
-    def to_astroplan(self) -> SatelliteStreakConstraint:
-        """The same for pyobs's ``AstroplanScheduler``: all cells of time of a block are clear, or with ``min_clear_share`` below 1 a score."""
+    def to_astroplan(self) -> astroplan.Constraint:
+        """The same for pyobs's ``AstroplanScheduler``: all cells of time of a block are clear, or with ``min_clear_share`` below 1 a score.
+
+        That scheduler calls this in pyobs's own process before each schedule, and asks in a process of its own. New element files are
+        taken here first (then the event loop waits for them, 10 s at most); what is counted there is found in ``hook().counts`` here.
+        """
+        host = self.host_or_none()
+        if host is None:
+            return _Open()
         return SatelliteStreakConstraint(
-            self.hook(),
+            host.hook.for_process(),
             self.exposure_s,
             readout=self.readout_s,
             n_exposures=self.n_exposures,
@@ -90,3 +98,10 @@ class SatelliteConstraint(Settings, Constraint):
             # pyobs lays blocks over a grid of time.
             each="cell",
         )
+
+
+class _Open(astroplan.Constraint):  # type: ignore[misc]
+    """Lets everything through."""
+
+    def compute_constraint(self, times: Any, observer: Any, targets: Any) -> npt.NDArray[np.bool_]:
+        return np.ones(np.broadcast_shapes(times.shape, () if targets is None else targets.shape), dtype=bool)

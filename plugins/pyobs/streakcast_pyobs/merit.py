@@ -55,5 +55,5 @@ class SatelliteMerit(Settings, Merit):
         float
             ``worst_merit`` to 1.
         """
-        share = await self.share_of_task(time, task, data, 1.0)
+        share = await self.share_of_task(time, task, data)
         return self.worst_merit + (1.0 - self.worst_merit) * share

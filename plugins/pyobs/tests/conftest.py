@@ -1,6 +1,7 @@
 """What the tests share: a synthetic constellation in a file, pyobs's observer, 20 tasks. No download."""
 
 import logging
+from collections import OrderedDict
 
 import numpy as np
 import pytest
@@ -86,4 +87,5 @@ def counters_of_ones_own(monkeypatch):
     """Hooks are shared by all settings of a model; tests count from zero."""
     from streakcast_pyobs import _shared
 
-    monkeypatch.setattr(_shared, "_hosts", {})
+    monkeypatch.setattr(_shared, "_hosts", OrderedDict())
+    monkeypatch.setattr(_shared, "_broken", {})

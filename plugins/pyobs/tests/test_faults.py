@@ -4,6 +4,7 @@ import asyncio
 import os
 import pickle
 import time
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -113,6 +114,56 @@ def test_elements_that_vanish_or_break_leave_the_old_ones(tmp_path, tasks, data,
         assert answers(constraint, tasks, data) == before
         hook.settle()
     assert hook.counts["failed"] == hook.counts["reloaded"] == 0 and len(lines(log)) == 2
+
+
+def test_settings_in_a_process_without_files_let_everything_through(tmp_path, tasks, data, log, monkeypatch):
+    """Unpickled where the elements are not: nothing was validated there, and nothing may stop there."""
+    path = tmp_path / "gp.tle"
+    write_tle(path, walker(SHELLS[:1], START))
+    constraint = made({"elements": str(path), "fov": "6deg"}, exposure_s=30)
+    expected, text, kept = answers(constraint, tasks, data), pickle.dumps(constraint), path.read_text()
+    _shared._hosts.clear()
+    path.unlink()
+    constraint = pickle.loads(text)
+    assert all(answers(constraint, tasks, data)) and not all(expected)
+    coordinates = SkyCoord([task.target.coord for task in tasks[:5]])
+    assert asyncio.run(constraint.filter_skycoord(START, coordinates, data)).all()
+    times = START + np.arange(10) * u.min
+    assert constraint.to_astroplan().compute_constraint(times, data.observer, coordinates[:, np.newaxis]).shape == (5, 10)
+    assert len(lines(log)) == 1 and "gp.tle" in lines(log)[0].message
+    # They come, and are read within a minute.
+    path.write_text(kept)
+    assert all(answers(constraint, tasks, data))
+    monkeypatch.setattr(_shared, "monotonic", lambda: time.monotonic() + _shared.AGAIN_S)
+    assert answers(constraint, tasks, data) == expected
+
+
+def test_models_that_nobody_asks_any_more_are_forgotten(settings, monkeypatch):
+    monkeypatch.setattr(_shared, "KEPT_HOSTS", 2)
+    first = made({**settings, "fov": "1deg"})
+    hook = first.hook()
+    for degrees in (2, 3):
+        made({**settings, "fov": f"{degrees}deg"})
+        # Asked in between: it stays.
+        assert first.hook() is hook
+    assert len(_shared._hosts) == 2
+
+
+def test_a_host_without_a_site_or_a_clock_goes_on(settings, tasks, observer, log, monkeypatch):
+    constraint = made(settings, exposure_s=30)
+    expected = answers(constraint, tasks, DataProvider(observer))
+    monkeypatch.setattr(_shared.Time, "now", lambda: 1 / 0)
+    _shared._hosts.clear()
+    assert answers(constraint, tasks, SimpleNamespace()) == expected
+
+    class Broken:
+        @property
+        def observer(self):
+            raise RuntimeError("no observer")
+
+    assert answers(constraint, tasks, Broken()) == expected
+    counts = constraint.hook().counts
+    assert counts["site"] >= 1 and counts["clock"] >= 1 and counts["failed"] == 0 and len(lines(log)) == 2
 
 
 class Nowhere(Target):

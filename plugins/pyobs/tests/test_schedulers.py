@@ -1,6 +1,8 @@
 """The real OnDemandScheduler and AstroplanScheduler of pyobs, set up by YAML; their choices judged by a brute force without streakcast."""
 
 import asyncio
+import multiprocessing
+import os
 import statistics
 import time
 
@@ -13,7 +15,8 @@ from pyobs.robotic.scheduler.astroplanscheduler import AstroplanScheduler
 from pyobs.robotic.scheduler.constraints import Constraint
 from pyobs.robotic.scheduler.merits import Merit
 
-from conftest import FOV_DEG, LOCATION, TASK_S
+from brute_force import walker, write_tle
+from conftest import FOV_DEG, LOCATION, SHELLS, START, TASK_S
 from streakcast_pyobs import SatelliteConstraint, SatelliteMerit
 
 WITHOUT = """
@@ -144,3 +147,40 @@ def test_valid_the_astroplan_scheduler_of_pyobs_takes_it(observer, tasks, hours,
     hits = [[one for one in some if sky.streaks(one.target.coord, one.start, TASK_S, FOV_DEG / 2)] for some in (without, with_it)]
     print(f"\nAstroplanScheduler: {len(hits[0])} of {len(without)} blocks have a streak without, {len(hits[1])} of {len(with_it)} with")
     assert len(hits[0]) >= 2 and hits[1] == [] and len(with_it) >= 3
+    # It asked in a process of its own; what that counted is known here.
+    counts = tasks[0].constraints[1].hook().counts
+    assert counts["asked"] >= 8 and counts["failed"] == counts["site"] == 0
+
+
+def test_new_files_reach_the_next_process_and_its_troubles_come_back(observer, tasks, hours, tmp_path, log):
+    path = tmp_path / "gp.tle"
+    write_tle(path, walker(SHELLS[:1], START))
+    old = time.time() - 120.0
+    os.utime(path, (old, old))
+    constraint = {"class": "streakcast_pyobs.SatelliteConstraint", "model": {"elements": str(path), "fov": "6deg"}}
+    scheduler = AstroplanScheduler(twilight="nautical", observer=observer, location=LOCATION)
+    for task in tasks[:3]:
+        task.constraints = [Constraint.create(scheduler, dict(constraint))]
+    hook = tasks[0].constraints[0].hook()
+    hook._state.watch_s, hook._state.next_look_s = 1e-9, 0.0
+
+    def seen_by_the_process():
+        """How many satellites its model has."""
+        answers = multiprocessing.get_context("fork").Queue()
+        lent = tasks[0].constraints[0].to_astroplan().hook
+        process = multiprocessing.get_context("fork").Process(target=lambda: answers.put(lent.model.satellites(START)))
+        process.start()
+        count = answers.get(timeout=60.0)
+        process.join()
+        return count
+
+    assert seen_by_the_process() == 36 * 22
+    write_tle(path, walker(SHELLS, START))
+    os.utime(path, (old + 60.0, old + 60.0))
+    assert seen_by_the_process() == 36 * 22 + 36 * 40 and hook.counts["reloaded"] == 1
+    # The observer of the scheduler stands elsewhere than the model, which only its process sees.
+    tasks[0].constraints[0].model["site"]["latitude_deg"] += 1.0
+    run(scheduler, tasks[:1], (hours[0], hours[0] + 0.5 * u.hour))
+    moved = tasks[0].constraints[0].hook()
+    assert moved is not hook and moved.counts["site"] >= 1 and moved.counts["asked"] >= 1
+    assert [one for one in log.records if "in a process of its own" in one.message and "km apart" in one.message]

@@ -2,10 +2,15 @@
 
 import copy
 import datetime
+import gc
 import logging
+import multiprocessing
 import os
 import pickle
+import signal
+import threading
 import time
+import warnings
 
 import pytest
 
@@ -69,8 +74,8 @@ def test_an_error_is_answered_counted_and_logged_once(model, caplog):
     for length in (-1.0, -2.0, -3.0):
         assert hook.ask(lambda model: model.assess(TARGET, START, length).verdict, "clear") == "clear"
     assert hook.ask(lambda model: model.assess(TARGET, START, 30.0).verdict, "clear") == "avoid"
-    assert hook.counts == {"asked": 4, "failed": 3}
-    (record,) = [record for record in caplog.records if record.name == "streakcast.test"]
+    assert hook.counts["asked"] == 4 and hook.counts["failed"] == 3
+    (record,) = [record for record in caplog.records if record.name == "streakcast.test" and "failed" in record.message]
     assert record.levelno == logging.WARNING and "exposure" in record.message
 
 
@@ -93,6 +98,7 @@ def test_missing_and_half_written_files_leave_the_old_satellites(hook, path, con
     assert count(hook) == 20
     assert hook.counts["kept_old"] >= 1 and hook.counts["failed"] == 0 and hook.counts["reloaded"] == 0
     assert len([record for record in caplog.records if record.name == "streakcast.test"]) == 1
+    hook.settle()
     write(path, elements(30))
     look(hook)
     assert count(hook) == 30
@@ -177,3 +183,170 @@ def test_impossible_things_are_said_at_construction(arguments):
 def test_watch_must_be_positive(model):
     with pytest.raises(ValueError, match="watch_s = 0"):
         Hook(model, "test", watch_s=0)
+
+
+class Clock:
+    """A clock that a test turns."""
+
+    def __init__(self):
+        self.now = 1000.0
+
+    def monotonic(self):
+        return self.now
+
+    def time(self):
+        return time.time()
+
+
+@pytest.fixture
+def turned(monkeypatch):
+    turned = Clock()
+    for module in (streakcast.hosts, streakcast._hook_state):
+        monkeypatch.setattr(module, "clock", turned)
+    return turned
+
+
+def test_a_read_that_failed_is_tried_again(path, turned, monkeypatch):
+    """A file server hiccups while new elements are read; nothing about the files changes afterwards."""
+    hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test", watch_s=60.0)
+    good = streakcast.StreakModel.reloaded
+    tries = []
+
+    def reloaded(model):
+        tries.append(turned.now)
+        if len(tries) <= 2:
+            raise OSError("Stale file handle")
+        return good(model)
+
+    monkeypatch.setattr(streakcast.StreakModel, "reloaded", reloaded)
+    write(path, elements(25))
+    for _ in range(10):
+        turned.now += 60.5
+        look(hook)
+    assert count(hook) == 25
+    assert hook.counts["kept_old"] == 2 and hook.counts["reloaded"] == 1 and len(tries) == 3
+
+
+def test_broken_files_are_not_read_all_night(path, turned, monkeypatch):
+    hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test", watch_s=60.0)
+    write(path, "<html>no\n")
+    tries = []
+
+    def reloaded(model):
+        tries.append(turned.now)
+        raise streakcast.SetupError("no element sets")
+
+    monkeypatch.setattr(streakcast.StreakModel, "reloaded", reloaded)
+    for _ in range(600):
+        turned.now += 60.0
+        look(hook)
+    waits = [after - before for before, after in zip(tries, tries[1:])]
+    assert waits[:4] == [60.0, 120.0, 240.0, 480.0] and max(waits) == 1800.0
+    assert count(hook) == 20 and hook.counts["kept_old"] == len(tries)
+    # A new file is looked at when it comes.
+    monkeypatch.undo()
+    write(path, elements(25))
+    hook._state.next_look_s = 0.0
+    look(hook)
+    assert count(hook) == 25
+
+
+def test_a_site_or_a_clock_that_cannot_be_looked_at(model, caplog):
+    hook = Hook(model, "test")
+    for _ in range(3):
+        hook.see_site(("north", None))
+        hook.see_site(lambda: 1 / 0)
+        hook.see_clock("no time")
+        hook.see_clock(lambda: 1 / 0)
+    assert hook.counts["site"] == hook.counts["clock"] == 6 and hook.counts["failed"] == 0
+    assert len([record for record in caplog.records if "cannot be looked at" in record.message]) == 2
+    site = model.site
+    hook.see_site(lambda: (site.latitude_deg, site.longitude_deg, site.height_m))
+    hook.see_site(lambda: None)
+    hook.see_clock(lambda: None)
+    hook.see_clock(lambda: datetime.datetime.now(datetime.timezone.utc))
+    assert hook.counts["site"] == hook.counts["clock"] == 6
+
+
+def old_model(path, day):
+    """Elements of 2026-08-14, asked about 20 and more days later."""
+    return streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), f"2026-09-{day:02d}T01:00:00Z"
+
+
+def test_what_the_model_warns_of_is_counted_and_logged_once(path, caplog):
+    model, start = old_model(path, 5)
+    hook = Hook(model, "test")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        for _ in range(3):
+            assert hook.ask(lambda model: model.assess(TARGET, start, 30.0).verdict, None) is not None
+        assert hook.counts == {"asked": 3, "warned": 1}
+    assert len([record for record in caplog.records if "14 days" in record.message]) == 1
+    # Without a hook they are warnings as ever.
+    model, start = old_model(path, 6)
+    with pytest.warns(streakcast.StreakcastWarning, match="14 days"):
+        model.assess(TARGET, start, 30.0)
+
+
+def test_warnings_of_others_stay_as_they_were(model):
+    """Said once a place by Python's own filters, also while a question is under way, and in threads."""
+    hook = Hook(model, "test")
+
+    def question(_):
+        warnings.warn("somebody else's", DeprecationWarning)
+
+    with warnings.catch_warnings(record=True) as heard:
+        warnings.simplefilter("default")
+        threads = [threading.Thread(target=lambda: [hook.ask(question, None) for _ in range(50)]) for _ in range(4)]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join()
+    assert len(heard) == 1 and hook.counts["warned"] == 0
+
+
+def in_a_process(hook, trouble):
+    hook.ask(lambda model: model.satellites(START), None)
+    for _ in range(3):
+        hook.ask(lambda model: 1 / trouble, None)
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_another_process_is_counted_here(path, method, caplog):
+    hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test")
+    count(hook)
+    lent = [hook.for_process() for _ in range(2)]
+    for one in lent:
+        process = multiprocessing.get_context(method).Process(target=in_a_process, args=(one, 0))
+        process.start()
+        process.join(60.0)
+        assert process.exitcode == 0
+    assert hook.counts == {"asked": 9, "failed": 6}
+    # Taken over once, and said once.
+    assert hook.counts == {"asked": 9, "failed": 6} and len(hook._state.lent) == 2
+    assert len([one for one in caplog.records if "in a process of its own" in one.message and "ZeroDivisionError" in one.message]) == 1
+    del lent, one, process
+    gc.collect()
+    assert hook.counts["asked"] == 9 and hook._state.lent == []
+    # It pickles as ever, and then counts for itself.
+    alone = pickle.loads(pickle.dumps(hook.for_process()))
+    assert count(alone) == 20 and hook.counts["asked"] == 9
+
+
+def test_a_process_that_is_killed_is_counted_here(path):
+    hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test")
+    lent = hook.for_process()
+
+    def asks_and_dies():
+        in_a_process(lent, 0)
+        os.kill(os.getpid(), signal.SIGKILL)
+
+    process = multiprocessing.get_context("fork").Process(target=asks_and_dies)
+    process.start()
+    process.join(60.0)
+    assert process.exitcode == -signal.SIGKILL and hook.counts == {"asked": 4, "failed": 3}
+
+
+def test_the_next_process_has_the_new_files(hook, path):
+    write(path, elements(25))
+    assert count(hook.for_process()) == 25 and hook.counts["reloaded"] == 1

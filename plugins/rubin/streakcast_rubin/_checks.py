@@ -24,6 +24,14 @@ def at_least(name: str, value: float, least: float, most: float = math.inf) -> f
     return value
 
 
+def above(name: str, value: float, least: float, most: float) -> float:
+    """As `at_least`, without the least itself."""
+    at_least(name, value, least, most)
+    if value == least:
+        raise ValueError(f"{name} is {value!r}; allowed: a number above {least:g}, up to {most:g}")
+    return value
+
+
 def limits(limit_mag: Any) -> Any:
     """A magnitude, or magnitudes by band."""
     if limit_mag is None:

@@ -18,6 +18,8 @@ STALE_DAY = 1.0 / DAY_S
 
 #: Conditions are never older than the queue that was filled under them, days.
 QUEUE_DAY = 0.25
+#: As much earlier may a host name a time than before without having gone back, days: times are rounded.
+BACK_DAY = 1.0 / DAY_S
 QUARTER_TURNS_RAD = (-np.pi / 2.0, np.pi / 2.0, np.pi)
 
 
@@ -48,10 +50,20 @@ class Mount:
         self.kinematics = KinemModel() if kinematics is None else deepcopy(kinematics)
         self.last: dict[str, float | str] | None = None
         self.told_mjd = -np.inf
+        self.conditions_mjd = -np.inf
 
     def tell(self, mjd: float) -> None:
-        """The host named the time."""
-        self.told_mjd = max(self.told_mjd, float(mjd))
+        """The host named the time; its last word is the one that counts."""
+        now = float(mjd)
+        if now < self.told_mjd - BACK_DAY:
+            self._went_back(now)
+        self.told_mjd = now
+
+    def _went_back(self, now: float) -> None:
+        """The host began an earlier time anew: what it did later than that it has not done."""
+        self.told_mjd = self.conditions_mjd = -np.inf
+        if self.last is not None and float(self.last["free_mjd"]) > now + PARKED_AFTER_DAY:
+            self.last = None
 
     def done(self, observation: Any) -> None:
         """A visit is complete, or is taken to be (``SummitWrapper`` hands back what it has only asked for, without its lengths)."""
@@ -79,6 +91,9 @@ class Mount:
     def now(self, conditions: Any) -> float:
         """The latest of what is known: the conditions, the host's own word, the end of the last visit (MJD)."""
         now = float(np.max(conditions.mjd))
+        if now < self.conditions_mjd - BACK_DAY:
+            self._went_back(now)
+        self.conditions_mjd = now
         known = [self.told_mjd] if self.last is None else [self.told_mjd, float(self.last["free_mjd"])]
         # What is further ahead than a queue can be old is of another night: the host went back in time.
         return max([now, *(one for one in known if one - now < QUEUE_DAY)])

@@ -6,6 +6,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 from streakcast import StreakModel
+from streakcast.hosts import Hook
 
 from ._arrays import BoolArray, FloatArray, IntArray, Visits
 from ._mount import Openings
@@ -73,19 +74,34 @@ def weight_of_light(brightest_mag: FloatArray) -> FloatArray:
     return np.asarray(np.where(np.isfinite(weight), np.clip(weight, LEAST_WEIGHT, MOST_WEIGHT), 1.0), dtype=float)
 
 
+def see(hook: Hook, conditions: Any, scale: str) -> None:
+    """Holds the host's site and clock against ours."""
+
+    def place() -> tuple[float, float, float]:
+        site = conditions.site
+        return site.latitude, site.longitude, site.height
+
+    hook.see_site(place)
+    hook.see_clock(lambda: float(np.max(conditions.mjd)), scale)
+
+
 def limit_of(limit_mag: Any, band: str | None) -> float | None:
-    """The limit of a band; `None` where none is said for it."""
+    """The limit of a band; `None` where none is said for it: there every lit satellite counts, as where there is no limit at all."""
     limit = limit_mag.get(band, limit_mag.get("default")) if isinstance(limit_mag, dict) else limit_mag
     return None if limit is None else float(limit)
 
 
+def pointings(visits: Visits) -> tuple[tuple[FloatArray, FloatArray], FloatArray, list[str]]:
+    """Where the host's visits point, in degrees: right ascension and declination, and the rotation of the sky; and their bands."""
+    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
+    return target, np.degrees(np.nan_to_num(visits["rotSkyPos"])), [str(one) for one in visits["band"]]
+
+
 def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) -> Verdicts:
     """Asks for all visits at once what crosses them, from `jitter_s` before their opening to as long after their closing."""
-    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
+    target, rotation, bands = pointings(visits)
     start = openings.start_mjd - rules.jitter_s / 86_400.0
     length_s = openings.length_s + 2.0 * rules.jitter_s
-    rotation = np.degrees(np.nan_to_num(visits["rotSkyPos"]))
-    bands = [str(one) for one in visits["band"]]
     if rules.blocking == "avoid" and rules.limit_mag is None:
         # The policy's own limits: of loss and probability too, which take what may only just come by into account.
         answer = model.assess(target, start, length_s, rotation=rotation, band=bands, scale=rules.scale)
@@ -105,9 +121,9 @@ def judge(model: StreakModel, visits: Visits, openings: Openings, rules: Rules) 
         blocked = n_streaks > 0
         if rules.blocking == "avoid":
             limit = np.array([limit_of(rules.limit_mag, bands[one]) for one in which], dtype=float)
-            # As the model's own limits: brighter, and at least as likely as not. A band without a limit forbids nothing.
+            # As the model's own limits: brighter, and at least as likely as not.
             bright = (magnitude < limit) & (np.asarray(passes["probability"], dtype=float) >= LEAST_PROBABILITY)
-            blocked = np.bincount(which, weights=bright, minlength=visits.size) > 0
+            blocked = np.bincount(which, weights=bright | np.isnan(limit), minlength=visits.size) > 0
     if rules.damage == "light":
         lost = lost * weight_of_light(brightest_mag)
     return Verdicts(np.asarray(blocked, dtype=bool), np.asarray(lost, dtype=float), n_streaks, brightest_mag)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections import OrderedDict
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, Generic, NamedTuple, TypeVar, Union
 
 import healpy as hp
 import numpy as np
@@ -11,7 +12,7 @@ from astropy.time import Time
 from streakcast import StreakModel
 
 from ._arrays import FloatArray, IntArray
-from ._questions import limit_of, weight_of_light
+from ._questions import weight_of_light
 
 #: What is asked in one go, seconds: over so short a stretch a parabola through three points is good to some arcminutes.
 SLOT_S = 20.0
@@ -21,6 +22,7 @@ SAMPLE_S = 2.0
 SKY_DEG = 144.0
 #: Slots that are kept: ten minutes.
 KEPT = 30
+Value = TypeVar("Value")
 
 
 class Samples(NamedTuple):
@@ -38,6 +40,31 @@ class Samples(NamedTuple):
     magnitude: FloatArray
 
 
+class Kept(Generic[Value]):
+    """What was found for slots of time, the last ones that were asked for, all of one origin."""
+
+    def __init__(self, most: int = KEPT) -> None:
+        self._most = most
+        self._of: Any = None
+        self._slots: OrderedDict[int, Value] = OrderedDict()
+
+    def get(self, of: Any, number: int) -> Union[Value, None]:
+        """What is known of a slot; what was found of another origin is forgotten."""
+        if of != self._of:
+            self._of = of
+            self._slots.clear()
+        if number in self._slots:
+            self._slots.move_to_end(number)
+        return self._slots.get(number)
+
+    def put(self, number: int, value: Value) -> Value:
+        """Keeps what was found; the one that nobody asked for the longest goes."""
+        self._slots[number] = value
+        while len(self._slots) > self._most:
+            self._slots.popitem(last=False)
+        return value
+
+
 class Sky:
     """The lit satellites of a model, by slots of time."""
 
@@ -45,10 +72,10 @@ class Sky:
         self.model = model
         self._wide = model.with_options(fov=f"{SKY_DEG} deg", field=None)
         self._scale = scale
-        self._slots: dict[int, Samples] = {}
+        self._kept: Kept[Samples] = Kept()
 
-    def over(self, start_mjd: float, end_mjd: float, zenith_deg: tuple[float, float]) -> list[tuple[float, Samples]]:
-        """Slots that cover a stretch, each with the MJD of its beginning.
+    def over(self, start_mjd: float, end_mjd: float, zenith_deg: tuple[float, float]) -> list[tuple[int, Samples]]:
+        """Slots that cover a stretch, each with its number: it begins ``number * SLOT_S`` after MJD 0.
 
         Parameters
         ----------
@@ -58,16 +85,15 @@ class Sky:
             Right ascension and declination of the zenith, to a degree or so.
         """
         numbers = range(int(start_mjd * 86_400.0 // SLOT_S), int(end_mjd * 86_400.0 // SLOT_S) + 1)
-        missing = [number for number in numbers if number not in self._slots]
+        known = {number: self._kept.get(self.model, number) for number in numbers}
+        missing = [number for number, samples in known.items() if samples is None]
         if missing:
-            starts = np.array(missing) * (SLOT_S / 86_400.0)
-            self._slots |= dict(zip(missing, self.ask(starts, SLOT_S, zenith_deg)))
-            for old in sorted(self._slots)[:-KEPT]:
-                del self._slots[old]
-        return [(number * SLOT_S / 86_400.0, self._slots[number]) for number in numbers if number in self._slots]
+            found = self.ask(np.array(missing) * (SLOT_S / 86_400.0), SLOT_S, zenith_deg)
+            known |= {number: self._kept.put(number, samples) for number, samples in zip(missing, found)}
+        return [(number, samples) for number, samples in known.items() if samples is not None]
 
-    def ask(self, starts_mjd: FloatArray, length_s: float, zenith_deg: tuple[float, float]) -> list[Samples]:
-        """What stands in the sky from each of several moments on, for some seconds."""
+    def ask(self, starts_mjd: FloatArray, length_s: float, zenith_deg: tuple[float | FloatArray, float]) -> list[Samples]:
+        """What stands in the sky from each of several moments on, for some seconds; the zenith is one for all, or one for each."""
         passes = self._wide.passes(zenith_deg, starts_mjd, length_s, scale=self._scale, output="dict")
         begun = np.asarray(Time(starts_mjd, format="mjd", scale=self._scale).utc.datetime64, dtype="datetime64[ns]")
         which = np.asarray(passes["exposure_id"], dtype=np.int64)
@@ -139,10 +165,9 @@ def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) 
     return np.asarray(lost * weight_of_light(samples.magnitude) if weighted else lost, dtype=float)
 
 
-def brighter_than(limit_mag: Any, band: str | None, samples: Samples) -> Samples:
-    """Those brighter than the limit of a band; all where no limit is said for it. What has no magnitude stays."""
-    limit = limit_of(limit_mag, band)
-    if limit is None:
+def brighter_than(limit_mag: float | None, samples: Samples) -> Samples:
+    """Those brighter than a limit; all where there is none. As in a policy, what has no magnitude breaks no limit."""
+    if limit_mag is None:
         return samples
-    keep = ~(samples.magnitude >= limit)
+    keep = samples.magnitude < limit_mag
     return Samples(*(column[keep] for column in samples))

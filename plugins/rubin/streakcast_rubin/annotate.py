@@ -5,8 +5,8 @@ from __future__ import annotations
 import contextlib
 import json
 import os
+import secrets
 import sqlite3
-import tempfile
 from pathlib import Path
 from typing import Any, Union
 
@@ -14,7 +14,7 @@ import numpy as np
 from streakcast import StreakModel
 
 from ._arrays import Visits
-from ._questions import scale_of
+from ._questions import pointings, scale_of
 
 #: A row a visit.
 FLAG_COLUMNS = {
@@ -62,9 +62,7 @@ def visit_columns(visits: Visits, model: StreakModel, *, mjd_scale: Union[str, N
         ``streak_length_deg``, ``norad_ids`` and more.
     """
     scale = scale_of(model, mjd_scale)
-    target = (np.degrees(visits["RA"]), np.degrees(visits["dec"]))
-    rotation = np.degrees(np.nan_to_num(visits["rotSkyPos"]))
-    bands = [str(one) for one in visits["band"]]
+    target, rotation, bands = pointings(visits)
     found = model.flags(target, visits["mjd"], visits["exptime"], rotation=rotation, band=bands, scale=scale, output="dict")
     return dict(found)
 
@@ -111,22 +109,30 @@ def annotate(
         raise ValueError(f"{source} is no file")
     if target.exists() and source.samefile(target):
         raise ValueError(f"{target} is the database itself; name another file")
-    part = tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", suffix=".part", delete=False)
-    part.close()
+    part = _new_file_beside(target)
     try:
         with contextlib.closing(sqlite3.connect(f"{source.resolve().as_uri()}?mode=ro", uri=True)) as old:
-            with contextlib.closing(sqlite3.connect(part.name)) as new:
+            with contextlib.closing(sqlite3.connect(part)) as new:
                 old.backup(new)
                 new.execute("PRAGMA journal_mode = DELETE")
                 crossed = _add_tables(new, source, model, scale, replace)
                 new.commit()
-        os.replace(part.name, target)
+        os.replace(part, target)
     except sqlite3.Error as error:
         raise ValueError(f"{source}: {error}") from error
     finally:
         with contextlib.suppress(FileNotFoundError):
-            os.unlink(part.name)
+            os.unlink(part)
     return crossed
+
+
+def _new_file_beside(target: Path) -> Path:
+    """An empty file of a name of its own, with the rights that the process gives to new files (`tempfile` gives them to its user alone)."""
+    while True:
+        part = target.parent / f".{target.name}.{secrets.token_hex(4)}.part"
+        with contextlib.suppress(FileExistsError):
+            os.close(os.open(part, os.O_CREAT | os.O_EXCL | os.O_WRONLY, 0o666))
+            return part
 
 
 def _add_tables(base: sqlite3.Connection, source: Path, model: StreakModel, scale: str, replace: bool) -> int:

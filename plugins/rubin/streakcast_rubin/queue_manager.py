@@ -18,8 +18,7 @@ from ._candidates import Choice, candidates, choose
 from ._checks import at_least, limits, one_of
 from ._handed import Handed, Owner
 from ._mount import Mount, Openings
-from ._questions import BLOCKINGS, DAMAGES, Rules, Verdicts, judge, scale_of
-from ._warnings import told
+from ._questions import BLOCKINGS, DAMAGES, Rules, Verdicts, judge, scale_of, see
 
 log = logging.getLogger("streakcast.rubin")
 
@@ -41,9 +40,11 @@ class StreakQueueManager(BaseQueueManager):
     mjd_scale : {"utc", "tai", "tt"}, optional
         Scale of the host's MJD. Must be said here or in the model.
     limit_mag : float or dict, optional
-        Only satellites brighter than this are dodged, by band as ``{"g": 7, "default": 6}``; without it all that are lit.
+        Only satellites brighter than this are dodged, by band as ``{"g": 7, "default": 6}``; without it, and in bands that it does not
+        name, all that are lit.
     blocking : {"any", "avoid"}, optional
-        What is dodged: any lit satellite, or what breaks a limit of the model's policy. By itself the second where `limit_mag` is given.
+        What is dodged: any lit satellite, or what breaks a limit: `limit_mag`, or without it those of the model's policy. By itself
+        the second where `limit_mag` is given.
     damage : {"light", "pixels"}
         By what the least bad is found: expected share of lost pixels weighed with the light of the brightest satellite, or alone.
     look_ahead : int
@@ -96,17 +97,18 @@ class StreakQueueManager(BaseQueueManager):
         self.blocking = blocking if blocking is not None else "any" if limit_mag is None else "avoid"
         one_of("blocking", self.blocking, BLOCKINGS)
         self.limit_mag = limits(limit_mag)
+        if limit_mag is not None and self.blocking == "any":
+            raise ValueError("limit_mag with blocking='any' does nothing; allowed: one of them")
         if model.field_radius_deg is None:
             raise ValueError("the model has no field of view: give it telescope= or fov=")
         self.damage = one_of("damage", damage, DAMAGES)
         self.look_ahead = int(at_least("look_ahead", look_ahead, 1))
         self.max_defer = int(at_least("max_defer", max_defer, 0))
-        self.jitter_s = at_least("jitter_s", jitter_s, 0.0)
+        self.jitter_s = at_least("jitter_s", jitter_s, 0.0, most=3600.0)
         self.max_extra_slew_s = at_least("max_extra_slew_s", max_extra_slew_s, 0.0)
         self.mount = Mount(kinematics)
         self._rules = Rules(self.mjd_scale, self.jitter_s, self.damage, self.blocking, self.limit_mag)
         self.hook = Hook(model, "rubin", watch_s=watch_s)
-        self._deferred: dict[int, int] = {}
         self._handed, self._owner = Handed(), Owner()
         self._choosing = False
 
@@ -134,7 +136,10 @@ class StreakQueueManager(BaseQueueManager):
         valid = super().find_valid_observations_indx(conditions, mjd=mjd)
         if mjd is not None:
             # Asked whether the queue is still good: the one place where a simulation with old conditions tells the time.
-            self.mount.tell(mjd)
+            try:
+                self.mount.tell(mjd)
+            except Exception as error:  # noqa: BLE001 - a hook never stops its host
+                self.hook.note("clock", f"the host's time cannot be followed: {type(error).__name__}: {error}", kind="told")
         if not self._choosing or np.size(valid) == 0:
             return valid
         chosen = self.hook.ask(lambda model: self._choice(model, conditions, valid), None)
@@ -146,31 +151,22 @@ class StreakQueueManager(BaseQueueManager):
         super().add_observation(observation, **more)
         try:
             self.mount.done(observation)
-            self._deferred.pop(int(np.ravel(observation["target_id"])[0]), None)
-            if float(np.ravel(observation["visittime"])[0]) > 0.0:
+            visit = np.ravel(np.asarray(observation))[0]
+            self._handed.taken(visit)
+            if float(visit["visittime"]) > 0.0:
                 # Without a length it was not done, only taken for done.
-                self._handed.back(np.ravel(np.asarray(observation))[0])
+                self._handed.back(visit)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.hook.note("failed", f"a visit cannot be followed: {type(error).__name__}: {error}")
-
-    def flush_queue(self) -> None:
-        super().flush_queue()
-        self._deferred = {}
-
-    def set_queue(self, observation_array: Any) -> None:
-        super().set_queue(observation_array)
-        self._deferred = {}
 
     # How it is chosen ----------------------------------------------------------------------------------------------
 
     def _choice(self, model: StreakModel, conditions: Any, valid: IntArray) -> Union[int, None]:
         """The place in the queue of what should go out now."""
-        site = conditions.site
-        self.hook.see_site((site.latitude, site.longitude, site.height))
+        see(self.hook, conditions, self.mjd_scale)
         queue, now = np.asarray(self.desired_observations_array), self.mount.now(conditions)
         free = np.array([place for place in valid[: 4 * self.look_ahead] if not self._handed.by_others(queue[place], self._owner, now)])
         places = candidates(queue, free if free.size else valid, self.look_ahead)
-        self.hook.see_clock(float(np.max(conditions.mjd)), self.mjd_scale)
         placed = np.isfinite(queue["RA"][places]) & np.isfinite(queue["dec"][places])
         if not placed.all():
             self.hook.note("no_coordinates", f"visit {queue['target_id'][places[~placed][0]]} has no coordinates and is not judged")
@@ -184,23 +180,21 @@ class StreakQueueManager(BaseQueueManager):
             # The telescope cannot go where the host wants it: the host's own affair.
             return None
         known = Openings(*(one[reached] for one in openings))
-        with told(self.hook):
-            verdicts = judge(model, visits[reached], known, self._rules)
+        verdicts = judge(model, visits[reached], known, self._rules)
         places, visits = places[reached], visits[reached]
         self.counts["checked"] += int(places.size)
-        deferred = np.array([self._deferred.get(int(one), 0) for one in visits["target_id"]])
+        deferred = np.array([self._handed.deferred(one, now) for one in visits])
         choice = choose(verdicts.blocked, verdicts.damage, known.slew_s, deferred, self.max_extra_slew_s, self.max_defer)
-        self._account(choice, visits, verdicts, known)
+        self._account(choice, visits, verdicts, known, now)
         self._handed.out(visits[choice.place], self._owner, now)
         return int(places[choice.place])
 
-    def _account(self, choice: Choice, visits: Visits, verdicts: Verdicts, openings: Openings) -> None:
+    def _account(self, choice: Choice, visits: Visits, verdicts: Verdicts, openings: Openings, now: float) -> None:
         """Counters, and one line in the log where a visit is put off or goes out streaked."""
         first, chosen = visits[0], visits[choice.place]
         if choice.place > 0:
             self.counts["deferred"] += 1
-            number = int(first["target_id"])
-            self._deferred[number] = self._deferred.get(number, 0) + 1
+            self._handed.put_off(first, now)
             longer_s = openings.slew_s[choice.place] - openings.slew_s[0]
             log.info("%s put off for visit %d (slew %+.1f s): %s", _named(first), chosen["target_id"], longer_s, _why(verdicts, 0))
         if choice.why == "clear":

@@ -2,23 +2,23 @@
 
 from __future__ import annotations
 
-from collections import Counter
+import math
 from typing import Any, Union
 
 import numpy as np
-from rubin_scheduler.scheduler.basis_functions import BaseBasisFunction
 from streakcast import StreakModel
-from streakcast.hosts import Hook
 
 from ._arrays import FloatArray
-from ._checks import at_least, limits, one_of
-from ._questions import DAMAGES, scale_of
-from ._tracks import SAMPLE_S, Samples, Sky, brighter_than, centres_of, loss_of
-from ._warnings import told
-from .mask import NSIDE
+from ._checks import at_least
+from ._maps import CELLS, NSIDE, StreakMap
+from ._questions import limit_of, see
+from ._tracks import SAMPLE_S, Samples, brighter_than, centres_of, loss_of
+
+#: Cells that are smoothed at once: two rings, so that only what stands in their band of declination is looked at.
+ROWS = 256
 
 
-class StreakRewardBasisFunction(BaseBasisFunction):
+class StreakRewardBasisFunction(StreakMap):
     """Minus the pixels that a visit is expected to lose, as a map of nside 32, RING.
 
     Which satellite crosses which visit in forty minutes nobody knows, for nobody knows when the visit begins. How many there are, how
@@ -36,11 +36,12 @@ class StreakRewardBasisFunction(BaseBasisFunction):
     mjd_scale : {"utc", "tai", "tt"}, optional
         Scale of the host's MJD. Must be said here or in the model.
     limit_mag : float or dict, optional
-        Only satellites brighter than this count, by band as ``{"g": 7, "default": 6}``.
+        Only satellites brighter than this count, by band as ``{"g": 7, "default": 6}``; without it, and in bands that it does not
+        name, all that are lit.
     damage : {"light", "pixels"}
         Pixels weighed with the satellites' light (1 at 7 mag, 2.5 times as much a magnitude), or alone.
     look_ahead_min : float
-        How far ahead, minutes.
+        How far ahead, minutes; 720 at most.
     samples : int
         How often the sky is looked at in that time.
     smoothing_deg : float
@@ -81,75 +82,54 @@ class StreakRewardBasisFunction(BaseBasisFunction):
         watch_s: float = 60.0,
         nside: int = NSIDE,
     ) -> None:
-        super().__init__(nside=nside, bandname=bandname)
+        super().__init__(
+            model, mjd_scale=mjd_scale, limit_mag=limit_mag, damage=damage, bandname=bandname, watch_s=watch_s, nside=nside
+        )
         # What was observed changes nothing.
         self.update_on_newobs = False
-        if nside != NSIDE:
-            raise ValueError(f"nside is {nside}; allowed: {NSIDE}")
-        self.mjd_scale = scale_of(model, mjd_scale)
-        self.limit_mag = limits(limit_mag)
-        self.damage = one_of("damage", damage, DAMAGES)
-        self.look_ahead_min = at_least("look_ahead_min", look_ahead_min, 0.1)
-        self.samples = int(at_least("samples", samples, 1))
+        self.look_ahead_min = at_least("look_ahead_min", look_ahead_min, 0.1, most=720.0)
+        self.samples = int(at_least("samples", samples, 1, most=1000))
         self.smoothing_deg = at_least("smoothing_deg", smoothing_deg, 2.0, most=90.0)
-        self.exptime_s = at_least("exptime_s", exptime_s, 0.1)
+        self.exptime_s = at_least("exptime_s", exptime_s, 0.1, most=3600.0)
         self.pixel_scale_arcsec = at_least("pixel_scale_arcsec", pixel_scale_arcsec, 1e-3)
         self.cache_s = at_least("cache_s", cache_s, 0.0)
-        area_deg2 = model.field_area_deg2
-        if area_deg2 is None:
-            raise ValueError("the model has no field of view: give it telescope= or fov=")
-        self.area_deg2 = area_deg2
-        self.hook = Hook(model, "rubin", watch_s=watch_s)
-        self._sky: Union[Sky, None] = None
         self._made: Union[tuple[float, Any, FloatArray], None] = None
 
-    @property
-    def counts(self) -> Counter[str]:
-        """How often what happened."""
-        return self.hook.counts
-
     def __getstate__(self) -> dict[str, Any]:
-        # A map of 98 kB that is made again on first use.
-        return {**self.__dict__, "_sky": None, "_made": None, "value": 0, "recalc": True}
+        return {**super().__getstate__(), "_made": None}
 
-    def _calc_value(self, conditions: Any, indx: Any = None, **_: Any) -> FloatArray:
-        """The map of the next while; all zero where the question fails."""
-        self.value = self.hook.ask(lambda model: self._kept(model, conditions), np.zeros(12 * NSIDE * NSIDE))
-        self.mjd_last = conditions.mjd + 0
-        self.recalc = False
-        return self.value
-
-    def _kept(self, model: StreakModel, conditions: Any) -> FloatArray:
+    def _map_of(self, model: StreakModel, conditions: Any) -> FloatArray:
         now = float(np.max(conditions.mjd))
-        band = self.bandname if self.bandname is not None else conditions.current_band
         # Limits go by band, so does the map.
-        key = (model.key(), band if isinstance(self.limit_mag, dict) else None)
+        limit = limit_of(self.limit_mag, self._band(conditions))
+        key = (model.key(), limit)
         made = self._made
         if made is not None and made[1] == key and 0.0 <= (now - made[0]) * 86_400.0 <= self.cache_s:
             return made[2]
-        site = conditions.site
-        self.hook.see_site((site.latitude, site.longitude, site.height))
-        self.hook.see_clock(now, self.mjd_scale)
-        moments = now + np.linspace(0.0, self.look_ahead_min / 1440.0, self.samples)
-        # The sky turns by 15 degrees an hour; the zenith of the middle holds for all.
-        zenith_deg = ((float(np.max(conditions.lmst)) + self.look_ahead_min / 120.0) * 15.0 % 360.0, float(site.latitude))
-        with told(self.hook):
-            if self._sky is None or self._sky.model is not model:
-                self._sky = Sky(model, self.mjd_scale)
-            seen = self._sky.ask(moments, SAMPLE_S, zenith_deg)
-        value = -self._lost_mpx([brighter_than(self.limit_mag, band, one) for one in seen])
+        see(self.hook, conditions, self.mjd_scale)
+        ahead_h = np.linspace(0.0, self.look_ahead_min / 60.0, self.samples)
+        # The sky turns by 15 degrees an hour.
+        zenith_deg = ((float(np.max(conditions.lmst)) + ahead_h) * 15.0 % 360.0, float(conditions.site.latitude))
+        seen = self._sky_of(model).ask(now + ahead_h / 24.0, SAMPLE_S, zenith_deg)
+        value = -self._lost_mpx([brighter_than(limit, one) for one in seen])
         self._made = (now, key, value)
         self.counts["made"] += 1
         return value
 
     def _lost_mpx(self, seen: list[Samples]) -> FloatArray:
         """Pixels expected lost in a visit to each cell, millions."""
-        lost = np.zeros(12 * NSIDE * NSIDE)
-        reach = np.cos(np.radians(self.smoothing_deg))
-        for samples in seen:
-            # Share of a field, were all of the streak in it.
-            share = loss_of(samples, self.exptime_s, self.area_deg2, self.damage == "light")
-            lost += (centres_of(NSIDE) @ samples.direction.T > reach) @ share
+        direction = np.concatenate([one.direction for one in seen])
+        # Share of a field, were all of the streak in it.
+        share = np.concatenate([loss_of(one, self.exptime_s, self.area_deg2, self.damage == "light") for one in seen])
+        smoothing = math.radians(self.smoothing_deg)
+        reach = math.cos(smoothing)
+        declination, height = (np.arcsin(np.clip(one[:, 2], -1.0, 1.0)) for one in (direction, centres_of(NSIDE)))
+        lost = np.zeros(CELLS)
+        for first in range(0, CELLS, ROWS):
+            rows = slice(first, first + ROWS)
+            # RING: from north to south.
+            band = (declination <= height[first] + smoothing) & (declination >= height[rows][-1] - smoothing)
+            lost[rows] = (centres_of(NSIDE)[rows] @ direction[band].T > reach) @ share[band]
         # In the disc stand Σ; a field of area A has A / (π s²) of them, and of each streak what lies in it.
         disc_deg2 = 2.0 * np.pi * (1.0 - reach) * np.degrees(1.0) ** 2
         pixels = self.area_deg2 * (3600.0 / self.pixel_scale_arcsec) ** 2

@@ -25,6 +25,14 @@ def pytest_configure(config):
     config.addinivalue_line("filterwarnings", "ignore::streakcast.StreakcastWarning")
 
 
+def manager_of(model, **options):
+    return StreakQueueManager(model, detailers=[RotspUpdateDetailer()], **options)
+
+
+def ids(visits):
+    return np.ravel(visits["target_id"]).tolist()
+
+
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory) -> Path:
     """The host's data for the evening, and the satellites' elements."""
@@ -77,9 +85,9 @@ def dodged_evening(folder, models, planned):
     """The same hours under 40,768 satellites with the queue manager."""
 
     class Noting(StreakQueueManager):
-        def _account(self, choice, visits, verdicts, openings):
+        def _account(self, choice, visits, verdicts, openings, now):
             planned[int(visits["target_id"][choice.place])] = float(openings.start_mjd[choice.place])
-            super()._account(choice, visits, verdicts, openings)
+            super()._account(choice, visits, verdicts, openings, now)
 
     manager = Noting(models[40768], detailers=[RotspUpdateDetailer()])
     return night.run(EVENING, "pairs", folder, hours=HOURS, queue_manager=manager)
@@ -111,3 +119,23 @@ def take_over():
         return done.scheduler
 
     return take
+
+
+@pytest.fixture
+def blocked(monkeypatch):
+    """Names the visits (by their places among the candidates) that are crossed, whatever the sky is like."""
+
+    def block(model_class, places, damage=None):
+        def passes(self, target, *_, **__):
+            n = np.size(target[0])
+            crossed = np.arange(n) if places == "all" else np.array([one for one in places if one < n], dtype=int)
+            lost = np.ones(n) if damage is None else np.resize(damage, n)
+            ones = np.ones(crossed.size)
+            return {
+                "exposure_id": crossed, "magnitude_peak": 7.0 * ones, "lost_pixel_fraction": lost[crossed],
+                "streak_length_deg": ones, "probability": ones,
+            }  # fmt: skip
+
+        monkeypatch.setattr(model_class, "passes", passes)
+
+    return block

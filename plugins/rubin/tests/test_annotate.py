@@ -1,5 +1,6 @@
 """Opsim databases as the host writes them: what is added, and that nothing else changes."""
 
+import os
 import sqlite3
 
 import brute_force
@@ -73,3 +74,14 @@ def test_an_empty_database(opsim, models, tmp_path):
         base.execute("DELETE FROM observations")
     assert annotate(tmp_path / "empty.db", tmp_path / "out.db", models[4408]) == 0
     assert np.size(rows_of(tmp_path / "out.db", "SELECT * FROM observations_streaks")) == 0
+
+
+@pytest.mark.parametrize("umask", [0o022, 0o027])
+def test_others_may_read_what_the_process_lets_them(opsim, models, tmp_path, umask):
+    before = os.umask(umask)
+    try:
+        annotate(opsim[0], tmp_path / "out.db", models[4408])
+    finally:
+        os.umask(before)
+    assert (tmp_path / "out.db").stat().st_mode & 0o777 == 0o666 & ~umask
+    assert [one.name for one in tmp_path.iterdir()] == ["out.db"]

@@ -9,6 +9,7 @@ import streakcast
 from rubin_scheduler.scheduler.basis_functions import BaseBasisFunction
 from rubin_scheduler.utils import _hpid2_ra_dec
 from streakcast_rubin import StreakMaskBasisFunction, StreakRewardBasisFunction
+from streakcast_rubin._tracks import Samples, brighter_than
 from streakcast_rubin.mask import HALF_CELL_DEG
 
 CELLS = 12_288
@@ -69,6 +70,43 @@ def test_limits_mask_less(conditions, models):
     assert masked[0] > masked[1] > masked[2]
 
 
+def test_bands_without_a_limit_mask_what_is_lit(conditions, models):
+    masks = [
+        np.isnan(StreakMaskBasisFunction(models[40768], max_share=1.0, limit_mag=limit, bandname="g")(conditions))
+        for limit in (None, {"u": -20.0}, {"g": -20.0})
+    ]
+    assert np.array_equal(masks[0], masks[1]) and masks[0].any() and not masks[2].any()
+
+
+def test_what_has_no_magnitude_breaks_no_limit():
+    samples = Samples(np.eye(3), np.zeros(3), np.ones(3), np.ones(3), np.array([5.0, np.nan, 8.0]))
+    assert brighter_than(7.0, samples).magnitude.tolist() == [5.0]
+    assert brighter_than(None, samples) is samples
+
+
+def test_limits_follow_the_band_that_is_in(conditions, models):
+    """What is kept of the sky was found under one limit."""
+    function = StreakMaskBasisFunction(models[40768], max_share=1.0, limit_mag={"g": -20.0})
+    masked = []
+    for band in ("g", "r", "g"):
+        now = copy.copy(conditions)
+        now.current_band = band
+        function.recalc = True
+        masked.append(int(np.isnan(function._calc_value(now)).sum()))
+    assert masked[0] == masked[2] == 0 < masked[1] and function.counts["failed"] == 0
+
+
+def test_a_host_that_goes_back_in_time_is_masked(conditions, models):
+    """The tracks of an hour are not kept in place of those of now."""
+    function, fresh = (StreakMaskBasisFunction(models[4408], max_share=1.0) for _ in range(2))
+    for minutes in (80, 70, 60):
+        later = copy.copy(conditions)
+        later._mjd = conditions.mjd + minutes / 1440.0
+        function(later)
+    value = function(conditions)
+    assert np.array_equal(value, fresh(conditions), equal_nan=True) and np.isnan(value).any()
+
+
 def test_rewards(conditions, models):
     few, many = (StreakRewardBasisFunction(models[count])(conditions) for count in (4408, 40768))
     assert few.max() <= 0.0 and few.min() < 0.0
@@ -127,3 +165,8 @@ def test_impossible_options(kind, folder, models):
     if kind is StreakMaskBasisFunction:
         with pytest.raises(ValueError, match="max_share is 1.5; allowed: a number from 0 to 1"):
             kind(models[4408], max_share=1.5)
+        with pytest.raises(ValueError, match="max_share is 0; allowed: a number above 0, up to 1"):
+            kind(models[4408], max_share=0)
+    else:
+        with pytest.raises(ValueError, match="look_ahead_min is 1000000.0; allowed: a number from 0.1 to 720"):
+            kind(models[4408], look_ahead_min=1e6)

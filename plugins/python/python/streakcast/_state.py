@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import hashlib
 import json
 import os
 import threading
 import warnings
 import weakref
-from typing import TYPE_CHECKING, Any, Union
+from collections.abc import Iterator
+from contextvars import ContextVar
+from typing import TYPE_CHECKING, Any, Callable, Union
 
 import numpy as np
 
@@ -23,6 +26,26 @@ if TYPE_CHECKING:
 # Skies of this process, shared by models made of the same files: copies and unpickled models cost nothing.
 _skies: "weakref.WeakValueDictionary[tuple[Any, ...], _core.Skies]" = weakref.WeakValueDictionary()
 _skies_lock = threading.Lock()
+# Who hears of what a model warns, instead of Python's filters. Of this thread and task alone, which `warnings.catch_warnings` is not.
+_listener: "ContextVar[Union[Callable[[str], None], None]]" = ContextVar("streakcast_listener", default=None)
+
+
+@contextlib.contextmanager
+def heard_by(listener: Callable[[str], None]) -> Iterator[None]:
+    """Hands what models warn of in here to a function; warnings of others go on as they were."""
+    token = _listener.set(listener)
+    try:
+        yield
+    finally:
+        _listener.reset(token)
+
+
+def _warn(message: str, stacklevel: int) -> None:
+    listener = _listener.get()
+    if listener is not None:
+        listener(message)
+    else:
+        warnings.warn(message, StreakcastWarning, stacklevel=stacklevel + 1)
 
 
 class ModelState:
@@ -54,7 +77,7 @@ class ModelState:
             message = f"changed since this model was pickled: {changed}; make the model anew, or call reloaded()"
             if state["on_changed_file"] == "error":
                 raise ChangedFileError(message)
-            warnings.warn(message, StreakcastWarning, stacklevel=4)
+            _warn(message, stacklevel=4)
         sky_text = json.dumps({key: value for key, value in state["setup"].items() if key in SKY_KEYS}, sort_keys=True)
         key = (sky_text, config, state["epoch"], tuple(hashes.items()))
         with _skies_lock:
@@ -180,7 +203,7 @@ class ModelState:
         for message in [*skies.news(), *told]:
             if message not in self._told:
                 self._told.add(message)
-                warnings.warn(message, StreakcastWarning, stacklevel=3)
+                _warn(message, stacklevel=3)
 
 
 def _files(setup: str, config: Union[str, None]) -> list[str]:
