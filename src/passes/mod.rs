@@ -4,6 +4,7 @@ mod almanac;
 mod chance;
 mod circle_path;
 mod count;
+mod crossed;
 mod crossing;
 mod delays;
 mod expose;
@@ -29,6 +30,7 @@ mod windows;
 
 pub use chance::Chance;
 pub use count::{CountRequest, Counts, StreakCount};
+pub use crossed::{Crossed, Crossings};
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
 pub use glance::Glance;

@@ -19,7 +19,9 @@ use streakcast::frames::{Direction, EopTable, Horizontal, OrientationTable, seco
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Passes, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
-use streakcast::schedule::{Blocking, FlagRequest, Policy, Schedule, ScheduleOptions, WindowRequest, WindowTarget, clear_windows};
+use streakcast::schedule::{
+    Blocking, FlagRequest, Policy, Schedule, ScheduleOptions, WindowRequest, WindowTarget, clear_windows_alone,
+};
 
 fn main() {
     // `cargo bench` and `cargo test --benches` add flags of their own.
@@ -127,7 +129,11 @@ fn old_elements(elements: &str, date: &str, fov_deg: f64) {
         .collect();
     let count: usize = chances.iter().map(Vec::len).sum();
     let expected: f64 = chances.iter().flatten().map(|chance| chance.probability).sum();
-    println!("{} satellites, {} visits on {date}: {count} chances, {expected:.4} streaks expected", sky.elements().len(), visits.len());
+    println!(
+        "{} satellites, {} visits on {date}: {count} chances, {expected:.4} streaks expected",
+        sky.elements().len(),
+        visits.len()
+    );
     println!("{:14} {:8.2} ms a visit", "all together", 1e3 * median(times) / visits.len() as f64);
     let one_by_one: Vec<f64> = visits
         .iter()
@@ -151,9 +157,8 @@ fn clear(elements: &str, date: &str, fov_deg: f64) {
     let field = Field::circle(fov_deg.to_radians()).expect("a field");
     let (policy, photometry) = (Policy::default(), PhotometryOptions::default());
     let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
-    let request =
-        WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
-    let ask = || clear_windows(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
+    let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
+    let ask = || clear_windows_alone(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
     let mut report = ask();
     let times = (0..9)
         .map(|_| {
