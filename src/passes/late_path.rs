@@ -288,10 +288,6 @@ mod tests {
                     compared += 1;
                     let ratio = fast.odds.probability / slow.probability;
                     let length = fast.odds.streak_length_rad / slow.streak_length_rad;
-                    println!(
-                        "{altitude_deg} {index} {cross_track_km}: {:.3e} {ratio:.4} {length:.4}",
-                        slow.probability
-                    );
                     assert!((ratio - 1.0).abs() < OF_ONE && (length - 1.0).abs() < OF_ONE, "{fast:?} {slow:?}");
                 }
             }
