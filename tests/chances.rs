@@ -4,11 +4,12 @@ mod common;
 
 use common::random::Random;
 use hifitime::{Epoch, Unit};
+use nalgebra::{Rotation3, Vector3};
 use streakcast::catalogue::{Constellation, ElementSet, Origin};
 use streakcast::frames::{Direction, EopTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
-use streakcast::orbit::{OrbitClass, uncertainty};
-use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
+use streakcast::orbit::{OrbitClass, OrbitKind, Propagator, uncertainty};
+use streakcast::passes::{Chance, Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 
 fn sky(elements: Vec<ElementSet>) -> Sky {
@@ -93,28 +94,102 @@ fn verif_chances_against_draws_of_the_errors() {
             .sum();
         let length_deg: f64 = chances.iter().flatten().map(|chance| chance.streak_length_rad.to_degrees()).sum();
 
-        let mut seen = [Vec::new(), Vec::new(), Vec::new()];
-        for _ in 0..rounds {
-            let sky = sky(drawn(&elements, age_days, &mut draws));
-            let passes = sky.field_passes(&exposures, &field, &PassOptions::default()).expect("passes").by_exposure;
-            seen[0].push(passes.iter().map(Vec::len).sum::<usize>() as f64);
-            seen[1].push(passes.iter().filter(|passes| !passes.is_empty()).count() as f64);
-            seen[2].push(passes.iter().flatten().map(|pass| pass.streak_length_rad.to_degrees()).sum());
-        }
-        for ((what, expected), seen) in
-            [("streaks", count), ("exposures", any), ("degrees", length_deg)].iter().zip(&seen)
-        {
-            let n = seen.len() as f64;
-            let mean = seen.iter().sum::<f64>() / n;
-            let sigma = (seen.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
-            println!("{age_days} d: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn");
-            assert!(mean > 1.0, "{age_days} d: too few {what} to tell anything");
-            assert!(
-                (expected - mean).abs() < 3.0 * sigma + 0.04 * mean,
-                "{age_days} d: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn"
-            );
-        }
+        let skies = (0..rounds).map(|_| sky(drawn(&elements, age_days, &mut draws)));
+        compare(&format!("{age_days} d"), &exposures, &field, [count, any, length_deg], skies);
     }
+}
+
+/// Holds expected streaks, streaked exposures and degrees of streak against as many drawn skies.
+fn compare(name: &str, exposures: &[Exposure], field: &Field, expected: [f64; 3], skies: impl Iterator<Item = Sky>) {
+    let mut seen = [Vec::new(), Vec::new(), Vec::new()];
+    for sky in skies {
+        let passes = sky.field_passes(exposures, field, &PassOptions::default()).expect("passes").by_exposure;
+        seen[0].push(passes.iter().map(Vec::len).sum::<usize>() as f64);
+        seen[1].push(passes.iter().filter(|passes| !passes.is_empty()).count() as f64);
+        seen[2].push(passes.iter().flatten().map(|pass| pass.streak_length_rad.to_degrees()).sum());
+    }
+    for ((what, expected), seen) in ["streaks", "exposures", "degrees"].iter().zip(expected).zip(&seen) {
+        let n = seen.len() as f64;
+        let mean = seen.iter().sum::<f64>() / n;
+        let sigma = (seen.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
+        println!("{name}: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn");
+        assert!(mean > 1.0, "{name}: too few {what} to tell anything");
+        assert!(
+            (expected - mean).abs() < 3.0 * sigma + 0.04 * mean,
+            "{name}: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn"
+        );
+    }
+}
+
+/// Normal of the orbit and place on it (TEME) at a moment.
+fn plane_at(set: &ElementSet, at: Epoch) -> (Vector3<f64>, Vector3<f64>) {
+    let propagator = Propagator::new(set).expect("elements");
+    let (place, velocity) = propagator.teme_state_at_minutes(propagator.minutes_since_epoch(at)).expect("a place");
+    let (place, velocity) = (Vector3::from(place), Vector3::from(velocity));
+    (place.cross(&velocity).normalize(), place.normalize())
+}
+
+/// A circular orbit of the same height that passes a place at an epoch.
+fn through(set: &ElementSet, normal: &Vector3<f64>, place: &Vector3<f64>, at: Epoch) -> ElementSet {
+    let node = Vector3::z().cross(normal).normalize();
+    let along_rad = place.dot(&normal.cross(&node)).atan2(place.dot(&node));
+    ElementSet {
+        epoch: at,
+        inclination_deg: normal.z.acos().to_degrees(),
+        right_ascension_of_node_deg: node.y.atan2(node.x).to_degrees().rem_euclid(360.0),
+        argument_of_perigee_deg: 0.0,
+        mean_anomaly_deg: along_rad.to_degrees().rem_euclid(360.0),
+        ..set.clone()
+    }
+}
+
+/// Satellites on the way for 150 days: planes that may be off by five degrees in any direction, satellites anywhere along them. Only planes
+/// beside the field, where their number depends on how far they may be off. Tolerance as above.
+#[test]
+fn verif_planes_that_are_off_by_far_against_draws() {
+    const AGE_DAYS: f64 = 150.0;
+    /// Planes nearest to the zenith place are left out, and those farthest off; sine of the angle.
+    const BESIDE: std::ops::Range<f64> = 0.06..0.25;
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    let mut draws = Random(20_261_122);
+    let exposures = exposures(start, 300, &mut draws);
+    let middle = exposures[150].start;
+    // 550 km above the site: its latitude, and the sidereal time of the middle, as the exposures have it.
+    let zenith = Direction::<streakcast::frames::Gcrs>::from_lon_lat_rad(243.75f64.to_radians(), (-30f64).to_radians());
+    let mut elements = published(AGE_DAYS, middle, 1584);
+    for set in &mut elements {
+        // 2 km a day up or down by its thruster.
+        set.mean_motion_dot_rev_day2 = 1e-3;
+        set.bstar_per_earth_radius = 0.0;
+    }
+    elements.retain(|set| BESIDE.contains(&plane_at(set, middle).0.dot(zenith.vector()).abs()));
+    assert!(elements.len() > 200, "{}", elements.len());
+    let class = OrbitClass::of(&elements[0]);
+    assert_eq!(class.kind, OrbitKind::Manoeuvring);
+    let sigma = uncertainty(class, AGE_DAYS);
+    assert!((400.0..700.0).contains(&sigma.cross_track_km), "{sigma:?}");
+    let chances = sky(elements.clone()).chances(&exposures, &field).expect("chances");
+    let sum = |of: &dyn Fn(&Chance) -> f64| chances.iter().flatten().map(of).sum::<f64>();
+    let none = |chances: &Vec<Chance>| chances.iter().map(|chance| 1.0 - chance.probability).product::<f64>();
+    let expected = [
+        sum(&|chance| chance.probability),
+        chances.iter().map(|chances| 1.0 - none(chances)).sum(),
+        sum(&|chance| chance.streak_length_rad.to_degrees()),
+    ];
+    let tilt_rad = sigma.cross_track_km / 6928.0;
+    let skies = (0..80).map(|_| {
+        let one = |set: &ElementSet| {
+            let (normal, place) = plane_at(set, middle);
+            let (first, second) = (place, normal.cross(&place));
+            let tilt = Rotation3::new((first * draws.normal() + second * draws.normal()) * tilt_rad);
+            let late_rad = std::f64::consts::TAU * sigma.along_track_s * draws.normal() / class.period_s;
+            let place = Rotation3::new(normal * late_rad) * place;
+            through(set, &(tilt * normal), &(tilt * place), middle)
+        };
+        sky(elements.iter().map(one).collect())
+    });
+    compare("planes", &exposures, &field, expected, skies);
 }
 
 /// A pass takes its range, and with it the angle of the error across, in the middle of its chord, a chance where it is nearest.

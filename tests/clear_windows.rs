@@ -8,7 +8,7 @@ use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, Sky, Sk
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{
     Blocking, ClearWindow, FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, Verdict, WindowRequest,
-    WindowTarget, clear_windows, flag_exposures, lowest_altitudes_rad,
+    WindowTarget, clear_windows, clear_windows_alone, flag_exposures, lowest_altitudes_rad,
 };
 
 const EXPOSURE_S: f64 = 30.0;
@@ -56,7 +56,13 @@ fn windows(min_altitude_rad: f64, blocking: Blocking, against: &FlagRequest<'_>)
     let targets: Vec<WindowTarget> = (0..4).map(target).collect();
     let request = WindowRequest { against: *against, blocking, min_altitude_rad, max_sun_altitude_rad: None };
     let report = clear_windows(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
-    report.expect("windows").by_target.into_iter().map(|one| one.windows).collect()
+    let by_target = report.expect("windows").by_target;
+    assert!(by_target.iter().any(|one| !one.dodged.is_empty()));
+    let alone = clear_windows_alone(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
+    for (alone, one) in alone.expect("windows").by_target.iter().zip(&by_target) {
+        assert_eq!((&alone.windows, &alone.observable, alone.dodged.len()), (&one.windows, &one.observable, 0));
+    }
+    by_target.into_iter().map(|one| one.windows).collect()
 }
 
 fn ends_s(window: &ClearWindow) -> (f64, f64) {

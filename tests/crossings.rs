@@ -377,6 +377,88 @@ fn verif_what_was_asked_before_changes_nothing() {
     }
 }
 
+/// Slices of long exposures are culled in groups: two hours and a half on one field hold what 150 exposures of a minute hold, from the beginning of one
+/// kept window far into the next. Crossings alone are those of the lit passes.
+#[test]
+fn verif_hours_on_one_field_are_their_minutes() {
+    const MINUTES: u32 = 150;
+    let (epoch, sky) = &*SKY;
+    let start = *epoch + 1.3 * Unit::Day;
+    let middle = start + 75.0 * Unit::Minute;
+    let here = sky
+        .viewpoint()
+        .site()
+        .expect("a site")
+        .state(&OrientationTable::new(middle, middle, &EopTable::embedded()).at_s(0.0));
+    let mut compared = 0;
+    for (azimuth_rad, altitude_rad, size_deg) in [(0.4, 1.3, 8.0_f64), (3.0, 0.9, 1.0), (5.0, 0.7, 30.0)] {
+        let pointing = here.horizon.inverse() * Direction::<Horizontal>::from_lon_lat_rad(azimuth_rad, altitude_rad);
+        let exposure = |start: Epoch, duration_s: f64| Exposure {
+            id: "field".to_owned(),
+            start,
+            duration_s,
+            pointing,
+            rotation_rad: 0.0,
+        };
+        let hours = [exposure(start, 60.0 * f64::from(MINUTES))];
+        let minutes: Vec<Exposure> =
+            (0..MINUTES).map(|minute| exposure(start + f64::from(minute) * Unit::Minute, 60.0)).collect();
+        let field = Field::circle(size_deg.to_radians()).expect("a field");
+        let options = PassOptions { include_dark: true, ..PassOptions::default() };
+        let mut long: BTreeMap<NoradId, Vec<(f64, f64)>> = BTreeMap::new();
+        let answer = sky.field_passes(&hours, &field, &options).expect("an answer");
+        for pass in &answer.by_exposure[0] {
+            let chords = pass.chords.iter().map(|chord| (chord.enter_s, chord.exit_s));
+            long.entry(pass.norad_id).or_default().extend(chords);
+        }
+        let mut short: BTreeMap<NoradId, Vec<(f64, f64)>> = BTreeMap::new();
+        let by_minute = sky.field_passes(&minutes, &field, &options).expect("an answer").by_exposure;
+        for (minute, passes) in (0..MINUTES).zip(by_minute) {
+            let opened_s = 60.0 * f64::from(minute);
+            for pass in passes {
+                let chords = short.entry(pass.norad_id).or_default();
+                for chord in pass.chords {
+                    let (enter_s, exit_s) = (opened_s + chord.enter_s, opened_s + chord.exit_s);
+                    match chords.last_mut() {
+                        Some(last) if enter_s - last.1 < SAME_ROOT_S => last.1 = exit_s,
+                        _ => chords.push((enter_s, exit_s)),
+                    }
+                }
+            }
+        }
+        // A graze shorter than the tolerance may be found by one way alone.
+        let same_s = SAME_ROOT_OF_LONG_EXPOSURES_S;
+        for chords in long.values_mut().chain(short.values_mut()) {
+            chords.retain(|(enter_s, exit_s)| exit_s - enter_s > 20.0 * same_s);
+        }
+        long.retain(|_, chords| !chords.is_empty());
+        short.retain(|_, chords| !chords.is_empty());
+        // An orbit that breaks down on the way has minutes, and no hours.
+        for left_out in &answer.left_out {
+            short.remove(&left_out.norad_id);
+        }
+        let added: Vec<_> = long.keys().filter(|id| !short.contains_key(id)).collect();
+        let lost: Vec<_> = short.keys().filter(|id| !long.contains_key(id)).collect();
+        assert!(added.is_empty() && lost.is_empty(), "{size_deg} deg: added {added:?}, lost {lost:?}");
+        for (id, chords) in &long {
+            assert_eq!(chords.len(), short[id].len(), "{id}: {chords:?} {:?}", short[id]);
+            for (one, other) in chords.iter().zip(&short[id]) {
+                let apart_s = (one.0 - other.0).abs().max((one.1 - other.1).abs());
+                // Slow satellites and grazing ones meet a border at a small angle.
+                assert!(apart_s < same_s.max(2e-3 * (one.1 - one.0)), "{id}: {one:?} {other:?}");
+                compared += 1;
+            }
+        }
+        let lit = sky.field_passes(&hours, &field, &PassOptions::default()).expect("an answer");
+        let alone = sky.field_crossings(&hours, &field).expect("an answer");
+        let of_passes: Vec<_> = lit.by_exposure[0].iter().map(|pass| (pass.element_index, &pass.chords)).collect();
+        let of_crossings: Vec<_> = alone.by_exposure[0].iter().map(|one| (one.element_index, &one.chords)).collect();
+        assert_eq!(of_crossings, of_passes, "{size_deg} deg");
+        assert_eq!(alone.left_out, lit.left_out);
+    }
+    assert!(compared > 200, "{compared}");
+}
+
 /// `cargo test --release --test crossings -- --ignored`
 #[test]
 #[ignore = "a minute or more: the long form of the two above"]

@@ -1,6 +1,7 @@
 //! Where the satellites are: SGP4 made ready, and the orbit planes that tell at once which satellites can matter.
 
 mod arc;
+mod candidates;
 mod index;
 mod kepler;
 mod phase;

@@ -44,6 +44,28 @@ impl<'a> Question<'a> {
         Self { cone, observer, axis, fraction, moved_km, tangent, secant }
     }
 
+    pub fn observer(&self) -> &Vector3<f64> {
+        &self.observer
+    }
+
+    pub fn axis(&self) -> &Vector3<f64> {
+        &self.axis
+    }
+
+    /// Where in the window, from 0 to 1.
+    pub fn fraction(&self) -> f64 {
+        self.fraction
+    }
+
+    /// How far the observer moves from the middle on.
+    pub fn moved_km(&self) -> f64 {
+        self.moved_km
+    }
+
+    pub fn radius_rad(&self) -> f64 {
+        self.cone.radius_rad
+    }
+
     /// Whether a satellite whose orbit plane fits may be inside the cone while it is asked for.
     pub fn may_be_inside(&self, phase: &Phase, normal: &Vector3<f64>) -> bool {
         if phase.only_plane {

@@ -20,10 +20,9 @@ use rayon::prelude::*;
 
 use super::index::{LeftOut, Reach, SatelliteIndex};
 use super::kepler::SlowElements;
-use super::phase::{Phase, Question};
+use super::phase::Phase;
 use super::propagator::{DECAYED_RADIUS_KM, OrbitError, State};
-use super::sight::Sight;
-use crate::frames::{Direction, Gcrs, Position, Rotation, Teme, seconds_between};
+use crate::frames::{Direction, Gcrs, Position, Teme, seconds_between};
 
 /// Longest stretch that one window may cover, seconds. Over six hours a node moves by at most 2.5° and drag bends the mean
 /// longitude of anything above 250 km by less than the margin.
@@ -55,9 +54,7 @@ const LONGITUDE_NOISE_RAD: f64 = 0.02;
 const RATE_NOISE: f64 = 0.01;
 
 /// Satellites that share one shell in the plane test; a multiple of the widest vector of f32.
-const CHUNK: usize = 64;
-/// Lanes of a chunk that are looked at together.
-const BLOCK: usize = 8;
+pub(super) const CHUNK: usize = 64;
 
 /// A field of view in time and space, as the cull needs it.
 #[derive(Copy, Clone, Debug)]
@@ -88,24 +85,24 @@ struct Entry {
 
 /// Up to [`CHUNK`] satellites of neighbouring shells: normals as columns.
 #[derive(Clone, Debug)]
-struct Chunk {
-    lowest_km: f64,
-    highest_km: f64,
-    slop_km: f64,
-    normal: [[f32; CHUNK]; 3],
-    normal_change: [[f32; CHUNK]; 3],
-    phases: Vec<Phase>,
+pub(super) struct Chunk {
+    pub lowest_km: f64,
+    pub highest_km: f64,
+    pub slop_km: f64,
+    pub normal: [[f32; CHUNK]; 3],
+    pub normal_change: [[f32; CHUNK]; 3],
+    pub phases: Vec<Phase>,
 }
 
 /// A catalogue's planes and phases from `start` on, for at most [`MAX_WINDOW_S`].
 #[derive(Clone, Debug)]
 pub struct Window {
     start: Epoch,
-    span_s: f64,
+    pub(super) span_s: f64,
     /// Minutes from each element epoch to the start.
     minutes: Vec<f64>,
-    chunks: Vec<Chunk>,
-    always: Vec<u32>,
+    pub(super) chunks: Vec<Chunk>,
+    pub(super) always: Vec<u32>,
     left_out: Vec<LeftOut>,
 }
 
@@ -199,61 +196,6 @@ impl Window {
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }
-
-    /// Puts into `candidates` (cleared first) the element indices of all satellites that may be inside the cone at any moment
-    /// asked for, none missing. About 15 µs for 14,000 satellites.
-    pub fn candidates(&self, cone: &Cone, teme_to_gcrs: &Rotation<Teme, Gcrs>, candidates: &mut Vec<u32>) {
-        candidates.clear();
-        candidates.extend_from_slice(&self.always);
-        let gcrs_to_teme = teme_to_gcrs.inverse();
-        let observer = *(gcrs_to_teme * cone.observer).vector();
-        let axis = *(gcrs_to_teme * cone.axis).vector();
-        let fraction = cone.mid_s / self.span_s;
-        let moved_km = cone.observer_speed_km_s * cone.half_duration_s;
-        let sight = Sight::new(&observer, &axis, cone.radius_rad);
-        let question = Question::new(cone, observer, axis, fraction, moved_km);
-
-        let (o, d, x) = (observer.cast::<f32>(), axis.cast::<f32>(), fraction as f32);
-        for chunk in &self.chunks {
-            let Some((near_km, far_km)) = sight.distances_km(chunk.lowest_km, chunk.highest_km, moved_km) else {
-                continue;
-            };
-            // |n·O + ρ n·d| ≤ ρψ + slop at both ends of ρ, or a change of sign in between
-            let (near, far) = (near_km as f32, far_km as f32);
-            let limit = (moved_km + chunk.slop_km + 0.01) as f32;
-            let near_limit = limit + near * cone.radius_rad as f32;
-            let far_limit = limit + far * cone.radius_rad as f32;
-            let mut outside = [0.0_f32; CHUNK];
-            for (lane, outside) in outside.iter_mut().enumerate() {
-                let nx = chunk.normal[0][lane] + x * chunk.normal_change[0][lane];
-                let ny = chunk.normal[1][lane] + x * chunk.normal_change[1][lane];
-                let nz = chunk.normal[2][lane] + x * chunk.normal_change[2][lane];
-                let along_observer = nx * o.x + ny * o.y + nz * o.z;
-                let along_axis = nx * d.x + ny * d.y + nz * d.z;
-                let at_near = along_observer + near * along_axis;
-                let at_far = along_observer + far * along_axis;
-                let above = lesser(at_near - near_limit, at_far - far_limit);
-                let below = lesser(-at_near - near_limit, -at_far - far_limit);
-                *outside = if above > below { above } else { below };
-            }
-            for (block, outside) in outside.chunks_exact(BLOCK).enumerate() {
-                // Mostly nobody of eight: one comparison for all of them.
-                if outside.iter().copied().fold(f32::INFINITY, lesser) > 0.0 {
-                    continue;
-                }
-                for (lane, phase) in (block * BLOCK..).zip(chunk.phases.iter().skip(block * BLOCK)).take(BLOCK) {
-                    if outside[lane % BLOCK] <= 0.0 && question.may_be_inside(phase, &chunk.normal_at(lane, fraction)) {
-                        candidates.push(phase.element_index);
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// The lesser of two numbers in one machine instruction: `f32::min` spends three on what is not a number.
-fn lesser(a: f32, b: f32) -> f32 {
-    if a < b { a } else { b }
 }
 
 /// Slow elements of one satellite from its states at both ends; `None` where they do not describe it: SGP4 is then always asked.
@@ -331,7 +273,7 @@ fn chunk<'a>(entries: impl ExactSizeIterator<Item = &'a Entry> + Clone) -> Chunk
 
 impl Chunk {
     /// The interpolated normal. A chord of the arc it runs over, it is short by 1e-4 at most: 0.7 km, part of the margin.
-    fn normal_at(&self, lane: usize, fraction: f64) -> Vector3<f64> {
+    pub fn normal_at(&self, lane: usize, fraction: f64) -> Vector3<f64> {
         let component =
             |axis: usize| f64::from(self.normal[axis][lane]) + fraction * f64::from(self.normal_change[axis][lane]);
         Vector3::new(component(0), component(1), component(2))

@@ -6,7 +6,11 @@
 //!
 //! 1. From the middle of the exposure along the orbit (two-body arithmetic, refined with SGP4) to the place where it passes
 //!    the line of sight, and the same place some revolutions before and after, as far as 3.5 sigma reach.
-//! 2. There, the exact chords of [`crossing_odds`].
+//! 2. There, the exact chords of [`crossing_odds`](super::probability), or, where it may be late by more than seconds, those of a circle on the
+//!    sky (`late_path`).
+//!
+//! Errors across the track of tens of kilometres and more (manoeuvring satellites, months after their elements) tilt the plane instead of shifting the
+//! path on the sky: a satellite that is that far off its plane is still at its distance from the Earth.
 //!
 //! What is left out: delays beyond 3.5 sigma (0.05 % of each satellite's chance). What is simplified: the planes do not turn during the
 //! delay (5° a day at most), and the site stands still before and after the exposure. For a telescope in orbit only the passes and

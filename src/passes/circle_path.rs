@@ -49,6 +49,11 @@ impl CirclePath {
         self.across.dot(centre).abs().atan2(self.closest.dot(centre))
     }
 
+    /// The longest that any path beside this one stays in a field of this radius, seconds.
+    pub fn longest_s(&self, radius_rad: f64) -> f64 {
+        2.0 * radius_rad / self.rate_rad_s
+    }
+
     /// Stretches inside the field of the path shifted across, in time order.
     pub fn chords(&self, shift_rad: f64, field: &FieldOnSky) -> Vec<Chord> {
         // The shift lies on the tangent, as in `probability`.

@@ -13,12 +13,14 @@ use super::sky::{PassOptions, Sky, SkyError};
 use super::track::{Chord, FieldPass};
 use crate::constants::{DAY_S, EARTH_ROTATION_RAD_S};
 use crate::frames::{Orientation, seconds_after, seconds_between};
-use crate::orbit::{Arc, Cone, LeftOut, OrbitError, OrbitUncertainty};
+use crate::orbit::{Arc, Cone, LeftOut, OrbitError, OrbitUncertainty, Window};
 
 /// The cull asks for at most this long at a time, seconds: by then an observer on the ground has moved 14 km to each side.
 pub(super) const SLICE_S: f64 = 60.0;
 /// The same for an observer in orbit, who has moved 40 km by then.
 const FLIGHT_SLICE_S: f64 = 10.0;
+/// So many slices are first asked about together: the two tests cost least together there.
+const GROUP: u32 = 5;
 /// A satellite that is a candidate again within this time is still on the same pass, seconds: nothing comes round so soon.
 const SAME_PASS_S: f64 = 1200.0;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with room, radians.
@@ -61,7 +63,7 @@ impl Sky {
     }
 
     /// Which satellites may be in the field, and when: candidates of slices that belong together joined.
-    fn runs(
+    pub(super) fn runs(
         &self,
         scene: &Scene,
         exposure: &Exposure,
@@ -73,22 +75,51 @@ impl Sky {
         let longest_s = if flight.is_some() { FLIGHT_SLICE_S } else { SLICE_S };
         let slices = (exposure.duration_s / longest_s).ceil().max(1.0);
         let slice_s = exposure.duration_s / slices;
-        let mut seen: Vec<(u32, u32)> = Vec::new();
-        for slice in 0..slices as u32 {
-            let mid_s = start_s + slice_s * (f64::from(slice) + 0.5);
-            let Some((window, window_start_s)) = scene.window_at(mid_s) else { continue };
+        // The cone around a moment, the window it lies in, and how the Earth stands then.
+        let cone = |mid_s: f64, half_s: f64| {
+            let (window, window_start_s) = scene.window_at(mid_s)?;
             let orientation = scene.orientation.at_s(mid_s);
-            let Some(motion) = self.motion(scene, &orientation, flight, mid_s) else { continue };
+            let motion = self.motion(scene, &orientation, flight, mid_s)?;
             let cone = Cone {
                 mid_s: mid_s - window_start_s,
-                half_duration_s: 0.5 * slice_s,
+                half_duration_s: half_s,
                 observer: motion.position(mid_s),
-                observer_speed_km_s: motion.fastest_km_s(mid_s, 0.5 * slice_s),
+                observer_speed_km_s: motion.fastest_km_s(mid_s, half_s),
                 axis: exposure.pointing,
                 radius_rad: field.bounding_radius_rad() + ABERRATION_MARGIN_RAD,
             };
-            window.candidates(&cone, &orientation.teme_to_gcrs, candidates);
-            seen.extend(candidates.iter().map(|&element_index| (element_index, slice)));
+            Some((window, cone, orientation.teme_to_gcrs))
+        };
+        let mut seen: Vec<(u32, u32)> = Vec::new();
+        // A telescope in orbit moves too far for groups.
+        let most = if flight.is_some() { 1 } else { GROUP };
+        let mut slice = 0;
+        while slice < slices as u32 {
+            let group = most.min(slices as u32 - slice);
+            let half_s = 0.5 * slice_s * f64::from(group);
+            let mid_s = start_s + slice_s * f64::from(slice) + half_s;
+            let whole = if group > 1 { cone(mid_s, half_s) } else { None };
+            let parts: Vec<_> = (slice..slice + group)
+                .map(|part| cone(start_s + slice_s * (f64::from(part) + 0.5), 0.5 * slice_s))
+                .collect();
+            // All of them in one window.
+            let of_window = |window: &Window| -> Option<Vec<Cone>> {
+                let is_there = |of_part: &Window| std::ptr::eq(of_part, window);
+                parts.iter().map(|part| part.as_ref().filter(|part| is_there(part.0)).map(|part| part.1)).collect()
+            };
+            match whole.and_then(|(window, whole, teme)| Some((window, whole, of_window(window)?, teme))) {
+                Some((window, whole, parts, teme_to_gcrs)) => {
+                    window.candidates_of_parts(&whole, &parts, slice, &teme_to_gcrs, &mut seen);
+                }
+                _ => {
+                    for (number, part) in (slice..).zip(&parts) {
+                        let Some((window, part, teme_to_gcrs)) = part else { continue };
+                        window.candidates(part, teme_to_gcrs, candidates);
+                        seen.extend(candidates.iter().map(|&element_index| (element_index, number)));
+                    }
+                }
+            }
+            slice += group;
         }
         seen.retain(|(element_index, _)| !self.is_observer(*element_index as usize));
         seen.sort_unstable();
@@ -107,7 +138,12 @@ impl Sky {
     }
 
     /// True where any of the field may lie below the lowest altitude at any time of the exposure; in orbit the Earth is always near.
-    fn reaches_the_ground(&self, exposure: &Exposure, field: &FieldOnSky, orientation: &Orientation) -> bool {
+    pub(super) fn reaches_the_ground(
+        &self,
+        exposure: &Exposure,
+        field: &FieldOnSky,
+        orientation: &Orientation,
+    ) -> bool {
         let Some(observer) = self.viewpoint().site() else { return true };
         let altitude_rad = (observer.state(orientation).horizon * exposure.pointing).latitude_rad();
         // The sky turns by no more than this, whatever the exposure's length.
@@ -150,16 +186,8 @@ impl Sky {
             options,
             uncertainty: sigma,
         };
-        if self.reaches_the_ground(exposure, field, &orientation) {
-            let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };
-            let near_miss_is_up = crossing.chords.is_empty() && !look.above_ground(&closest).is_empty();
-            crossing.chords = crossing.chords.iter().flat_map(|chord| look.above_ground(chord)).collect();
-            if crossing.chords.is_empty() && !near_miss_is_up {
-                return Ok(None);
-            }
-        }
-        let enter_s = crossing.chords.first().map_or(crossing.closest_s, |chord| chord.enter_s);
-        let exit_s = crossing.chords.last().map_or(crossing.closest_s, |chord| chord.exit_s);
+        let near_the_ground = self.reaches_the_ground(exposure, field, &orientation);
+        let Some((enter_s, exit_s)) = look.keep_above_ground(&mut crossing, near_the_ground) else { return Ok(None) };
         let lit = look.is_lit(enter_s, exit_s);
         if !(lit || options.include_dark) {
             return Ok(None);

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::crossing::root;
+use super::crossing::{Crossing, root};
 use super::scene::Scene;
 use super::sightline::SightLine;
 use super::sky::PassOptions;
@@ -146,6 +146,22 @@ impl Look<'_> {
             .filter(|pair| height(0.5 * (pair[0] + pair[1])) >= 0.0)
             .map(|pair| Chord { enter_s: pair[0], exit_s: pair[1] })
             .collect()
+    }
+
+    /// Leaves of a crossing what is above the ground; from when to when that is, for a near miss the moment when it is closest. `None` where nothing is left.
+    /// Only where the field may lie near the ground is it looked for.
+    pub fn keep_above_ground(&self, crossing: &mut Crossing, near_the_ground: bool) -> Option<(f64, f64)> {
+        if near_the_ground {
+            let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };
+            let near_miss_is_up = crossing.chords.is_empty() && !self.above_ground(&closest).is_empty();
+            crossing.chords = crossing.chords.iter().flat_map(|chord| self.above_ground(chord)).collect();
+            if crossing.chords.is_empty() && !near_miss_is_up {
+                return None;
+            }
+        }
+        let enter_s = crossing.chords.first().map_or(crossing.closest_s, |chord| chord.enter_s);
+        let exit_s = crossing.chords.last().map_or(crossing.closest_s, |chord| chord.exit_s);
+        Some((enter_s, exit_s))
     }
 
     /// How the satellite is lit at a moment.

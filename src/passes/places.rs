@@ -6,14 +6,14 @@
 
 use nalgebra::Vector3;
 
-use super::circle_path::CirclePath;
 use super::crossing::{Crossing, cross};
+use super::delays::Odds;
 use super::field::FieldOnSky;
-use super::probability::{Odds, REACH_SIGMAS, Sigmas, crossing_odds, odds_of, over_shifts};
+use super::late_path::WIDE_KM;
+use super::probability::{REACH_SIGMAS, Sigmas, crossing_odds};
 use super::scene::Scene;
 use super::sightline::{ObserverMotion, SightLine};
-use super::track::Chord;
-use super::two_body::{FreeFall, TwoBody};
+use super::two_body::TwoBody;
 use crate::frames::{Gcrs, Orientation, Position};
 use crate::geometry::ShadowModel;
 use crate::orbit::{Arc, OrbitUncertainty, Propagator, State};
@@ -26,22 +26,16 @@ const LONGEST_BLIND_REACH_S: f64 = 1200.0;
 const LIGHT_STEPS: u32 = 24;
 /// Steps towards the place on the orbit; circular orbits need two.
 const MOST_STEPS: usize = 8;
-/// That place is known well enough to this, seconds: the chords are then cut exactly.
+/// That place is known well enough from one of SGP4 this near, seconds: the chords are then cut exactly.
 const PLACE_S: f64 = 1.0;
+/// The same for paths that fall freely from there.
+const FALL_S: f64 = 20.0;
 /// All of a stretch up to this long is looked at without looking for a place first, seconds.
 const SHORT_S: f64 = 40.0;
 /// A stretch around that place is made twice as long until both of its ends lie outside the field, at most this often.
 const MOST_DOUBLINGS: usize = 6;
 /// Errors along the track from which on paths are circles, seconds.
 pub(super) const LONG_DELAY_S: f64 = 3.0;
-/// Steps towards the place on such a path that is nearest to the centre of the field, and when it is found, seconds.
-const PATH_STEPS: usize = 4;
-const PATH_S: f64 = 0.5;
-/// Free fall is followed for this share of a revolution: 0.1 km of the lowest orbits.
-const FALL_TURNS: f64 = 0.02;
-/// Where a satellite falls in this time, seconds, and where SGP4 has it then may differ by this, km.
-const AWAY_AFTER_S: f64 = 10.0;
-const AWAY_KM: f64 = 1.0;
 
 /// One exposure, with what all satellites in it share.
 pub(super) struct Question<'a> {
@@ -59,12 +53,12 @@ pub(super) struct Question<'a> {
 
 /// Where a satellite passes the line of sight.
 #[derive(Copy, Clone)]
-struct Nearest {
-    time_s: f64,
-    /// Within [`PLACE_S`] of that time: the time of a place of SGP4, and the place.
-    state_s: f64,
-    state: State<Gcrs>,
-    period_s: f64,
+pub(super) struct Nearest {
+    pub time_s: f64,
+    /// Near that time: the time of a place of SGP4, and the place.
+    pub state_s: f64,
+    pub state: State<Gcrs>,
+    pub period_s: f64,
     distance_km: f64,
     /// Speed across the line of sight.
     rate_rad_s: f64,
@@ -91,14 +85,21 @@ impl Question<'_> {
             return self.on_arc(&arc(first_s, last_s)?, (first_s, last_s), sigma);
         }
         let mid_s = 0.5 * (self.opened_s + self.closed_s);
-        let Some(nearest) = self.nearest(propagator, minutes, mid_s) else {
+        let is_long = sigma.along_track_s >= self.long_delay_s;
+        let near_s = if is_long { FALL_S } else { PLACE_S };
+        let Some(nearest) = self.nearest(propagator, minutes, mid_s, near_s) else {
             let blind_s = reach_s.min(LONGEST_BLIND_REACH_S);
             let (first_s, last_s) = (self.opened_s - blind_s, self.closed_s + blind_s);
             return self.on_arc(&arc(first_s, last_s)?, (first_s, last_s), sigma);
         };
-        let is_long = sigma.along_track_s >= self.long_delay_s;
         if is_long && self.runs_away(propagator, minutes, &nearest) {
             return None;
+        }
+        let turns = (reach_s / nearest.period_s).ceil() as i32;
+        if is_long && sigma.cross_track_km >= WIDE_KM {
+            let path = self.tilted(&nearest, sigma.cross_track_km)?;
+            let turns_s = (-turns..=turns).map(|turn| f64::from(turn) * nearest.period_s);
+            return self.on_path(&path, sigma.along_track_s, turns_s.collect());
         }
         // Half of the time that it needs through the field and its errors, doubled where it comes nearer on the way.
         let half_s = |there: &Nearest| {
@@ -111,14 +112,15 @@ impl Question<'_> {
             if there.time_s < first_s - half_s || there.time_s > last_s + half_s {
                 return None;
             }
-            match self.path(there).filter(|_| is_long) {
-                Some(path) => self.on_circle(there, &path, sigma),
-                None => self.around(&arc, there, half_s, sigma),
+            if !is_long {
+                return self.around(&arc, there, half_s, sigma);
             }
+            let path = self.predicted(there, sigma.cross_track_km);
+            let path = path.or_else(|| self.tilted(there, sigma.cross_track_km))?;
+            self.on_path(&path, sigma.along_track_s, vec![0.0])
         };
         let mut best = place(&nearest);
         let period_s = nearest.period_s;
-        let turns = (reach_s / period_s).ceil() as i32;
         for direction in [1.0, -1.0] {
             let mut last = nearest;
             let mut turn_s = direction * period_s;
@@ -128,7 +130,7 @@ impl Question<'_> {
                     break;
                 }
                 let carried_s = direction * f64::from(turn) * period_s;
-                let there = self.nearest(propagator, minutes, guess_s).unwrap_or(Nearest {
+                let there = self.nearest(propagator, minutes, guess_s, near_s).unwrap_or(Nearest {
                     time_s: nearest.time_s + carried_s,
                     state_s: nearest.state_s + carried_s,
                     ..nearest
@@ -148,76 +150,6 @@ impl Question<'_> {
             }
         }
         best
-    }
-
-    /// True where the next seconds lead elsewhere than the velocity says: drag terms that have run away, as [`Arc::new`] finds them.
-    fn runs_away(&self, propagator: &Propagator, minutes: f64, place: &Nearest) -> bool {
-        let later_minutes = minutes + (place.state_s + AWAY_AFTER_S) / 60.0;
-        propagator.state_at_minutes(later_minutes, &self.orientation.teme_to_gcrs).map_or(true, |later| {
-            let fallen = FreeFall::of(&place.state).state_at(AWAY_AFTER_S);
-            (later.position - fallen.position).norm_km() > AWAY_KM
-        })
-    }
-
-    /// The path past the field as a circle on the sky, with the state on it that is nearest to the centre; `None` where that is far from the place found.
-    fn path(&self, place: &Nearest) -> Option<(CirclePath, State<Gcrs>)> {
-        let fall = FreeFall::of(&place.state);
-        let mut time_s = place.time_s;
-        for _ in 0..PATH_STEPS {
-            let state = fall.state_at(time_s - place.state_s);
-            let sight = self.site.sight_of(&state, time_s);
-            let path = CirclePath::of(&sight, time_s, self.field.centre())?;
-            let step_s = path.closest_s - time_s;
-            if step_s.abs() < PATH_S {
-                return Some((path, state));
-            }
-            time_s = path.closest_s;
-            if (time_s - place.state_s).abs() > FALL_TURNS * place.period_s {
-                return None;
-            }
-        }
-        None
-    }
-
-    /// As [`Question::on_arc`], on a circle.
-    fn on_circle(
-        &self,
-        place: &Nearest,
-        (path, state): &(CirclePath, State<Gcrs>),
-        sigma: OrbitUncertainty,
-    ) -> Option<Place> {
-        let geometric = state.position - self.site.position(path.closest_s);
-        let range_km = geometric.norm_km();
-        let cross_track_rad = sigma.cross_track_km / range_km;
-        let radius_rad = self.field.bounding_radius_rad();
-        if path.min_separation_rad(self.field.centre()) > radius_rad + REACH_SIGMAS * cross_track_rad {
-            return None;
-        }
-        let sun = self.scene.sun.at_s(0.5 * (self.opened_s + self.closed_s)).sun;
-        let fall = FreeFall::of(&place.state);
-        let is_lit = |time_s: f64| {
-            let position = fall.state_at(time_s - place.state_s).position;
-            self.shadow.illumination(&position, &sun).lit_fraction() > 0.0
-        };
-        let nominal = path.chords(0.0, self.field);
-        let beside_s = radius_rad * range_km / state.velocity.norm_km_s();
-        let enter_s = nominal.first().map_or(path.closest_s - beside_s, |chord| chord.enter_s);
-        let exit_s = nominal.last().map_or(path.closest_s + beside_s, |chord| chord.exit_s);
-        // The shadow is convex: a stretch with both of its ends in it lies in it.
-        if !(is_lit(path.closest_s) || is_lit(enter_s) || is_lit(exit_s)) {
-            return None;
-        }
-        let odds = over_shifts(
-            cross_track_rad,
-            radius_rad,
-            || path.across.dot(self.field.centre()),
-            |shift_rad| {
-                let chords = path.chords(shift_rad, self.field);
-                let length_rad = |chord: &Chord| path.length_rad(chord, shift_rad);
-                odds_of(&chords, length_rad, (self.opened_s, self.closed_s), sigma.along_track_s)
-            },
-        );
-        (odds.probability > 0.0).then_some(Place { odds, geometric, range_km })
     }
 
     /// The stretch around a place, made longer until both ends lie outside of the field.
@@ -279,20 +211,27 @@ impl Question<'_> {
         (0..=LIGHT_STEPS).any(|step| at(enter_s + (exit_s - enter_s) * f64::from(step) / f64::from(LIGHT_STEPS)))
     }
 
-    /// Where the satellite passes nearest to the line of sight on the revolution of `start_s`; `None` where that is not found.
-    fn nearest(&self, propagator: &Propagator, minutes: f64, start_s: f64) -> Option<Nearest> {
+    /// Where the line of sight runs through a shell, and how far away that is, km.
+    pub fn on_shell(&self, time_s: f64, radius_km: f64) -> (Vector3<f64>, f64) {
+        let site = *self.site.position(time_s).vector();
+        // |O + ρ d| = r, the farther of the two: from within the shell the only one ahead.
+        let along_km = site.dot(self.field.centre());
+        let square = along_km * along_km + radius_km * radius_km - site.norm_squared();
+        let distance_km = -along_km + square.max(0.0).sqrt();
+        (site + self.field.centre() * distance_km, distance_km)
+    }
+
+    /// Where the satellite passes nearest to the line of sight on the revolution of `start_s`, from a place of SGP4 no farther than `near_s` from
+    /// it; `None` where that is not found.
+    pub fn nearest(&self, propagator: &Propagator, minutes: f64, start_s: f64, near_s: f64) -> Option<Nearest> {
         let mut time_s = start_s;
         for _ in 0..MOST_STEPS {
             let state = propagator.state_at_minutes(minutes + time_s / 60.0, &self.orientation.teme_to_gcrs).ok()?;
             let orbit = TwoBody::of(state.position.vector(), state.velocity.vector())?;
-            let site = *self.site.position(time_s).vector();
-            // |O + ρ d| = r, the farther of the two: from within the shell the only one ahead.
-            let along_km = site.dot(self.field.centre());
-            let square = along_km * along_km + state.position.vector().norm_squared() - site.norm_squared();
-            let distance_km = -along_km + square.max(0.0).sqrt();
-            let step_s = orbit.time_to_s(&(site + self.field.centre() * distance_km));
+            let (target, distance_km) = self.on_shell(time_s, state.position.norm_km());
+            let step_s = orbit.time_to_s(&target);
             time_s += step_s;
-            if step_s.abs() < PLACE_S {
+            if step_s.abs() < near_s {
                 let across =
                     state.velocity.vector() - self.field.centre() * state.velocity.vector().dot(self.field.centre());
                 return Some(Nearest {

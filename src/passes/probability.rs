@@ -18,6 +18,7 @@
 use nalgebra::Vector3;
 
 use super::crossing::{Crossing, Sight, cross, cross_samples, sample};
+use super::delays::{Delays, Odds, normal_cdf};
 use super::field::FieldOnSky;
 use super::track::Chord;
 
@@ -58,15 +59,6 @@ pub(super) struct Sigmas {
     pub cross_track_rad: f64,
 }
 
-/// What is to be expected of one satellite in one exposure.
-#[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub(super) struct Odds {
-    /// Probability that it is inside the field at any time.
-    pub probability: f64,
-    /// Length of its streak, averaged over all errors, those that lead past the field counting as 0; radians.
-    pub streak_length_rad: f64,
-}
-
 /// Probability that the satellite is inside the field at any time of [`start_s`, `end_s`].
 ///
 /// `track` is that of the prediction over `searched_s`: the part of the exposure in which it may matter, widened by
@@ -98,14 +90,15 @@ pub(super) fn crossing_odds(
     if sigma_rad > 0.0 && nominal.min_separation_rad > radius_rad + 2.0 * REACH_SIGMAS * sigma_rad {
         return Odds::default();
     }
+    let delays = Delays::new(exposure_s, sigmas.along_track_s);
     let through_rad = || across(&track(nominal.closest_s)).map_or(0.0, |across| field.centre().dot(&across));
     over_shifts(sigma_rad, radius_rad, through_rad, |shift_rad| {
         if shift_rad == 0.0 {
-            return odds_of(&nominal.chords, length_on(track), exposure_s, sigmas.along_track_s);
+            return delays.odds(&nominal.chords, length_on(track));
         }
         let shifted = |time_s: f64| shifted_across(&track(time_s), shift_rad);
         let chords = cross(&shifted, searched_s.0, searched_s.1, field).chords;
-        odds_of(&chords, length_on(&shifted), exposure_s, sigmas.along_track_s)
+        delays.odds(&chords, length_on(&shifted))
     })
 }
 
@@ -166,42 +159,8 @@ fn length_on(track: &impl Fn(f64) -> Sight) -> impl Fn(&Chord) -> f64 {
     }
 }
 
-/// Of one path that may be late, from its chords through the field.
-pub(super) fn odds_of(
-    chords: &[Chord],
-    length_rad: impl Fn(&Chord) -> f64,
-    exposure_s: (f64, f64),
-    sigma_s: f64,
-) -> Odds {
-    let streak_length_rad = chords
-        .iter()
-        .map(|chord| match chord.exit_s - chord.enter_s {
-            duration_s if duration_s > 0.0 => {
-                length_rad(chord) * expected_stay_s(chord, exposure_s, sigma_s) / duration_s
-            }
-            _ => 0.0,
-        })
-        .sum();
-    Odds { probability: delay_probability(chords, exposure_s.0, exposure_s.1, sigma_s), streak_length_rad }
-}
-
-/// Time that a chord spends inside the exposure, averaged over all delays, seconds.
-fn expected_stay_s(chord: &Chord, (start_s, end_s): (f64, f64), sigma_s: f64) -> f64 {
-    // ∫₀ᵀ dt [Φ((t - a)/σ) - Φ((t - b)/σ)], and ∫ Φ(x/σ) dx = x Φ(x/σ) + σ φ(x/σ); without an error the overlap itself.
-    let integral = |x: f64| {
-        if sigma_s > 0.0 {
-            let z = x / sigma_s;
-            x * normal_cdf(x, sigma_s) + sigma_s * (-0.5 * z * z).exp() / std::f64::consts::TAU.sqrt()
-        } else {
-            x.max(0.0)
-        }
-    };
-    let over = |edge_s: f64| integral(end_s - edge_s) - integral(start_s - edge_s);
-    (over(chord.enter_s) - over(chord.exit_s)).max(0.0)
-}
-
 /// Delays that are tried for an observer in orbit.
-const DELAYS: usize = 81;
+const TRIED_DELAYS: usize = 81;
 
 /// As [`crossing_probability`] for an observer that moves as fast as the satellites: a late satellite then takes another way through the field,
 /// not the same one later.
@@ -222,16 +181,16 @@ pub(super) fn crossing_probability_in_flight(
     if reach_s <= 0.0 {
         return late.at(0.0).share.clamp(0.0, 1.0);
     }
-    let step_s = 2.0 * reach_s / DELAYS as f64;
+    let step_s = 2.0 * reach_s / TRIED_DELAYS as f64;
     let delay_s = |delay: usize| step_s * (delay as f64 + 0.5) - reach_s;
     let density = |delay: usize| {
         normal_cdf(delay_s(delay) + 0.5 * step_s, along_track_sigma_s)
             - normal_cdf(delay_s(delay) - 0.5 * step_s, along_track_sigma_s)
     };
-    let (first, last) = (late.at(delay_s(0)), late.at(delay_s(DELAYS - 1)));
-    let mut total = density(0) * first.share + density(DELAYS - 1) * last.share;
+    let (first, last) = (late.at(delay_s(0)), late.at(delay_s(TRIED_DELAYS - 1)));
+    let mut total = density(0) * first.share + density(TRIED_DELAYS - 1) * last.share;
     // Halved again and again where the satellite may meet the field at a delay between two that were tried.
-    let mut gaps = vec![(0, first, DELAYS - 1, last)];
+    let mut gaps = vec![(0, first, TRIED_DELAYS - 1, last)];
     while let Some((from, before, to, after)) = gaps.pop() {
         if to - from < 2 || late.misses_between(&before, &after) {
             continue;
@@ -318,32 +277,6 @@ fn shifted_across(sight: &Sight, shift_rad: f64) -> Sight {
     Sight { vector, rate_s: sight.rate_s }
 }
 
-/// Share of delays that bring one of the chords into the exposure. Ranges of delay of neighbouring chords are joined.
-fn delay_probability(chords: &[Chord], start_s: f64, end_s: f64, sigma_s: f64) -> f64 {
-    let mut ranges: Vec<(f64, f64)> =
-        chords.iter().map(|chord| (start_s - chord.exit_s, end_s - chord.enter_s)).collect();
-    ranges.sort_by(|a, b| a.0.total_cmp(&b.0));
-    let (mut total, mut done) = (0.0, f64::NEG_INFINITY);
-    for (low, high) in ranges {
-        if high > done {
-            total += normal_cdf(high, sigma_s) - normal_cdf(low.max(done), sigma_s);
-            done = high;
-        }
-    }
-    total
-}
-
-/// Φ(x/σ); a step for σ = 0, the border counting as inside.
-fn normal_cdf(x: f64, sigma: f64) -> f64 {
-    if sigma > 0.0 {
-        0.5 * libm::erfc(-x / sigma * std::f64::consts::FRAC_1_SQRT_2)
-    } else if x >= 0.0 {
-        1.0
-    } else {
-        0.0
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -359,9 +292,9 @@ mod tests {
         cross_track_sigma_rad: f64,
     ) -> f64 {
         let reach_s = reach_s(along_track_sigma_s);
-        let step_s = 2.0 * reach_s / DELAYS as f64;
+        let step_s = 2.0 * reach_s / TRIED_DELAYS as f64;
         let mut total = 0.0;
-        for delay in 0..DELAYS {
+        for delay in 0..TRIED_DELAYS {
             let late_s = step_s * (delay as f64 + 0.5) - reach_s;
             let density = normal_cdf(late_s + 0.5 * step_s, along_track_sigma_s)
                 - normal_cdf(late_s - 0.5 * step_s, along_track_sigma_s);

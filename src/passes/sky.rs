@@ -299,7 +299,7 @@ impl Sky {
         Scene { start, orientation, sun, windows: Vec::new() }
     }
 
-    fn scene(&self, start: Epoch, span_s: f64, near_misses: bool) -> Scene {
+    pub(super) fn scene(&self, start: Epoch, span_s: f64, near_misses: bool) -> Scene {
         let mut scene = self.scene_without_windows(start, span_s);
         let end = seconds_after(start, span_s);
         scene.windows = if near_misses {

@@ -11,6 +11,7 @@ mod exposure_flag;
 mod exposure_table;
 mod flag_table;
 mod formats;
+mod heavens;
 mod horizon;
 mod instant;
 mod judge;
@@ -46,6 +47,6 @@ pub use targets::{ListedTarget, read_targets};
 pub use waiting::{share_of_stale, wait_for};
 pub use window_table::{FoundWindows, WindowShape, window_table, window_target_table};
 pub use windows::{
-    Blocking, ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows, evening_mjd,
-    night_of,
+    Blocking, ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows,
+    clear_windows_alone, evening_mjd, night_of,
 };

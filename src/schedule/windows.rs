@@ -2,19 +2,15 @@
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::frames::{OrientationTable, mjd_utc, seconds_after, seconds_between};
-use crate::geometry::{Observer, SunTable};
+use crate::frames::{mjd_utc, seconds_after, seconds_between};
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, FieldPass, SkyError, Viewpoint};
+use crate::passes::{Chord, Crossed, Exposure, FieldPass, SkyError};
 
 use super::camera::Camera;
-use super::horizon::{altitude_rad, look_every_s};
+use super::heavens::Heavens;
 use super::judge::{CameraLimits, Rules, counts, is_dodged, is_to_avoid};
 use super::report::{FlagRequest, GUARD_S, TICK_S, intervals, late_s, pass_options};
 use super::shift::{Interval, clear_starts};
-
-/// Risings and settings are found to this, seconds, and never given too early or too late.
-const SETTING_TOLERANCE_S: f64 = 1e-3;
 
 /// Which satellites keep an exposure from being clear.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -95,8 +91,38 @@ pub fn clear_windows(
     to: Epoch,
     request: &WindowRequest<'_>,
 ) -> Result<WindowReport, SkyError> {
-    let FlagRequest { sky, field, policy, telescope, photometry } = request.against;
-    let margin_s = policy.margin_or_default_s();
+    windows_of(targets, from, to, request, Named::Yes)
+}
+
+/// The same windows without the passes that part them: [`TargetWindows::dodged`] stays empty, and where no magnitude and no probability is asked for,
+/// none is computed. For who plans with many targets.
+///
+/// # Errors
+/// As [`clear_windows`].
+pub fn clear_windows_alone(
+    targets: &[WindowTarget],
+    from: Epoch,
+    to: Epoch,
+    request: &WindowRequest<'_>,
+) -> Result<WindowReport, SkyError> {
+    windows_of(targets, from, to, request, Named::No)
+}
+
+/// Whether the passes that part the windows are wanted.
+#[derive(Copy, Clone, PartialEq, Eq)]
+enum Named {
+    Yes,
+    No,
+}
+
+fn windows_of(
+    targets: &[WindowTarget],
+    from: Epoch,
+    to: Epoch,
+    request: &WindowRequest<'_>,
+    named: Named,
+) -> Result<WindowReport, SkyError> {
+    let margin_s = request.against.policy.margin_or_default_s();
     let span_s = seconds_between(from, to);
     if span_s < 0.0 {
         return Ok(WindowReport { by_target: vec![TargetWindows::default(); targets.len()], left_out: Vec::new() });
@@ -109,26 +135,17 @@ pub fn clear_windows(
             ..target.exposure.clone()
         })
         .collect();
-    let answer = sky.field_passes(&looks, field, &pass_options(&request.against))?;
-    let camera = telescope.map(|telescope| Camera { telescope, sky, photometry });
-    let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
-    let blocks = |pass: &FieldPass, band: Option<&str>| match request.blocking {
-        Blocking::Any => counts(pass, policy),
-        Blocking::Avoided => is_to_avoid(pass, band, &rules),
-        Blocking::Limits => is_dodged(pass, band, &rules),
-    };
+    // Every lit crossing parts the windows: nothing else of it is asked for.
+    let bare = request.blocking == Blocking::Any && request.against.policy.min_probability.is_none();
+    let (blocked, left_out) =
+        if bare && named == Named::No { crossings(&looks, request)? } else { passes(targets, from, &looks, request)? };
     let longest_s = targets.iter().map(|target| target.exposure.duration_s).fold(0.0, f64::max);
     let heavens = Heavens::new(request, from, span_s + longest_s)?;
     let by_target = targets
         .iter()
-        .zip(answer.by_exposure)
-        .map(|(target, passes)| {
-            let dodged: Vec<FieldPass> =
-                passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref())).collect();
+        .zip(blocked)
+        .map(|(target, Blocked { intervals, mut dodged })| {
             let exposure = &target.exposure;
-            let asked = Exposure { start: from, ..exposure.clone() };
-            let blocked: Vec<Interval> =
-                dodged.iter().flat_map(|pass| intervals(pass, &asked, margin_s, late_s(pass, policy))).collect();
             let observable: Vec<Interval> = heavens
                 .observable(exposure)
                 .into_iter()
@@ -140,7 +157,10 @@ pub fn clear_windows(
                 .collect();
             let clear = observable
                 .iter()
-                .flat_map(|stretch| clear_starts(&blocked, exposure.duration_s, margin_s, GUARD_S, *stretch));
+                .flat_map(|stretch| clear_starts(&intervals, exposure.duration_s, margin_s, GUARD_S, *stretch));
+            if named == Named::No {
+                dodged.clear();
+            }
             TargetWindows {
                 windows: clear.filter_map(|stretch| window(from, stretch)).collect(),
                 observable: observable.iter().filter_map(|stretch| window(from, *stretch)).collect(),
@@ -148,7 +168,53 @@ pub fn clear_windows(
             }
         })
         .collect();
-    Ok(WindowReport { by_target, left_out: answer.left_out })
+    Ok(WindowReport { by_target, left_out })
+}
+
+/// What stands in one target's way, seconds after the range's beginning.
+struct Blocked {
+    intervals: Vec<Interval>,
+    dodged: Vec<FieldPass>,
+}
+
+/// What blocks each target, from passes with their light.
+fn passes(
+    targets: &[WindowTarget],
+    from: Epoch,
+    looks: &[Exposure],
+    request: &WindowRequest<'_>,
+) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
+    let FlagRequest { sky, field, policy, telescope, photometry } = request.against;
+    let margin_s = policy.margin_or_default_s();
+    let answer = sky.field_passes(looks, field, &pass_options(&request.against))?;
+    let camera = telescope.map(|telescope| Camera { telescope, sky, photometry });
+    let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
+    let blocks = |pass: &FieldPass, band: Option<&str>| match request.blocking {
+        Blocking::Any => counts(pass, policy),
+        Blocking::Avoided => is_to_avoid(pass, band, &rules),
+        Blocking::Limits => is_dodged(pass, band, &rules),
+    };
+    let of = |(target, passes): (&WindowTarget, Vec<FieldPass>)| {
+        let dodged: Vec<FieldPass> = passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref())).collect();
+        let asked = Exposure { start: from, ..target.exposure.clone() };
+        let intervals =
+            dodged.iter().flat_map(|pass| intervals(pass, &asked, margin_s, late_s(pass, policy))).collect();
+        Blocked { intervals, dodged }
+    };
+    Ok((targets.iter().zip(answer.by_exposure).map(of).collect(), answer.left_out))
+}
+
+/// What blocks each target where every lit crossing does.
+fn crossings(looks: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
+    let FlagRequest { sky, field, policy, .. } = request.against;
+    let margin_s = policy.margin_or_default_s();
+    let answer = sky.field_crossings(looks, field)?;
+    let of = |crossed: Vec<Crossed>| {
+        let chords = crossed.iter().flat_map(|one| &one.chords);
+        let interval = |chord: &Chord| Interval { start_s: chord.enter_s - margin_s, end_s: chord.exit_s - margin_s };
+        Blocked { intervals: chords.map(interval).collect(), dodged: Vec::new() }
+    };
+    Ok((answer.by_exposure.into_iter().map(of).collect(), answer.left_out))
 }
 
 /// To the millisecond, inwards; none where nothing is left.
@@ -157,86 +223,6 @@ fn window(from: Epoch, stretch: Interval) -> Option<ClearWindow> {
     // A stretch that begins with the range begins there, whatever the last digit of the division says.
     let (first_s, last_s) = (tick(stretch.start_s - 1e-9, f64::ceil), tick(stretch.end_s + 1e-9, f64::floor));
     (first_s <= last_s).then(|| ClearWindow { first: seconds_after(from, first_s), last: seconds_after(from, last_s) })
-}
-
-/// Target and Sun over a site, or target and limb.
-struct Heavens<'a> {
-    viewpoint: &'a Viewpoint,
-    min_altitude_rad: f64,
-    orientation: OrientationTable,
-    sun: Option<SunLimit<'a>>,
-    span_s: f64,
-}
-
-/// How high the Sun may stand.
-struct SunLimit<'a> {
-    observer: &'a Observer,
-    sun: SunTable,
-    most_rad: f64,
-}
-
-impl<'a> Heavens<'a> {
-    fn new(request: &WindowRequest<'a>, from: Epoch, span_s: f64) -> Result<Self, SkyError> {
-        let viewpoint = request.against.sky.viewpoint();
-        let end = seconds_after(from, span_s);
-        let limit = |most_rad: f64| {
-            let no_horizon = || SkyError::NoHorizon { observer: viewpoint.name().to_string() };
-            let observer = viewpoint.site().ok_or_else(no_horizon)?;
-            Ok(SunLimit { observer, sun: SunTable::new(from, end), most_rad })
-        };
-        Ok(Self {
-            viewpoint,
-            min_altitude_rad: request.min_altitude_rad,
-            orientation: request.against.sky.orientation_over(from, end),
-            sun: request.max_sun_altitude_rad.map(limit).transpose()?,
-            span_s,
-        })
-    }
-
-    /// When the target is up and the Sun is down, seconds.
-    fn observable(&self, exposure: &Exposure) -> Vec<Interval> {
-        let target_rad =
-            |seconds: f64| altitude_rad(exposure, self.viewpoint, &self.orientation, seconds) - self.min_altitude_rad;
-        let every_s = look_every_s(self.viewpoint);
-        let up = stretches(target_rad, Interval { start_s: 0.0, end_s: self.span_s }, every_s);
-        let Some(SunLimit { observer, sun, most_rad }) = &self.sun else { return up };
-        let sun_rad = |seconds: f64| {
-            let state = observer.state(&self.orientation.at_s(seconds));
-            let sine = state.sine_of_altitude(&(sun.at_s(seconds).sun - state.position));
-            most_rad - sine.clamp(-1.0, 1.0).asin()
-        };
-        up.into_iter().flat_map(|stretch| stretches(sun_rad, stretch, every_s)).collect()
-    }
-}
-
-/// Where a function is 0 or more, seen every so many seconds, its borders bisected and given on the inner side.
-fn stretches(value: impl Fn(f64) -> f64, within: Interval, every_s: f64) -> Vec<Interval> {
-    let is_in = |seconds: f64| value(seconds) >= 0.0;
-    // The last point on the side of `inside` that is still in.
-    let border = |mut inside: f64, mut outside: f64| {
-        while (inside - outside).abs() > SETTING_TOLERANCE_S {
-            let middle = 0.5 * (inside + outside);
-            if is_in(middle) { inside = middle } else { outside = middle }
-        }
-        inside
-    };
-    let steps = ((within.end_s - within.start_s) / every_s).ceil().max(1.0);
-    let look = |step: f64| within.start_s + (within.end_s - within.start_s) * step / steps;
-    let mut found = Vec::new();
-    let mut began = is_in(within.start_s).then_some(within.start_s);
-    for step in 1..=steps as u64 {
-        let (before_s, now_s) = (look(step as f64 - 1.0), look(step as f64));
-        match (began, is_in(now_s)) {
-            (None, true) => began = Some(border(now_s, before_s)),
-            (Some(start_s), false) => {
-                found.push(Interval { start_s, end_s: border(before_s, now_s) });
-                began = None;
-            }
-            _ => {}
-        }
-    }
-    found.extend(began.map(|start_s| Interval { start_s, end_s: within.end_s }));
-    found
 }
 
 /// The night that begins on the evening of a date at a longitude (east positive, radians): from local mean noon to the next.
@@ -260,21 +246,6 @@ pub fn evening_mjd(moment: Epoch, longitude_rad: f64) -> i64 {
 mod tests {
     use super::*;
     use crate::table::format_utc;
-
-    #[test]
-    fn stretches_lie_inside_and_reach_their_borders() {
-        let within = Interval { start_s: 0.0, end_s: 3000.0 };
-        // Up from 100 to 700, and from 1300 to 1900, and so on: a sine of half period 600 s.
-        let found = stretches(|s| ((s - 100.0) / 600.0 * std::f64::consts::PI).sin(), within, 60.0);
-        let expected = [(100.0, 700.0), (1300.0, 1900.0), (2500.0, 3000.0)];
-        assert_eq!(found.len(), expected.len());
-        for (stretch, (start_s, end_s)) in found.iter().zip(expected) {
-            assert!((0.0..2e-3).contains(&(stretch.start_s - start_s)), "{stretch:?}");
-            assert!((0.0..2e-3).contains(&(end_s - stretch.end_s)), "{stretch:?}");
-        }
-        assert_eq!(stretches(|_| 1.0, within, 60.0), [within]);
-        assert!(stretches(|_| -1.0, within, 60.0).is_empty());
-    }
 
     #[test]
     fn nights_begin_at_the_local_noon_of_their_evening() {

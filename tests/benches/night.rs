@@ -3,6 +3,8 @@
 //! ```text
 //! cargo bench --bench night -- ELEMENTS SCHEDULE [FOV_DEG]          medians of cold and warm runs
 //! cargo bench --bench night                                         growth over satellites and exposures, synthetic shells
+//! cargo bench --bench night -- old ELEMENTS DATE [FOV_DEG]          what all satellites are likely to do, elements as old as they then are
+//! cargo bench --bench night -- windows ELEMENTS DATE [FOV_DEG]      clear windows of 40 targets over five hours
 //! ```
 //!
 //! The schedule of the published figures is made by `tests/reference/make_bench_exposures.py`; `tests/benches/peers` runs others
@@ -13,20 +15,26 @@ use std::time::Instant;
 
 use hifitime::{Epoch, Unit};
 use streakcast::catalogue::{Catalogue, Constellation, ElementSet, ReadOptions};
-use streakcast::frames::{Direction, EopTable, Horizontal, OrientationTable};
+use streakcast::frames::{Direction, EopTable, Horizontal, OrientationTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Passes, Sky};
-use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::{Schedule, ScheduleOptions};
+use streakcast::photometry::{ModelLibrary, PhotometryOptions};
+use streakcast::schedule::{
+    Blocking, FlagRequest, Policy, Schedule, ScheduleOptions, WindowRequest, WindowTarget, clear_windows_alone,
+};
 
 fn main() {
     // `cargo bench` and `cargo test --benches` add flags of their own.
     let words: Vec<String> = std::env::args().skip(1).filter(|word| !word.starts_with("--")).collect();
     match words.as_slice() {
         [] => growth(),
+        [old, elements, date] if old == "old" => old_elements(elements, date, 3.5),
+        [old, elements, date, fov_deg] if old == "old" => old_elements(elements, date, number(fov_deg)),
+        [windows, elements, date] if windows == "windows" => clear(elements, date, 8.0),
+        [windows, elements, date, fov_deg] if windows == "windows" => clear(elements, date, number(fov_deg)),
         [elements, schedule] => medians(elements, schedule, 3.5),
         [elements, schedule, fov_deg] => medians(elements, schedule, number(fov_deg)),
-        _ => eprintln!("usage: night [ELEMENTS SCHEDULE [FOV_DEG]]"),
+        _ => eprintln!("usage: night [ELEMENTS SCHEDULE [FOV_DEG] | (old | windows) ELEMENTS DATE [FOV_DEG]]"),
     }
 }
 
@@ -102,6 +110,67 @@ fn medians(elements: &str, schedule: &str, fov_deg: f64) {
         })
         .collect();
     println!("{:14} {:8.1} µs an exposure, as a scheduler's hook asks", "one by one", 1e6 * median(one_by_one));
+}
+
+/// A dozen visits of an evening: the chances of every satellite in each, warm.
+fn old_elements(elements: &str, date: &str, fov_deg: f64) {
+    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
+    let sky = sky(catalogue.element_sets);
+    let start: Epoch = format!("{date}T23:40:00 UTC").parse().expect("a date");
+    let visits = random_exposures(start, 12);
+    let field = Field::circle(fov_deg.to_radians()).expect("a field");
+    let mut chances = sky.chances(&visits, &field).expect("chances");
+    let times = (0..9)
+        .map(|_| {
+            let begin = Instant::now();
+            chances = sky.chances(&visits, &field).expect("chances");
+            begin.elapsed().as_secs_f64()
+        })
+        .collect();
+    let count: usize = chances.iter().map(Vec::len).sum();
+    let expected: f64 = chances.iter().flatten().map(|chance| chance.probability).sum();
+    println!(
+        "{} satellites, {} visits on {date}: {count} chances, {expected:.4} streaks expected",
+        sky.elements().len(),
+        visits.len()
+    );
+    println!("{:14} {:8.2} ms a visit", "all together", 1e3 * median(times) / visits.len() as f64);
+    let one_by_one: Vec<f64> = visits
+        .iter()
+        .map(|visit| {
+            let begin = Instant::now();
+            sky.chances(std::slice::from_ref(visit), &field).expect("chances");
+            begin.elapsed().as_secs_f64()
+        })
+        .collect();
+    println!("{:14} {:8.2} ms a visit", "one by one", 1e3 * median(one_by_one));
+}
+
+/// Forty targets that are up in an evening, asked for their clear windows together.
+fn clear(elements: &str, date: &str, fov_deg: f64) {
+    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
+    let sky = sky(catalogue.element_sets);
+    let from: Epoch = format!("{date}T22:50:00 UTC").parse().expect("a date");
+    let exposures = random_exposures(from, 40);
+    let target = |exposure| WindowTarget { exposure, band: None };
+    let targets: Vec<WindowTarget> = exposures.into_iter().map(target).collect();
+    let field = Field::circle(fov_deg.to_radians()).expect("a field");
+    let (policy, photometry) = (Policy::default(), PhotometryOptions::default());
+    let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+    let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
+    let ask = || clear_windows_alone(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
+    let mut report = ask();
+    let times = (0..9)
+        .map(|_| {
+            let begin = Instant::now();
+            report = ask();
+            begin.elapsed().as_secs_f64()
+        })
+        .collect();
+    let windows: usize = report.by_target.iter().map(|one| one.windows.len()).sum();
+    let dodged: usize = report.by_target.iter().map(|one| one.dodged.len()).sum();
+    println!("{} satellites, {} targets: {windows} windows, {dodged} passes", sky.elements().len(), targets.len());
+    println!("{:14} {:8.2} ms a target", "five hours", 1e3 * median(times) / targets.len() as f64);
 }
 
 /// Random pointings above 30° of altitude every 34 s through one night after another.

@@ -12,7 +12,7 @@ use streakcast::passes::{Exposure, Field, FieldPass, PassOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict,
-    WindowRequest, WindowTarget, clear_windows, flag_exposures, flag_table, judge_exposures, streak_table,
+    WindowRequest, WindowTarget, clear_windows_alone, flag_exposures, flag_table, judge_exposures, streak_table,
 };
 use streakcast::setup::{Prepared, SetupError};
 use streakcast::table::{Column, Table};
@@ -316,7 +316,7 @@ impl Engine {
                     WindowTarget { exposure: Exposure { duration_s: exposure_s, ..time }, band }
                 };
                 let targets: Vec<WindowTarget> = places.iter().map(target).collect();
-                let report = clear_windows(&targets, first, last, &request).map_err(failure::asked)?;
+                let report = clear_windows_alone(&targets, first, last, &request).map_err(failure::asked)?;
                 warnings.extend(left_out(&prepared, &report.left_out, first)?);
                 for (place, target) in places.into_iter().zip(report.by_target) {
                     found.extend(target.windows.into_iter().map(|window| (place, window)));

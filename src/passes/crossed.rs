@@ -1,0 +1,137 @@
+//! Crossings alone: who is in a field from when to when, without a magnitude or a probability. A tenth of the work of a pass, for who asks only
+//! when a field is clear.
+
+use rayon::prelude::*;
+
+use super::crossing::cross;
+use super::expose::Run;
+use super::exposure::Exposure;
+use super::field::{Field, FieldOnSky};
+use super::look::Look;
+use super::scene::{Scene, end_s, groups};
+use super::sightline::SightLine;
+use super::sky::{PassOptions, Sky, SkyError, check};
+use super::track::Chord;
+use crate::constants::DAY_S;
+use crate::frames::{seconds_after, seconds_between};
+use crate::orbit::{Arc, LeftOut, OrbitError};
+
+/// One lit satellite in one exposure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Crossed {
+    /// Which of the sky's element sets.
+    pub element_index: usize,
+    /// Stretches inside the field, seconds after the exposure's start, in time order.
+    pub chords: Vec<Chord>,
+}
+
+/// The answer to one question.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Crossings {
+    /// For each exposure asked, in its place, the crossings in order of entry.
+    pub by_exposure: Vec<Vec<Crossed>>,
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Sky {
+    /// Every lit satellite that crosses the field in each exposure: the same ones, at the same times, as the passes of [`Sky::field_passes`]
+    /// with default options.
+    ///
+    /// # Errors
+    /// As [`Sky::field_passes`].
+    pub fn field_crossings(&self, exposures: &[Exposure], field: &Field) -> Result<Crossings, SkyError> {
+        exposures.iter().try_for_each(check)?;
+        let mut answer = Crossings { by_exposure: vec![Vec::new(); exposures.len()], left_out: Vec::new() };
+        answer.left_out.extend_from_slice(self.left_out());
+        for group in groups(exposures) {
+            let start = exposures[group[0]].start;
+            let span_s = group.iter().map(|&one| end_s(start, &exposures[one])).fold(0.0, f64::max);
+            let scene = self.scene(start, span_s, false);
+            for window in &scene.windows {
+                answer.left_out.extend_from_slice(window.left_out());
+            }
+            let found: Vec<(usize, Vec<Crossed>, Vec<LeftOut>)> = group
+                .par_iter()
+                .map_init(Vec::new, |candidates, &one| {
+                    let (crossed, left_out) = self.crossings_of(&scene, &exposures[one], field, candidates)?;
+                    Ok((one, crossed, left_out))
+                })
+                .collect::<Result<_, SkyError>>()?;
+            for (one, crossed, left_out) in found {
+                answer.by_exposure[one] = crossed;
+                answer.left_out.extend(left_out);
+            }
+        }
+        answer.left_out.sort_by_key(|left_out| left_out.element_index);
+        answer.left_out.dedup_by_key(|left_out| left_out.element_index);
+        Ok(answer)
+    }
+
+    fn crossings_of(
+        &self,
+        scene: &Scene,
+        exposure: &Exposure,
+        field: &Field,
+        candidates: &mut Vec<u32>,
+    ) -> Result<(Vec<Crossed>, Vec<LeftOut>), SkyError> {
+        let flight = self.flight(scene, exposure)?;
+        let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
+        let opened_s = seconds_between(scene.start, exposure.start);
+        let (mut crossed, mut left_out) = (Vec::new(), Vec::new());
+        for run in self.runs(scene, exposure, &on_sky, flight.as_ref(), candidates) {
+            let element_index = run.element_index;
+            match self.crossed(scene, exposure, &on_sky, &run, flight.as_ref()) {
+                Ok(None) => {}
+                Ok(Some(mut chords)) => {
+                    for chord in &mut chords {
+                        *chord = Chord { enter_s: chord.enter_s - opened_s, exit_s: chord.exit_s - opened_s };
+                    }
+                    crossed.push(Crossed { element_index, chords });
+                }
+                Err(reason) => {
+                    left_out.push(LeftOut { norad_id: self.elements()[element_index].norad_id, element_index, reason });
+                }
+            }
+        }
+        let entry = |one: &Crossed| one.chords.first().map_or(0.0, |chord| chord.enter_s);
+        crossed.sort_by(|a, b| entry(a).total_cmp(&entry(b)).then(a.element_index.cmp(&b.element_index)));
+        Ok((crossed, left_out))
+    }
+
+    /// The chords of one satellite, seconds of the scene; `None` where it does not cross, or is dark.
+    fn crossed(
+        &self,
+        scene: &Scene,
+        exposure: &Exposure,
+        field: &FieldOnSky,
+        run: &Run,
+        flight: Option<&std::sync::Arc<Arc>>,
+    ) -> Result<Option<Vec<Chord>>, OrbitError> {
+        let mid_s = 0.5 * (run.start_s + run.end_s);
+        let Some(propagator) = self.index().propagator(run.element_index) else { return Ok(None) };
+        let orientation = scene.orientation.at_s(mid_s);
+        let Some(observer) = self.motion(scene, &orientation, flight, mid_s) else { return Ok(None) };
+        let minutes = propagator.minutes_since_epoch(scene.start);
+        let teme_to_gcrs = &orientation.teme_to_gcrs;
+        let arc = Arc::new(propagator, minutes, run.start_s, run.end_s - run.start_s, teme_to_gcrs)?;
+        let line = SightLine { arc: &arc, observer };
+        let mut crossing = cross(&|time_s| line.sight(time_s), run.start_s, run.end_s, field);
+        if crossing.chords.is_empty() {
+            return Ok(None);
+        }
+        let age_days = seconds_between(propagator.epoch(), seconds_after(scene.start, mid_s)) / DAY_S;
+        let look = Look {
+            scene,
+            viewpoint: self.viewpoint(),
+            shadow: self.shadow(),
+            line: &line,
+            model: self.model(run.element_index),
+            options: &PassOptions::default(),
+            uncertainty: self.uncertainty(run.element_index, age_days),
+        };
+        let near_the_ground = self.reaches_the_ground(exposure, field, &orientation);
+        let ends = look.keep_above_ground(&mut crossing, near_the_ground);
+        Ok(ends.filter(|&(enter_s, exit_s)| look.is_lit(enter_s, exit_s)).map(|_| crossing.chords))
+    }
+}
