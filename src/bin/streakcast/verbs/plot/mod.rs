@@ -3,6 +3,7 @@
 
 mod clock;
 mod columns;
+mod equatorial_rate;
 mod exposures;
 mod field;
 mod fits;
