@@ -55,7 +55,7 @@ const HU2022_FIRST_SOURCE: &str =
     "Hu et al. 2022, counts by visit released with the paper (lsst-sims/satellite-dodging-ApJL), visits 0 to 9,999";
 const HU2022_REASON: &str = "season: in the paper's own counts Gen2 goes from 12.6 % of the visits of a twelfth of the year to 5.7 % of those of another";
 const HU2022_FIRST_REASON: &str = "other visits of the same nights (baseline v2.0 here, v2.2 there), and 30 s of the shutter here, where a visit lasts 34 s: \
-     with 34 s ours are 7 % (Gen1, Gen2) and 8 % (OneWeb) higher";
+     with 34 s ours are 11 % (Gen1), 7 % (Gen2) and 8 % (OneWeb) higher";
 const HU2022_SOURCE: &str = "Hu et al. 2022 (ApJL 941, L15), simulated first year without avoidance";
 
 /// Satellites brighter than 7 mag among the visible ones, percent: Lu (2024, arXiv 2403.11118), abstract.
