@@ -57,6 +57,21 @@ fn flag(schedule: &str) -> Vec<&str> {
     [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
 }
 
+/// An unknown word is told what words there are, and a number as it was typed.
+#[test]
+fn what_is_allowed_stands_beside_what_is_unknown() {
+    fails(&[&["plto"]], &["'plto'", "allowed: passes, flag, annotate"]);
+    fails(&[&["fit", "rnu"]], &["'rnu'", "reduce", "run"]);
+    #[cfg(feature = "plot")]
+    fails(&[&["plot", "nite"]], &["'nite'", "allowed: night, field, light-curve, sky-rate"]);
+    #[cfg(feature = "serve")]
+    fails(
+        &[&["serve", "--schedule", "x", "--bind", "nonsense"]],
+        &["'nonsense' for '--bind", "allowed: an IP address and a port of 0 to 65535, as 127.0.0.1:8642"],
+    );
+    fails(&[&["map", "sky", "--model", "v1.5", "--sun-altitude-deg", "120"]], &["120 deg: allowed -90 to 90 deg"]);
+}
+
 #[test]
 fn sites_and_satellites_that_are_not_there() {
     fails(&[POINTING, SHELLS, &["--site", "Rubin Observatry at Mars"]], &["unknown site", "near it: "]);

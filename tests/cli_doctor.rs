@@ -45,7 +45,7 @@ fn ages_repetitions_and_rejections_are_counted() {
         ("warning", "1 of 7 records rejected"),
         ("note", "1 records are there twice"),
         ("warning", "1 of 5 are older than 14 days"),
-        ("warning", "1 of 5 are from the future"),
+        ("warning", "1 of 5 are more than 1.5 days ahead of 2026-08-14T12:00:00Z: up to 2026-08-22"),
     ] {
         assert!(all.iter().any(|one| one.0 == severity && one.2.contains(words)), "{words}: {all:?}");
     }
@@ -59,9 +59,13 @@ fn the_page_has_bars_and_what_to_do() {
     let (code, page, _) = doctor(&["--elements", &elements, "--mpc", "X05", "--cache", &cache]);
     assert_eq!(code, 0);
     assert!(page.starts_with("What would be wrong at 2026-08-14T12:00:00Z\n"), "{page}");
-    for expected in
-        ["warning  elements: ", "         -> ", "Age of the element sets", "future       1 ####", "Satellites by model"]
-    {
+    for expected in [
+        "warning   elements: ",
+        "          -> ",
+        "Age of the element sets",
+        "from 1.5 d ahead       1 ####",
+        "Satellites by model",
+    ] {
         assert!(page.contains(expected), "{expected}: {page}");
     }
     // The worst first.
@@ -72,7 +76,8 @@ fn the_page_has_bars_and_what_to_do() {
         .filter(|line| !line.starts_with(' '))
         .map(|line| line.split_whitespace().next().unwrap())
         .collect();
-    let rank = |word: &str| ["error", "warning", "note", "fine"].iter().position(|one| *one == word).unwrap();
+    let rank =
+        |word: &str| ["error", "warning", "unchecked", "note", "fine"].iter().position(|one| *one == word).unwrap();
     assert!(severities.windows(2).all(|pair| rank(pair[0]) <= rank(pair[1])), "{severities:?}");
 }
 
@@ -87,7 +92,7 @@ fn what_cannot_be_read_is_an_error_and_the_rest_is_told() {
     }
     assert!(all.iter().any(|one| one.1 == "leap seconds" && one.0 == "fine"));
     let (code, stdout, stderr) = doctor(&["--elements", "missing.tle", "--cache", &cache]);
-    assert!(code == 2 && stdout.contains("error    elements: cannot read missing.tle"), "{stdout}");
+    assert!(code == 2 && stdout.contains("error     elements: cannot read missing.tle"), "{stdout}");
     assert_eq!(stderr.lines().count(), 1, "{stderr}");
 }
 
@@ -111,10 +116,74 @@ fn the_cache_is_looked_at() {
 }
 
 #[test]
-fn nothing_said_is_nothing_wrong() {
+fn what_was_not_looked_at_is_told_and_strict_does_not_pass_it() {
     let folder = tempfile::tempdir().unwrap();
-    let (code, page, _) = doctor(&["--cache", &path(&folder, "none"), "--strict"]);
+    let (elements, cache) = (file(&folder), path(&folder, "none"));
+    let (code, page, _) = doctor(&["--cache", &cache]);
     assert_eq!(code, 0, "{page}");
+    for line in ["unchecked elements: none were said", "unchecked site: none was said"] {
+        assert!(page.contains(line), "{line}: {page}");
+    }
+    assert_eq!(doctor(&["--cache", &cache, "--strict"]).0, 1);
+    // Nothing wrong, but no site.
+    let synthetic = ["--shells", "oneweb", "--cache", &cache, "--strict"];
+    assert_eq!(doctor(&synthetic).0, 1);
+    assert_eq!(doctor(&[&synthetic[..], &["--mpc", "X05"]].concat()).0, 0);
+    let (_, all, _) = findings(&["--elements", &elements, "--cache", &cache]);
+    let unchecked: Vec<_> = all.iter().filter(|one| one.0 == "unchecked").map(|one| one.1.as_str()).collect();
+    assert_eq!(unchecked, ["site"]);
     let (code, _, stderr) = run(&[&["doctor", "--now", "yesterday"]]);
     assert!(code == 2 && stderr.lines().count() == 1, "{stderr}");
+}
+
+#[test]
+fn limits_are_flags_and_a_policy_that_cannot_be_read_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let (policy, cache) = (path(&folder, "p.toml"), path(&folder, "none"));
+    let about = |words: &[&str]| {
+        let (code, all, _) = findings(&[words, &["--cache", &cache]].concat());
+        let found: Vec<_> = all.into_iter().filter(|one| one.1 == "policy").map(|one| (one.0, one.2)).collect();
+        assert_eq!(found.len(), 1, "{found:?}");
+        (code, found[0].0.clone(), found[0].1.clone())
+    };
+    assert!(about(&[]).2.starts_with("no limit was said"));
+    assert_eq!(about(&["--limit-mag", "6.5"]), (0, "fine".into(), "limit_mag 6.5".into()));
+    std::fs::write(&policy, "limit_mag = 7\nmargin_s = 3\n").unwrap();
+    let (code, severity, words) = about(&["--policy", &policy, "--max-delay", "2min"]);
+    assert_eq!((code, severity.as_str()), (0, "fine"));
+    for part in ["limit_mag 7", "margin_s 3", "max_delay_s 120"] {
+        assert!(words.contains(part), "{words}");
+    }
+    std::fs::write(&policy, "limit_magg = 7\n").unwrap();
+    let (code, severity, words) = about(&["--policy", &policy]);
+    assert!(code == 2 && severity == "error" && words.contains("limit_magg"), "{words}");
+}
+
+/// No two findings say opposite things: of another time than the clock's nobody is told to set the clock, old elements are not "newer" for an old
+/// question, and the models that were counted add up.
+#[test]
+fn no_finding_contradicts_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let (elements, cache) = (path(&folder, "late.tle"), path(&folder, "none"));
+    let late: String = (90_000..90_004).map(|id| pair(id, "240.00000000")).collect();
+    std::fs::write(&elements, late).unwrap();
+    let (code, page, _) = doctor(&["--elements", &elements, "--mpc", "X05", "--cache", &cache]);
+    assert_eq!(code, 2, "{page}");
+    assert!(
+        page.contains("4 of 4 are more than 1.5 days ahead") && page.contains("half of them more than 13.5 days ahead")
+    );
+    for wrong in ["clock right", "fetch newer", "median age -", "clock: "] {
+        assert!(!page.contains(wrong), "{wrong}: {page}");
+    }
+    assert!(
+        page.contains("time: 2026-08-14T12:00:00Z was asked about") && page.contains("satchecker --epoch"),
+        "{page}"
+    );
+    assert_eq!(page.matches(" models: ").count(), 1, "{page}");
+    // Models that cannot be read: no word that every satellite has one.
+    let config = path(&folder, "c.toml");
+    std::fs::write(&config, "[models]\nfiles = ['no-such-model.json']\n").unwrap();
+    let (code, page, _) = doctor(&["--elements", &elements, "--config", &config, "--cache", &cache]);
+    assert!(code == 2 && page.contains("error     models: "), "{page}");
+    assert_eq!(page.matches(" models: ").count(), 1, "{page}");
 }

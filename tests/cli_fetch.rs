@@ -309,13 +309,70 @@ fn nothing_bad_replaces_a_good_file() {
     }
 }
 
+/// A name without an address, a port where nobody listens, a service whose TLS is none: nobody was asked, so no wait begins.
 #[test]
-fn nobody_listens() {
-    let cache = Cache::filled();
+fn who_was_not_reached_was_not_asked() {
     let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
-    let (code, _, stderr) = cache.run(&format!("http://{gone}"), NOON, &[]);
-    assert!(code == 2 && stderr.contains("no answer"), "{stderr}");
-    assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
+    let plain = Server::one(|stream| send(stream, b"HTTP/1.1 400 Bad Request\r\n\r\n"));
+    for url in
+        [format!("http://{gone}"), "http://no-such-host.invalid".to_owned(), plain.url.replace("http:", "https:")]
+    {
+        let cache = Cache::filled();
+        let before = cache.record();
+        let (code, stdout, stderr) = cache.run(&url, NOON, &[]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{url}: {stderr}");
+        let error = stderr.lines().last().unwrap();
+        assert!(error.starts_with("error: CelesTrak: not reached: "), "{url}: {stderr}");
+        assert!(error.contains("stays as it was; it was not asked, and may be at once"), "{url}: {stderr}");
+        assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
+        assert_eq!(cache.record(), before, "{url}");
+        // A minute later the network is back.
+        let server = Server::one(|stream| answer(stream, "304 Not Modified", "", b""));
+        assert_eq!(cache.run(&server.url, "2024-08-14T12:01:00Z", &[]).0, 0, "{url}");
+        assert_eq!(server.asked().len(), 1, "{url}");
+    }
+    // The first question of all leaves nothing behind that could bind.
+    let cache = Cache::new();
+    assert_eq!(cache.run(&format!("http://{gone}"), NOON, &[]).0, 2);
+    assert!(!cache.folder().join(format!("{NAME}.fetch.json")).exists());
+    let server = Server::one(ok(elements("sample.csv"), ""));
+    assert_eq!(cache.run(&server.url, NOON, &[]).0, 0);
+}
+
+/// A login that comes to nobody binds no more than a question.
+#[test]
+fn a_login_that_reaches_nobody_is_not_counted() {
+    let cache = Cache::new();
+    let account = cache.folder().join("account");
+    std::fs::write(&account, "me\nsecret\n").unwrap();
+    let words = ["space-track", "--credentials", &account.display().to_string()];
+    let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let (code, _, stderr) = cache.source(&words, &format!("http://{gone}"), NOON, &[]);
+    assert!(code == 2 && stderr.contains("it was not asked, and may be at once"), "{stderr}");
+    // Reached, and hung up: that counts.
+    let server = Server::one(|_| {});
+    let (code, _, stderr) = cache.source(&words, &server.url, NOON, &[]);
+    assert!(code == 2 && stderr.contains("no answer to the login") && stderr.contains("not asked again"), "{stderr}");
+}
+
+#[test]
+fn a_cache_that_is_a_file_says_what_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a-file");
+    std::fs::write(&file, "x").unwrap();
+    for (cache, expected) in [
+        (file.clone(), "this is a file; allowed: a folder, or the name of one to make"),
+        (file.join("below"), "allowed: a folder that can be written to, or made"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .args(["fetch", "celestrak", "--group", "starlink", "--cache"])
+            .arg(&cache)
+            .args(["--base-url", "http://127.0.0.1:9", "--now", NOON])
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && stderr.contains(expected), "{stderr}");
+    }
 }
 
 #[test]

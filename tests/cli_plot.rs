@@ -235,14 +235,14 @@ fn verif_rates_over_the_sky_are_means_of_passes() {
     let again: &[&str] = &["sky-rate", "--from", &path(&folder, "rate-data.ecsv")];
     drawn(&folder, "again", &[again], 0);
     assert!(fs::read(path(&folder, "again.png")).unwrap() == fs::read(path(&folder, "rate.png")).unwrap());
-    let at = ["--sun-altitude", "-15"];
+    let at = ["--sun-altitude-deg", "-15"];
     drawn(&folder, "sun", &[&["sky-rate"], asked, &at, SKY, FIELD], 0);
     let data = fs::read_to_string(path(&folder, "sun-data.ecsv")).unwrap();
     let said = data.split("\"sun_altitude_deg\":").nth(1).unwrap().split([',', '}']).next().unwrap();
     // Its moment is closed to 0.1 s, in which the Sun sinks by 0.0004°.
     assert!((said.parse::<f64>().unwrap() + 15.0).abs() < 0.001, "{said}");
     fails(
-        &[&["sky-rate"], asked, &["--sun-altitude", "85"], SKY, FIELD, &["-o", &path(&folder, "x.png")]],
+        &[&["sky-rate"], asked, &["--sun-altitude-deg", "85"], SKY, FIELD, &["-o", &path(&folder, "x.png")]],
         &["does not stand there"],
     );
     fails(
@@ -276,8 +276,8 @@ fn verif_trails_against_the_sun_of_a_schedule_and_of_a_grid() {
     let again: &[&str] = &["sun-altitude", "--from", &path(&folder, "grid-data.ecsv")];
     drawn(&folder, "again", &[again], 0);
     fails(
-        &[&["sun-altitude", "--max-sun-altitude", "-89"], grid, SKY, FIELD, &["-o", &path(&folder, "x.png")]],
-        &["does not sink", "--max-sun-altitude"],
+        &[&["sun-altitude", "--max-sun-altitude-deg", "-89"], grid, SKY, FIELD, &["-o", &path(&folder, "x.png")]],
+        &["does not sink", "--max-sun-altitude-deg"],
     );
     fails(&[again, &["--bin", "0", "-o", &path(&folder, "x.png")]], &["width of bins", "allowed: 0.1 to 30"]);
 }
@@ -454,4 +454,90 @@ fn verif_the_list_names_every_plot() {
     let commands: Vec<&str> =
         commands.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").collect();
     assert_eq!(named, commands);
+}
+
+/// A picture of synthetic satellites says so, one drawn again from its table too, with its site, its limit and its twilight.
+#[test]
+fn what_a_table_says_of_itself_is_drawn_again() {
+    let folder = tempdir().unwrap();
+    let schedule = schedule(&folder);
+    let asked: &[&str] =
+        &["night", "--schedule", &schedule, "--shells", "starlink-gen1", "--mpc", "X05", "--limit-mag", "6"];
+    let table = path(&folder, "n.ecsv");
+    let (first, again, bare) = (path(&folder, "a.svg"), path(&folder, "b.svg"), path(&folder, "c.svg"));
+    let (code, _, stderr) = run(&[&["plot"], asked, FIELD, &["-o", &first, "--data", &table]]);
+    assert_eq!(code, 0, "{stderr}");
+    let text = |path: &str| fs::read_to_string(path).unwrap();
+    assert!(text(&first).contains("All satellites are synthetic.") && text(&first).contains("limit"), "{}", &first);
+    let (code, _, stderr) = run(&[&["plot", "night", "--from", &table, "-o", &again]]);
+    assert_eq!(code, 0, "{stderr}");
+    // All but the count of rows that could not be judged, which the data of a night leave out.
+    let kept =
+        |path: &str| words(path).into_iter().filter(|words| !words.contains("could not be judged")).collect::<Vec<_>>();
+    let (drawn_first, drawn_again) = (kept(&first), kept(&again));
+    assert!(drawn_first.iter().all(|one| drawn_again.contains(one)), "{drawn_first:?} {drawn_again:?}");
+    assert!(drawn_again.iter().any(|one| one.contains("Rubin Observatory")), "{drawn_again:?}");
+    assert!(text(&again).contains("All satellites are synthetic."));
+    // Without a site neither twilight nor clock can be drawn, and that is said.
+    let stripped: String = text(&table)
+        .lines()
+        .filter(|line| !line.contains("\"site\"") && !line.contains("# site"))
+        .fold(String::new(), |all, line| all + line + "\n");
+    let without = path(&folder, "w.csv");
+    fs::write(
+        &without,
+        stripped.lines().filter(|line| !line.starts_with('#')).fold(String::new(), |all, line| all + line + "\n"),
+    )
+    .unwrap();
+    let (code, _, stderr) = run(&[&["plot", "night", "--from", &without, "-o", &bare]]);
+    assert!(code == 0 && stderr.contains("no site was said, and the table names none"), "{stderr}");
+}
+
+/// Where among the stars: the whole sky that the site reaches, means over the dark hours, drawn again from its table.
+#[test]
+fn verif_the_rate_over_right_ascension_and_declination() {
+    let folder = tempdir().unwrap();
+    let asked: &[&str] = &[
+        "sky-rate",
+        "--equatorial",
+        "--night",
+        "2026-08-14",
+        "--exposure",
+        "30s",
+        "--nside",
+        "2",
+        "--step",
+        "1h",
+        "--min-altitude",
+        "40",
+        "--shells",
+        "starlink-gen1",
+        "--mpc",
+        "X05",
+    ];
+    drawn(&folder, "stars", &[asked, FIELD], 0);
+    let data = fs::read_to_string(path(&folder, "stars-data.ecsv")).unwrap();
+    let numbers = |name: &str| column(&data, name).iter().map(|cell| cell.parse::<f64>().unwrap()).collect::<Vec<_>>();
+    let (dec, exposures, rate) = (numbers("dec_deg"), numbers("exposures"), numbers("streaks_per_exposure"));
+    // At latitude -30.2 a place 40 deg high has a declination between -80 and +20 deg, and half a cell of 29 deg more by its centre.
+    assert!(dec.iter().all(|dec| *dec < 20.0 + 15.0), "{dec:?}");
+    // Every exposure of every dark hour is in one cell: as many in all as moments times cells of the horizon above 40 deg.
+    let all: f64 = exposures.iter().sum();
+    let above = 12.0;
+    assert!(all % above == 0.0 && all >= 5.0 * above, "{all}");
+    assert!(rate.iter().zip(&exposures).all(|(rate, n)| (rate * n - (rate * n).round()).abs() < 1e-3 * n));
+    let again: &[&str] = &["sky-rate", "--from", &path(&folder, "stars-data.ecsv")];
+    drawn(&folder, "again", &[again], 0);
+    assert!(fs::read(path(&folder, "again.png")).unwrap() == fs::read(path(&folder, "stars.png")).unwrap());
+    let x = path(&folder, "x.png");
+    for (words, part) in [
+        (vec!["--equatorial", "--exposure", "30s"], "--night"),
+        (vec!["--equatorial", "--night", "2026-08-14", "--repeats", "3", "--exposure", "30s"], "--repeats"),
+        (
+            vec!["--equatorial", "--night", "2026-12-21", "--exposure", "30s", "--max-sun-altitude-deg", "-80"],
+            "does not sink to -80 deg",
+        ),
+    ] {
+        fails(&[&["sky-rate"], &words[..], SKY, FIELD, &["-o", &x]], &[part]);
+    }
 }

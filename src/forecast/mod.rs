@@ -27,8 +27,8 @@ pub use outlook::{Forecast, forecast};
 pub use pass_table::{PassRow, pass_table};
 pub use readable::{compass, readable_table};
 pub use reproduce::{
-    AGREES_PERCENT, HU2022, LU2024B_PERCENT, Reproduced, bassa2022, expected_above, hu2022, lu2024b,
-    lu2024b_constellations, reproduced_table,
+    AGREES_PERCENT, HU2022, HU2022_FIRST_VISITS, LU2024B_PERCENT, Reproduced, bassa2022, expected_above, hu2022,
+    lu2024b, lu2024b_constellations, reproduced_table,
 };
 pub use request::{ForecastRequest, Selection};
 pub use score::score_report;

@@ -59,7 +59,8 @@ pub(super) fn height(height_km: f64) -> Result<f64, MapError> {
 
 /// A latitude or altitude, radians, told in degrees where it is out of range.
 pub(super) fn latitude(what: &'static str, angle_rad: f64) -> Result<f64, MapError> {
-    let degrees = angle_rad.to_degrees();
+    // What was typed as 120 is told as 120, and not as the 119.99999999999999 that it is after a way through radians.
+    let degrees = (angle_rad.to_degrees() * 1e9).round() / 1e9;
     // A right angle in degrees may come out a rounding beyond.
     in_range(what, degrees, " deg", "-90 to 90 deg", degrees.abs() <= 90.0 + 1e-9)?;
     Ok(angle_rad.clamp(-std::f64::consts::FRAC_PI_2, std::f64::consts::FRAC_PI_2))

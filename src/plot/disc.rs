@@ -39,8 +39,8 @@ pub struct Disc<'a> {
     pub seen: Box<dyn Fn(f64, f64) -> Seen + Sync + 'a>,
     /// Values farther from the middle than this angle, radians, have no part in where the colours end.
     pub scaled_within_rad: f64,
-    /// Longitude of the Sun, radians.
-    pub sun_longitude_rad: f64,
+    /// Longitude of the Sun, radians; `None` where it has no one place.
+    pub sun_longitude_rad: Option<f64>,
     /// Words outside of the rim, at longitudes in degrees.
     pub rim: Vec<(f64, &'static str)>,
     /// Thin circles with their words, at angles from the middle in degrees.
@@ -135,7 +135,7 @@ mod tests {
             // The longitude and the angle in one number.
             seen: Box::new(|longitude, angle| Seen::Value(longitude + 10.0 * angle)),
             scaled_within_rad: FRAC_PI_2,
-            sun_longitude_rad: 0.0,
+            sun_longitude_rad: Some(0.0),
             quantity: Quantity::Magnitude,
             is_half: false,
             rim: Vec::new(),

@@ -172,7 +172,8 @@ impl Layout<'_> {
             let angle = angle_deg.to_radians();
             round(picture, angle, INK.mix(0.45), 1.0);
             // Words where the Sun is far from and no other words are.
-            picture.note(words, at(place(disc.sun_longitude_rad + 112.5_f64.to_radians(), angle)));
+            let sun_rad = disc.sun_longitude_rad.unwrap_or(0.0);
+            picture.note(words, at(place(sun_rad + 112.5_f64.to_radians(), angle)));
         }
         round(picture, FRAC_PI_2, INK.to_rgba(), 1.6);
         if disc.is_half {
@@ -184,7 +185,9 @@ impl Layout<'_> {
             let place = (middle.0 + (radius + room) * right, middle.1 + (radius + 17.0) * below);
             picture.text(words, place, 19.0, HPos::Center);
         }
-        picture.sun(at(place(disc.sun_longitude_rad, FRAC_PI_2 * (radius + 46.0) / radius)));
+        if let Some(sun_rad) = disc.sun_longitude_rad {
+            picture.sun(at(place(sun_rad, FRAC_PI_2 * (radius + 46.0) / radius)));
+        }
         let across = if disc.is_half { middle.0 - radius / 2.0 } else { middle.0 };
         let above = middle.1 - radius - MARGIN as f64 - 16.0;
         picture.text(&disc.title, (across, above), 20.0, HPos::Center);
@@ -208,8 +211,10 @@ impl Layout<'_> {
     /// What the signs mean, and the caption.
     fn draw_legend(&self, picture: &mut Picture, y: f64) {
         let mut x = 24.0;
-        picture.sun((x + 12.0, y));
-        x = picture.words("Sun", x + 32.0, y);
+        if self.sheet.discs.iter().any(|disc| disc.sun_longitude_rad.is_some()) {
+            picture.sun((x + 12.0, y));
+            x = picture.words("Sun", x + 32.0, y);
+        }
         if let Some((level, words)) = &self.sheet.contour_mag
             && self.rasters.iter().any(|raster| !raster.contours(*level).is_empty())
         {

@@ -123,7 +123,7 @@ fn disc<'a>(input: &Layers<'_>, panel: &LayerPanel<'a>) -> Result<Disc<'a>, Plot
             cell.and_then(|cell| value_of.get(&cell)).map_or(Seen::Nothing, |value| Seen::Value(*value))
         }),
         scaled_within_rad: FRAC_PI_2,
-        sun_longitude_rad: 0.0,
+        sun_longitude_rad: Some(0.0),
         rim,
         circles: vec![(30.0, "−60°".to_owned()), (60.0, "−30°".to_owned())],
         limb_rad: None,

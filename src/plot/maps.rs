@@ -121,7 +121,7 @@ fn sky_disc(view: SkyView<'_>, title: String) -> Disc<'_> {
             }
         }),
         scaled_within_rad: if has_air { FRAC_PI_2 - LOW_DEG.to_radians() } else { FRAC_PI_2 },
-        sun_longitude_rad,
+        sun_longitude_rad: Some(sun_longitude_rad),
         rim: vec![(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
         circles: vec![(30.0, "60°".to_owned()), (60.0, "30°".to_owned())],
         limb_rad: None,
@@ -138,7 +138,7 @@ fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
             view.at(longitude, from_nadir - FRAC_PI_2).map_or(Seen::Nothing, |magnitude| Seen::Value(magnitude.0))
         }),
         scaled_within_rad: FRAC_PI_2,
-        sun_longitude_rad: 0.0,
+        sun_longitude_rad: Some(0.0),
         rim: vec![(0.0, "0°"), (90.0, "90°"), (180.0, "180°"), (270.0, "270°")],
         circles: vec![(30.0, "−60°".to_owned()), (60.0, "−30°".to_owned())],
         limb_rad,

@@ -5,7 +5,7 @@
 //! [`maps`](crate::maps) and of the paper's figures 6 to 9, `layers` of HEALPix cells. Charts stand on `axes` (a box with ticks), `bar` (of colours), `numbers` (how
 //! they are written), `statistics`, `density` (how many points lie where) and `dots`: `corner`, `histogram`, `counts_and_spread`, `phase_curve`
 //! and `residual_panels`. Charts for observers are `night` and `light_curve` (on `time_axis`, with `twilight` behind), `field_chart` and `sky_chart`
-//! (with the numbers and lists of `tracks`), `sky_rate` and `sun_altitude`.
+//! (with the numbers and lists of `tracks`), `sky_rate`, `equatorial_rate` and `sun_altitude`.
 
 mod axes;
 mod bar;
@@ -17,6 +17,7 @@ mod disc;
 mod disc_sheet;
 mod dots;
 mod encode;
+mod equatorial_rate;
 mod error;
 mod field_chart;
 mod font;
@@ -43,6 +44,7 @@ pub use counts_and_spread::{CountsAndSpread, counts_and_spread};
 pub use disc::{Disc, Seen};
 pub use disc_sheet::DiscSheet;
 pub use encode::{PictureFormat, data_url};
+pub use equatorial_rate::{EquatorialRate, equatorial_rate};
 pub use error::PlotError;
 pub use field_chart::{FieldChart, FieldStreak, field_chart};
 pub use histogram::{ResidualHistogram, residual_histogram};

@@ -35,29 +35,12 @@ pub struct SkyRate<'a> {
 /// # Errors
 /// No cell, columns of unequal length, a division or a cell that there is not, a rate that is negative or not finite.
 pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
-    let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
-    check("rates", input.rate)?;
-    if input.cells.len() != input.rate.len() {
-        let what = "cells".to_owned();
-        return Err(PlotError::Length { what, given: input.cells.len(), expected: input.rate.len() });
-    }
-    if !(1..=MOST_NSIDE).contains(&input.nside) {
-        return out("nside", input.nside.to_string(), "1 to 1024");
-    }
     if !input.sun_azimuth_deg.is_finite() {
-        return out("the Sun's azimuth", input.sun_azimuth_deg.to_string(), "a number of degrees");
+        let what = "the Sun's azimuth".to_owned();
+        let given = input.sun_azimuth_deg.to_string();
+        return Err(PlotError::OutOfRange { what, given, allowed: "a number of degrees" });
     }
-    if let Some(rate) = input.rate.iter().find(|rate| **rate < 0.0) {
-        return out("a rate", rate.to_string(), "0 streaks or more an exposure");
-    }
-    let mut by_cell = vec![None; cell_count(input.nside) as usize];
-    for (&cell, &rate) in input.cells.iter().zip(input.rate) {
-        match by_cell.get_mut(cell as usize) {
-            Some(place @ None) => *place = Some(rate),
-            Some(Some(_)) => return out("a cell", cell.to_string(), "each once"),
-            None => return out("a cell", cell.to_string(), "0 to 12 nside² − 1"),
-        }
-    }
+    let by_cell = rates_by_cell(input.nside, input.cells, input.rate)?;
     let nside = input.nside;
     let seen = move |azimuth_rad: f64, from_zenith_rad: f64| {
         let cell = ring_cell(nside, azimuth_rad, std::f64::consts::FRAC_PI_2 - from_zenith_rad);
@@ -69,7 +52,7 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
         is_half: false,
         seen: Box::new(seen),
         scaled_within_rad: std::f64::consts::FRAC_PI_2,
-        sun_longitude_rad: input.sun_azimuth_deg.to_radians(),
+        sun_longitude_rad: Some(input.sun_azimuth_deg.to_radians()),
         rim: vec![(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
         circles: vec![(30.0, "60°".to_owned()), (60.0, "30°".to_owned())],
         limb_rad: None,
@@ -85,4 +68,29 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
         nothing: "not asked",
     };
     Ok(sheet.picture())
+}
+
+/// Rates by the number of their cell.
+pub(super) fn rates_by_cell(nside: u32, cells: &[u64], rate: &[f64]) -> Result<Vec<Option<f64>>, PlotError> {
+    let out = |what: &str, given: String, allowed| Err(PlotError::OutOfRange { what: what.to_owned(), given, allowed });
+    check("rates", rate)?;
+    if cells.len() != rate.len() {
+        let what = "cells".to_owned();
+        return Err(PlotError::Length { what, given: cells.len(), expected: rate.len() });
+    }
+    if !(1..=MOST_NSIDE).contains(&nside) {
+        return out("nside", nside.to_string(), "1 to 1024");
+    }
+    if let Some(rate) = rate.iter().find(|rate| **rate < 0.0) {
+        return out("a rate", rate.to_string(), "0 streaks or more an exposure");
+    }
+    let mut by_cell = vec![None; cell_count(nside) as usize];
+    for (&cell, &rate) in cells.iter().zip(rate) {
+        match by_cell.get_mut(cell as usize) {
+            Some(place @ None) => *place = Some(rate),
+            Some(Some(_)) => return out("a cell", cell.to_string(), "each once"),
+            None => return out("a cell", cell.to_string(), "0 to 12 nside² − 1"),
+        }
+    }
+    Ok(by_cell)
 }

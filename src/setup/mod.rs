@@ -17,7 +17,7 @@ mod units;
 pub use choices::{FieldSetup, ModelsSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, SiteTable, TelescopeSetup};
 pub use document::Setup;
 pub use error::SetupError;
-pub use health::{AgeBin, ElementState, Finding, Health, Severity, Unmatched, finding_table};
+pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
 pub use prepared::{Prepared, Stock};
 pub use resolve::{MOST_SAMPLES, OLD_ELEMENTS_DAYS};
 pub use scales::state_scales;

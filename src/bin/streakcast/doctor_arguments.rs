@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::arguments::{OutputArguments, SharedArguments};
+use crate::arguments::{OutputArguments, RulesArguments, SharedArguments};
 
 #[derive(Args)]
 pub struct DoctorArguments {
@@ -14,9 +14,11 @@ pub struct DoctorArguments {
     /// The time to look at, as 2024-08-14T00:30:00Z; that of this machine's clock where unsaid
     #[arg(long, value_name = "TIME")]
     pub now: Option<String>,
-    /// End with exit code 1 where there is a warning
+    /// End with exit code 1 where there is a warning, or where elements or site were not said and so not looked at
     #[arg(long)]
     pub strict: bool,
+    #[command(flatten)]
+    pub rules: RulesArguments,
     #[command(flatten)]
     pub shared: SharedArguments,
     #[command(flatten)]

@@ -3,7 +3,10 @@
 use std::io;
 use std::process::ExitCode;
 
-use clap::error::ErrorKind;
+use clap::CommandFactory;
+use clap::error::{ContextKind, ContextValue, ErrorKind};
+
+use crate::arguments::Arguments;
 
 /// What a verb comes back with when nothing went wrong.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -59,9 +62,30 @@ pub fn report_usage(error: &clap::Error) -> ExitCode {
                 .map(str::trim)
                 .filter(|line| !line.is_empty())
                 .collect();
-            let told = told.join("; ").replace(":; ", ": ");
+            let mut told = told.join("; ").replace(":; ", ": ");
+            // Of an unknown word clap tells at most what it is like; a user wants to know what there is.
+            if let Some(names) = names_beside(error) {
+                told += &format!("; allowed: {names}");
+            }
             report(&format!("{} (see streakcast --help)", told.trim_start_matches("error: ")));
             ExitCode::from(2)
         }
     }
+}
+
+/// The subcommands where an unknown one was typed: those of the command that its words lead to.
+fn names_beside(error: &clap::Error) -> Option<String> {
+    if error.kind() != ErrorKind::InvalidSubcommand {
+        return None;
+    }
+    let Some(ContextValue::String(unknown)) = error.get(ContextKind::InvalidSubcommand) else { return None };
+    let mut command = Arguments::command();
+    for word in std::env::args().skip(1).take_while(|word| word != unknown) {
+        if let Some(inner) = command.find_subcommand(&word) {
+            command = inner.clone();
+        }
+    }
+    let names: Vec<&str> =
+        command.get_subcommands().filter(|one| !one.is_hide_set()).map(clap::Command::get_name).collect();
+    Some(names.join(", "))
 }

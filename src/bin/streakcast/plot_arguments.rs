@@ -177,14 +177,26 @@ pub struct PlotSkyChartArguments {
 #[derive(Args)]
 pub struct PlotSkyRateArguments {
     /// A table instead of a question: the data of an earlier plot sky-rate
-    #[arg(long, value_name = "FILE", conflicts_with_all = ["start", "exposure", "sun_altitude", "elements", "shells"])]
+    #[arg(long, value_name = "FILE", conflicts_with_all = ["start", "exposure", "sun_altitude_deg", "elements", "shells", "equatorial"])]
     pub from: Option<PathBuf>,
-    /// The moment, as 2024-08-14T00:30:00Z; with --sun-altitude the first time after it that the Sun stands there
+    /// Over right ascension and declination: means over the dark hours of nights, without moment
+    #[arg(long, requires = "night", conflicts_with_all = ["start", "sun_altitude_deg", "repeats", "over"])]
+    pub equatorial: bool,
+    /// With --equatorial the nights, by their evening's local date; several show a season or a year
+    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',', requires = "equatorial")]
+    pub night: Vec<String>,
+    /// With --equatorial the highest altitude of the Sun, degrees
+    #[arg(long, value_name = "DEG", default_value_t = -12.0, allow_hyphen_values = true, requires = "equatorial")]
+    pub max_sun_altitude_deg: f64,
+    /// With --equatorial the time between two exposures of every cell, with its unit
+    #[arg(long, value_name = "TIME", default_value = "10min", requires = "equatorial")]
+    pub step: String,
+    /// The moment, as 2024-08-14T00:30:00Z; with --sun-altitude-deg the first time after it that the Sun stands there
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub start: Option<String>,
     /// Altitude of the Sun, degrees: the first moment after --start
     #[arg(long, value_name = "DEG", allow_hyphen_values = true)]
-    pub sun_altitude: Option<f64>,
+    pub sun_altitude_deg: Option<f64>,
     /// Length of an exposure with its unit
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     pub exposure: Option<String>,
@@ -230,7 +242,7 @@ pub struct PlotSunAltitudeArguments {
     pub min_altitude: f64,
     /// Highest altitude of the Sun in the grid, degrees
     #[arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true)]
-    pub max_sun_altitude: f64,
+    pub max_sun_altitude_deg: f64,
     /// Between two visits of the grid, with its unit
     #[arg(long, value_name = "TIME", default_value = "10min")]
     pub step: String,

@@ -13,7 +13,7 @@ pub struct ServeArguments {
     #[arg(long, value_name = "FILE")]
     pub schedule: PathBuf,
     /// Address and port to listen at; port 0 takes a free one. An address that others reach needs a token
-    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8642", help_heading = "Service")]
+    #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8642", value_parser = address, help_heading = "Service")]
     pub bind: SocketAddr,
     /// File whose first line is the token that the API asks for
     #[arg(long, value_name = "FILE", conflicts_with = "token_env", help_heading = "Service")]
@@ -36,4 +36,9 @@ pub struct ServeArguments {
 fn offset(text: &str) -> Result<f64, String> {
     let hours: Option<f64> = text.parse().ok();
     hours.filter(|hours| (-14.0..=14.0).contains(hours)).ok_or_else(|| "allowed: -14 to 14 hours".to_owned())
+}
+
+fn address(text: &str) -> Result<SocketAddr, String> {
+    let allowed = "allowed: an IP address and a port of 0 to 65535, as 127.0.0.1:8642 or [::1]:8642";
+    text.parse().map_err(|_| allowed.to_owned())
 }

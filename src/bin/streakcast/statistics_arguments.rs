@@ -19,10 +19,10 @@ pub struct StatisticsArguments {
         allow_hyphen_values = true,
         default_values_t = [0.0, -6.0, -12.0, -18.0, -24.0, -30.0, -36.0, -42.0, -48.0]
     )]
-    pub sun_altitudes: Vec<f64>,
+    pub sun_altitude_deg: Vec<f64>,
     /// Lowest altitudes of satellites, degrees: a row each
     #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', default_values_t = [20.0, 30.0])]
-    pub min_altitudes: Vec<f64>,
+    pub min_altitude: Vec<f64>,
     /// Latitudes instead of the site's, degrees north, on its longitude
     #[arg(long, value_name = "DEG,...", value_delimiter = ',', allow_hyphen_values = true)]
     pub latitudes: Vec<f64>,

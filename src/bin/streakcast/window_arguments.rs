@@ -28,7 +28,7 @@ pub struct WindowsArguments {
     pub min_altitude: f64,
     /// Highest altitude of the Sun while the shutter is open, degrees
     #[arg(long, value_name = "DEG", default_value_t = -12.0, allow_hyphen_values = true)]
-    pub max_sun_altitude: f64,
+    pub max_sun_altitude_deg: f64,
     /// Time from the beginning of a request or block to its shutter opening, for lco and eso-p2, with its unit
     #[arg(long, value_name = "TIME")]
     pub overhead: Option<String>,

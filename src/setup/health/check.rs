@@ -5,7 +5,7 @@ use hifitime::Epoch;
 use super::super::document::Setup;
 use super::elements::ElementState;
 use super::finding::{Finding, Severity};
-use super::surroundings::{camera, clock, earth_orientation, place};
+use super::surroundings::{camera, clock, earth_orientation, place, policy};
 use crate::catalogue::SourceFile;
 use crate::passes::ModelChoice;
 use crate::photometry::ModelLibrary;
@@ -21,6 +21,15 @@ pub struct Health {
     pub sources: Vec<SourceFile>,
 }
 
+/// Where the moment came from that is looked at.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum MomentSource {
+    /// This machine's clock, which may be wrong.
+    Clock,
+    /// The question.
+    Asked,
+}
+
 impl Health {
     /// The worst of the findings.
     pub fn worst(&self) -> Severity {
@@ -30,16 +39,18 @@ impl Health {
 
 impl Setup {
     /// Looks at everything that a setup names as a question about `now` would use it. What cannot be read is a finding; the rest goes on.
-    pub fn health(&self, now: Epoch) -> Health {
-        let mut health = Health { findings: vec![clock(now)], ..Health::default() };
-        self.look_at_elements(now, &mut health);
+    pub fn health(&self, now: Epoch, source: MomentSource) -> Health {
+        let mut health = Health::default();
+        self.look_at_elements(now, source, &mut health);
+        health.findings.push(clock(now, source, health.elements.as_ref()));
         health.findings.extend(earth_orientation(self, now));
         health.findings.extend(place(self, now));
         health.findings.extend(camera(self));
+        health.findings.push(policy(self));
         health
     }
 
-    fn look_at_elements(&self, now: Epoch, health: &mut Health) {
+    fn look_at_elements(&self, now: Epoch, source: MomentSource, health: &mut Health) {
         const SUBJECT: &str = "elements";
         if let Err(error) = self.constellations() {
             health.findings.push(Finding::new(
@@ -61,8 +72,9 @@ impl Setup {
             Ok(Some(catalogue)) => catalogue,
             Ok(None) => {
                 if self.shells.is_none() {
+                    let finding = "none were said: neither they nor the models of their satellites were looked at";
                     let remedy = "say --elements FILE; streakcast fetch brings one";
-                    health.findings.push(Finding::new(Severity::Note, SUBJECT, "none were said", remedy));
+                    health.findings.push(Finding::new(Severity::Unchecked, SUBJECT, finding, remedy));
                 }
                 return;
             }
@@ -72,11 +84,15 @@ impl Setup {
                 return;
             }
         };
-        // Models that cannot be read are a finding of their own.
-        let usual = || ModelChoice::new(&ModelLibrary::embedded()).ok();
-        let Some(choice) = self.model_choice().ok().or_else(usual) else { return };
+        // Models that cannot be read are a finding of their own; nothing is said then of which satellite has which.
+        let said = self.model_choice();
+        let is_readable = said.is_ok();
+        let Some(choice) = said.ok().or_else(|| ModelChoice::new(&ModelLibrary::embedded()).ok()) else { return };
         let state = ElementState::of(&catalogue, &choice, now);
-        health.findings.extend(state.findings(&catalogue, now));
+        health.findings.extend(state.findings(&catalogue, now, source));
+        if is_readable {
+            health.findings.push(state.model_finding());
+        }
         health.elements = Some(state);
         health.sources = catalogue.sources;
     }
@@ -88,7 +104,7 @@ mod tests {
     use crate::schedule::parse_instant;
 
     fn health(text: &str, now: &str) -> Health {
-        Setup::from_toml(text, "t.toml").unwrap().health(parse_instant(now, None).unwrap())
+        Setup::from_toml(text, "t.toml").unwrap().health(parse_instant(now, None).unwrap(), MomentSource::Clock)
     }
 
     fn severity(health: &Health, subject: &str) -> Severity {
@@ -127,7 +143,19 @@ mod tests {
             (severity(&late, "Earth orientation"), severity(&late, "leap seconds")),
             (Severity::Warning, Severity::Warning)
         );
-        assert_eq!(severity(&at("2020-05-25T00:00:00Z"), "clock"), Severity::Note);
+        assert_eq!(severity(&at("2020-05-25T00:00:00Z"), "clock"), Severity::Warning);
+    }
+
+    #[test]
+    fn nothing_that_was_not_looked_at_is_fine() {
+        let all = health("models = { files = ['no-such.json'] }\nlimit_mag = 7", "2026-11-25T00:00:00Z");
+        for subject in ["elements", "site"] {
+            assert_eq!(severity(&all, subject), Severity::Unchecked, "{subject}");
+        }
+        let policy = all.findings.iter().find(|one| one.subject == "policy").unwrap();
+        assert_eq!((policy.severity, policy.finding.as_str()), (Severity::Fine, "limit_mag 7.0"));
+        let all = health("policy = { saturation_mag = 'telescope' }", "2026-11-25T00:00:00Z");
+        assert_eq!(severity(&all, "policy"), Severity::Error, "{:?}", all.findings);
     }
 
     #[test]

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use hifitime::Epoch;
 
+use super::check::MomentSource;
 use super::finding::{Finding, Severity};
 use crate::catalogue::{Catalogue, ElementSet, Generation, GenerationTable};
 use crate::constants::DAY_S;
@@ -12,8 +13,8 @@ use crate::orbit::{OrbitClass, uncertainty};
 use crate::passes::ModelChoice;
 use crate::table::format_utc;
 
-/// Borders of the histogram, days. Below the first an element set is from the future.
-const BORDERS_DAYS: [f64; 8] = [0.0, 0.5, 1.0, 2.0, 4.0, 7.0, 14.0, 30.0];
+/// Borders of the histogram, days. Below the first an element set is from the future, and no prediction.
+const BORDERS_DAYS: [f64; 9] = [-FUTURE_DAYS, 0.0, 0.5, 1.0, 2.0, 4.0, 7.0, 14.0, 30.0];
 /// Element sets so far ahead of the clock are no predictions of an operator any more, days.
 const FUTURE_DAYS: f64 = 1.5;
 /// Older sets draw a warning with every answer, days.
@@ -30,7 +31,7 @@ const LISTED: usize = 10;
 /// One bar of the histogram of ages.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct AgeBin {
-    /// From this age on, days; minus infinity for sets from the future.
+    /// From this age on, days; negative ahead of the moment, minus infinity for sets from the future.
     pub from_days: f64,
     /// Below this age, days; infinite for the last.
     pub to_days: f64,
@@ -98,20 +99,35 @@ impl ElementState {
         }
     }
 
+    /// True where most element sets are so far ahead that one doubts the clock.
+    pub fn is_mostly_ahead(&self) -> bool {
+        2 * self.ages.first().map_or(0, |bin| bin.count) > self.satellites
+    }
+
     /// What is to be said of it.
-    pub fn findings(&self, catalogue: &Catalogue, now: Epoch) -> Vec<Finding> {
+    pub fn findings(&self, catalogue: &Catalogue, now: Epoch, source: MomentSource) -> Vec<Finding> {
+        // Elements of now do not help where the question is of another time.
+        let nearer = match source {
+            MomentSource::Clock => "fetch newer elements (streakcast fetch)",
+            MomentSource::Asked => {
+                "take elements nearer to that time (streakcast fetch satchecker --epoch brings old ones)"
+            }
+        };
         const SUBJECT: &str = "elements";
         let share = |count: usize| format!("{count} of {}", self.satellites);
         let mut found = Vec::new();
 
         let sigma_s = self.median_along_track_sigma_s;
+        let median = match self.median_age_days {
+            days if days < -0.05 => format!("half of them more than {:.1} days ahead", -days),
+            days => format!("median age {:.1} days", days.max(0.0)),
+        };
         let age = format!(
-            "{} satellites; median age {:.1} days, which makes a median error along the track of {sigma_s:.1} s",
-            self.satellites, self.median_age_days
+            "{} satellites; {median}, which makes a median error along the track of {sigma_s:.1} s",
+            self.satellites
         );
         found.push(if sigma_s > LARGE_ERROR_S {
-            let remedy =
-                "fetch newer elements (streakcast fetch), and flag with --min-probability or a margin_s of that size";
+            let remedy = format!("{nearer}; else flag with --min-probability or a margin_s of that size");
             Finding::new(Severity::Warning, SUBJECT, age, remedy)
         } else {
             Finding::fine(SUBJECT, age)
@@ -123,30 +139,30 @@ impl ElementState {
             let is_many = old as f64 > OLD_SHARE * self.satellites as f64;
             let severity = if is_many { Severity::Warning } else { Severity::Note };
             let finding = format!("{} are older than {OLD_DAYS:.0} days", share(old));
-            found.push(Finding::new(
-                severity,
-                SUBJECT,
-                finding,
-                "fetch newer elements; satellites that have decayed keep their last set",
-            ));
+            let remedy = match 2 * old > self.satellites {
+                true => nearer.to_owned(),
+                false => "nothing, if they have decayed (these keep their last set); else as for all".to_owned(),
+            };
+            found.push(Finding::new(severity, SUBJECT, finding, remedy));
         }
 
         let future: Vec<&ElementSet> =
             catalogue.element_sets.iter().filter(|set| seconds_between(now, set.epoch) > FUTURE_DAYS * DAY_S).collect();
         if let Some(farthest) = future.iter().max_by(|a, b| a.epoch.cmp(&b.epoch)) {
-            let severity = if 2 * future.len() > self.satellites { Severity::Error } else { Severity::Warning };
+            let is_most = self.is_mostly_ahead();
+            let severity = if is_most { Severity::Error } else { Severity::Warning };
             let finding = format!(
-                "{} are from the future: up to {} where the clock says {}",
+                "{} are more than {FUTURE_DAYS} days ahead of {}: up to {}",
                 share(future.len()),
-                format_utc(farthest.epoch, 0),
-                format_utc(now, 0)
+                format_utc(now, 0),
+                format_utc(farthest.epoch, 0)
             );
-            found.push(Finding::new(
-                severity,
-                SUBJECT,
-                finding,
-                "set the clock right (chrony, w32time), or leave out projected elements",
-            ));
+            let remedy = match (is_most, source) {
+                (true, MomentSource::Clock) => "set the clock right (chrony, w32time), or take older elements",
+                (true, MomentSource::Asked) => nearer,
+                (false, _) => "leave them out: no operator knows that long before where a satellite will be",
+            };
+            found.push(Finding::new(severity, SUBJECT, finding, remedy));
         }
 
         let records: usize = catalogue.sources.iter().map(|source| source.records + source.rejected).sum();
@@ -174,18 +190,23 @@ impl ElementState {
                 "nothing: of each object the set nearest to the question counts",
             ));
         }
-        found.extend(self.model_findings());
         found
     }
 
-    fn model_findings(&self) -> Vec<Finding> {
+    /// Which models its satellites have.
+    pub fn model_finding(&self) -> Finding {
         const SUBJECT: &str = "models";
         let known: usize = self.kinds.iter().map(|(_, count)| count).sum();
         let without: usize = self.unmatched.iter().map(|one| one.count).sum();
-        let mut found = vec![Finding::fine(
-            SUBJECT,
-            format!("{known} of {} satellites have a model of their kind", self.satellites),
-        )];
+        let mut finding = format!("{known} of {} satellites have a model of their kind", self.satellites);
+        let others = self.satellites.saturating_sub(known + without);
+        if others > 0 {
+            finding += &format!(", {others} a standard magnitude or that of rocket bodies and debris");
+        }
+        if without == 0 {
+            return Finding::fine(SUBJECT, finding);
+        }
+        finding += &format!(", {without} the model of anything (6.5 mag at 1000 km, one sigma 1.7)");
         let constellations: Vec<String> = self
             .unmatched
             .iter()
@@ -193,16 +214,11 @@ impl ElementState {
             .take(LISTED)
             .map(|one| format!("{} ({})", one.prefix, one.count))
             .collect();
-        if without > 0 {
-            let finding = if constellations.is_empty() {
-                format!("{without} satellites have the model of anything (6.5 mag at 1000 km, one sigma 1.7)")
-            } else {
-                format!("{without} satellites have the model of anything, among them {}", constellations.join(", "))
-            };
-            let remedy = "give standard magnitudes with --qs-mag, or models under [models] of the configuration";
-            found.push(Finding::new(Severity::Note, SUBJECT, finding, remedy));
+        if !constellations.is_empty() {
+            finding += &format!(", among them {}", constellations.join(", "));
         }
-        found
+        let remedy = "give standard magnitudes with --qs-mag, or models under [models] of the configuration";
+        Finding::new(Severity::Note, SUBJECT, finding, remedy)
     }
 }
 
@@ -239,9 +255,9 @@ mod tests {
 
     #[test]
     fn verif_every_age_is_in_one_bin() {
-        let ages = [-3.0, -0.001, 0.0, 0.49, 0.5, 1.9, 6.99, 13.9, 14.0, 29.0, 30.0, 9_999.0];
+        let ages = [-3.0, -1.5, -0.001, 0.0, 0.49, 0.5, 1.9, 6.99, 13.9, 14.0, 29.0, 30.0, 9_999.0];
         let bins = histogram(&ages);
-        assert_eq!(bins.iter().map(|bin| bin.count).collect::<Vec<_>>(), [2, 2, 1, 1, 0, 1, 1, 2, 2]);
+        assert_eq!(bins.iter().map(|bin| bin.count).collect::<Vec<_>>(), [1, 2, 2, 1, 1, 0, 1, 1, 2, 2]);
         for (low, high) in bins.iter().zip(&bins[1..]) {
             assert_eq!(low.to_days, high.from_days);
         }

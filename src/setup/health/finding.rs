@@ -11,6 +11,8 @@ pub enum Severity {
     Fine,
     /// Worth knowing; answers are right.
     Note,
+    /// Not looked at, for it was not said: neither right nor wrong.
+    Unchecked,
     /// Answers will be worse than they could be, or some are missing.
     Warning,
     /// There will be no answers, or wrong ones.
@@ -23,6 +25,7 @@ impl Severity {
         match self {
             Severity::Fine => "fine",
             Severity::Note => "note",
+            Severity::Unchecked => "unchecked",
             Severity::Warning => "warning",
             Severity::Error => "error",
         }
@@ -69,7 +72,7 @@ impl Finding {
 pub fn finding_table(findings: &[Finding]) -> Table {
     Table {
         columns: vec![
-            Column::new("severity", Kind::Text, "fine, note, warning or error."),
+            Column::new("severity", Kind::Text, "fine, note, unchecked, warning or error."),
             Column::new("subject", Kind::Text, "What was looked at."),
             Column::new("finding", Kind::Text, "What was found."),
             Column::new("remedy", Kind::Text, "What to do; empty where there is nothing to do."),

@@ -8,6 +8,6 @@ mod elements;
 mod finding;
 mod surroundings;
 
-pub use check::Health;
+pub use check::{Health, MomentSource};
 pub use elements::{AgeBin, ElementState, Unmatched};
 pub use finding::{Finding, Severity, finding_table};

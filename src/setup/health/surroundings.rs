@@ -3,6 +3,8 @@
 use hifitime::Epoch;
 
 use super::super::document::Setup;
+use super::check::MomentSource;
+use super::elements::ElementState;
 use super::finding::{Finding, Severity};
 use crate::constants::DAY_S;
 use crate::frames::{EopStatus, EopTable, leap_seconds_known_until, seconds_between};
@@ -66,20 +68,45 @@ fn status(table: &EopTable, now: Epoch, subject: &'static str, remedy: &str) -> 
 }
 
 /// The clock, as far as the program knows what time it cannot be.
-pub(super) fn clock(now: Epoch) -> Finding {
-    const SUBJECT: &str = "clock";
+pub(super) fn clock(now: Epoch, source: MomentSource, elements: Option<&ElementState>) -> Finding {
     let said = format_utc(now, 0);
+    if source == MomentSource::Asked {
+        return Finding::fine("time", format!("{said} was asked about; this machine's clock was not looked at"));
+    }
+    const SUBJECT: &str = "clock";
     // The bundled table was made when its measured part ended.
     if EopTable::embedded().status(now) == EopStatus::Measured {
         let finding = format!("{said}, which is before this version of streakcast was made");
-        Finding::new(
-            Severity::Note,
-            SUBJECT,
-            finding,
-            "nothing, if the question is about the past; else set the clock right",
-        )
+        let remedy = "set the clock right (chrony, w32time); --now TIME asks about the past";
+        Finding::new(Severity::Warning, SUBJECT, finding, remedy)
+    } else if elements.is_some_and(ElementState::is_mostly_ahead) {
+        let finding = format!("{said}, which is days before most of the elements");
+        Finding::new(Severity::Warning, SUBJECT, finding, "see whether it is the clock (chrony, w32time) that is wrong")
     } else {
         Finding::fine(SUBJECT, said)
+    }
+}
+
+/// What an exposure may meet.
+pub(super) fn policy(setup: &Setup) -> Finding {
+    const SUBJECT: &str = "policy";
+    let policy = match setup.policy() {
+        Ok(policy) => policy,
+        Err(error) => return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/policy.md"),
+    };
+    // As its file would say it, in one line.
+    let said: Vec<String> = match serde_json::to_value(&policy) {
+        Ok(serde_json::Value::Object(keys)) => keys
+            .into_iter()
+            .filter(|(_, value)| !value.is_null())
+            .map(|(key, value)| format!("{key} {}", value.to_string().replace('"', "")))
+            .collect(),
+        _ => Vec::new(),
+    };
+    if setup.policy.is_none() && setup.limit_mag.is_none() && setup.max_delay.is_none() {
+        Finding::fine(SUBJECT, "no limit was said: no exposure is one to avoid, whatever crosses it")
+    } else {
+        Finding::fine(SUBJECT, said.join(", "))
     }
 }
 
@@ -95,7 +122,8 @@ pub(super) fn place(setup: &Setup, now: Epoch) -> Vec<Finding> {
         || setup.observer_norad.is_some();
     if !is_said {
         let remedy = "say --site, --mpc, or --lat, --lon and --height";
-        return vec![Finding::new(Severity::Note, SUBJECT, "none was said", remedy)];
+        let finding = "none was said: it was not looked at";
+        return vec![Finding::new(Severity::Unchecked, SUBJECT, finding, remedy)];
     }
     let site = match setup.viewpoint(now) {
         Ok(Viewpoint::Site(observer)) => observer.site().clone(),
@@ -142,7 +170,7 @@ fn mirrored(site: &Site) -> Option<&'static Site> {
     near(site.latitude_rad, -site.longitude_rad)
 }
 
-/// Telescope, field, policy, band.
+/// Telescope, field, band, models.
 pub(super) fn camera(setup: &Setup) -> Vec<Finding> {
     let mut found = Vec::new();
     match setup.telescope() {
@@ -160,18 +188,10 @@ pub(super) fn camera(setup: &Setup) -> Vec<Finding> {
     {
         found.push(Finding::new(Severity::Error, "field", error.to_string(), "see examples/field.json"));
     }
-    for (subject, answer) in [
-        ("policy", setup.policy().map(drop)),
-        ("photometry", setup.photometry().map(drop)),
-        ("models", setup.model_choice().map(drop)),
-    ] {
+    for (subject, answer) in [("photometry", setup.photometry().map(drop)), ("models", setup.model_choice().map(drop))]
+    {
         if let Err(error) = answer {
-            found.push(Finding::new(
-                Severity::Error,
-                subject,
-                error.to_string(),
-                "see docs/policy.md and docs/models.md",
-            ));
+            found.push(Finding::new(Severity::Error, subject, error.to_string(), "see docs/models.md"));
         }
     }
     found

@@ -1,6 +1,6 @@
 """Least squares and posterior of the two-panel form beside SciPy and emcee with a NumPy likelihood, on the same 20,000 points.
 
-    venv/bin/pip install numpy==2.4.3 scipy==1.17.1 emcee==3.1.6 astropy==7.2.0
+    venv/bin/pip install -r tests/benches/peers/requirements-fit.txt
     cargo bench --bench fit --no-run
     venv/bin/python tests/benches/peers/fit.py [--rounds 3] [--threads 1]
 

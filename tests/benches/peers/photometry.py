@@ -1,6 +1,6 @@
 """Ours, a vectorised numpy form of the same model, and lumos-sat on the same directions, in one interleaved run.
 
-    pip install numpy && pip install --no-deps lumos-sat==1.0.9 && pip install astropy matplotlib scipy sgp4 requests opencv-python-headless
+    pip install --no-deps -r tests/benches/peers/requirements-photometry.txt
     python tests/benches/peers/photometry.py [--rounds 5]
 
 Each round runs every tool once, ratios are taken within a round, the medians of both are printed. Ours is `cargo bench --bench magnitudes`

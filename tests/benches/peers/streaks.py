@@ -1,6 +1,6 @@
 """Streaks of 500 to 4000 pixels beside GalSim (FFT) and NumPy (error functions times a Gaussian), in a 4096 x 4096 frame of 32-bit numbers.
 
-    venv/bin/pip install numpy==2.4.3 scipy==1.17.1 galsim==2.8.5
+    venv/bin/pip install -r tests/benches/peers/requirements-streaks.txt
     cargo bench --bench streaks --no-run
     venv/bin/python tests/benches/peers/streaks.py [--rounds 3]
 

@@ -7,7 +7,7 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::json;
 use streakcast::frames::seconds_between;
-use streakcast::setup::{AgeBin, ElementState, Finding, Health, Setup, Severity, finding_table, parse_moment};
+use streakcast::setup::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, finding_table, parse_moment};
 use streakcast::table::{Column, Kind, Provenance, Section, Table, Value, format_utc};
 
 use super::judged::begin;
@@ -23,17 +23,17 @@ const BAR: usize = 40;
 const STALE_DAYS: f64 = 3.0;
 
 pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(Setup::default())?;
+    let setup = typed.shared.setup(typed.rules.setup())?;
     let format = typed.output.format.as_deref().or(setup.format.as_deref());
     // A page of text is the answer, on a terminal or not; the other formats where they are asked for.
     let is_text = format.is_none_or(|format| format == "table" || format == "text");
     let output = Output::new(if is_text { Some("table") } else { format }, typed.output.output.clone())?;
     begin(&setup)?;
-    let now = match &typed.now {
-        Some(now) => parse_moment(now, setup.time_scale()?)?,
-        None => machine_time(),
+    let (now, source) = match &typed.now {
+        Some(now) => (parse_moment(now, setup.time_scale()?)?, MomentSource::Asked),
+        None => (machine_time(), MomentSource::Clock),
     };
-    let mut health = setup.health(now);
+    let mut health = setup.health(now, source);
     let folder = cache_folder(typed.cache.as_deref()).ok();
     let cached = folder.as_deref().map(records_in).unwrap_or_default();
     health.findings.extend(cache_findings(folder.as_deref(), typed.cache.is_some(), &cached, now));
@@ -70,7 +70,7 @@ pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
     let count = |severity| health.findings.iter().filter(|finding| finding.severity == severity).count();
     match health.worst() {
         Severity::Error => Err(anyhow!("{} of {} findings are errors", count(Severity::Error), health.findings.len())),
-        Severity::Warning if typed.strict => Ok(Outcome::No),
+        Severity::Warning | Severity::Unchecked if typed.strict => Ok(Outcome::No),
         _ => Ok(Outcome::Done),
     }
 }
@@ -130,9 +130,9 @@ fn cache_findings(
 fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoch) -> String {
     let mut page = format!("What would be wrong at {}\n\n", format_utc(now, 0));
     for finding in &health.findings {
-        page += &format!("{:<8} {}: {}\n", finding.severity.name(), finding.subject, finding.finding);
+        page += &format!("{:<9} {}: {}\n", finding.severity.name(), finding.subject, finding.finding);
         if !finding.remedy.is_empty() && finding.severity > Severity::Fine {
-            page += &format!("         -> {}\n", finding.remedy);
+            page += &format!("          -> {}\n", finding.remedy);
         }
     }
     if let Some(state) = &health.elements {
@@ -141,7 +141,7 @@ fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoc
         for bin in &state.ages {
             // A bar of one character at least where there is one.
             let length = (bin.count * BAR).div_ceil(most);
-            page += format!("{:>14} {:>7} {}\n", label(bin), bin.count, "#".repeat(length)).as_str();
+            page += format!("{:>17} {:>7} {}\n", label(bin), bin.count, "#".repeat(length)).as_str();
         }
         page += "\nSatellites by model\n";
         for (kind, count) in &state.kinds {
@@ -172,7 +172,9 @@ fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoc
 
 fn label(bin: &AgeBin) -> String {
     if bin.from_days.is_infinite() {
-        "future".to_owned()
+        format!("from {} d ahead", -bin.to_days)
+    } else if bin.from_days < 0.0 {
+        format!("up to {} d ahead", -bin.from_days)
     } else if bin.to_days.is_infinite() {
         format!("{} d and more", bin.from_days)
     } else {
@@ -184,7 +186,12 @@ fn age_table(state: &ElementState) -> Table {
     let border = |days: f64| Some(days).filter(|days| days.is_finite());
     Table {
         columns: vec![
-            Column::real("from_days", "d", 1, "Least age; empty for sets from the future."),
+            Column::real(
+                "from_days",
+                "d",
+                1,
+                "Least age, negative ahead of the time asked about; empty for the farthest ahead.",
+            ),
             Column::real("to_days", "d", 1, "Ages below this; empty for the oldest."),
             Column::new("count", Kind::Integer, "Element sets."),
         ],

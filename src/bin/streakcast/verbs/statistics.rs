@@ -69,8 +69,8 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             let request = StatisticsRequest {
                 start,
                 end,
-                sun_altitudes_rad: radians(&typed.sun_altitudes),
-                min_altitudes_rad: radians(&typed.min_altitudes),
+                sun_altitudes_rad: radians(&typed.sun_altitude_deg),
+                min_altitudes_rad: radians(&typed.min_altitude),
                 field_rad,
                 exposure_s,
                 moments: typed.moments,

@@ -45,7 +45,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         ));
     }
     let min_altitude_deg = in_degrees("min-altitude", typed.min_altitude)?;
-    let max_sun_altitude_deg = in_degrees("max-sun-altitude", typed.max_sun_altitude)?;
+    let max_sun_altitude_deg = in_degrees("max-sun-altitude-deg", typed.max_sun_altitude_deg)?;
     let seconds = |what, text: &Option<String>| text.as_deref().map(|text| parse_duration_s(what, text)).transpose();
     let overhead_s = seconds("overhead", &typed.overhead)?.unwrap_or(0.0);
     let rotation_rad = setup.schedule_options()?.default_rotation_rad;

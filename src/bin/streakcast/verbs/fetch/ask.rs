@@ -1,9 +1,10 @@
 //! The network: one question, one answer, no second try.
 
+use std::io::ErrorKind;
 use std::time::Duration;
 
 use ureq::http::Response;
-use ureq::{Agent, Body};
+use ureq::{Agent, Body, Timeout};
 
 use super::credentials::Credentials;
 use super::sources::{Login, Wanted};
@@ -11,6 +12,8 @@ use super::verify::first_words;
 
 /// What a refusal says is read this far, bytes.
 const REFUSAL_BYTES: u64 = 2_000;
+/// A connection stands after this time, or there is none.
+const LONGEST_CONNECT: Duration = Duration::from_secs(30);
 
 /// How the question is put.
 pub struct Manner {
@@ -34,14 +37,20 @@ pub enum Answer {
         known: Known,
     },
     NotModified,
-    /// Anything else: a status, no connection, half an answer, in words.
+    /// Anything else that was answered, in words: a status, half an answer, a hang-up on the question.
     Refused(String),
+    /// The question came to nobody: no address for the name, no connection, no TLS. It was not asked, in words.
+    Unreached(String),
 }
 
 /// Asks once. Redirects are not followed: a source that has moved is for its user to know.
 pub fn ask(wanted: &Wanted, manner: &Manner, known: &Known, credentials: Option<&Credentials>) -> Answer {
+    // Shorter than the whole, so that a network which swallows connections is told from a source that does not answer.
+    let connect = manner.timeout.mul_f64(0.75).min(LONGEST_CONNECT);
     let agent: Agent = Agent::config_builder()
         .timeout_global(Some(manner.timeout))
+        .timeout_resolve(Some(connect))
+        .timeout_connect(Some(connect))
         .max_redirects(0)
         .max_redirects_will_error(false)
         .http_status_as_error(false)
@@ -52,7 +61,7 @@ pub fn ask(wanted: &Wanted, manner: &Manner, known: &Known, credentials: Option<
     let cookie = match (&wanted.login, credentials) {
         (Some(login), Some(credentials)) => match log_in(&agent, login, credentials) {
             Ok(cookie) => Some(cookie),
-            Err(words) => return Answer::Refused(words),
+            Err(answer) => return answer,
         },
         _ => None,
     };
@@ -77,12 +86,42 @@ fn question(agent: &Agent, url: &str, manner: &Manner, known: &Known, cookie: Op
     }
     let response = match request.call() {
         Ok(response) => response,
-        Err(error) => return Answer::Refused(format!("no answer: {error}")),
+        Err(error) => return no_answer("no answer", &error),
     };
     match response.status().as_u16() {
         200 => came(response, manner.max_bytes),
         304 if known.etag.is_some() || known.last_modified.is_some() => Answer::NotModified,
         _ => Answer::Refused(refusal(response)),
+    }
+}
+
+/// Whether the question was heard: a service that was reached and hung up, or kept silent, has been asked.
+fn no_answer(what: &str, error: &ureq::Error) -> Answer {
+    let is_unreached = match error {
+        ureq::Error::HostNotFound
+        | ureq::Error::ConnectionFailed
+        | ureq::Error::ConnectProxyFailed(_)
+        | ureq::Error::InvalidProxyUrl
+        | ureq::Error::Tls(_)
+        | ureq::Error::Rustls(_)
+        | ureq::Error::TlsRequired
+        | ureq::Error::Timeout(Timeout::Resolve | Timeout::Connect) => true,
+        // A name without an address has no kind of its own in the standard library, and a certificate that is not the source's is bad data:
+        // what is named here are the ends of connections that stood.
+        ureq::Error::Io(error) => !matches!(
+            error.kind(),
+            ErrorKind::UnexpectedEof
+                | ErrorKind::ConnectionReset
+                | ErrorKind::ConnectionAborted
+                | ErrorKind::BrokenPipe
+                | ErrorKind::TimedOut
+        ),
+        _ => false,
+    };
+    if is_unreached {
+        Answer::Unreached(format!("not reached: {error}"))
+    } else {
+        Answer::Refused(format!("{what}: {error}"))
     }
 }
 
@@ -123,12 +162,13 @@ fn header(response: &Response<Body>, name: &str) -> Option<String> {
 }
 
 /// Space-Track's session: a cookie against user name and password. A wrong password is answered with 200 too.
-fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<String, String> {
+fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<String, Answer> {
+    let refused = |words: String| Err(Answer::Refused(words));
     let form = [("identity", credentials.identity.as_str()), ("password", credentials.password.as_str())];
     let response =
-        agent.post(&login.login_url).send_form(form).map_err(|error| format!("no answer to the login: {error}"))?;
+        agent.post(&login.login_url).send_form(form).map_err(|error| no_answer("no answer to the login", &error))?;
     if response.status().as_u16() != 200 {
-        return Err(format!("login: {}", refusal(response)));
+        return refused(format!("login: {}", refusal(response)));
     }
     let cookies: Vec<String> = response
         .headers()
@@ -139,7 +179,7 @@ fn log_in(agent: &Agent, login: &Login, credentials: &Credentials) -> Result<Str
     let mut response = response;
     let said = response.body_mut().with_config().limit(REFUSAL_BYTES).read_to_string().unwrap_or_default();
     if said.to_ascii_lowercase().contains("failed") {
-        return Err("login: the account was refused (user name or password)".to_owned());
+        return refused("login: the account was refused (user name or password)".to_owned());
     }
-    if cookies.is_empty() { Err("login: no session came of it".to_owned()) } else { Ok(cookies.join("; ")) }
+    if cookies.is_empty() { refused("login: no session came of it".to_owned()) } else { Ok(cookies.join("; ")) }
 }

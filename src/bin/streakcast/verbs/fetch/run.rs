@@ -31,7 +31,10 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
         ),
     };
     let folder = cache_folder(common.cache.as_deref())?;
-    fs::create_dir_all(&folder).map_err(|error| anyhow!("cache {}: {error}", folder.display()))?;
+    fs::create_dir_all(&folder).map_err(|error| match folder.is_dir() || !folder.exists() {
+        true => anyhow!("cache {}: {error}; allowed: a folder that can be written to, or made", folder.display()),
+        false => anyhow!("cache {}: this is a file; allowed: a folder, or the name of one to make", folder.display()),
+    })?;
     let file = folder.join(&wanted.file);
     notices.say(&format!("{} asks its users to keep to {}", wanted.source, wanted.policy));
 
@@ -40,7 +43,8 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
     let lock = File::create(&lock_path).map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
     lock.lock().map_err(|error| anyhow!("cache {}: {error}", lock_path.display()))?;
 
-    let mut record = FetchRecord::read(&file).unwrap_or_default();
+    let before = FetchRecord::read(&file);
+    let mut record = before.clone().unwrap_or_default();
     let is_there = is_intact(&file, &record);
     if let Some(left_s) = record.wait_left_s(now, wanted.wait_s) {
         return keep_waiting(&file, &record, &wanted, is_there, left_s, &notices);
@@ -99,6 +103,15 @@ pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {
             Err(error) => error.to_string(),
         },
         Answer::Refused(words) => words,
+        Answer::Unreached(words) => {
+            // Nobody was asked: what stood beside the file before holds on, and no wait begins.
+            match before {
+                Some(before) => before.write(&file)?,
+                None => FetchRecord::remove(&file)?,
+            }
+            let kept = if is_there { format!("; {} stays as it was", file.display()) } else { String::new() };
+            return Err(anyhow!("{}: {words}{kept}; it was not asked, and may be at once", wanted.source));
+        }
     };
     record.stamp(now, wanted.wait_s, &refused);
     record.write(&file)?;

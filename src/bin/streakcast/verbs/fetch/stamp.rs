@@ -18,6 +18,12 @@ impl FetchRecord {
             .map_err(|error| anyhow!("cannot write {}: {error}", path.display()))
     }
 
+    /// Away with the sidecar of a file: its source was never asked.
+    pub fn remove(file: &Path) -> anyhow::Result<()> {
+        let path = Self::path_beside(file);
+        std::fs::remove_file(&path).map_err(|error| anyhow!("cannot remove {}: {error}", path.display()))
+    }
+
     /// Seconds until the source may be asked again; `None` where it may be now. A stamp from the future (a clock that was set back) does not bind for longer
     /// than the wait.
     pub fn wait_left_s(&self, now: Epoch, wait_s: f64) -> Option<f64> {

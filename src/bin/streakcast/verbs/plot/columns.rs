@@ -6,6 +6,7 @@ use std::path::Path;
 use anyhow::{anyhow, bail};
 use serde_json::{Map, Value};
 use streakcast::frames::mjd_utc;
+use streakcast::geometry::Site;
 use streakcast::setup::parse_moment;
 use streakcast::table::{Provenance, Table, Value as Cell};
 
@@ -138,6 +139,29 @@ impl Columns {
     /// A statement of what the table rests on.
     pub fn stated(&self, name: &str) -> Option<&Value> {
         self.provenance.get(name)
+    }
+
+    /// What a caption has to say where satellites of shells are among those asked about.
+    pub fn synthetic_words(&self) -> &'static str {
+        let shells = self.stated("shells").and_then(Value::as_array);
+        match (shells.is_some_and(|shells| !shells.is_empty()), self.stated("elements").is_some()) {
+            (true, true) => " Satellites of shells are synthetic.",
+            (true, false) => " All satellites are synthetic.",
+            (false, _) => "",
+        }
+    }
+
+    /// The site that the table is of.
+    pub fn site(&self) -> Option<Site> {
+        let site = self.stated("site")?;
+        let number = |name: &str| site.get(name).and_then(Value::as_f64);
+        let name = site.get("name").and_then(Value::as_str).unwrap_or("site");
+        Site::new_deg(name, number("latitude_deg")?, number("longitude_deg")?, number("height_m")?).ok()
+    }
+
+    /// The one limiting magnitude of its policy.
+    pub fn limit_mag(&self) -> Option<f64> {
+        self.stated("options")?.get("policy")?.get("limit_mag")?.as_f64()
     }
 
     /// All of these statements.

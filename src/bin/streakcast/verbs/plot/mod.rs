@@ -5,6 +5,7 @@
 mod clock;
 mod columns;
 mod curves;
+mod equatorial_rate;
 mod exposures;
 mod field;
 mod fits;

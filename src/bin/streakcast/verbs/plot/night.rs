@@ -2,7 +2,6 @@
 
 use streakcast::geometry::Observer;
 use streakcast::plot::{NightTimeline, Picture, night_timeline};
-use streakcast::table::Provenance;
 
 use crate::failure::Outcome;
 use crate::plot_arguments::PlotNightArguments;
@@ -21,22 +20,31 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
         Some(_) if typed.schedule.is_none() => Target::of_table(&typed.picture)?,
         _ => Target::new(&typed.picture)?,
     };
-    let (site, eop) = (site_of(&setup)?, setup.eop_table()?);
-    let clock = Clock::new(typed.clock.utc_offset, site.as_ref())?;
+    let (mut site, eop) = (site_of(&setup)?, setup.eop_table()?);
     let (columns, table) = match (&typed.from, &typed.schedule) {
         (Some(from), Some(schedule)) => {
             let flags = Columns::read(from, "flags")?;
+            site = site.or_else(|| flags.site());
             let observer = site.clone().map(Observer::new);
             let table = of_flags(&flags, schedule, &setup, observer.as_ref(), &eop)?;
-            (Columns::of(&table, &Provenance::new()), Some((table, flags.provenance())))
+            (Columns::of(&table, &flags.provenance()), Some((table, flags.provenance())))
         }
-        (Some(from), None) => (Columns::read(from, "exposures")?, None),
+        (Some(from), None) => {
+            let columns = Columns::read(from, "exposures")?;
+            site = site.or_else(|| columns.site());
+            (columns, None)
+        }
         (None, Some(schedule)) => {
             let exposures = asked(&setup, schedule, site.as_ref(), &eop)?;
             (Columns::of(&exposures.table, &exposures.provenance), Some((exposures.table, exposures.provenance)))
         }
         (None, None) => anyhow::bail!("plot night needs --schedule, or --from"),
     };
+    if site.is_none() {
+        notices.warn(&["no site was said, and the table names none: no twilight and no local clock are drawn; allowed: --site, --mpc, or --lat and --lon"
+            .to_owned()]);
+    }
+    let clock = Clock::new(typed.clock.utc_offset, site.as_ref())?;
     let longitude_deg = site.as_ref().map_or(0.0, |site| site.longitude_rad.to_degrees());
     let nights = Nights::of(&columns, longitude_deg)?;
     let night = nights.choose(typed.night.as_deref())?;
@@ -46,7 +54,11 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
             .say(&format!("warning: the schedule has {others} nights; drawn is the first, {night} (--night chooses)"));
     }
     let keep: Vec<bool> = nights.of_rows.iter().map(|of| of.as_deref() == Some(&night)).collect();
-    let limit = setup.policy()?.limit_mag.as_ref().and_then(|limit| limit.of(setup.band.as_deref()));
+    let said = setup.policy()?.limit_mag;
+    let limit = match &said {
+        Some(limit) => limit.of(setup.band.as_deref()),
+        None => columns.limit_mag(),
+    };
     let place = site.as_ref().map(|site| format!(", {}", site.name)).unwrap_or_default();
     let title = typed.title.title.clone().unwrap_or_else(|| format!("Night of {night}{place}"));
     let drawn = Night {
@@ -95,14 +107,15 @@ impl Night<'_> {
         let last = start_mjd.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let sun = self.site.map(|site| sun_over(site, self.eop, first, last)).unwrap_or_default();
         let invalid = self.columns.texts("verdict")?.iter().filter(|verdict| **verdict == "invalid").count();
-        let caption = match invalid {
+        let judged = match invalid {
             0 => String::new(),
             1 => "1 row of the schedule could not be judged.".to_owned(),
             many => format!("{many} rows of the schedule could not be judged."),
         };
+        let caption = format!("{judged}{}", self.columns.synthetic_words());
         Ok(night_timeline(&NightTimeline {
             title: self.title,
-            caption: &caption,
+            caption: caption.trim_start(),
             start_mjd: &start_mjd,
             duration_s: &duration_s,
             n_streaks: &n_streaks,

@@ -15,6 +15,7 @@ use crate::plot_arguments::PlotSkyRateArguments;
 use crate::verbs::judged::{begin, field_said};
 
 use super::columns::Columns;
+use super::equatorial_rate;
 use super::target::Target;
 
 const MOST_NSIDE: u32 = 64;
@@ -42,7 +43,12 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     let title = typed.title.title.as_deref();
     if let Some(path) = &typed.from {
         let target = Target::of_table(&typed.picture)?;
-        target.write_picture(&picture(&Columns::read(path, "directions")?, title)?)?;
+        let columns = Columns::read(path, "directions")?;
+        let drawn = match equatorial_rate::is_of(&columns) {
+            true => equatorial_rate::picture(&columns, title)?,
+            false => picture(&columns, title)?,
+        };
+        target.write_picture(&drawn)?;
         return Ok(Outcome::Done);
     }
     let target = Target::new(&typed.picture)?;
@@ -53,6 +59,12 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
         bail!("repeats {}; allowed: 1 to {MOST_REPEATS}", typed.repeats);
     }
     let directions = cells_above(typed.nside, typed.min_altitude)?;
+    if typed.equatorial {
+        let (table, provenance) = equatorial_rate::asked(&typed, &setup, &directions, &notices)?;
+        let drawn = equatorial_rate::picture(&Columns::of(&table, &provenance), title)?;
+        target.write(&drawn, "directions", &table, &provenance)?;
+        return Ok(Outcome::Done);
+    }
     let over_s = parse_duration_s("over", &typed.over)?;
     if over_s > LONGEST_S {
         bail!("over {}; allowed: at most 6h", typed.over);
@@ -60,7 +72,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     let (start, duration_s) = start_and_length(&setup)?;
     let field = setup.field_of_view()?;
     let prepared = setup.prepare(start, seconds_after(start, 86_400.0))?;
-    let moment = match typed.sun_altitude {
+    let moment = match typed.sun_altitude_deg {
         None => start,
         Some(altitude) => sun_at(&prepared, altitude, start)?,
     };
@@ -127,10 +139,13 @@ pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direc
 
 fn sun_at(prepared: &Prepared, altitude_deg: f64, start: Epoch) -> anyhow::Result<Epoch> {
     if !(-90.0..=90.0).contains(&altitude_deg) {
-        bail!("sun-altitude {altitude_deg}; allowed: -90 to 90 deg");
+        bail!("sun-altitude-deg {altitude_deg}; allowed: -90 to 90 deg");
     }
     prepared.sky.sun_reaches(altitude_deg.to_radians(), start, &prepared.eop)?.ok_or_else(|| {
-        anyhow!("sun-altitude {altitude_deg}: the Sun does not stand there within a day of {}", format_utc(start, 0))
+        anyhow!(
+            "sun-altitude-deg {altitude_deg}: the Sun does not stand there within a day of {}",
+            format_utc(start, 0)
+        )
     })
 }
 
@@ -179,9 +194,10 @@ fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
             utc.get(..19).unwrap_or(&utc)
         ),
         caption: &format!(
-            "Site: {place}. Means of {} exposures over {:.0} min in HEALPix cells, nside {nside}.",
+            "Site: {place}. Means of {} exposures over {:.0} min in HEALPix cells, nside {nside}.{}",
             number("repeats").unwrap_or(f64::NAN),
-            number("over_s").unwrap_or(f64::NAN) / 60.0
+            number("over_s").unwrap_or(f64::NAN) / 60.0,
+            columns.synthetic_words()
         ),
         nside,
         cells: &cells,

@@ -42,7 +42,10 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
     if let Some(path) = &typed.from {
         begin(&setup)?;
         let target = Target::of_table(&typed.picture)?;
-        target.write_picture(&picture(&Columns::read(path, "exposures")?, limit, typed.bin, title, "")?)?;
+        let columns = Columns::read(path, "exposures")?;
+        let caption = columns.site().map(|site| format!("Site: {}.", site.name)).unwrap_or_default();
+        let limit = limit.or_else(|| columns.limit_mag());
+        target.write_picture(&picture(&columns, limit, typed.bin, title, &caption)?)?;
         return Ok(Outcome::Done);
     }
     let target = Target::new(&typed.picture)?;
@@ -79,14 +82,14 @@ fn grid(
     for step in 0..(DAY_S / step_s).ceil() as usize {
         let moment = seconds_after(start, step as f64 * step_s);
         let middle = seconds_after(moment, duration_s / 2.0);
-        if prepared.sky.sun_altitude_azimuth_rad(middle, &prepared.eop)?.0 <= typed.max_sun_altitude.to_radians() {
+        if prepared.sky.sun_altitude_azimuth_rad(middle, &prepared.eop)?.0 <= typed.max_sun_altitude_deg.to_radians() {
             moments.push(moment);
         }
     }
     if moments.is_empty() {
         bail!(
-            "the Sun does not sink to {} deg within a day of the start; allowed: a higher --max-sun-altitude",
-            typed.max_sun_altitude
+            "the Sun does not sink to {} deg within a day of the start; allowed: a higher --max-sun-altitude-deg",
+            typed.max_sun_altitude_deg
         );
     }
     let cells = cells_above(NSIDE, typed.min_altitude)?;
@@ -131,7 +134,7 @@ fn grid(
             "nside": NSIDE,
             "step_s": step_s,
             "min_altitude_deg": typed.min_altitude,
-            "max_sun_altitude_deg": typed.max_sun_altitude,
+            "max_sun_altitude_deg": typed.max_sun_altitude_deg,
             "limit_mag": limit,
         }),
     );
@@ -152,9 +155,10 @@ fn picture(
     let of = |column: &[f64]| kept.iter().map(|&k| column[k]).collect::<Vec<f64>>();
     let (sun, streaks, bright) = (of(&sun), of(&streaks), of(&bright));
     let has_bright = limit.is_some() && bright.iter().all(|count| count.is_finite());
+    let caption = format!("{caption}{}", columns.synthetic_words());
     Ok(sun_altitude(&SunAltitude {
         title: title.unwrap_or("Trails per exposure"),
-        caption,
+        caption: caption.trim_start(),
         sun_altitude_deg: &sun,
         n_trails: &streaks,
         n_bright: limit.filter(|_| has_bright).map(|limit| (bright.as_slice(), limit)),

@@ -1,0 +1,117 @@
+"""What the benches and their peers print, as Markdown in docs/tables/speed.md; `docs/tables.sh speed [--only NAME,...]` calls it.
+
+Each section is one run: its command, the day, the machine, and what it printed. With `--only` the other sections stay as they were.
+"""
+
+import argparse
+import os
+import re
+import subprocess
+import sys
+import tempfile
+from datetime import date
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+TABLE = ROOT / "docs" / "tables" / "speed.md"
+PEERS = Path("tests/benches/peers")
+DATA = Path(os.environ.get("STREAKCAST_DATA", ""))
+ACTIVE = DATA / "tle" / "active" / "active_2026-04-25.txt"
+
+#: The benches that need nothing but the crate, then those beside which other tools run.
+BENCHES = ["night", "catalogue", "frames", "magnitudes", "photometry", "maps", "reduce", "frame_files", "streaks"]
+#: Name of the run, its requirements beside the script, the benches to build first, and its command line.
+WITH_PEERS = {
+    "compare-peers": ("requirements.txt", ["peers"], ["compare.py", "--elements", "{active}", "--schedule", "{schedule}", "--only", "astroz=0,sgp4=100", "--rounds",
+                                                      "{rounds}", "--ours", "cargo bench -q --bench peers -- {{elements}} {{schedule}} {{fov_deg}} {{limit}}"]),
+    "photometry-peers": ("requirements-photometry.txt", ["magnitudes", "photometry"], ["photometry.py", "--rounds", "{rounds}"]),
+    "fit-peers": ("requirements-fit.txt", ["fit"], ["fit.py", "--rounds", "{rounds}"]),
+    "streaks-peers": ("requirements-streaks.txt", ["streaks"], ["streaks.py", "--rounds", "{rounds}"]),
+}  # fmt: skip
+NAMES = BENCHES + list(WITH_PEERS)
+
+
+def run(command):
+    """What a command prints; its errors as they come."""
+    return subprocess.run(command, cwd=ROOT, check=True, stdout=subprocess.PIPE, text=True).stdout
+
+
+def interpreter(requirements):
+    """Python with what a peer needs, in an environment that is kept beside the build while the file is the same; none where pip cannot."""
+    target = Path(os.environ.get("CARGO_TARGET_DIR", ROOT / "target"))
+    folder = target / "peers" / Path(requirements).stem
+    wanted, done = (ROOT / PEERS / requirements).read_text(), folder / "installed.txt"
+    python = folder / "bin" / "python"
+    if done.exists() and done.read_text() == wanted:
+        return python
+    try:
+        subprocess.run([os.environ.get("PYTHON", sys.executable), "-m", "venv", "--clear", folder], check=True)
+        # One file at a time without their own wishes where it says so: they name old releases of what is there.
+        flags = ["--no-deps"] if "# --no-deps" in wanted else []
+        subprocess.run([python, "-m", "pip", "install", "--quiet", *flags, "--requirement", ROOT / PEERS / requirements], check=True)
+    except subprocess.CalledProcessError as error:
+        print(f"*** LEFT OUT: pip cannot install {requirements}: {error} ***", file=sys.stderr)
+        return None
+    done.write_text(wanted)
+    return python
+
+
+def printed(name, rounds):
+    """The command as it is told, and what it printed; `None` where it cannot run."""
+    if name in BENCHES:
+        return f"cargo bench --bench {name}", run(["cargo", "bench", "--quiet", "--bench", name])
+    requirements, benches, words = WITH_PEERS[name]
+    if name == "compare-peers" and not ACTIVE.is_file():
+        print(f"*** LEFT OUT: {name} needs {ACTIVE} (STREAKCAST_DATA) ***", file=sys.stderr)
+        return None
+    python = interpreter(requirements)
+    if python is None:
+        return None
+    for bench in benches:
+        run(["cargo", "bench", "--quiet", "--bench", bench, "--no-run"])
+    with tempfile.TemporaryDirectory() as folder:
+        schedule = f"{folder}/schedule.csv"
+        if name == "compare-peers":
+            run([python, "tests/reference/make_bench_exposures.py", schedule])
+        words = [word.format(active=ACTIVE, schedule=schedule, rounds=rounds) for word in words]
+        return f"{PEERS / words[0]}, {rounds} rounds", run([python, PEERS / words[0], *words[1:]])
+
+
+def machine():
+    try:
+        text = Path("/proc/cpuinfo").read_text()
+    except OSError:
+        text = ""
+    model = re.search(r"^model name\s*: (.*)$", text, re.M)
+    return f"{os.cpu_count()} cores{' of ' + model[1].strip() if model else ''}"
+
+
+def section(name, command, text):
+    """A heading and the lines as they were printed: their form is the benches' own."""
+    lines = "\n".join(line.rstrip() for line in text.strip().splitlines())
+    today = f"{date.today():%-d %B %Y}"
+    return f"## {name}\n\n`{command}`, {today}, {machine()}:\n\n```text\n{lines}\n```\n"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--only", help=f"some of {','.join(NAMES)}; all where unsaid")
+    parser.add_argument("--rounds", type=int, default=3, help="of the runs with peers")
+    options = parser.parse_args()
+    asked = options.only.split(",") if options.only else NAMES
+    unknown = [name for name in asked if name not in NAMES]
+    if unknown:
+        parser.error(f"no run is called {', '.join(unknown)}; allowed: {', '.join(NAMES)}")
+    old = re.split(r"^(?=## )", TABLE.read_text(), flags=re.M) if TABLE.exists() else []
+    sections = {part[3:].splitlines()[0]: part for part in old if part.startswith("## ")}
+    for name in asked:
+        answer = printed(name, options.rounds)
+        if answer is not None:
+            sections[name] = section(name, *answer)
+    text = "\n".join(sections[name].strip() + "\n" for name in NAMES if name in sections)
+    beside = TABLE.with_suffix(".new")
+    beside.write_text(text)
+    beside.replace(TABLE)
+
+
+main()

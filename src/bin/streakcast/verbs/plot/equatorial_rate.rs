@@ -1,0 +1,189 @@
+//! `plot sky-rate --equatorial`: where among the stars an exposure has to expect how many streaks, over whole nights.
+
+use anyhow::{anyhow, bail};
+use hifitime::Epoch;
+use serde_json::{Value, json};
+use streakcast::frames::{Direction, Horizontal, Orientation, seconds_after};
+use streakcast::healpix::{cell_count, ring_cell, ring_centre_rad};
+use streakcast::passes::CountRequest;
+use streakcast::plot::{EquatorialRate, Picture, equatorial_rate};
+use streakcast::setup::{Setup, parse_duration_s};
+use streakcast::table::{Column, Kind, Provenance, Table};
+
+use crate::notices::Notices;
+use crate::plot_arguments::PlotSkyRateArguments;
+use crate::verbs::judged::{field_said, state_scales};
+
+use super::columns::Columns;
+
+const FRAME: &str = "equatorial";
+const SHORTEST_STEP_S: f64 = 30.0;
+const LONGEST_STEP_S: f64 = 3600.0;
+/// A year and a leap day.
+const MOST_NIGHTS: usize = 366;
+
+const COLUMNS: [Column; 6] = [
+    Column::new(
+        "healpix_cell",
+        Kind::Integer,
+        "Cell of right ascension and declination, HEALPix in RING order; the provenance has nside.",
+    ),
+    Column::real("ra_deg", "deg", 6, "Right ascension of the cell's centre, ICRS."),
+    Column::real("dec_deg", "deg", 6, "Declination of the cell's centre, ICRS."),
+    Column::new("exposures", Kind::Integer, "Exposures averaged: dark hours in which the place stands high enough."),
+    Column::real("streaks_per_exposure", "", 5, "Mean number of lit satellites that cross an exposure."),
+    Column::real("bright_per_exposure", "", 5, "The same of those brighter than the limit; empty without one."),
+];
+
+/// Sums over the exposures of a cell.
+#[derive(Copy, Clone, Default)]
+struct Sum {
+    exposures: usize,
+    streaks: usize,
+    bright: usize,
+}
+
+/// Exposes every cell of the site's sky again and again through the dark hours, and puts each where it stands among the stars.
+pub fn asked(
+    typed: &PlotSkyRateArguments,
+    setup: &Setup,
+    directions: &[(u64, Direction<Horizontal>)],
+    notices: &Notices,
+) -> anyhow::Result<(Table, Provenance)> {
+    let exposure = typed.exposure.as_deref().ok_or_else(|| anyhow!("--exposure is missing; allowed: as 30s"))?;
+    let duration_s = parse_duration_s("exposure", exposure)?;
+    let step_s = parse_duration_s("step", &typed.step)?;
+    if !(SHORTEST_STEP_S..=LONGEST_STEP_S).contains(&step_s) {
+        bail!("step {}; allowed: 30s to 1h", typed.step);
+    }
+    if !(-90.0..=90.0).contains(&typed.max_sun_altitude_deg) {
+        bail!("max-sun-altitude-deg {}; allowed: -90 to 90 deg", typed.max_sun_altitude_deg);
+    }
+    if typed.night.len() > MOST_NIGHTS {
+        bail!("{} nights; allowed: 1 to {MOST_NIGHTS}", typed.night.len());
+    }
+    let (field, photometry) = (setup.field_of_view()?, setup.photometry()?);
+    let places: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
+    let mut sums = vec![Sum::default(); cell_count(typed.nside) as usize];
+    let mut provenance = None;
+    for night in &typed.night {
+        let (from, to) = crate::verbs::night::range(Some(night), None, None, setup)?;
+        let prepared = setup.prepare(from, to)?;
+        let mut moments: Vec<Epoch> = Vec::new();
+        let mut moment = from;
+        while moment < to {
+            let (sun_rad, _) = prepared.sky.sun_altitude_azimuth_rad(moment, &prepared.eop)?;
+            if sun_rad <= typed.max_sun_altitude_deg.to_radians() {
+                moments.push(moment);
+            }
+            moment = seconds_after(moment, step_s);
+        }
+        let request = CountRequest {
+            directions: &places,
+            moments: &moments,
+            duration_s,
+            field: &field,
+            photometry,
+            limit_mag: typed.limit_mag,
+        };
+        let counts = prepared.sky.streak_counts(&request, &prepared.eop)?;
+        let observer = prepared.sky.viewpoint().site().ok_or_else(|| anyhow!("a sky over a site needs a site"))?;
+        for (moment, all) in moments.iter().zip(&counts.by_moment) {
+            let from_horizon = observer.state(&Orientation::at(*moment, &prepared.eop)).horizon.inverse();
+            for (place, count) in places.iter().zip(all) {
+                let star = from_horizon * *place;
+                let cell = ring_cell(typed.nside, star.longitude_rad(), star.latitude_rad());
+                if let Some(sum) = cell.and_then(|cell| sums.get_mut(cell as usize)) {
+                    sum.exposures += 1;
+                    sum.streaks += count.streaks;
+                    sum.bright += count.bright;
+                }
+            }
+        }
+        if provenance.is_none() {
+            notices.warn(&prepared.warnings);
+            notices.warn(&prepared.left_out_warning(&counts.left_out, from)?);
+            provenance = Some(prepared.provenance);
+        }
+    }
+    if sums.iter().all(|sum| sum.exposures == 0) {
+        bail!(
+            "the Sun does not sink to {} deg in these nights; allowed: a higher --max-sun-altitude-deg",
+            typed.max_sun_altitude_deg
+        );
+    }
+    let mut provenance = provenance.unwrap_or_default();
+    state_scales(&mut provenance, "utc", &photometry);
+    provenance.state(
+        "options",
+        json!({
+            "frame": FRAME,
+            "nights": typed.night,
+            "exposure_s": duration_s,
+            "field": field_said(setup),
+            "nside": typed.nside,
+            "step_s": step_s,
+            "min_altitude_deg": typed.min_altitude,
+            "max_sun_altitude_deg": typed.max_sun_altitude_deg,
+            "limit_mag": typed.limit_mag,
+        }),
+    );
+    Ok((table(typed.nside, &sums, typed.limit_mag.is_some()), provenance))
+}
+
+fn table(nside: u32, sums: &[Sum], has_limit: bool) -> Table {
+    let row = |(cell, sum): (usize, &Sum)| {
+        let (right_ascension, declination) = ring_centre_rad(nside, cell as u64)?;
+        let mean = |count: usize| count as f64 / sum.exposures as f64;
+        (sum.exposures > 0).then(|| {
+            vec![
+                (cell as i64).into(),
+                right_ascension.to_degrees().into(),
+                declination.to_degrees().into(),
+                sum.exposures.into(),
+                mean(sum.streaks).into(),
+                has_limit.then(|| mean(sum.bright)).into(),
+            ]
+        })
+    };
+    Table { columns: COLUMNS.to_vec(), rows: sums.iter().enumerate().filter_map(row).collect() }
+}
+
+/// True of a table that this wrote.
+pub fn is_of(columns: &Columns) -> bool {
+    columns.stated("options").and_then(|options| options.get("frame")).and_then(Value::as_str) == Some(FRAME)
+}
+
+pub fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
+    let options = columns.stated("options").cloned().unwrap_or_default();
+    let number = |name: &str| options.get(name).and_then(Value::as_f64);
+    let nside = number("nside")
+        .ok_or_else(|| anyhow!("this table does not say its nside; allowed: the data of plot sky-rate --equatorial"))?;
+    let limit = number("limit_mag");
+    let rate = columns.numbers(if limit.is_some() { "bright_per_exposure" } else { "streaks_per_exposure" })?;
+    let cells: Vec<u64> = columns.numbers("healpix_cell")?.into_iter().map(|cell| cell as u64).collect();
+    let bright = limit.map(|limit| format!(" brighter than {limit} mag")).unwrap_or_default();
+    let signed = |name: &str| number(name).map(|value| format!("{value}").replace('-', "−")).unwrap_or_default();
+    let nights: Vec<&str> =
+        options.get("nights").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect();
+    let nights = match nights.as_slice() {
+        [one] => format!("the night of {one}"),
+        [first, .., last] => format!("{} nights from {first} to {last}", nights.len()),
+        [] => "nights".to_owned(),
+    };
+    let site = columns.stated("site").and_then(|site| site.get("name")).and_then(Value::as_str).unwrap_or_default();
+    Ok(equatorial_rate(&EquatorialRate {
+        title: title
+            .unwrap_or(&format!("Streaks{bright} per exposure of {} s", number("exposure_s").unwrap_or(f64::NAN))),
+        caption: &format!(
+            "Site: {site}. Means over the hours of {nights} in which the Sun is below {}° and the place above {}°, every {:.0} min, HEALPix nside {nside}.{}",
+            signed("max_sun_altitude_deg"),
+            signed("min_altitude_deg"),
+            number("step_s").unwrap_or(f64::NAN) / 60.0,
+            columns.synthetic_words()
+        ),
+        nside: nside as u32,
+        cells: &cells,
+        rate: &rate,
+    })?)
+}

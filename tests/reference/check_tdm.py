@@ -1,0 +1,91 @@
+"""Tracking data messages of `forecast`, read by a program that is not ours (ccsds-ndm) and held against the table of the same passes.
+
+    python -m venv venv && venv/bin/pip install -r tests/reference/requirements-tdm.txt
+    venv/bin/python tests/reference/check_tdm.py target/debug/streakcast
+
+Every pass must be a segment with its satellite, its scale of time and its angles; begin, highest and end and the peak's magnitude must be those of the
+table. Prints the greatest differences; ends with an error where one is more than the digits that are written.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+from datetime import datetime
+from pathlib import Path
+
+from ccsds_ndm.models.ndmxml4 import AngleTypeType, Tdm
+from ccsds_ndm.ndm_io import NdmIo
+
+ASKED = ["forecast", "--shells", "starlink-gen1", "--mpc", "X05", "--night", "2024-08-14", "--max-mag", "5.6", "--quiet"]
+#: Half of the last digit that the table has: angles in 0.001 deg, magnitudes in 0.001 mag; times to the microsecond.
+ANGLE_DEG, MAGNITUDE, TIME_S = 6e-4, 6e-4, 2e-6
+
+
+def moment(text):
+    return datetime.fromisoformat(text.rstrip("Z"))
+
+
+def apart_deg(a, b):
+    return abs((a - b + 180.0) % 360.0 - 180.0)
+
+
+def by_time(segment):
+    """What is told of each moment: first angle, second angle, magnitude."""
+    told = {}
+    for one in segment.data.observation:
+        at = told.setdefault(moment(one.epoch), {})
+        for name in ("angle_1", "angle_2", "mag"):
+            value = getattr(one, name)
+            if value is not None:
+                at[name] = float(getattr(value, "value", value))
+    return told
+
+
+def nearest(told, text):
+    at = moment(text)
+    key = min(told, key=lambda other: abs((other - at).total_seconds()))
+    assert abs((key - at).total_seconds()) <= TIME_S, f"no observation at {text}: {sorted(told)}"
+    return told[key]
+
+
+def main():
+    binary = sys.argv[1]
+    compared = 0
+    worst = {"angle": 0.0, "magnitude": 0.0}
+    with tempfile.TemporaryDirectory() as folder:
+        def write(name, *more):
+            path = Path(folder) / name
+            subprocess.run([binary, *ASKED, *more, "--output", str(path)], check=True)
+            return path
+
+        passes = json.loads(write("passes.json", "--format", "json").read_text())["passes"]
+        assert passes, "no passes to compare"
+        for angles, expected in (("radec", AngleTypeType.RADEC), ("azel", AngleTypeType.AZEL)):
+            message = NdmIo().from_path(write(f"{angles}.tdm", "--format", "tdm", "--angle-type", angles))
+            assert isinstance(message, Tdm) and message.version == "2.0", message.version
+            assert len(message.body.segment) == len(passes), f"{len(message.body.segment)} segments of {len(passes)} passes"
+            for segment, row in zip(message.body.segment, passes):
+                about = segment.metadata
+                assert (about.participant_1, about.participant_2) == ("X05", str(row["norad_id"])), about
+                assert about.time_system == "UTC" and about.angle_type == expected, about
+                told = by_time(segment)
+                assert all(0 <= at["angle_1"] < 360 and -90 <= at["angle_2"] <= 90 for at in told.values())
+                # A peak or a highest moment that is the pass's own border may lie some 10 ms beyond it, as they are closed in on apart; the message has the border.
+                inside = [when for when in ("begin", "highest", "peak", "end") if row["begin_utc"] <= row[f"{when}_utc"] <= row["end_utc"]]
+                compared += len(inside)
+                if "peak" in inside:
+                    worst["magnitude"] = max(worst["magnitude"], abs(nearest(told, row["peak_utc"])["mag"] - row["peak_magnitude"]))
+                if angles == "azel":
+                    for when in inside:
+                        at = nearest(told, row[f"{when}_utc"])
+                        # Near the zenith an azimuth is worth less than its digits.
+                        pairs = ((at["angle_1"], row[f"{when}_azimuth_deg"]), (at["angle_2"], row[f"{when}_altitude_deg"]))
+                        worst["angle"] = max(worst["angle"], *(apart_deg(a, b) for a, b in pairs))
+    # Most: what is left out are peaks on the border of a shadow.
+    assert compared > 0.9 * 8 * len(passes), f"{compared} of {8 * len(passes)}"
+    print(f"{len(passes)} passes, {compared} moments, read by ccsds-ndm: angles within {worst['angle']:.1e} deg, magnitudes within {worst['magnitude']:.1e} mag")
+    assert worst["angle"] <= ANGLE_DEG and worst["magnitude"] <= MAGNITUDE
+
+
+main()
