@@ -4,6 +4,7 @@ use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::mpsc::{self, Sender};
 
 use rayon::prelude::*;
 
@@ -18,6 +19,9 @@ use super::tiles::{Rebuilt, TileImage};
 
 /// Bytes that go from the input to the output at once: whole pixels of every type, whole words of sums, and few enough to stay in a processor's cache.
 const CHUNK: usize = 1 << 17;
+
+/// Bytes of a stretch of the data that one thread takes: whole chunks.
+const STRETCH: usize = 1 << 22;
 
 /// Changes to one image.
 #[derive(Debug)]
@@ -144,19 +148,25 @@ impl PixelEdit {
         }
     }
 
-    /// For an image as it is: its data from the input into the file at `output` from `to` on, changed on the way; their sum, if it is wanted.
+    /// For an image as it is: its data from the input into `output`, the file at `path`, from `to` on, changed on the way; their sum, if it is wanted.
     ///
-    /// Each thread of the caller's pool takes one stretch of the data through files that it opens for itself.
-    pub(super) fn stream(&mut self, output: &Path, to: u64, is_summed: bool) -> io::Result<Option<u32>> {
+    /// Stretches of the data go through files that each thread of the caller's pool opens for itself; what is written is on its way to the disk while
+    /// the next stretches are made.
+    pub(super) fn stream(&mut self, output: &File, path: &Path, to: u64, is_summed: bool) -> io::Result<Option<u32>> {
         let length = self.info.data_length as usize;
-        let stretch = length.div_ceil(CHUNK).div_ceil(rayon::current_num_threads()).max(1) * CHUNK;
-        let stretches = (0..length).into_par_iter().step_by(stretch);
-        let ends: Vec<(Changed, u32)> = stretches
-            .map(|from| self.stream_part(from..length.min(from + stretch), output, to, is_summed))
-            .collect::<io::Result<_>>()?;
-        ends.iter().for_each(|(changed, _)| self.changed += *changed);
+        let stretches = (0..length).into_par_iter().step_by(STRETCH);
+        let done = flushed_meanwhile(output, |written| {
+            let part = |written: &mut Sender<()>, from: usize| {
+                let done = self.stream_part(from..length.min(from + STRETCH), path, to, is_summed)?;
+                // Nobody listens any more where the disk failed, which is told in the end.
+                let _ = written.send(());
+                Ok(done)
+            };
+            stretches.map_with(written, part).collect::<io::Result<Vec<(Changed, u32)>>>()
+        })?;
+        done.iter().for_each(|(changed, _)| self.changed += *changed);
         // The sum of sums is the sum of all: every stretch but the last is of whole words.
-        Ok(is_summed.then(|| ends.iter().fold(0, |sum, (_, part)| checksum::sum(sum, &part.to_be_bytes()))))
+        Ok(is_summed.then(|| done.iter().fold(0, |sum, (_, part)| checksum::sum(sum, &part.to_be_bytes()))))
     }
 
     fn stream_part(&self, part: Range<usize>, output: &Path, to: u64, is_summed: bool) -> io::Result<(Changed, u32)> {
@@ -192,6 +202,24 @@ impl PixelEdit {
                 .set(old, old + sum + between_steps(pixel, format.step()), |new| format.put(bytes, pixel - first, new));
         });
     }
+}
+
+/// Does some work that writes to a file, while what it says to be written is brought to the disk.
+fn flushed_meanwhile<T: Send>(file: &File, work: impl FnOnce(Sender<()>) -> io::Result<T>) -> io::Result<T> {
+    let (sender, receiver) = mpsc::channel();
+    std::thread::scope(|scope| {
+        let flusher = scope.spawn(move || {
+            while receiver.recv().is_ok() {
+                // One flush for all that was written since the last.
+                while receiver.try_recv().is_ok() {}
+                file.sync_data()?;
+            }
+            Ok(())
+        });
+        let done = work(sender);
+        let flushed = flusher.join().unwrap_or_else(|_| Err(io::Error::other("the thread that flushes stopped")));
+        flushed.and(done)
+    })
 }
 
 /// A fraction of the step between two values that a pixel can take, from minus to plus half of it: with it light of less than half a step is not rounded away
