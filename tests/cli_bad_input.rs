@@ -63,7 +63,7 @@ fn what_is_allowed_stands_beside_what_is_unknown() {
     fails(&[&["plto"]], &["'plto'", "allowed: passes, flag, annotate"]);
     fails(&[&["fit", "rnu"]], &["'rnu'", "reduce", "run"]);
     #[cfg(feature = "plot")]
-    fails(&[&["plot", "nite"]], &["'nite'", "allowed: night, field, light-curve, sky-rate"]);
+    fails(&[&["plot", "nite"]], &["'nite'", "allowed: night, field, light-curve, sky-chart, sky-rate"]);
     #[cfg(feature = "serve")]
     fails(
         &[&["serve", "--schedule", "x", "--bind", "nonsense"]],

@@ -85,9 +85,9 @@ else
         -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
     step "example charts" cargo run --quiet --example charts -- "$log"
     step "the gate against INDI's server and simulators" tests/indi.sh
-    # With a detector from the package index; STREAKCAST_PLUGINS=no leaves it out with the plugins.
+    # With programs from the package index; STREAKCAST_PLUGINS=no leaves them out with the plugins.
     if [ "${STREAKCAST_PLUGINS:-yes}" != no ]; then
-        step "injected streaks, found by acstools" tests/recover.sh
+        step "what comes out, read by others" tests/independent.sh
     fi
     # In a browser, under load and a fuzz; chromium, npm and pip are asked for what is needed. STREAKCAST_SERVE=no leaves it out.
     if [ "${STREAKCAST_SERVE:-yes}" = no ]; then

@@ -1,6 +1,6 @@
 """Tracking data messages of `forecast`, read by a program that is not ours (ccsds-ndm) and held against the table of the same passes.
 
-    python -m venv venv && venv/bin/pip install -r tests/reference/requirements-tdm.txt
+    tests/independent.sh, or
     venv/bin/python tests/reference/check_tdm.py target/debug/streakcast
 
 Every pass must be a segment with its satellite, its scale of time and its angles; begin, highest and end and the peak's magnitude must be those of the

@@ -1,6 +1,6 @@
 """Streaks that `streakcast inject` put into frames, found again by detectors that nobody here wrote.
 
-    tests/recover.sh, or
+    tests/independent.sh, or
     venv/bin/python tests/reference/recover_streaks.py target/release/streakcast ../shared/data
 
 Place and angle: acstools' median Radon transform (findsat_mrt), which knows nothing of the truth. Flux: NumPy's integral of the median cut across the
@@ -66,7 +66,7 @@ failed = 0
 print(f"{'frame':24}{'angle deg':>12}{'place pix':>12}{'flux':>9}{'width':>9}")
 for name, what, magnitude, more, hdu in CASES:
     if what[0] == "--image" and not what[1].is_file():
-        print(f"*** SKIPPED recover.sh: {name}: no {what[1]}")
+        print(f"*** SKIPPED independent.sh: {name}: no {what[1]}")
         continue
     with tempfile.TemporaryDirectory() as folder:
         out, truth = inject(what, magnitude, more, 3, pathlib.Path(folder))

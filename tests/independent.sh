@@ -1,22 +1,24 @@
 #!/usr/bin/env bash
-# Injected streaks, found again by a detector that nobody here wrote (acstools), in an environment of its own. About a minute on two cores.
+# What comes out, read by programs that nobody here wrote, in an environment of their own: tracking data messages by ccsds-ndm, injected streaks
+# by acstools. About a minute on two cores.
 # STREAKCAST_BIN names the binary; else it is built. Frames that are not there are left out loudly, the synthetic one never.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 python=${PYTHON:-python3}
-"$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "tests/recover.sh: $python is older than 3.11" >&2; exit 2; }
+"$python" -c 'import sys; sys.exit(sys.version_info < (3, 11))' || { echo "tests/independent.sh: $python is older than 3.11" >&2; exit 2; }
 target=${CARGO_TARGET_DIR:-target}
 if [ -z "${STREAKCAST_BIN:-}" ]; then
     cargo build --quiet
     STREAKCAST_BIN=$target/debug/streakcast
 fi
 # The environment stays from run to run while the pins are the same.
-venv=$target/recover-venv requirements=tests/reference/requirements.txt
+venv=$target/independent-venv requirements=tests/reference/requirements.txt
 if ! sha256sum --check --status "$venv/requirements.sha256" 2>/dev/null; then
     rm -rf "$venv"
     "$python" -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check --requirement "$requirements"
     sha256sum "$requirements" >"$venv/requirements.sha256"
 fi
+"$venv/bin/python" tests/reference/check_tdm.py "$STREAKCAST_BIN"
 "$venv/bin/python" tests/reference/recover_streaks.py "$STREAKCAST_BIN" "${STREAKCAST_DATA:-../shared/data}"
