@@ -17,7 +17,8 @@ copyright = author  # noqa: A001 - the name that Sphinx asks for
 release = re.search(r'^version = "(.*)"', (ROOT / "Cargo.toml").read_text(), re.MULTILINE).group(1)
 
 extensions = ["myst_parser", "sphinx.ext.autodoc", "sphinx.ext.autosummary", "numpydoc"]
-exclude_patterns = ["_build"]
+# The tables are parts of pages.
+exclude_patterns = ["_build", "tables"]
 html_theme = "furo"
 html_title = f"streakcast {release}"
 html_theme_options = {"source_directory": "docs/"}

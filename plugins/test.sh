@@ -41,11 +41,12 @@ environment() {
     fi
 }
 
-# A Python 3.10 that runs: pyenv's shims stand in the PATH also where they lead to nothing.
+# A Python 3.10 that runs and makes environments: pyenv's shims stand in the PATH also where they lead to nothing.
 python_3_10() {
-    local one
-    for one in python3.10 $(command -v pyenv >/dev/null && ls -d "$(pyenv root)"/versions/3.10*/bin/python 2>/dev/null); do
-        if "$one" -c 'import sys; sys.exit(sys.version_info[:2] != (3, 10))' >/dev/null 2>&1; then
+    local one root=""
+    if command -v pyenv >/dev/null; then root=$(pyenv root); fi
+    for one in python3.10 "$root"/versions/3.10*/bin/python; do
+        if "$one" -c 'import ensurepip, sys; sys.exit(sys.version_info[:2] != (3, 10))' >/dev/null 2>&1; then
             echo "$one"
             return
         fi
@@ -86,7 +87,7 @@ done
 if [[ " ${names[*]} " == *" python "* ]]; then
     oldest=$(python_3_10)
     if [ -z "$oldest" ]; then
-        echo "*** SKIPPED the wheel under Python 3.10: there is none, in the PATH or among pyenv's ***"
+        echo "*** SKIPPED the wheel under Python 3.10: there is none with venv, in the PATH or among pyenv's ***"
     else
         echo "plugins/python under $("$oldest" -V)"
         environment python-3.10 "$oldest" plugins/python/requirements-3.10.txt

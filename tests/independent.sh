@@ -12,13 +12,14 @@ if [ -z "${STREAKCAST_BIN:-}" ]; then
     cargo build --quiet
     STREAKCAST_BIN=$target/debug/streakcast
 fi
-# The environment stays from run to run while the pins are the same.
+# The environment stays from run to run while the pins and Python are the same.
 venv=$target/independent-venv requirements=tests/reference/requirements.txt
-if ! sha256sum --check --status "$venv/requirements.sha256" 2>/dev/null; then
+made_of=$({ "$python" -VV; "$python" -c 'import sys; print(sys.base_prefix)'; cat "$requirements"; } | sha256sum)
+if [ "$(cat "$venv/made-of" 2>/dev/null)" != "$made_of" ]; then
     rm -rf "$venv"
     "$python" -m venv "$venv"
     "$venv/bin/pip" install --quiet --disable-pip-version-check --requirement "$requirements"
-    sha256sum "$requirements" >"$venv/requirements.sha256"
+    echo "$made_of" >"$venv/made-of"
 fi
 "$venv/bin/python" tests/reference/check_tdm.py "$STREAKCAST_BIN"
 "$venv/bin/python" tests/reference/recover_streaks.py "$STREAKCAST_BIN" "${STREAKCAST_DATA:-../shared/data}"
