@@ -104,14 +104,23 @@ def main():
         parser.error(f"no run is called {', '.join(unknown)}; allowed: {', '.join(NAMES)}")
     old = re.split(r"^(?=## )", TABLE.read_text(), flags=re.M) if TABLE.exists() else []
     sections = {part[3:].splitlines()[0]: part for part in old if part.startswith("## ")}
+    left_out = []
     for name in asked:
-        answer = printed(name, options.rounds)
-        if answer is not None:
-            sections[name] = section(name, *answer)
-    text = "\n".join(sections[name].strip() + "\n" for name in NAMES if name in sections)
-    beside = TABLE.with_suffix(".new")
-    beside.write_text(text)
-    beside.replace(TABLE)
+        try:
+            answer = printed(name, options.rounds)
+        except subprocess.CalledProcessError as error:
+            print(f"*** LEFT OUT: {name}: {error} ***", file=sys.stderr)
+            answer = None
+        if answer is None:
+            left_out.append(name)
+            continue
+        # After each run: the next may fail, or the machine.
+        sections[name] = section(name, *answer)
+        beside = TABLE.with_suffix(".new")
+        beside.write_text("\n".join(sections[name].strip() + "\n" for name in NAMES if name in sections))
+        beside.replace(TABLE)
+    if left_out:
+        sys.exit(f"left out: {', '.join(left_out)}")
 
 
 main()

@@ -43,6 +43,8 @@ skipped() {
 counts() {
     grep -ahoE '\*\*\* SKIPPED [^ ]+: no real data' "$log/all" | sed 's/\*\*\* SKIPPED /left out (no data folder): /; s/: no real data$//' | sort -u || true
     grep -ahoE '\*\*\* SKIPPED .*' "$log/all" | grep -vE ': no real data' | sed 's/\*\*\* SKIPPED /left out: /; s/ \*\*\*$//; s/"*, stacklevel.*//' | sort -u || true
+    # What was measured by the way, which is no test.
+    grep -ahoE '[0-9]+ moves: median.*|[0-9]+ passes, .* read by ccsds-ndm.*' "$log/all" || true
     awk '/^test result:/ { passed += $4; failed += $6; ignored += $8; suites += 1 }
          / in [0-9.]+s/ && !/^test result:/ && /[0-9]+ (passed|failed|skipped|error)/ {
              python += 1
