@@ -57,11 +57,41 @@ fn flag(schedule: &str) -> Vec<&str> {
     [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
 }
 
+/// Nobody who asks for Parquet gets lines of text in its place.
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn parquet_is_refused_where_it_cannot_be_written() {
+    let folder = TempDir::new().unwrap();
+    let schedule = file(&folder, "s.csv", HEADER.as_bytes());
+    for name in ["out.parquet", "OUT.PARQUET"] {
+        let out = folder.path().join(name);
+        fails(
+            &[&flag(&schedule), &["-o", out.to_str().unwrap()]],
+            &["'parquet' needs a build with", "allowed: table, csv"],
+        );
+        assert!(!out.exists());
+    }
+}
+
+/// A word that is no text is an unknown word as any other.
+#[cfg(unix)]
+#[test]
+fn a_word_that_is_no_text_gets_one_line() {
+    use std::os::unix::ffi::OsStrExt;
+    let word = std::ffi::OsStr::from_bytes(b"fore\xff");
+    let output = Command::new(STREAKCAST).arg(word).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.starts_with("error: ") && said.contains("allowed: passes, flag"), "{said}");
+}
+
 /// An unknown word is told what words there are, and a number as it was typed.
 #[test]
 fn what_is_allowed_stands_beside_what_is_unknown() {
     fails(&[&["plto"]], &["'plto'", "allowed: passes, flag, annotate"]);
     fails(&[&["fit", "rnu"]], &["'rnu'", "reduce", "run"]);
+    #[cfg(feature = "plot")]
+    fails(&[&["plot", "plot"]], &["'plot'", "allowed: night, field"]);
     #[cfg(feature = "plot")]
     fails(&[&["plot", "nite"]], &["'nite'", "allowed: night, field, light-curve, sky-chart, sky-rate"]);
     #[cfg(feature = "serve")]

@@ -154,6 +154,9 @@ fn limits_are_flags_and_a_policy_that_cannot_be_read_is_an_error() {
     for part in ["limit_mag 7", "margin_s 3", "max_delay_s 120"] {
         assert!(words.contains(part), "{words}");
     }
+    std::fs::write(&policy, "margin_s = 5\n").unwrap();
+    let (_, _, words) = about(&["--policy", &policy]);
+    assert!(words.starts_with("no limit was said") && words.contains("margin_s 5"), "{words}");
     std::fs::write(&policy, "limit_magg = 7\n").unwrap();
     let (code, severity, words) = about(&["--policy", &policy]);
     assert!(code == 2 && severity == "error" && words.contains("limit_magg"), "{words}");

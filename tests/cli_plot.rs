@@ -430,7 +430,14 @@ fn verif_what_forecast_wrote_is_drawn() {
             said.iter().any(|words| words == "magnitude, ±1σ") && !said.iter().any(|words| words == "in the field")
         );
     }
+    // A night without a pass is an empty sky; of no pass there is no light curve.
+    let empty = path(&folder, "empty.json");
+    let (code, _, stderr) = run(&[&night[..3], &["--max-mag", "-9", "--samples", "5", "-o", &empty], SKY]);
+    assert_eq!(code, 0, "{stderr}");
+    drawn(&folder, "empty", &[&["sky-chart", "--from", &empty]], 0);
+    assert!(words(&path(&folder, "empty.svg")).iter().any(|words| words == "no pass"));
     let out = path(&folder, "x.png");
+    fails(&[&["light-curve", "--from", &empty, "-o", &out]], &["it has no pass"]);
     let table = path(&folder, "plain.csv");
     run(&[&night[..7], SKY, &["-o", &table]]);
     for plot in ["sky-chart", "light-curve"] {
@@ -526,6 +533,12 @@ fn verif_the_rate_over_right_ascension_and_declination() {
     let above = 12.0;
     assert!(all % above == 0.0 && all >= 5.0 * above, "{all}");
     assert!(rate.iter().zip(&exposures).all(|(rate, n)| (rate * n - (rate * n).round()).abs() < 1e-3 * n));
+    // A night said twice is one night, and a configuration may say the exposure.
+    let config = path(&folder, "config.toml");
+    fs::write(&config, "exposure = \"30s\"\n").unwrap();
+    let night: Vec<&str> = asked.iter().copied().filter(|word| !["--exposure", "30s"].contains(word)).collect();
+    drawn(&folder, "twice", &[&night[..], FIELD, &["--night", "2026-08-14", "--config", &config]], 0);
+    assert!(fs::read(path(&folder, "twice.png")).unwrap() == fs::read(path(&folder, "stars.png")).unwrap());
     let again: &[&str] = &["sky-rate", "--from", &path(&folder, "stars-data.ecsv")];
     drawn(&folder, "again", &[again], 0);
     assert!(fs::read(path(&folder, "again.png")).unwrap() == fs::read(path(&folder, "stars.png")).unwrap());
@@ -536,6 +549,10 @@ fn verif_the_rate_over_right_ascension_and_declination() {
         (
             vec!["--equatorial", "--night", "2026-12-21", "--exposure", "30s", "--max-sun-altitude-deg", "-80"],
             "does not sink to -80 deg",
+        ),
+        (
+            vec!["--equatorial", "--night", "2026-08-14", "--exposure", "30s", "--nside", "2", "--min-altitude", "80"],
+            "no cell of nside 2 has its centre above 80 deg",
         ),
     ] {
         fails(&[&["sky-rate"], &words[..], SKY, FIELD, &["-o", &x]], &[part]);

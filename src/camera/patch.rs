@@ -160,6 +160,9 @@ impl Patch {
         rows().for_each(|span| extents.add(span.row, cut(&span)));
         let mut patch = extents.into_patch();
         patch.fill(|row, first, values| {
+            if values.is_empty() {
+                return;
+            }
             let span = self.row(row);
             values.copy_from_slice(&span.values[first - span.first_column..][..values.len()]);
         });
@@ -270,4 +273,30 @@ fn whole_within(least: f64, greatest: f64, count: usize) -> Range<usize> {
     // A cast of what is too large, too small or not a number ends at a border.
     let (start, end) = (least.ceil().max(0.0) as usize, (greatest.floor() + 1.0).max(0.0) as usize);
     start.min(count)..end.min(count)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_light_within_an_area_is_the_same_there_and_none_elsewhere() {
+        // A way that bows out of the area and back.
+        let mut extents = PatchRows::new(8, 20);
+        [(2, 6..9), (3, 2..4), (4, 3..9), (6, 0..20)].into_iter().for_each(|(row, columns)| extents.add(row, columns));
+        let mut patch = extents.into_patch();
+        patch.fill(|row, first, values| {
+            (first..).zip(values).for_each(|(column, value)| *value = (100 * row + column) as f32);
+        });
+        let cut = patch.clone().within(&LightArea { rows: 2..6, columns: 5..20 });
+        for row in 0..8 {
+            for column in 0..20 {
+                let is_inside = (2..6).contains(&row) && column >= 5;
+                assert_eq!(cut.at(row, column), if is_inside { patch.at(row, column) } else { 0.0 }, "{row} {column}");
+            }
+        }
+        assert_eq!(cut.len(), 3 + 4);
+        assert_eq!(patch.clone().within(&LightArea::whole(8, 20)), patch);
+        assert!(patch.within(&LightArea { rows: 0..2, columns: 0..20 }).is_empty());
+    }
 }

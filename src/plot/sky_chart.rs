@@ -63,13 +63,11 @@ pub struct SkyTrack {
 
 /// Draws the sky as one sees it lying on the back, north up and east left: every pass in the colours of its magnitudes, grey where nothing is seen, with
 /// an arrow where it sets, and beside it a list with the times of its ends and its brightest magnitude. Up to three passes have times along them.
+/// Without a pass the sky says so.
 ///
 /// # Errors
-/// No pass, fewer than two points, columns of unequal length, times that do not grow, altitudes that are none.
+/// Fewer than two points, columns of unequal length, times that do not grow, altitudes that are none.
 pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
-    if input.tracks.is_empty() {
-        return Err(PlotError::Empty { what: "passes".to_owned() });
-    }
     input.tracks.iter().try_for_each(held)?;
     let lines: Vec<Vec<(f64, f64)>> = input.tracks.iter().map(SkyTrack::line).collect();
     let mut picture = Picture::new(WIDTH as usize, HEIGHT);
@@ -94,6 +92,9 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     }
     // Over the tracks, that they can be read.
     CIRCLES_DEG.iter().for_each(|altitude| picture.note(&format!("{altitude:.0}°"), at(112.5, *altitude)));
+    if input.tracks.is_empty() {
+        picture.note("no pass", at(180.0, 80.0));
+    }
     if input.tracks.len() <= MOST_TIMED {
         input.tracks.iter().for_each(|track| times_along(&mut picture, track));
     }

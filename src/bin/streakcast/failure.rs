@@ -4,7 +4,7 @@ use std::io;
 use std::process::ExitCode;
 
 use clap::CommandFactory;
-use clap::error::{ContextKind, ContextValue, ErrorKind};
+use clap::error::ErrorKind;
 
 use crate::arguments::Arguments;
 
@@ -78,12 +78,11 @@ fn names_beside(error: &clap::Error) -> Option<String> {
     if error.kind() != ErrorKind::InvalidSubcommand {
         return None;
     }
-    let Some(ContextValue::String(unknown)) = error.get(ContextKind::InvalidSubcommand) else { return None };
+    // Verbs stand first: the first word that is none is the unknown one.
     let mut command = Arguments::command();
-    for word in std::env::args().skip(1).take_while(|word| word != unknown) {
-        if let Some(inner) = command.find_subcommand(&word) {
-            command = inner.clone();
-        }
+    for word in std::env::args_os().skip(1) {
+        let Some(inner) = command.find_subcommand(word) else { break };
+        command = inner.clone();
     }
     let names: Vec<&str> =
         command.get_subcommands().filter(|one| !one.is_hide_set()).map(clap::Command::get_name).collect();

@@ -49,11 +49,11 @@ impl Format {
             _ => None,
         }
     }
+}
 
-    /// By the end of a file's name, in any case.
-    fn by_extension(path: &Path) -> Option<Self> {
-        path.extension().and_then(OsStr::to_str).and_then(|name| Self::by_name(&name.to_ascii_lowercase()))
-    }
+/// The end of a file's name in small letters; empty where it has none.
+fn extension(path: &Path) -> String {
+    path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase()
 }
 
 /// An answer: its main table, what JSON has beside it, and what a screen shows of it.
@@ -80,17 +80,19 @@ impl Output {
     /// That a file can be made there is checked now, before any work. A path of `-` is standard output.
     pub fn new(format: Option<&str>, path: Option<PathBuf>) -> anyhow::Result<Self> {
         let path = path.filter(|path| path != Path::new(STANDARD_OUTPUT));
-        let unsaid = || match &path {
-            Some(path) => Format::by_extension(path).unwrap_or(Format::Csv),
-            None if stdout().is_terminal() => Format::Table,
-            None => Format::Csv,
-        };
         let unknown = |name| match name {
             "parquet" => anyhow!("format 'parquet' needs a build with the cargo feature parquet; allowed: {FORMATS}"),
             name => anyhow!("format '{name}' is not known; allowed: {FORMATS}"),
         };
         let by_name = |name| Format::by_name(name).ok_or_else(|| unknown(name));
-        let format = format.map(by_name).transpose()?.unwrap_or_else(unsaid);
+        let unsaid = || match &path {
+            // Nobody who asks for this wants lines of text in its place.
+            Some(path) if extension(path) == "parquet" => by_name("parquet"),
+            Some(path) => Ok(Format::by_name(&extension(path)).unwrap_or(Format::Csv)),
+            None if stdout().is_terminal() => Ok(Format::Table),
+            None => Ok(Format::Csv),
+        };
+        let format = format.map_or_else(unsaid, by_name)?;
         if let Some(path) = &path {
             check(path)?;
         }

@@ -201,7 +201,7 @@ impl FrameCopy {
                 }
                 (None, Some(edit)) => {
                     let start = at + header_length;
-                    sum = edit.stream(output, self.output.path(), start, is_summed)?;
+                    sum = edit.stream(&self.input, output, start, is_summed)?;
                     output.seek(SeekFrom::Start(start + length))?;
                 }
                 (None, None) => copy_range(&mut self.input, output, data.clone())?,

@@ -19,6 +19,7 @@ mod output;
 mod overlay;
 mod pixel_edit;
 mod pixel_format;
+mod positioned;
 mod tiles;
 
 pub use cfitsio::Rice;

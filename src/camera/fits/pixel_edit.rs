@@ -1,7 +1,7 @@
 //! The pixels of one image as they are to be: its own, with light added and values changed.
 
 use std::fs::File;
-use std::io::{self, Read, Seek, SeekFrom, Write};
+use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::sync::mpsc::{self, Sender};
@@ -15,6 +15,7 @@ use super::deltas::Deltas;
 use super::error::FrameError;
 use super::hdu::{HduInfo, HduKind};
 use super::overlay::Overlay;
+use super::positioned::{read_exact_at, write_all_at};
 use super::tiles::{Rebuilt, TileImage};
 
 /// Bytes that go from the input to the output at once: whole pixels of every type, whole words of sums, and few enough to stay in a processor's cache.
@@ -148,16 +149,15 @@ impl PixelEdit {
         }
     }
 
-    /// For an image as it is: its data from the input into `output`, the file at `path`, from `to` on, changed on the way; their sum, if it is wanted.
+    /// For an image as it is: its data from the input into the output from `to` on, changed on the way; their sum, if it is wanted.
     ///
-    /// Stretches of the data go through files that each thread of the caller's pool opens for itself; what is written is on its way to the disk while
-    /// the next stretches are made.
-    pub(super) fn stream(&mut self, output: &File, path: &Path, to: u64, is_summed: bool) -> io::Result<Option<u32>> {
+    /// Threads of the caller's pool take stretches of the data; what is written is on its way to the disk while the next stretches are made.
+    pub(super) fn stream(&mut self, input: &File, output: &File, to: u64, is_summed: bool) -> io::Result<Option<u32>> {
         let length = self.info.data_length as usize;
         let stretches = (0..length).into_par_iter().step_by(STRETCH);
         let done = flushed_meanwhile(output, |written| {
             let part = |written: &mut Sender<()>, from: usize| {
-                let done = self.stream_part(from..length.min(from + STRETCH), path, to, is_summed)?;
+                let done = self.stream_part(from..length.min(from + STRETCH), input, output, to, is_summed)?;
                 // Nobody listens any more where the disk failed, which is told in the end.
                 let _ = written.send(());
                 Ok(done)
@@ -169,19 +169,21 @@ impl PixelEdit {
         Ok(is_summed.then(|| done.iter().fold(0, |sum, (_, part)| checksum::sum(sum, &part.to_be_bytes()))))
     }
 
-    fn stream_part(&self, part: Range<usize>, output: &Path, to: u64, is_summed: bool) -> io::Result<(Changed, u32)> {
-        let gone = |error: io::Error| io::Error::new(error.kind(), format!("{}: {error}", self.path.display()));
-        let mut input = File::open(&self.path).map_err(gone)?;
-        let mut output = File::options().write(true).open(output)?;
-        input.seek(SeekFrom::Start(self.info.data_at + part.start as u64))?;
-        output.seek(SeekFrom::Start(to + part.start as u64))?;
+    fn stream_part(
+        &self,
+        part: Range<usize>,
+        input: &File,
+        output: &File,
+        to: u64,
+        is_summed: bool,
+    ) -> io::Result<(Changed, u32)> {
         let (mut changed, mut sum) = (Changed::default(), 0);
         let mut chunk = vec![0; CHUNK];
         for from in part.clone().step_by(CHUNK) {
             let chunk = &mut chunk[..CHUNK.min(part.end - from)];
-            input.read_exact(chunk)?;
+            read_exact_at(input, chunk, self.info.data_at + from as u64)?;
             self.put_changes(from, chunk, &mut changed);
-            output.write_all(chunk)?;
+            write_all_at(output, chunk, to + from as u64)?;
             if is_summed {
                 sum = checksum::sum_padded(sum, chunk);
             }

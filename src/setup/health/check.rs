@@ -144,6 +144,7 @@ mod tests {
             (Severity::Warning, Severity::Warning)
         );
         assert_eq!(severity(&at("2020-05-25T00:00:00Z"), "clock"), Severity::Warning);
+        assert_eq!(severity(&at("1970-01-01T00:00:00Z"), "clock"), Severity::Warning);
     }
 
     #[test]

@@ -74,8 +74,8 @@ pub(super) fn clock(now: Epoch, source: MomentSource, elements: Option<&ElementS
         return Finding::fine("time", format!("{said} was asked about; this machine's clock was not looked at"));
     }
     const SUBJECT: &str = "clock";
-    // The bundled table was made when its measured part ended.
-    if EopTable::embedded().status(now) == EopStatus::Measured {
+    // The bundled table was made when its measured part ended; a machine that has lost its time says 1970.
+    if matches!(EopTable::embedded().status(now), EopStatus::Measured | EopStatus::TooEarly { .. }) {
         let finding = format!("{said}, which is before this version of streakcast was made");
         let remedy = "set the clock right (chrony, w32time); --now TIME asks about the past";
         Finding::new(Severity::Warning, SUBJECT, finding, remedy)
@@ -103,10 +103,15 @@ pub(super) fn policy(setup: &Setup) -> Finding {
             .collect(),
         _ => Vec::new(),
     };
-    if setup.policy.is_none() && setup.limit_mag.is_none() && setup.max_delay.is_none() {
-        Finding::fine(SUBJECT, "no limit was said: no exposure is one to avoid, whatever crosses it")
-    } else {
-        Finding::fine(SUBJECT, said.join(", "))
+    let has_limit = said.iter().any(|words| {
+        ["limit_mag", "saturation_mag", "crosstalk_mag", "max_lost_fraction"].iter().any(|key| words.starts_with(key))
+    });
+    let without = "no limit was said: no exposure is one to avoid, whatever crosses it".to_owned();
+    let is_unsaid = setup.policy.is_none() && setup.max_delay.is_none();
+    match has_limit {
+        true => Finding::fine(SUBJECT, said.join(", ")),
+        false if said.is_empty() || is_unsaid => Finding::fine(SUBJECT, without),
+        false => Finding::fine(SUBJECT, format!("{without}; {}", said.join(", "))),
     }
 }
 

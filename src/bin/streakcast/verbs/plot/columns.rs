@@ -132,6 +132,10 @@ impl Columns {
         self.rows.len()
     }
 
+    pub fn is_empty(&self) -> bool {
+        self.rows.is_empty()
+    }
+
     pub fn has(&self, name: &str) -> bool {
         self.names.iter().any(|known| known == name)
     }

@@ -33,7 +33,9 @@ impl Curve {
 /// # Errors
 /// A table without points; a satellite that is not in it.
 pub fn curves(columns: &Columns, norad: &[u32]) -> anyhow::Result<Vec<Curve>> {
-    let all = if columns.has("samples") {
+    let all = if columns.is_empty() {
+        Vec::new()
+    } else if columns.has("samples") {
         of_samples(columns)?
     } else if ["utc", "altitude_deg", "azimuth_deg", "norad_id"].iter().all(|name| columns.has(name)) {
         of_rows(columns)?

@@ -1,5 +1,7 @@
 //! `plot sky-rate --equatorial`: where among the stars an exposure has to expect how many streaks, over whole nights.
 
+use std::collections::BTreeSet;
+
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
@@ -7,7 +9,7 @@ use streakcast::frames::{Direction, Horizontal, Orientation, seconds_after};
 use streakcast::healpix::{cell_count, ring_cell, ring_centre_rad};
 use streakcast::passes::CountRequest;
 use streakcast::plot::{EquatorialRate, Picture, equatorial_rate};
-use streakcast::setup::{Setup, parse_duration_s};
+use streakcast::setup::{Quantity, Setup, parse_duration_s};
 use streakcast::table::{Column, Kind, Provenance, Table};
 
 use crate::notices::Notices;
@@ -50,8 +52,9 @@ pub fn asked(
     directions: &[(u64, Direction<Horizontal>)],
     notices: &Notices,
 ) -> anyhow::Result<(Table, Provenance)> {
-    let exposure = typed.exposure.as_deref().ok_or_else(|| anyhow!("--exposure is missing; allowed: as 30s"))?;
-    let duration_s = parse_duration_s("exposure", exposure)?;
+    let exposure = setup.exposure.as_ref().map(Quantity::text);
+    let exposure = exposure.ok_or_else(|| anyhow!("the length of an exposure is missing; allowed: --exposure 30s"))?;
+    let duration_s = parse_duration_s("exposure", &exposure)?;
     let step_s = parse_duration_s("step", &typed.step)?;
     if !(SHORTEST_STEP_S..=LONGEST_STEP_S).contains(&step_s) {
         bail!("step {}; allowed: 30s to 1h", typed.step);
@@ -59,14 +62,20 @@ pub fn asked(
     if !(-90.0..=90.0).contains(&typed.max_sun_altitude_deg) {
         bail!("max-sun-altitude-deg {}; allowed: -90 to 90 deg", typed.max_sun_altitude_deg);
     }
-    if typed.night.len() > MOST_NIGHTS {
-        bail!("{} nights; allowed: 1 to {MOST_NIGHTS}", typed.night.len());
+    let mut nights: Vec<&String> = Vec::new();
+    typed.night.iter().for_each(|night| {
+        if !nights.contains(&night) {
+            nights.push(night)
+        }
+    });
+    if nights.len() > MOST_NIGHTS {
+        bail!("{} nights; allowed: 1 to {MOST_NIGHTS}", nights.len());
     }
     let (field, photometry) = (setup.field_of_view()?, setup.photometry()?);
     let places: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
     let mut sums = vec![Sum::default(); cell_count(typed.nside) as usize];
-    let mut provenance = None;
-    for night in &typed.night {
+    let (mut provenance, mut said) = (None, BTreeSet::new());
+    for night in &nights {
         let (from, to) = crate::verbs::night::range(Some(night), None, None, setup)?;
         let prepared = setup.prepare(from, to)?;
         let mut moments: Vec<Epoch> = Vec::new();
@@ -100,11 +109,11 @@ pub fn asked(
                 }
             }
         }
-        if provenance.is_none() {
-            notices.warn(&prepared.warnings);
-            notices.warn(&prepared.left_out_warning(&counts.left_out, from)?);
-            provenance = Some(prepared.provenance);
-        }
+        let left_out = prepared.left_out_warning(&counts.left_out, from)?;
+        let warnings = prepared.warnings.iter().cloned().chain(left_out);
+        let new: Vec<String> = warnings.filter(|text| said.insert(text.clone())).collect();
+        notices.warn(&new);
+        provenance.get_or_insert(prepared.provenance);
     }
     if sums.iter().all(|sum| sum.exposures == 0) {
         bail!(
@@ -118,7 +127,7 @@ pub fn asked(
         "options",
         json!({
             "frame": FRAME,
-            "nights": typed.night,
+            "nights": nights,
             "exposure_s": duration_s,
             "field": field_said(setup),
             "nside": typed.nside,

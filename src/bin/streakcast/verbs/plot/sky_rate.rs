@@ -134,7 +134,14 @@ pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direc
     }
     let centres = (0..cell_count(nside)).filter_map(|cell| Some((cell, ring_centre_rad(nside, cell)?)));
     let above = centres.filter(|(_, (_, altitude))| *altitude >= least_deg.to_radians());
-    Ok(above.map(|(cell, (azimuth, altitude))| (cell, Direction::from_lon_lat_rad(azimuth, altitude))).collect())
+    let cells: Vec<_> =
+        above.map(|(cell, (azimuth, altitude))| (cell, Direction::from_lon_lat_rad(azimuth, altitude))).collect();
+    if cells.is_empty() {
+        bail!(
+            "no cell of nside {nside} has its centre above {least_deg} deg; allowed: a lower --min-altitude, a greater --nside"
+        );
+    }
+    Ok(cells)
 }
 
 fn sun_at(prepared: &Prepared, altitude_deg: f64, start: Epoch) -> anyhow::Result<Epoch> {
