@@ -11,6 +11,7 @@ import signal
 import threading
 import time
 import warnings
+from collections import Counter
 
 import pytest
 
@@ -350,3 +351,22 @@ def test_a_process_that_is_killed_is_counted_here(path):
 def test_the_next_process_has_the_new_files(hook, path):
     write(path, elements(25))
     assert count(hook.for_process()) == 25 and hook.counts["reloaded"] == 1
+
+
+def test_counts_of_another_process_can_be_copied(hook):
+    lent = hook.for_process()
+    count(lent)
+    copied = lent.counts.copy()
+    copied["asked"] += 5
+    assert type(copied) is Counter and copied == {"asked": 6}
+    # The copy is nobody's.
+    assert hook.counts == lent.counts == {"asked": 1}
+
+
+def test_counts_that_are_added_all_at_once_arrive(hook):
+    lent = hook.for_process()
+    lent.counts.update({"masked": 3}, capped=1)
+    assert hook.counts == {"masked": 3, "capped": 1}
+    lent.counts.update(["masked", "masked"])
+    lent.counts.update()
+    assert hook.counts == lent.counts == {"masked": 5, "capped": 1}
