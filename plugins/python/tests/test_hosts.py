@@ -175,6 +175,30 @@ def test_a_pickle_of_yesterday_takes_the_files_of_today(hook, path):
     assert count(pickle.loads(text)) == 25
 
 
+def spoil(path, content):
+    """Missing, or not whole."""
+    if content is None:
+        path.unlink()
+    else:
+        write(path, content)
+
+
+@pytest.mark.parametrize("content", [None, "<html>no\n"])
+def test_a_pickle_that_comes_while_files_are_away_takes_them_when_they_are_there(hook, path, content):
+    text = pickle.dumps(hook)
+    spoil(path, content)
+    other = pickle.loads(text)
+    assert [look(other) for _ in range(2)] == [-1, -1]
+    assert other.counts["asked"] == other.counts["failed"] == 2
+    write(path, elements(25))
+    assert count(other) == 25 and other.counts["failed"] == 2
+    # They are watched from then on.
+    other.settle()
+    write(path, elements(30))
+    look(other)
+    assert count(other) == 30
+
+
 @pytest.mark.parametrize("arguments", [("no model", "test"), (None, "test")])
 def test_impossible_things_are_said_at_construction(arguments):
     with pytest.raises(TypeError, match="StreakModel"):
@@ -332,6 +356,16 @@ def test_another_process_is_counted_here(path, method, caplog):
     # It pickles as ever, and then counts for itself.
     alone = pickle.loads(pickle.dumps(hook.for_process()))
     assert count(alone) == 20 and hook.counts["asked"] == 9
+
+
+@pytest.mark.parametrize("content", [None, "<html>no\n"])
+def test_a_process_that_begins_while_files_are_away_fails_open(hook, path, content):
+    process = multiprocessing.get_context("spawn").Process(target=in_a_process, args=(hook.for_process(), 1))
+    spoil(path, content)
+    lent = process._args[0]
+    process.start()
+    process.join(60.0)
+    assert process.exitcode == 0 and hook.counts == {"asked": 4, "failed": 4} and lent is not hook
 
 
 def test_a_process_that_is_killed_is_counted_here(path):

@@ -14,7 +14,6 @@ from ._hook_state import HookState, Lent, distance_km, signature
 from ._mailbox import Mailbox, Reported
 from ._state import heard_by
 from ._times import TimeLike, to_tai
-from .errors import ChangedFileError
 from .model import StreakModel
 
 Answer = TypeVar("Answer")
@@ -319,7 +318,8 @@ def _hook_of(
     counter: "Counter[str]" = Counter(counts) if mailbox is None else Reported(counts, mailbox)
     try:
         hook._state = HookState(model, name, watch_s, counter, mailbox)
-    except ChangedFileError:
-        # Pickled before the day's elements came: a night goes on with the new ones.
-        hook._state = HookState(model.reloaded(), name, watch_s, counter, mailbox)
+    except Exception:  # noqa: BLE001 - a hook never stops its host
+        # Files changed since, or are missing or half written just now: each question takes them as they are then, and fails till they are whole.
+        model = type(model)._of_state({**model._state, "files": None})
+        hook._state = HookState(model, name, watch_s, counter, mailbox, seen={})
     return hook
