@@ -30,6 +30,8 @@ SETTLED_S = 2.0
 RETRY_MOST_S = 1800.0
 #: Before another process begins new files are waited for so long, seconds.
 PATIENCE_S = 10.0
+#: Of so many hooks in other processes counts are read, those heard of last; and of all that are held here.
+LENT_MOST = 32
 #: New files with a smaller share of the satellites that were there before are taken for broken.
 LEAST_SHARE = 0.5
 
@@ -217,8 +219,8 @@ class Hook:
         """A hook for another process that is about to begin, forked or spawned: with new files taken, and counted here.
 
         What it counts there is read here through shared memory, by ``counts`` and by the next call of this, also where that process was
-        killed; of what it would have logged, the first line. New element files that it finds itself stay its own. It holds the model as
-        it is now: ask for one for each process.
+        killed; of what it would have logged, the first line. At least the 32 hooks heard of last are read. New element files that it
+        finds itself stay its own. It holds the model as it is now: ask for one for each process.
 
         Returns
         -------
@@ -245,15 +247,21 @@ class Hook:
         state, told = self._state, []
         with state.lock:
             for lent in list(state.lent):
-                if lent.state() is None:
+                counts = lent.mailbox.counts()
+                if counts != lent.taken:
+                    for name, count in counts.items():
+                        state.counts[name] += count - lent.taken.get(name, 0)
+                    lent.taken = counts
+                    # Those heard of last stand last.
                     state.lent.remove(lent)
-                for name, count in lent.mailbox.counts().items():
-                    state.counts[name] += count - lent.taken.get(name, 0)
-                    lent.taken[name] = count
+                    state.lent.append(lent)
                 words = lent.mailbox.words()
                 if words and "process:" + words not in state.said:
                     state.said.add("process:" + words)
                     told.append(words)
+            # Nothing says here whether a process still runs: `Process` forgets its arguments when it starts.
+            silent = state.lent[:-LENT_MOST]
+            state.lent = [one for one in silent if one.state() is not None] + state.lent[len(silent) :]
         for words in told:
             self.logger.warning("in a process of its own: %s (said once)", words)
 
