@@ -438,3 +438,75 @@ def test_counts_that_are_added_all_at_once_arrive(hook):
     lent.counts.update(["masked", "masked"])
     lent.counts.update()
     assert hook.counts == lent.counts == {"masked": 5, "capped": 1}
+
+
+@pytest.fixture
+def slow_read(monkeypatch):
+    """Files are read half a second later."""
+    good = streakcast.StreakModel.reloaded
+
+    def reloaded(model):
+        time.sleep(0.5)
+        return good(model)
+
+    monkeypatch.setattr(streakcast.StreakModel, "reloaded", reloaded)
+
+
+def test_the_next_process_looks_at_once_and_waits(path, slow_read):
+    hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test", watch_s=60.0)
+    write(path, elements(25))
+    assert count(hook.for_process()) == 25
+
+
+def test_the_next_process_waits_for_a_read_under_way(hook, path, slow_read):
+    write(path, elements(25))
+    count(hook)
+    assert hook._state.reading.is_alive()
+    assert count(hook.for_process()) == 25
+
+
+def looks(hook, answers):
+    look(hook)
+    answers.put(count(hook))
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+@pytest.mark.parametrize("trouble", ["slow", "failed"])
+def test_a_process_made_with_old_files_looks_itself(hook, path, monkeypatch, method, trouble):
+    """New files that this process could not read, or not in time."""
+    let_go = threading.Event()
+
+    def reloaded(model):
+        assert trouble != "slow" or let_go.wait(60.0)
+        raise OSError("Stale file handle")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(streakcast.hosts, "PATIENCE_S", 0.1)
+        patch.setattr(streakcast.StreakModel, "reloaded", reloaded)
+        write(path, elements(25))
+        lent = hook.for_process()
+        assert lent.model.satellites(START) == 20
+    context = multiprocessing.get_context(method)
+    answers = context.Queue()
+    process = context.Process(target=looks, args=(lent, answers))
+    process.start()
+    assert answers.get(timeout=60.0) == 25
+    process.join(60.0)
+    let_go.set()
+    hook.settle()
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_process_forked_while_files_are_read_reads_too(hook, path, monkeypatch):
+    """The lock that the reading thread holds is held by nobody in the child."""
+    monkeypatch.setattr(streakcast.hosts, "PATIENCE_S", 0.1)
+    write(path, elements(25))
+    context = multiprocessing.get_context("fork")
+    answers = context.Queue()
+    with streakcast._state._skies_lock:
+        process = context.Process(target=looks, args=(hook.for_process(), answers), daemon=True)
+        process.start()
+    try:
+        assert answers.get(timeout=60.0) == 25
+    finally:
+        process.kill()

@@ -227,17 +227,20 @@ class Hook:
         Hook
         """
         self._collect()
+        state = self._state
         try:
-            if self._watch():
-                # A process that begins while files are read would have the old ones.
-                self.settle(PATIENCE_S)
+            # A process that begins before the next look, or while files are read, would have the old ones.
+            state.next_look_s = 0.0
+            self._watch()
+            self.settle(PATIENCE_S)
             mailbox = Mailbox()
+            with state.lock:
+                model, seen = state.model, state.taken()
+            lent = type(self).__new__(type(self))
+            lent._state = HookState(model, state.name, state.watch_s, Reported({}, mailbox), mailbox, seen=seen)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.note("failed", f"another process cannot be followed: {type(error).__name__}: {error}")
             return self.__copy__()
-        state = self._state
-        lent = type(self).__new__(type(self))
-        lent._state = HookState(state.model, state.name, state.watch_s, Reported({}, mailbox), mailbox, seen=state.seen)
         with state.lock:
             state.lent.append(Lent(weakref.ref(lent._state), mailbox))
         return lent
@@ -267,33 +270,33 @@ class Hook:
 
     # New files -------------------------------------------------------------------------------------------------------
 
-    def _watch(self) -> bool:
-        """Looks at the files where it is time to; whether they are being read now."""
+    def _watch(self) -> None:
+        """Looks at the files where it is time to."""
         state = self._state
         if clock.monotonic() < state.next_look_s:
-            return False
+            return
         with state.lock:
             if clock.monotonic() < state.next_look_s or (state.reading is not None and state.reading.is_alive()):
-                return False
+                return
             state.next_look_s = clock.monotonic() + state.watch_s
         now = signature(state.model.files)
         if now == state.seen and clock.monotonic() < state.again_at_s:
-            return False
+            return
         missing = [path for path, stat in now.items() if stat is None]
         if missing:
             self.note("kept_old", f"{missing[0]} is missing; going on with the satellites read before", kind=f"missing {missing[0]}")
-            return False
+            return
         # A time in the future (another computer's clock) says nothing of how long ago it was.
         if any(stat is not None and 0.0 <= clock.time() - stat[0] / 1e9 < SETTLED_S for stat in now.values()):
             # Somebody may be writing it still.
             state.next_look_s = clock.monotonic() + min(state.watch_s, SETTLED_S)
-            return False
+            return
         if now != state.seen:
             state.wait_s = 0.0
-        state.seen = now
-        state.reading = threading.Thread(target=self._read, name="streakcast-reload", daemon=True)
-        state.reading.start()
-        return True
+        with state.lock:
+            state.seen = now
+            state.reading = threading.Thread(target=self._read, name="streakcast-reload", daemon=True)
+            state.reading.start()
 
     def _read(self) -> None:
         state = self._state
