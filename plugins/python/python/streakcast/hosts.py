@@ -330,7 +330,7 @@ def _hook_of(
     try:
         hook._state = HookState(model, name, watch_s, counter, mailbox)
     except Exception:  # noqa: BLE001 - a hook never stops its host
-        # Files changed since, or are missing or half written just now: each question takes them as they are then, and fails till they are whole.
+        # Files changed since, or are missing or half written just now: they are read by the first question that finds them whole.
         model = type(model)._of_state({**model._state, "files": None})
         hook._state = HookState(model, name, watch_s, counter, mailbox, seen={})
     return hook
