@@ -11,6 +11,7 @@ import signal
 import threading
 import time
 import warnings
+from collections import Counter
 
 import pytest
 
@@ -174,6 +175,30 @@ def test_a_pickle_of_yesterday_takes_the_files_of_today(hook, path):
     assert count(pickle.loads(text)) == 25
 
 
+def spoil(path, content):
+    """Missing, or not whole."""
+    if content is None:
+        path.unlink()
+    else:
+        write(path, content)
+
+
+@pytest.mark.parametrize("content", [None, "<html>no\n"])
+def test_a_pickle_that_comes_while_files_are_away_takes_them_when_they_are_there(hook, path, content):
+    text = pickle.dumps(hook)
+    spoil(path, content)
+    other = pickle.loads(text)
+    assert [look(other) for _ in range(2)] == [-1, -1]
+    assert other.counts["asked"] == other.counts["failed"] == 2
+    write(path, elements(25))
+    assert count(other) == 25 and other.counts["failed"] == 2
+    # They are watched from then on.
+    other.settle()
+    write(path, elements(30))
+    look(other)
+    assert count(other) == 30
+
+
 @pytest.mark.parametrize("arguments", [("no model", "test"), (None, "test")])
 def test_impossible_things_are_said_at_construction(arguments):
     with pytest.raises(TypeError, match="StreakModel"):
@@ -323,14 +348,20 @@ def test_another_process_is_counted_here(path, method, caplog):
         assert process.exitcode == 0
     assert hook.counts == {"asked": 9, "failed": 6}
     # Taken over once, and said once.
-    assert hook.counts == {"asked": 9, "failed": 6} and len(hook._state.lent) == 2
+    assert hook.counts == {"asked": 9, "failed": 6}
     assert len([one for one in caplog.records if "in a process of its own" in one.message and "ZeroDivisionError" in one.message]) == 1
-    del lent, one, process
-    gc.collect()
-    assert hook.counts["asked"] == 9 and hook._state.lent == []
     # It pickles as ever, and then counts for itself.
     alone = pickle.loads(pickle.dumps(hook.for_process()))
     assert count(alone) == 20 and hook.counts["asked"] == 9
+
+
+@pytest.mark.parametrize("content", [None, "<html>no\n"])
+def test_a_process_that_begins_while_files_are_away_fails_open(hook, path, content):
+    process = multiprocessing.get_context("spawn").Process(target=in_a_process, args=(hook.for_process(), 1))
+    spoil(path, content)
+    process.start()
+    process.join(60.0)
+    assert process.exitcode == 0 and hook.counts == {"asked": 4, "failed": 4}
 
 
 def test_a_process_that_is_killed_is_counted_here(path):
@@ -347,6 +378,135 @@ def test_a_process_that_is_killed_is_counted_here(path):
     assert process.exitcode == -signal.SIGKILL and hook.counts == {"asked": 4, "failed": 3}
 
 
+def when_told(hook, begin):
+    begin.wait(60.0)
+    in_a_process(hook, 0)
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+def test_a_process_that_still_runs_is_counted_here(hook, method):
+    """`Process` forgets its arguments when it starts: nobody here holds the hook of a process that runs."""
+    context = multiprocessing.get_context(method)
+    begin = context.Event()
+    process = context.Process(target=when_told, args=(hook.for_process(), begin))
+    process.start()
+    for _ in range(2):
+        assert hook.counts["asked"] == 0
+    begin.set()
+    process.join(60.0)
+    assert process.exitcode == 0 and hook.counts == {"asked": 4, "failed": 3}
+
+
+def test_those_heard_of_last_are_still_listened_to(hook, monkeypatch):
+    monkeypatch.setattr(streakcast.hosts, "LENT_MOST", 3)
+    held = hook.for_process()
+    speaker = hook.for_process()._state.mailbox
+    for number in range(1, 11):
+        hook.for_process()
+        speaker.put("asked", number)
+        assert hook.counts["asked"] == number
+    assert len(hook._state.lent) == 4
+    # Whoever is held here may be in a process, or on the way into one.
+    count(held)
+    assert hook.counts["asked"] == 11
+    del held
+    gc.collect()
+    for _ in range(5):
+        hook.for_process()
+    assert hook.counts["asked"] == 11 and len(hook._state.lent) == 3
+
+
 def test_the_next_process_has_the_new_files(hook, path):
     write(path, elements(25))
     assert count(hook.for_process()) == 25 and hook.counts["reloaded"] == 1
+
+
+def test_counts_of_another_process_can_be_copied(hook):
+    lent = hook.for_process()
+    count(lent)
+    copied = lent.counts.copy()
+    copied["asked"] += 5
+    assert type(copied) is Counter and copied == {"asked": 6}
+    # The copy is nobody's.
+    assert hook.counts == lent.counts == {"asked": 1}
+
+
+def test_counts_that_are_added_all_at_once_arrive(hook):
+    lent = hook.for_process()
+    lent.counts.update({"masked": 3}, capped=1)
+    assert hook.counts == {"masked": 3, "capped": 1}
+    lent.counts.update(["masked", "masked"])
+    lent.counts.update()
+    assert hook.counts == lent.counts == {"masked": 5, "capped": 1}
+
+
+@pytest.fixture
+def slow_read(monkeypatch):
+    """Files are read half a second later."""
+    good = streakcast.StreakModel.reloaded
+
+    def reloaded(model):
+        time.sleep(0.5)
+        return good(model)
+
+    monkeypatch.setattr(streakcast.StreakModel, "reloaded", reloaded)
+
+
+def test_the_next_process_looks_at_once_and_waits(path, slow_read):
+    hook = Hook(streakcast.StreakModel(mpc="X05", elements=path, fov="3.5deg"), "test", watch_s=60.0)
+    write(path, elements(25))
+    assert count(hook.for_process()) == 25
+
+
+def test_the_next_process_waits_for_a_read_under_way(hook, path, slow_read):
+    write(path, elements(25))
+    count(hook)
+    assert hook._state.reading.is_alive()
+    assert count(hook.for_process()) == 25
+
+
+def looks(hook, answers):
+    look(hook)
+    answers.put(count(hook))
+
+
+@pytest.mark.parametrize("method", ["fork", "spawn"])
+@pytest.mark.parametrize("trouble", ["slow", "failed"])
+def test_a_process_made_with_old_files_looks_itself(hook, path, monkeypatch, method, trouble):
+    """New files that this process could not read, or not in time."""
+    let_go = threading.Event()
+
+    def reloaded(model):
+        assert trouble != "slow" or let_go.wait(60.0)
+        raise OSError("Stale file handle")
+
+    with monkeypatch.context() as patch:
+        patch.setattr(streakcast.hosts, "PATIENCE_S", 0.1)
+        patch.setattr(streakcast.StreakModel, "reloaded", reloaded)
+        write(path, elements(25))
+        lent = hook.for_process()
+        assert lent.model.satellites(START) == 20
+    context = multiprocessing.get_context(method)
+    answers = context.Queue()
+    process = context.Process(target=looks, args=(lent, answers))
+    process.start()
+    assert answers.get(timeout=60.0) == 25
+    process.join(60.0)
+    let_go.set()
+    hook.settle()
+
+
+@pytest.mark.filterwarnings("ignore::DeprecationWarning")
+def test_a_process_forked_while_files_are_read_reads_too(hook, path, monkeypatch):
+    """The lock that the reading thread holds is held by nobody in the child."""
+    monkeypatch.setattr(streakcast.hosts, "PATIENCE_S", 0.1)
+    write(path, elements(25))
+    context = multiprocessing.get_context("fork")
+    answers = context.Queue()
+    with streakcast._state._skies_lock:
+        process = context.Process(target=looks, args=(hook.for_process(), answers), daemon=True)
+        process.start()
+    try:
+        assert answers.get(timeout=60.0) == 25
+    finally:
+        process.kill()

@@ -53,6 +53,11 @@ class HookState:
         if seen is None and not model.changed_files():
             self.seen = signature(model.files)
 
+    def taken(self) -> Union[Signature, None]:
+        """The files that the model is of; `None` where they are being read, or could not be: then the model may be of older ones."""
+        reading = self.reading is not None and self.reading.is_alive()
+        return None if reading or self.again_at_s < math.inf else self.seen
+
 
 def signature(files: dict[str, Any]) -> Signature:
     """The files as they are now."""

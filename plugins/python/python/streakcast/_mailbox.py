@@ -68,6 +68,15 @@ class Reported(Counter[str]):
         super().__setitem__(name, count)
         self._mailbox.put(name, count)
 
+    def update(self, *counts: Any, **more: int) -> None:
+        """Adds counts one by one; `Counter` itself fills an empty one past `__setitem__`."""
+        for name, count in Counter(*counts, **more).items():
+            self[name] += count
+
+    def copy(self) -> "Counter[str]":  # type: ignore[override]
+        """A plain `Counter`: a copy goes into no mailbox."""
+        return Counter(self)
+
     def __reduce__(self) -> tuple[Any, ...]:
         return (Counter, (dict(self),))
 

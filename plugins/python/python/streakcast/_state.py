@@ -30,6 +30,16 @@ _skies_lock = threading.Lock()
 _listener: "ContextVar[Union[Callable[[str], None], None]]" = ContextVar("streakcast_listener", default=None)
 
 
+def _after_fork() -> None:
+    """A thread that read while this process was forked is not there in the child, and would hold the lock for ever."""
+    global _skies_lock
+    _skies_lock = threading.Lock()
+
+
+if hasattr(os, "register_at_fork"):
+    os.register_at_fork(after_in_child=_after_fork)
+
+
 @contextlib.contextmanager
 def heard_by(listener: Callable[[str], None]) -> Iterator[None]:
     """Hands what models warn of in here to a function; warnings of others go on as they were."""

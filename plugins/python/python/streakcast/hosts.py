@@ -14,7 +14,6 @@ from ._hook_state import HookState, Lent, distance_km, signature
 from ._mailbox import Mailbox, Reported
 from ._state import heard_by
 from ._times import TimeLike, to_tai
-from .errors import ChangedFileError
 from .model import StreakModel
 
 Answer = TypeVar("Answer")
@@ -31,6 +30,8 @@ SETTLED_S = 2.0
 RETRY_MOST_S = 1800.0
 #: Before another process begins new files are waited for so long, seconds.
 PATIENCE_S = 10.0
+#: Of so many hooks in other processes counts are read, those heard of last; and of all that are held here.
+LENT_MOST = 32
 #: New files with a smaller share of the satellites that were there before are taken for broken.
 LEAST_SHARE = 0.5
 
@@ -218,25 +219,28 @@ class Hook:
         """A hook for another process that is about to begin, forked or spawned: with new files taken, and counted here.
 
         What it counts there is read here through shared memory, by ``counts`` and by the next call of this, also where that process was
-        killed; of what it would have logged, the first line. New element files that it finds itself stay its own. It holds the model as
-        it is now: ask for one for each process.
+        killed; of what it would have logged, the first line. At least the 32 hooks heard of last are read. New element files that it
+        finds itself stay its own. It holds the model as it is now: ask for one for each process.
 
         Returns
         -------
         Hook
         """
         self._collect()
+        state = self._state
         try:
-            if self._watch():
-                # A process that begins while files are read would have the old ones.
-                self.settle(PATIENCE_S)
+            # A process that begins before the next look, or while files are read, would have the old ones.
+            state.next_look_s = 0.0
+            self._watch()
+            self.settle(PATIENCE_S)
             mailbox = Mailbox()
+            with state.lock:
+                model, seen = state.model, state.taken()
+            lent = type(self).__new__(type(self))
+            lent._state = HookState(model, state.name, state.watch_s, Reported({}, mailbox), mailbox, seen=seen)
         except Exception as error:  # noqa: BLE001 - a hook never stops its host
             self.note("failed", f"another process cannot be followed: {type(error).__name__}: {error}")
             return self.__copy__()
-        state = self._state
-        lent = type(self).__new__(type(self))
-        lent._state = HookState(state.model, state.name, state.watch_s, Reported({}, mailbox), mailbox, seen=state.seen)
         with state.lock:
             state.lent.append(Lent(weakref.ref(lent._state), mailbox))
         return lent
@@ -246,47 +250,53 @@ class Hook:
         state, told = self._state, []
         with state.lock:
             for lent in list(state.lent):
-                if lent.state() is None:
+                counts = lent.mailbox.counts()
+                if counts != lent.taken:
+                    for name, count in counts.items():
+                        state.counts[name] += count - lent.taken.get(name, 0)
+                    lent.taken = counts
+                    # Those heard of last stand last.
                     state.lent.remove(lent)
-                for name, count in lent.mailbox.counts().items():
-                    state.counts[name] += count - lent.taken.get(name, 0)
-                    lent.taken[name] = count
+                    state.lent.append(lent)
                 words = lent.mailbox.words()
                 if words and "process:" + words not in state.said:
                     state.said.add("process:" + words)
                     told.append(words)
+            # Nothing says here whether a process still runs: `Process` forgets its arguments when it starts.
+            silent = state.lent[:-LENT_MOST]
+            state.lent = [one for one in silent if one.state() is not None] + state.lent[len(silent) :]
         for words in told:
             self.logger.warning("in a process of its own: %s (said once)", words)
 
     # New files -------------------------------------------------------------------------------------------------------
 
-    def _watch(self) -> bool:
-        """Looks at the files where it is time to; whether they are being read now."""
+    def _watch(self) -> None:
+        """Looks at the files where it is time to."""
         state = self._state
         if clock.monotonic() < state.next_look_s:
-            return False
+            return
         with state.lock:
             if clock.monotonic() < state.next_look_s or (state.reading is not None and state.reading.is_alive()):
-                return False
+                return
             state.next_look_s = clock.monotonic() + state.watch_s
         now = signature(state.model.files)
         if now == state.seen and clock.monotonic() < state.again_at_s:
-            return False
+            return
         missing = [path for path, stat in now.items() if stat is None]
         if missing:
             self.note("kept_old", f"{missing[0]} is missing; going on with the satellites read before", kind=f"missing {missing[0]}")
-            return False
+            return
         # A time in the future (another computer's clock) says nothing of how long ago it was.
         if any(stat is not None and 0.0 <= clock.time() - stat[0] / 1e9 < SETTLED_S for stat in now.values()):
             # Somebody may be writing it still.
             state.next_look_s = clock.monotonic() + min(state.watch_s, SETTLED_S)
-            return False
+            return
         if now != state.seen:
             state.wait_s = 0.0
-        state.seen = now
-        state.reading = threading.Thread(target=self._read, name="streakcast-reload", daemon=True)
-        state.reading.start()
-        return True
+        with state.lock:
+            state.seen = now
+            state.reading = threading.Thread(target=self._read, name="streakcast-reload", daemon=True)
+            state.reading.start()
 
     def _read(self) -> None:
         state = self._state
@@ -319,7 +329,8 @@ def _hook_of(
     counter: "Counter[str]" = Counter(counts) if mailbox is None else Reported(counts, mailbox)
     try:
         hook._state = HookState(model, name, watch_s, counter, mailbox)
-    except ChangedFileError:
-        # Pickled before the day's elements came: a night goes on with the new ones.
-        hook._state = HookState(model.reloaded(), name, watch_s, counter, mailbox)
+    except Exception:  # noqa: BLE001 - a hook never stops its host
+        # Files changed since, or are missing or half written just now: they are read by the first question that finds them whole.
+        model = type(model)._of_state({**model._state, "files": None})
+        hook._state = HookState(model, name, watch_s, counter, mailbox, seen={})
     return hook
