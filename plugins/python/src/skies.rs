@@ -38,16 +38,25 @@ impl Skies {
     /// The same, with the library's own error.
     pub fn prepared(&self, moment: Epoch) -> Result<Arc<Prepared>, SetupError> {
         let night = self.night_of(moment);
-        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
-        if let Some((_, prepared)) = kept.iter().find(|(known, _)| *known == night) {
-            return Ok(prepared.clone());
+        if let Some(prepared) = self.known(night) {
+            return Ok(prepared);
         }
+        // Made outside of the lock: a thread of the pool that waits for the others may take up another question, which would wait for this thread.
         let (first, last) = self.bounds(night);
         let prepared = self.made(first, last)?;
+        let mut kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, other)) = kept.iter().find(|(known, _)| *known == night) {
+            return Ok(other.clone());
+        }
         kept.push((night, prepared.clone()));
         let surplus = kept.len().saturating_sub(KEPT);
         kept.drain(..surplus);
         Ok(prepared)
+    }
+
+    fn known(&self, night: i64) -> Option<Arc<Prepared>> {
+        let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
+        kept.iter().find(|(known, _)| *known == night).map(|(_, prepared)| prepared.clone())
     }
 
     /// A sky for questions from one moment to another alone, as the command line makes it; that of the caller's one moment where there is one.

@@ -1,6 +1,7 @@
 """What takes long runs without the interpreter's lock."""
 
 import multiprocessing
+import subprocess
 import sys
 import threading
 import time
@@ -9,6 +10,7 @@ import numpy as np
 import pytest
 
 from conftest import START, TARGET
+from test_hosts import elements
 
 
 def steps_while(work):
@@ -93,3 +95,29 @@ def test_a_forked_child_has_threads_of_its_own(model):
     answered = here.poll(60)
     child.terminate() if not answered else child.join()
     assert answered and here.recv() == expected
+
+
+MANY_NIGHTS = """
+import sys, threading, streakcast
+
+model = streakcast.StreakModel(mpc="X05", elements=sys.argv[1], fov="3.5deg")
+for first in range(2000):
+    begin = threading.Barrier(4)
+
+    def ask(number):
+        begin.wait()
+        model.satellites(61260.0 + (first + 7 * number) % 40, scale="utc")
+
+    threads = [threading.Thread(target=ask, args=(number,)) for number in range(4)]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+"""
+
+
+def test_threads_that_ask_for_many_nights_do_not_wait_for_one_another_for_ever(tmp_path):
+    path = tmp_path / "elements.tle"
+    path.write_text(elements(20))
+    # In a process of its own: threads that wait for ever would spoil all other tests.
+    subprocess.run([sys.executable, "-c", MANY_NIGHTS, str(path)], check=True, timeout=120.0)
