@@ -19,7 +19,7 @@
 //!
 //! What is left out: delays beyond 3.5 sigma (0.05 % of each satellite's chance). What is simplified: the planes do not turn during the
 //! delay (5° a day at most), and the site stands still before and after the exposure or its piece (up to 6 % in the number of those that enter, as it
-//! moves with or against the satellites). In exposures longer than a revolution a satellite that comes back is counted again, up to 1. For a telescope in orbit only the passes and
+//! moves with or against the satellites; from the second piece on that is in the chance). In exposures longer than a revolution a satellite that comes back is counted again, up to 1. For a telescope in orbit only the passes and
 //! near misses of [`Sky::field_passes`] are summed.
 
 use rayon::prelude::*;

@@ -45,6 +45,8 @@ pub(super) struct LatePath {
     /// Where it is nearest to the centre of the field.
     geometric: Position<Gcrs>,
     speed_km_s: f64,
+    /// The site's speed along the path, of the satellite's.
+    carried: f64,
 }
 
 impl Question<'_> {
@@ -94,7 +96,10 @@ impl Question<'_> {
             let circle = CirclePath::of(&sight, time_s, self.field.centre())?;
             let step_s = circle.closest_s - time_s;
             if step_s.abs() < PATH_S {
+                let across = state.velocity.vector() - sight.vector * state.velocity.vector().dot(&sight.vector);
+                let carried = self.site.velocity(time_s).dot(&across) / across.norm_squared();
                 return Some(LatePath {
+                    carried,
                     geometric: state.position - self.site.position(circle.closest_s),
                     speed_km_s: state.velocity.norm_km_s(),
                     circle,
@@ -135,7 +140,7 @@ impl Question<'_> {
             return None;
         }
         let delays = self.delays(along_track_s).of_turns(turns_s, circle.closest_s, circle.longest_s(radius_rad));
-        let odds = over_shifts(
+        let mut odds = over_shifts(
             *sigma_rad,
             radius_rad,
             || shift_rad + circle.across.dot(self.field.centre()),
@@ -145,6 +150,11 @@ impl Question<'_> {
                 delays.odds(&chords, |chord: &Chord| circle.length_rad(chord, beside_rad))
             },
         );
+        if self.only_entering {
+            // A field that moves along with the satellites meets fewer of them.
+            odds.probability *= 1.0 - path.carried;
+            odds.streak_length_rad *= 1.0 - path.carried;
+        }
         (odds.probability > 0.0).then_some(Place { odds, geometric: path.geometric, range_km })
     }
 }
