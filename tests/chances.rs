@@ -2,6 +2,8 @@
 
 mod common;
 
+use std::borrow::Borrow;
+
 use common::random::Random;
 use hifitime::{Epoch, Unit};
 use nalgebra::{Rotation3, Vector3};
@@ -87,23 +89,33 @@ fn verif_chances_against_draws_of_the_errors() {
         let exposures = exposures(start, 360, &mut draws);
         let elements = published(age_days, exposures[180].start, 1584);
         let chances = sky(elements.clone()).chances(&exposures, &field).expect("chances");
-        let count: f64 = chances.iter().flatten().map(|chance| chance.probability).sum();
-        let any: f64 = chances
-            .iter()
-            .map(|chances| 1.0 - chances.iter().map(|chance| 1.0 - chance.probability).product::<f64>())
-            .sum();
-        let length_deg: f64 = chances.iter().flatten().map(|chance| chance.streak_length_rad.to_degrees()).sum();
-
         let skies = (0..rounds).map(|_| sky(drawn(&elements, age_days, &mut draws)));
-        compare(&format!("{age_days} d"), &exposures, &field, [count, any, length_deg], skies);
+        compare(&format!("{age_days} d"), &exposures, &field, sums(&chances), skies);
     }
 }
 
+/// Streaks, streaked exposures and degrees of streak that are expected.
+fn sums(chances: &[Vec<Chance>]) -> [f64; 3] {
+    let sum = |of: &dyn Fn(&Chance) -> f64| chances.iter().flatten().map(of).sum::<f64>();
+    let none = |chances: &Vec<Chance>| chances.iter().map(|chance| 1.0 - chance.probability).product::<f64>();
+    [
+        sum(&|chance| chance.probability),
+        chances.iter().map(|chances| 1.0 - none(chances)).sum(),
+        sum(&|chance| chance.streak_length_rad.to_degrees()),
+    ]
+}
+
 /// Holds expected streaks, streaked exposures and degrees of streak against as many drawn skies.
-fn compare(name: &str, exposures: &[Exposure], field: &Field, expected: [f64; 3], skies: impl Iterator<Item = Sky>) {
+fn compare(
+    name: &str,
+    exposures: &[Exposure],
+    field: &Field,
+    expected: [f64; 3],
+    skies: impl Iterator<Item: Borrow<Sky>>,
+) {
     let mut seen = [Vec::new(), Vec::new(), Vec::new()];
     for sky in skies {
-        let passes = sky.field_passes(exposures, field, &PassOptions::default()).expect("passes").by_exposure;
+        let passes = sky.borrow().field_passes(exposures, field, &PassOptions::default()).expect("passes").by_exposure;
         seen[0].push(passes.iter().map(Vec::len).sum::<usize>() as f64);
         seen[1].push(passes.iter().filter(|passes| !passes.is_empty()).count() as f64);
         seen[2].push(passes.iter().flatten().map(|pass| pass.streak_length_rad.to_degrees()).sum());
@@ -113,7 +125,7 @@ fn compare(name: &str, exposures: &[Exposure], field: &Field, expected: [f64; 3]
         let mean = seen.iter().sum::<f64>() / n;
         let sigma = (seen.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
         println!("{name}: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn");
-        assert!(mean > 1.0, "{name}: too few {what} to tell anything");
+        assert!(mean * n > 50.0, "{name}: too few {what} to tell anything");
         assert!(
             (expected - mean).abs() < 3.0 * sigma + 0.04 * mean,
             "{name}: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn"
@@ -143,6 +155,92 @@ fn through(set: &ElementSet, normal: &Vector3<f64>, place: &Vector3<f64>, at: Ep
     }
 }
 
+/// Exposures of one field from one start, elements a month old: what is expected of each of them against draws. The site moves by 120 km in the shortest, past
+/// planes that are known to 4 km. Tolerance as above, for each exposure on its own.
+#[test]
+fn verif_long_exposures_against_draws_of_the_errors() {
+    const AGE_DAYS: f64 = 30.0;
+    const ROUNDS: usize = 400;
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    let mut draws = Random(20_261_123);
+    let mut elements = published(AGE_DAYS, start, 1584);
+    for set in &mut elements {
+        set.mean_motion_dot_rev_day2 = 2e-5;
+    }
+    let skies: Vec<Sky> = (0..ROUNDS).map(|_| sky(drawn(&elements, AGE_DAYS, &mut draws))).collect();
+    let here = sky(elements);
+    for (right_ascension_deg, duration_s) in [(240.0, 600.0), (240.0, 900.0), (225.0, 300.0), (225.0, 900.0)] {
+        let exposures = [Exposure {
+            id: "long".into(),
+            start,
+            duration_s,
+            pointing: Direction::from_lon_lat_rad(f64::to_radians(right_ascension_deg), (-30f64).to_radians()),
+            rotation_rad: 0.0,
+        }];
+        let chances = here.chances(&exposures, &field).expect("chances");
+        compare(
+            &format!("{right_ascension_deg} deg, {duration_s} s"),
+            &exposures,
+            &field,
+            sums(&chances),
+            skies.iter(),
+        );
+    }
+}
+
+/// A shutter that stays open longer never has fewer satellites to expect, and a second more changes little: on station a month and manoeuvring 150 days after
+/// the elements.
+#[test]
+fn verif_longer_exposures_have_no_less() {
+    /// Only the last piece of an exposure is another than in a longer one; of the number expected.
+    const OF_ALL: f64 = 0.01;
+    /// Where few planes pass, each in about a minute, one of them brings up to this share of the number in a second.
+    const OF_A_SECOND: f64 = 0.03;
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    for (age_days, dot) in [(30.0, 2e-5), (150.0, 1e-3)] {
+        let mut elements = published(age_days, start, 1584);
+        for set in &mut elements {
+            set.mean_motion_dot_rev_day2 = dot;
+        }
+        let here = sky(elements);
+        for (right_ascension_deg, declination_deg) in [(240.0, -30.0), (225.0, -10.0), (270.0, -55.0)] {
+            let expected = |duration_s: f64| {
+                let exposures = [Exposure {
+                    id: "long".into(),
+                    start,
+                    duration_s,
+                    pointing: Direction::from_lon_lat_rad(
+                        f64::to_radians(right_ascension_deg),
+                        f64::to_radians(declination_deg),
+                    ),
+                    rotation_rad: 0.0,
+                }];
+                sums(&here.chances(&exposures, &field).expect("chances"))
+            };
+            let name = format!("{age_days} d, {right_ascension_deg} deg");
+            let mut last = [0.0; 3];
+            for duration_s in [30.0, 31.0, 45.0, 300.0, 599.0, 600.0, 601.0, 900.0, 1800.0] {
+                let now = expected(duration_s);
+                println!("{name}: {duration_s} s {now:.4?}");
+                for (now, last) in now.iter().zip(last) {
+                    assert!(now + OF_ALL * last >= last, "{name}: {duration_s} s {now} after {last}");
+                }
+                last = now;
+            }
+            let [ten_minutes, a_second_more] = [600.0, 601.0].map(expected);
+            assert!(ten_minutes[0] > 0.003, "{name}: {ten_minutes:?}");
+            for (one, other) in ten_minutes.iter().zip(a_second_more) {
+                assert!(
+                    (one - other).abs() < OF_A_SECOND * one,
+                    "{name}: 600 s {ten_minutes:?}, 601 s {a_second_more:?}"
+                );
+            }
+        }
+    }
+}
+
 /// Satellites on the way for 150 days: planes that may be off by five degrees in any direction, satellites anywhere along them. Only planes
 /// beside the field, where their number depends on how far they may be off. Tolerance as above.
 #[test]
@@ -169,14 +267,7 @@ fn verif_planes_that_are_off_by_far_against_draws() {
     assert_eq!(class.kind, OrbitKind::Manoeuvring);
     let sigma = uncertainty(class, AGE_DAYS);
     assert!((400.0..700.0).contains(&sigma.cross_track_km), "{sigma:?}");
-    let chances = sky(elements.clone()).chances(&exposures, &field).expect("chances");
-    let sum = |of: &dyn Fn(&Chance) -> f64| chances.iter().flatten().map(of).sum::<f64>();
-    let none = |chances: &Vec<Chance>| chances.iter().map(|chance| 1.0 - chance.probability).product::<f64>();
-    let expected = [
-        sum(&|chance| chance.probability),
-        chances.iter().map(|chances| 1.0 - none(chances)).sum(),
-        sum(&|chance| chance.streak_length_rad.to_degrees()),
-    ];
+    let here = sky(elements.clone());
     let tilt_rad = sigma.cross_track_km / 6928.0;
     let skies = (0..80).map(|_| {
         let one = |set: &ElementSet| {
@@ -189,7 +280,21 @@ fn verif_planes_that_are_off_by_far_against_draws() {
         };
         sky(elements.iter().map(one).collect())
     });
-    compare("planes", &exposures, &field, expected, skies);
+    let skies: Vec<Sky> = skies.collect();
+    // Eleven minutes about the same middle.
+    let long: Vec<Exposure> = exposures
+        .iter()
+        .step_by(15)
+        .map(|exposure| Exposure {
+            start: seconds_after(exposure.start, -315.0),
+            duration_s: 660.0,
+            ..exposure.clone()
+        })
+        .collect();
+    for (name, exposures) in [("planes", &exposures), ("planes, 660 s", &long)] {
+        let chances = here.chances(exposures, &field).expect("chances");
+        compare(name, exposures, &field, sums(&chances), skies.iter());
+    }
 }
 
 /// A pass takes its range, and with it the angle of the error across, in the middle of its chord, a chance where it is nearest.

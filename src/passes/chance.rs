@@ -12,13 +12,19 @@
 //! Errors across the track of tens of kilometres and more (manoeuvring satellites, months after their elements) tilt the plane instead of shifting the
 //! path on the sky: a satellite that is that far off its plane is still at its distance from the Earth.
 //!
+//! An exposure longer than half a minute is asked for in pieces, each with the site where it then is, for the site moves past many planes (by
+//! up to 280 km in ten minutes). The delays that bring a satellite into the field during different pieces exclude one another: its chance is that of being in the
+//! field during the first piece, and of entering it during each of the others. So a longer exposure never has less. Where an error of seconds moves
+//! nothing (less than [`LONG_DELAY_S`]), the exact path is cut over all of the exposure.
+//!
 //! What is left out: delays beyond 3.5 sigma (0.05 % of each satellite's chance). What is simplified: the planes do not turn during the
-//! delay (5° a day at most), and the site stands still before and after the exposure. For a telescope in orbit only the passes and
+//! delay (5° a day at most), and the site stands still before and after the exposure or its piece (up to 6 % in the number of those that enter, as it
+//! moves with or against the satellites; from the second piece on that is in the chance). In exposures longer than a revolution a satellite that comes back is counted again, up to 1. For a telescope in orbit only the passes and
 //! near misses of [`Sky::field_passes`] are summed.
 
 use rayon::prelude::*;
 
-use super::expose::{ABERRATION_MARGIN_RAD, SLICE_S};
+use super::expose::ABERRATION_MARGIN_RAD;
 use super::exposure::Exposure;
 use super::field::Field;
 use super::look::LOWEST_ALTITUDE_RAD;
@@ -34,6 +40,8 @@ use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::Observer;
 use crate::orbit::{Cone, OrbitUncertainty, Reach};
 
+/// Satellites that may be late are asked for in pieces of an exposure no longer than this, seconds: in it the site moves by 14 km at most.
+const PIECE_S: f64 = 30.0;
 /// From an orbit, passes less probable than this are not looked for.
 const LEAST_IN_FLIGHT: f64 = 0.01;
 
@@ -142,50 +150,57 @@ impl Sky {
         let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
         let opened_s = seconds_between(scene.start, exposure.start);
         let closed_s = opened_s + exposure.duration_s;
-        let slices = (exposure.duration_s / SLICE_S).ceil().max(1.0);
-        let slice_s = exposure.duration_s / slices;
-        let mut seen: Vec<u32> = Vec::new();
-        for slice in 0..slices as u32 {
-            let mid_s = opened_s + slice_s * (f64::from(slice) + 0.5);
-            let Some((window, window_start_s)) = scene.window_at(mid_s) else { continue };
+        let question = |opened_s: f64, closed_s: f64, only_entering: bool| {
+            let mid_s = 0.5 * (opened_s + closed_s);
             let orientation = scene.orientation.at_s(mid_s);
-            let site = ObserverMotion::of_site(observer, &orientation, scene.sun.at_s(mid_s).earth_velocity, mid_s);
+            let earth_velocity = scene.sun.at_s(mid_s).earth_velocity;
+            let site = ObserverMotion::of_site(observer, &orientation, earth_velocity, mid_s);
+            Question {
+                scene,
+                shadow: self.shadow(),
+                field: &on_sky,
+                site: site.still_outside(opened_s, closed_s),
+                orientation,
+                opened_s,
+                closed_s,
+                long_delay_s,
+                only_entering,
+            }
+        };
+        // From the opening on, so that a longer exposure begins with the same pieces.
+        let pieces: Vec<Question<'_>> = (0..(exposure.duration_s / PIECE_S).ceil().max(1.0) as u32)
+            .map(|number| {
+                let from_s = opened_s + PIECE_S * f64::from(number);
+                question(from_s, closed_s.min(from_s + PIECE_S), number > 0)
+            })
+            .collect();
+        let mut seen: Vec<(u32, usize)> = Vec::new();
+        for (number, piece) in pieces.iter().enumerate() {
+            let (mid_s, half_s) = (0.5 * (piece.opened_s + piece.closed_s), 0.5 * (piece.closed_s - piece.opened_s));
+            let Some((window, window_start_s)) = scene.window_at(mid_s) else { continue };
             let cone = Cone {
                 mid_s: mid_s - window_start_s,
-                half_duration_s: 0.5 * slice_s,
-                observer: site.position(mid_s),
-                observer_speed_km_s: site.fastest_km_s(mid_s, 0.5 * slice_s),
+                half_duration_s: half_s,
+                observer: piece.site.position(mid_s),
+                observer_speed_km_s: piece.site.fastest_km_s(mid_s, half_s),
                 axis: exposure.pointing,
                 radius_rad: on_sky.bounding_radius_rad() + ABERRATION_MARGIN_RAD,
             };
-            window.candidates(&cone, &orientation.teme_to_gcrs, candidates);
-            seen.extend_from_slice(candidates);
+            window.candidates(&cone, &piece.orientation.teme_to_gcrs, candidates);
+            seen.extend(candidates.iter().map(|&element| (element, number)));
         }
         seen.sort_unstable();
         seen.dedup();
-        let mid_s = 0.5 * (opened_s + closed_s);
-        let orientation = scene.orientation.at_s(mid_s);
-        let earth_velocity = scene.sun.at_s(mid_s).earth_velocity;
-        let site =
-            ObserverMotion::of_site(observer, &orientation, earth_velocity, mid_s).still_outside(opened_s, closed_s);
-        let question = Question {
-            scene,
-            shadow: self.shadow(),
-            field: &on_sky,
-            site,
-            orientation: &orientation,
-            opened_s,
-            closed_s,
-            long_delay_s,
-        };
-        let horizon = observer.state(&orientation);
+        let whole = question(opened_s, closed_s, false);
         let sine_of_lowest = LOWEST_ALTITUDE_RAD.sin();
-        seen.into_iter()
-            .filter_map(|element_index| {
-                let element_index = element_index as usize;
-                let propagator = self.index().propagator(element_index)?;
-                let age_s = seconds_between(propagator.epoch(), seconds_after(scene.start, mid_s));
-                let place = question.odds(propagator, self.uncertainty_at(element_index, age_s))?;
+        let of_one = |one: &[(u32, usize)]| {
+            let element_index = one[0].0 as usize;
+            let propagator = self.index().propagator(element_index)?;
+            let age_s = seconds_between(propagator.epoch(), seconds_after(scene.start, 0.5 * (opened_s + closed_s)));
+            let sigma = self.uncertainty_at(element_index, age_s);
+            let asked = |question: &Question<'_>| {
+                let place = question.odds(propagator, sigma)?;
+                let horizon = observer.state(&question.orientation);
                 let is_up = horizon.sine_of_altitude(&place.geometric) >= sine_of_lowest;
                 is_up.then_some(Chance {
                     element_index,
@@ -193,8 +208,18 @@ impl Sky {
                     streak_length_rad: place.odds.streak_length_rad,
                     range_km: place.range_km,
                 })
+            };
+            if sigma.along_track_s < long_delay_s {
+                return asked(&whole);
+            }
+            // Who enters in one piece does not enter in another.
+            one.iter().filter_map(|&(_, number)| asked(&pieces[number])).reduce(|one, other| Chance {
+                probability: (one.probability + other.probability).min(1.0),
+                streak_length_rad: one.streak_length_rad + other.streak_length_rad,
+                ..one
             })
-            .collect()
+        };
+        seen.chunk_by(|one, other| one.0 == other.0).filter_map(of_one).collect()
     }
 }
 

@@ -29,6 +29,7 @@ pub(super) struct Delays {
     /// Revolutions that lead through the field as this one does are so much later, seconds.
     turns_s: Vec<f64>,
     straight: Option<Straight>,
+    only_entering: bool,
 }
 
 /// The density of delays about one of them, of all revolutions together.
@@ -42,7 +43,12 @@ struct Straight {
 impl Delays {
     /// Gaussian about 0; certain for a sigma of 0.
     pub fn new((start_s, end_s): (f64, f64), sigma_s: f64) -> Self {
-        Self { start_s, end_s, sigma_s, turns_s: vec![0.0], straight: None }
+        Self { start_s, end_s, sigma_s, turns_s: vec![0.0], straight: None, only_entering: false }
+    }
+
+    /// With `true` only the delays by which the satellite comes into the field while the shutter is open count, not those by which it is in it as it opens.
+    pub fn only_entering(self, only_entering: bool) -> Self {
+        Self { only_entering, ..self }
     }
 
     /// The same of a path that is run through again and again, so much later (0 among them); `crossing_s` is about when it leads through the field, and
@@ -76,8 +82,13 @@ impl Delays {
         Odds { probability: self.probability(chords), streak_length_rad }
     }
 
-    /// Share of delays that bring one of the chords into the exposure. Ranges of delay of neighbouring chords are joined.
+    /// Share of delays that bring one of the chords into the exposure. Ranges of delay of neighbouring chords are joined. A satellite enters the
+    /// field once, where its first chord begins.
     fn probability(&self, chords: &[Chord]) -> f64 {
+        if self.only_entering {
+            let enters_s = chords.iter().map(|chord| chord.enter_s).min_by(f64::total_cmp);
+            return enters_s.map_or(0.0, |enter_s| self.share(self.start_s - enter_s, self.end_s - enter_s));
+        }
         let mut ranges: Vec<(f64, f64)> =
             chords.iter().map(|chord| (self.start_s - chord.exit_s, self.end_s - chord.enter_s)).collect();
         ranges.sort_by(|a, b| a.0.total_cmp(&b.0));

@@ -16,7 +16,7 @@ use crate::frames::{Orientation, seconds_after, seconds_between};
 use crate::orbit::{Arc, Cone, LeftOut, OrbitError, OrbitUncertainty, Window};
 
 /// The cull asks for at most this long at a time, seconds: by then an observer on the ground has moved 14 km to each side.
-pub(super) const SLICE_S: f64 = 60.0;
+const SLICE_S: f64 = 60.0;
 /// The same for an observer in orbit, who has moved 40 km by then.
 const FLIGHT_SLICE_S: f64 = 10.0;
 /// So many slices are first asked about together: the two tests cost least together there.

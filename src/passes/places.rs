@@ -7,10 +7,10 @@
 use nalgebra::Vector3;
 
 use super::crossing::{Crossing, cross};
-use super::delays::Odds;
+use super::delays::{Delays, Odds};
 use super::field::FieldOnSky;
 use super::late_path::WIDE_KM;
-use super::probability::{REACH_SIGMAS, Sigmas, crossing_odds};
+use super::probability::{REACH_SIGMAS, crossing_odds};
 use super::scene::Scene;
 use super::sightline::{ObserverMotion, SightLine};
 use super::two_body::TwoBody;
@@ -18,7 +18,8 @@ use crate::frames::{Gcrs, Orientation, Position};
 use crate::geometry::ShadowModel;
 use crate::orbit::{Arc, OrbitUncertainty, Propagator, State};
 
-/// In an exposure longer than this the site moves too far for one place on the orbit; then all of the time is searched, seconds.
+/// In an exposure longer than this the site moves too far to look for one place on the orbit; then all of the time is searched, seconds. Only satellites
+/// that are nearly on time come to this: of the others every exposure is asked for in pieces (`chance.rs`).
 const LONG_EXPOSURE_S: f64 = 600.0;
 /// And so it is, up to this delay, on an orbit whose place in the field is not found (eccentric ones near the horizon), seconds.
 const LONGEST_BLIND_REACH_S: f64 = 1200.0;
@@ -44,11 +45,13 @@ pub(super) struct Question<'a> {
     pub field: &'a FieldOnSky<'a>,
     /// Standing still outside of the exposure.
     pub site: ObserverMotion,
-    pub orientation: &'a Orientation,
+    pub orientation: Orientation,
     pub opened_s: f64,
     pub closed_s: f64,
     /// Errors along the track from which on paths are circles, seconds.
     pub long_delay_s: f64,
+    /// True for the pieces of a long exposure after its first: who was in the field before has been counted.
+    pub only_entering: bool,
 }
 
 /// Where a satellite passes the line of sight.
@@ -152,6 +155,11 @@ impl Question<'_> {
         best
     }
 
+    /// The delays that bring a satellite into this exposure.
+    pub fn delays(&self, along_track_s: f64) -> Delays {
+        Delays::new((self.opened_s, self.closed_s), along_track_s).only_entering(self.only_entering)
+    }
+
     /// The stretch around a place, made longer until both ends lie outside of the field.
     fn around(
         &self,
@@ -183,15 +191,15 @@ impl Question<'_> {
         let track = |time_s: f64| line.sight(time_s);
         let nominal = cross(&track, searched_s.0, searched_s.1, self.field);
         let (_, _, aspect) = line.aspect_at(nominal.closest_s);
-        let sigmas =
-            Sigmas { along_track_s: sigma.along_track_s, cross_track_rad: sigma.cross_track_km / aspect.range_km };
-        if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * sigmas.cross_track_rad {
+        let cross_track_rad = sigma.cross_track_km / aspect.range_km;
+        if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * cross_track_rad {
             return None;
         }
         if !self.is_lit(arc, &nominal, searched_s, aspect.range_km) {
             return None;
         }
-        let odds = crossing_odds(&track, &nominal, searched_s, (self.opened_s, self.closed_s), self.field, sigmas);
+        let delays = self.delays(sigma.along_track_s);
+        let odds = crossing_odds(&track, &nominal, searched_s, &delays, self.field, cross_track_rad);
         (odds.probability > 0.0).then_some(Place { odds, geometric: aspect.geometric, range_km: aspect.range_km })
     }
 

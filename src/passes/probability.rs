@@ -52,13 +52,6 @@ pub(super) fn reach_s(along_track_sigma_s: f64) -> f64 {
     (REACH_SIGMAS * along_track_sigma_s).min(LONGEST_REACH_S)
 }
 
-/// One-sigma errors of a prediction, as a crossing feels them.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct Sigmas {
-    pub along_track_s: f64,
-    pub cross_track_rad: f64,
-}
-
 /// Probability that the satellite is inside the field at any time of [`start_s`, `end_s`].
 ///
 /// `track` is that of the prediction over `searched_s`: the part of the exposure in which it may matter, widened by
@@ -71,26 +64,25 @@ pub(super) fn crossing_probability(
     along_track_sigma_s: f64,
     cross_track_sigma_rad: f64,
 ) -> f64 {
-    let sigmas = Sigmas { along_track_s: along_track_sigma_s, cross_track_rad: cross_track_sigma_rad };
     let nominal = cross(track, searched_s.0, searched_s.1, field);
-    crossing_odds(track, &nominal, searched_s, exposure_s, field, sigmas).probability
+    let delays = Delays::new(exposure_s, along_track_sigma_s);
+    crossing_odds(track, &nominal, searched_s, &delays, field, cross_track_sigma_rad).probability
 }
 
-/// As [`crossing_probability`], with the expected length of the streak; `nominal` is the crossing of the track itself.
+/// As [`crossing_probability`], with the expected length of the streak; `nominal` is the crossing of the track itself, `sigma_rad`
+/// the error across it.
 pub(super) fn crossing_odds(
     track: &impl Fn(f64) -> Sight,
     nominal: &Crossing,
     searched_s: (f64, f64),
-    exposure_s: (f64, f64),
+    delays: &Delays,
     field: &FieldOnSky,
-    sigmas: Sigmas,
+    sigma_rad: f64,
 ) -> Odds {
-    let sigma_rad = sigmas.cross_track_rad;
     let radius_rad = field.bounding_radius_rad();
     if sigma_rad > 0.0 && nominal.min_separation_rad > radius_rad + 2.0 * REACH_SIGMAS * sigma_rad {
         return Odds::default();
     }
-    let delays = Delays::new(exposure_s, sigmas.along_track_s);
     let through_rad = || across(&track(nominal.closest_s)).map_or(0.0, |across| field.centre().dot(&across));
     over_shifts(sigma_rad, radius_rad, through_rad, |shift_rad| {
         if shift_rad == 0.0 {

@@ -65,7 +65,8 @@ impl ObserverMotion {
         }
     }
 
-    fn velocity(&self, time_s: f64) -> Vector3<f64> {
+    /// Its velocity, km/s; while it stands still, that with which it came or will go on.
+    pub fn velocity(&self, time_s: f64) -> Vector3<f64> {
         let time_s = self.own_time_s(time_s);
         match &self.path {
             Path::Turning { at_s, turning, ahead, .. } => {
