@@ -48,7 +48,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
 
 /// As of `passes`: 1 where nothing crosses, with the picture all the same.
 fn outcome(columns: &Columns) -> Outcome {
-    if columns.len() == 0 { Outcome::No } else { Outcome::Done }
+    if columns.is_empty() { Outcome::No } else { Outcome::Done }
 }
 
 /// Where the telescope looked.
