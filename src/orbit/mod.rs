@@ -7,12 +7,15 @@ mod kepler;
 mod phase;
 mod propagator;
 mod resonance;
+mod shade;
 mod sight;
 mod uncertainty;
 mod window;
 
 pub use arc::Arc;
+pub use candidates::{Candidate, Cones};
 pub use index::{LeftOut, Reach, SatelliteIndex};
 pub use propagator::{DECAYED_RADIUS_KM, OrbitError, Propagator, State};
+pub use shade::Shade;
 pub use uncertainty::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};
 pub use window::{Cone, MAX_WINDOW_S, Window};

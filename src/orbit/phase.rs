@@ -3,6 +3,7 @@
 use nalgebra::Vector3;
 
 use super::kepler::{plane_axis, plane_state};
+use super::shade::ShadeInTeme;
 use super::window::Cone;
 use crate::constants::WGS72_MU_KM3_S2;
 
@@ -24,6 +25,13 @@ pub(super) struct Phase {
     pub along_track_s: f32,
     /// Drag or an extreme eccentricity makes the interpolated place too poor: SGP4 decides once the plane fits.
     pub only_plane: bool,
+}
+
+/// A satellite that may be inside a cone.
+#[derive(Copy, Clone, Debug)]
+pub(super) struct Inside {
+    /// True where it is in the shade all the time.
+    pub is_dark: bool,
 }
 
 /// What the phase test knows of the question.
@@ -66,10 +74,11 @@ impl<'a> Question<'a> {
         self.cone.radius_rad
     }
 
-    /// Whether a satellite whose orbit plane fits may be inside the cone while it is asked for.
-    pub fn may_be_inside(&self, phase: &Phase, normal: &Vector3<f64>) -> bool {
+    /// How a satellite whose orbit plane fits may be inside the cone while it is asked for; `None` where it cannot be.
+    #[inline]
+    pub fn place_inside(&self, phase: &Phase, normal: &Vector3<f64>, shade: Option<&ShadeInTeme>) -> Option<Inside> {
         if phase.only_plane {
-            return true;
+            return Some(Inside { is_dark: false });
         }
         let (position, velocity) = phase.place(normal, self.cone.mid_s, self.fraction);
         let sight = position - self.observer;
@@ -77,23 +86,30 @@ impl<'a> Question<'a> {
         // The path bends away from its tangent by at most ½ g t², g being gravity at the satellite.
         let bend_km = 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
         let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
+        let inside = || {
+            // Where the elements put it, however late it is looked for.
+            let ends = [-1.0, 1.0].map(|side| position + velocity * (side * self.cone.half_duration_s));
+            Inside { is_dark: shade.is_some_and(|shade| ends.iter().all(|end| shade.holds(end, slop_km))) }
+        };
         if self.cone.radius_rad > WIDE_RAD {
             // The whole stretch as a ball around its middle.
             let (distance_km, reach_km) = (sight.norm(), slop_km + velocity.norm() * half_s);
             let angle_rad = sight.cross(&self.axis).norm().atan2(sight.dot(&self.axis));
-            return distance_km <= reach_km || angle_rad <= self.cone.radius_rad + (reach_km / distance_km).asin();
+            let is_near =
+                distance_km <= reach_km || angle_rad <= self.cone.radius_rad + (reach_km / distance_km).asin();
+            return is_near.then(inside);
         }
         // The stretch as a straight line past the axis: the least distance across against the width at the greatest depth.
         // A ball of radius s at the cone's edge touches it from s / cos ψ across.
         let (depth, depth_rate) = (sight.dot(&self.axis), velocity.dot(&self.axis));
         let deepest_km = depth + depth_rate.abs() * half_s + slop_km;
         if deepest_km < 0.0 {
-            return false;
+            return None;
         }
         let (across, across_rate) = (sight - self.axis * depth, velocity - self.axis * depth_rate);
         let nearest_s = (-across.dot(&across_rate) / across_rate.norm_squared().max(1e-12)).clamp(-half_s, half_s);
         let width_km = deepest_km * self.tangent + slop_km * self.secant;
-        (across + across_rate * nearest_s).norm_squared() <= width_km * width_km
+        ((across + across_rate * nearest_s).norm_squared() <= width_km * width_km).then(inside)
     }
 }
 

@@ -38,7 +38,7 @@ use super::windows::Wanted;
 use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::Observer;
-use crate::orbit::{Cone, OrbitUncertainty, Reach};
+use crate::orbit::{Candidate, Cone, Cones, OrbitUncertainty, Reach};
 
 /// Satellites that may be late are asked for in pieces of an exposure no longer than this, seconds: in it the site moves by 14 km at most.
 const PIECE_S: f64 = 30.0;
@@ -93,8 +93,8 @@ impl Sky {
             scene.windows = self.windows_over(start, seconds_after(start, span_s), Wanted::Anyone, reach);
             let found: Vec<(usize, Vec<Chance>)> = group
                 .par_iter()
-                .map_init(Vec::new, |candidates, &one| {
-                    (one, self.chances_of(&scene, observer, (&exposures[one], field), long_delay_s, candidates))
+                .map_init(Vec::new, |seen, &one| {
+                    (one, self.chances_of(&scene, observer, (&exposures[one], field), long_delay_s, seen))
                 })
                 .collect();
             for (one, chances) in found {
@@ -145,7 +145,7 @@ impl Sky {
         observer: &Observer,
         (exposure, field): (&Exposure, &Field),
         long_delay_s: f64,
-        candidates: &mut Vec<u32>,
+        seen: &mut Vec<Candidate>,
     ) -> Vec<Chance> {
         let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
         let opened_s = seconds_between(scene.start, exposure.start);
@@ -174,8 +174,8 @@ impl Sky {
                 question(from_s, closed_s.min(from_s + PIECE_S), number > 0)
             })
             .collect();
-        let mut seen: Vec<(u32, usize)> = Vec::new();
-        for (number, piece) in pieces.iter().enumerate() {
+        seen.clear();
+        for (number, piece) in (0..).zip(&pieces) {
             let (mid_s, half_s) = (0.5 * (piece.opened_s + piece.closed_s), 0.5 * (piece.closed_s - piece.opened_s));
             let Some((window, window_start_s)) = scene.window_at(mid_s) else { continue };
             let cone = Cone {
@@ -186,15 +186,15 @@ impl Sky {
                 axis: exposure.pointing,
                 radius_rad: on_sky.bounding_radius_rad() + ABERRATION_MARGIN_RAD,
             };
-            window.candidates(&cone, &piece.orientation.teme_to_gcrs, candidates);
-            seen.extend(candidates.iter().map(|&element| (element, number)));
+            let cones = Cones { whole: &cone, parts: &[], first: number, shade: None };
+            window.candidates(&cones, &piece.orientation.teme_to_gcrs, seen);
         }
         seen.sort_unstable();
         seen.dedup();
         let whole = question(opened_s, closed_s, false);
         let sine_of_lowest = LOWEST_ALTITUDE_RAD.sin();
-        let of_one = |one: &[(u32, usize)]| {
-            let element_index = one[0].0 as usize;
+        let of_one = |one: &[Candidate]| {
+            let element_index = one[0].element_index as usize;
             let propagator = self.index().propagator(element_index)?;
             let age_s = seconds_between(propagator.epoch(), seconds_after(scene.start, 0.5 * (opened_s + closed_s)));
             let sigma = self.uncertainty_at(element_index, age_s);
@@ -213,13 +213,13 @@ impl Sky {
                 return asked(&whole);
             }
             // Who enters in one piece does not enter in another.
-            one.iter().filter_map(|&(_, number)| asked(&pieces[number])).reduce(|one, other| Chance {
+            one.iter().filter_map(|seen| asked(&pieces[seen.cone as usize])).reduce(|one, other| Chance {
                 probability: (one.probability + other.probability).min(1.0),
                 streak_length_rad: one.streak_length_rad + other.streak_length_rad,
                 ..one
             })
         };
-        seen.chunk_by(|one, other| one.0 == other.0).filter_map(of_one).collect()
+        seen.chunk_by(|one, other| one.element_index == other.element_index).filter_map(of_one).collect()
     }
 }
 

@@ -4,7 +4,7 @@
 use rayon::prelude::*;
 
 use super::crossing::cross;
-use super::expose::Run;
+use super::expose::{Dark, Run};
 use super::exposure::Exposure;
 use super::field::{Field, FieldOnSky};
 use super::look::Look;
@@ -14,7 +14,7 @@ use super::sky::{PassOptions, Sky, SkyError, check};
 use super::track::Chord;
 use crate::constants::DAY_S;
 use crate::frames::{seconds_after, seconds_between};
-use crate::orbit::{Arc, LeftOut, OrbitError};
+use crate::orbit::{Arc, Candidate, LeftOut, OrbitError};
 
 /// One lit satellite in one exposure.
 #[derive(Clone, Debug, PartialEq)]
@@ -53,8 +53,8 @@ impl Sky {
             }
             let found: Vec<(usize, Vec<Crossed>, Vec<LeftOut>)> = group
                 .par_iter()
-                .map_init(Vec::new, |candidates, &one| {
-                    let (crossed, left_out) = self.crossings_of(&scene, &exposures[one], field, candidates)?;
+                .map_init(Vec::new, |seen, &one| {
+                    let (crossed, left_out) = self.crossings_of(&scene, &exposures[one], field, seen)?;
                     Ok((one, crossed, left_out))
                 })
                 .collect::<Result<_, SkyError>>()?;
@@ -73,13 +73,13 @@ impl Sky {
         scene: &Scene,
         exposure: &Exposure,
         field: &Field,
-        candidates: &mut Vec<u32>,
+        seen: &mut Vec<Candidate>,
     ) -> Result<(Vec<Crossed>, Vec<LeftOut>), SkyError> {
         let flight = self.flight(scene, exposure)?;
         let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
         let opened_s = seconds_between(scene.start, exposure.start);
         let (mut crossed, mut left_out) = (Vec::new(), Vec::new());
-        for run in self.runs(scene, exposure, &on_sky, flight.as_ref(), candidates) {
+        for run in self.runs(scene, exposure, &on_sky, flight.as_ref(), Dark::LeftOut, seen) {
             let element_index = run.element_index;
             match self.crossed(scene, exposure, &on_sky, &run, flight.as_ref()) {
                 Ok(None) => {}

@@ -12,8 +12,8 @@ use super::sightline::SightLine;
 use super::sky::{PassOptions, Sky, SkyError};
 use super::track::{Chord, FieldPass};
 use crate::constants::{DAY_S, EARTH_ROTATION_RAD_S};
-use crate::frames::{Orientation, seconds_after, seconds_between};
-use crate::orbit::{Arc, Cone, LeftOut, OrbitError, OrbitUncertainty, Window};
+use crate::frames::{Direction, Orientation, seconds_after, seconds_between};
+use crate::orbit::{Arc, Candidate, Cone, Cones, LeftOut, OrbitError, OrbitUncertainty, Shade, Window};
 
 /// The cull asks for at most this long at a time, seconds: by then an observer on the ground has moved 14 km to each side.
 const SLICE_S: f64 = 60.0;
@@ -23,6 +23,8 @@ const FLIGHT_SLICE_S: f64 = 10.0;
 const GROUP: u32 = 5;
 /// A satellite that is a candidate again within this time is still on the same pass, seconds: nothing comes round so soon.
 const SAME_PASS_S: f64 = 1200.0;
+/// The Sun's motion among the stars, rad/s: 1.02 degrees a day at most.
+const SUN_RATE_RAD_S: f64 = 2.1e-7;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with room, radians.
 pub(super) const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 
@@ -32,6 +34,23 @@ pub(super) struct Run {
     pub element_index: usize,
     pub start_s: f64,
     pub end_s: f64,
+    /// True where it is in the Earth's shadow all the time.
+    is_dark: bool,
+}
+
+impl Run {
+    /// Over a stretch of time, whatever the light.
+    pub fn over(element_index: usize, start_s: f64, end_s: f64) -> Self {
+        Self { element_index, start_s, end_s, is_dark: false }
+    }
+}
+
+/// What becomes of satellites that are dark all along.
+#[derive(Copy, Clone, PartialEq, Eq)]
+pub(super) enum Dark {
+    Wanted,
+    /// Nobody asks SGP4 about those that are deep in the shadow.
+    LeftOut,
 }
 
 impl Sky {
@@ -42,13 +61,14 @@ impl Sky {
         exposure: &Exposure,
         field: &Field,
         options: &PassOptions,
-        candidates: &mut Vec<u32>,
+        seen: &mut Vec<Candidate>,
     ) -> Result<(Vec<FieldPass>, Vec<LeftOut>), SkyError> {
         let flight = self.flight(scene, exposure)?;
         let on_sky = field.on_sky(&exposure.pointing, exposure.rotation_rad);
         let mut passes = Vec::new();
         let mut left_out = Vec::new();
-        for run in self.runs(scene, exposure, &on_sky, flight.as_ref(), candidates) {
+        let dark = if options.include_dark { Dark::Wanted } else { Dark::LeftOut };
+        for run in self.runs(scene, exposure, &on_sky, flight.as_ref(), dark, seen) {
             match self.pass(scene, exposure, &on_sky, &run, flight.as_ref(), options) {
                 Ok(pass) => passes.extend(pass),
                 Err(reason) => left_out.push(LeftOut {
@@ -62,14 +82,15 @@ impl Sky {
         Ok((passes, left_out))
     }
 
-    /// Which satellites may be in the field, and when: candidates of slices that belong together joined.
+    /// Which satellites may be in the field, and when: candidates of slices that belong together joined. `seen` is room for them.
     pub(super) fn runs(
         &self,
         scene: &Scene,
         exposure: &Exposure,
         field: &FieldOnSky,
         flight: Option<&Shared<Arc>>,
-        candidates: &mut Vec<u32>,
+        dark: Dark,
+        seen: &mut Vec<Candidate>,
     ) -> Vec<Run> {
         let start_s = seconds_between(scene.start, exposure.start);
         let longest_s = if flight.is_some() { FLIGHT_SLICE_S } else { SLICE_S };
@@ -90,16 +111,23 @@ impl Sky {
             };
             Some((window, cone, orientation.teme_to_gcrs))
         };
-        let mut seen: Vec<(u32, u32)> = Vec::new();
+        let shade = (dark == Dark::LeftOut).then(|| {
+            let (radius_km, narrowing) = self.shadow().dark_core();
+            let sun = scene.sun.at_s(start_s + 0.5 * exposure.duration_s).sun;
+            // The Sun moves by this while the exposure lasts: a share of the depth.
+            let narrowing = narrowing + SUN_RATE_RAD_S * exposure.duration_s;
+            Shade { away_from_sun: Direction::from_vector(-sun.vector()), radius_km, narrowing }
+        });
+        let shade = shade.as_ref();
+        seen.clear();
         // A telescope in orbit moves too far for groups.
         let most = if flight.is_some() { 1 } else { GROUP };
-        let mut slice = 0;
-        while slice < slices as u32 {
-            let group = most.min(slices as u32 - slice);
+        let mut first = 0;
+        while first < slices as u32 {
+            let group = most.min(slices as u32 - first);
             let half_s = 0.5 * slice_s * f64::from(group);
-            let mid_s = start_s + slice_s * f64::from(slice) + half_s;
-            let whole = if group > 1 { cone(mid_s, half_s) } else { None };
-            let parts: Vec<_> = (slice..slice + group)
+            let whole = cone(start_s + slice_s * f64::from(first) + half_s, half_s);
+            let parts: Vec<_> = (first..first + group)
                 .map(|part| cone(start_s + slice_s * (f64::from(part) + 0.5), 0.5 * slice_s))
                 .collect();
             // All of them in one window.
@@ -107,33 +135,39 @@ impl Sky {
                 let is_there = |of_part: &Window| std::ptr::eq(of_part, window);
                 parts.iter().map(|part| part.as_ref().filter(|part| is_there(part.0)).map(|part| part.1)).collect()
             };
-            match whole.and_then(|(window, whole, teme)| Some((window, whole, of_window(window)?, teme))) {
+            match whole
+                .filter(|_| group > 1)
+                .and_then(|(window, whole, teme)| Some((window, whole, of_window(window)?, teme)))
+            {
                 Some((window, whole, parts, teme_to_gcrs)) => {
-                    window.candidates_of_parts(&whole, &parts, slice, &teme_to_gcrs, &mut seen);
+                    window.candidates(&Cones { whole: &whole, parts: &parts, first, shade }, &teme_to_gcrs, seen);
                 }
                 _ => {
-                    for (number, part) in (slice..).zip(&parts) {
+                    for (number, part) in (first..).zip(&parts) {
                         let Some((window, part, teme_to_gcrs)) = part else { continue };
-                        window.candidates(part, teme_to_gcrs, candidates);
-                        seen.extend(candidates.iter().map(|&element_index| (element_index, number)));
+                        window.candidates(&Cones { whole: part, parts: &[], first: number, shade }, teme_to_gcrs, seen);
                     }
                 }
             }
-            slice += group;
+            first += group;
         }
-        seen.retain(|(element_index, _)| !self.is_observer(*element_index as usize));
+        seen.retain(|candidate| !self.is_observer(candidate.element_index as usize));
         seen.sort_unstable();
         let mut runs: Vec<Run> = Vec::new();
-        for (element_index, slice) in seen {
-            let element_index = element_index as usize;
+        for candidate in seen.iter() {
+            let element_index = candidate.element_index as usize;
+            let slice = candidate.cone;
             let (from_s, end_s) = (start_s + slice_s * f64::from(slice), start_s + slice_s * f64::from(slice + 1));
             match runs.last_mut() {
                 Some(run) if run.element_index == element_index && from_s - run.end_s < SAME_PASS_S => {
-                    run.end_s = end_s
+                    run.end_s = end_s;
+                    run.is_dark &= candidate.is_dark;
                 }
-                _ => runs.push(Run { element_index, start_s: from_s, end_s }),
+                _ => runs.push(Run { element_index, start_s: from_s, end_s, is_dark: candidate.is_dark }),
             }
         }
+        // A pass that is lit for a part of its way is asked about as a whole.
+        runs.retain(|run| !run.is_dark);
         runs
     }
 

@@ -206,8 +206,8 @@ impl Sky {
             }
             let found: Vec<(usize, Vec<FieldPass>, Vec<LeftOut>)> = group
                 .par_iter()
-                .map_init(Vec::new, |candidates, &one| {
-                    let (passes, left_out) = self.expose(&scene, &exposures[one], field, options, candidates)?;
+                .map_init(Vec::new, |seen, &one| {
+                    let (passes, left_out) = self.expose(&scene, &exposures[one], field, options, seen)?;
                     Ok((one, passes, left_out))
                 })
                 .collect::<Result<_, SkyError>>()?;
@@ -243,7 +243,7 @@ impl Sky {
                 let mut passes: Vec<FieldPass> = (0..self.elements.len())
                     .filter(|&element_index| !self.is_observer(element_index))
                     .filter_map(|element_index| {
-                        let run = Run { element_index, start_s: 0.0, end_s: duration_s };
+                        let run = Run::over(element_index, 0.0, duration_s);
                         self.pass(&scene, exposure, &on_sky, &run, flight.as_ref(), options).ok().flatten()
                     })
                     .collect();

@@ -1,11 +1,14 @@
 //! Where a line of light ends: what its half holds, far from the end.
 
 use super::curve::Curve;
+use super::even::even_from;
 
 /// Powers of the direction that are kept.
 const TERMS: usize = 7;
 /// Nodes at which the half line is integrated.
 const NODES: usize = 128;
+/// Angles at which evenness is looked at.
+const ANGLES: usize = 4;
 /// Parts between these for loops: linear in between, good to 10⁻⁶ of the peak.
 const PER_INTERVAL: usize = 4;
 
@@ -22,14 +25,15 @@ const PER_INTERVAL: usize = 4;
 #[derive(Clone, Debug, PartialEq)]
 pub struct EdgeTable {
     from_pix: f64,
+    even_from_pix: f64,
     reach_pix: f64,
     scale: f32,
     rows: Vec<[f32; TERMS + 1]>,
 }
 
 impl EdgeTable {
-    /// From the average over pixels, which is round from `from_pix` on.
-    pub(super) fn of(pixel: &Curve, from_pix: f64) -> Self {
+    /// From the average over pixels, which is round from `from_pix` on; `peak` is that of a long line.
+    pub(super) fn of(pixel: &Curve, from_pix: f64, peak: f64) -> Self {
         let reach_pix = pixel.radii().end_pix();
         // 1/r in equal steps, from that of the reach to that of the start.
         let step = (1.0 / from_pix - 1.0 / reach_pix) / NODES as f64;
@@ -55,12 +59,30 @@ impl EdgeTable {
         }
         let rows = refined(&coarse);
         let scale = (PER_INTERVAL as f64 / step) as f32;
-        Self { from_pix, reach_pix, scale, rows }
+        let table = Self { from_pix, even_from_pix: 0.0, reach_pix, scale, rows };
+        let even_from_pix = even_from(reach_pix, peak, |nearest, x| {
+            // Pixels that lie across the direction to the end, and along it, for lines that leave at several angles.
+            let half = |along: f64, across: f64, angle: f64| {
+                let r = along.hypot(across);
+                let cosine = ((along * angle.cos() + across * angle.sin()) / r).clamp(0.0, 1.0);
+                f64::from(table.at(&[r as f32], &[cosine as f32]).0[0])
+            };
+            std::array::from_fn::<_, { 2 * ANGLES }, _>(|k| {
+                let angle = std::f64::consts::FRAC_PI_2 * (k / 2) as f64 / (ANGLES - 1) as f64;
+                if k % 2 == 0 { half(nearest, x, angle) } else { half(nearest + x, 0.0, angle) }
+            })
+        });
+        Self { even_from_pix, ..table }
     }
 
     /// Distance from the end from which on it holds, pixels.
     pub fn from_pix(&self) -> f64 {
         self.from_pix
+    }
+
+    /// Distance from the end from which on light over [`super::ProfileTables::EVEN_PIX`] is a cubic, on either side of the end, pixels.
+    pub fn even_from_pix(&self) -> f64 {
+        self.even_from_pix
     }
 
     /// H and G for `N` pixels at distances from the end of at least [`EdgeTable::from_pix`], and cosines in [0, 1].

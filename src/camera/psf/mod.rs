@@ -1,11 +1,12 @@
 //! How a point's light spreads: `seeing` (what the air makes of it), `blur` (with defocus and size), `radii` and `curve` (functions of
-//! a radius), `wings` (where they end), `disk` (blurring by a uniform disk), `integrals` (along a line, over a pixel), `edge` (of half a line),
-//! `tables` (all together), `lanes` (read many at a time), `parts` (finer pixels), `profile` (on the detector's pixels), `point` (drawn).
+//! a radius), `wings` (where they end), `disk` (blurring by a uniform disk), `integrals` (along a line, over a pixel), `edge` (of half a line), `even` (where it is nearly
+//! a cubic), `tables` (all together), `lanes` (read many at a time), `parts` (finer pixels), `profile` (on the detector's pixels), `point` (drawn).
 
 mod blur;
 mod curve;
 mod disk;
 mod edge;
+mod even;
 mod integrals;
 mod lanes;
 mod parts;

@@ -6,6 +6,7 @@ use super::blur::{Blur, BlurError, GREATEST_REACH_PIX};
 use super::curve::Curve;
 use super::disk::disk_mean;
 use super::edge::EdgeTable;
+use super::even::{EVEN_PIX, even_from};
 use super::integrals::{Grain, HARMONICS, Panels, along_line, angle, flux, harmonics, pixel_nodes};
 use super::lanes::Lanes;
 use super::radii::Radii;
@@ -35,6 +36,7 @@ pub struct ProfileTables {
     pixel_lanes: [Lanes; HARMONICS],
     round_from_pix: f64,
     line: [Curve; HARMONICS],
+    line_even_from_pix: f64,
     line_second_moment: Lanes,
     edge: Option<EdgeTable>,
     half_light_pix: f64,
@@ -43,6 +45,9 @@ pub struct ProfileTables {
 }
 
 impl ProfileTables {
+    /// Length over which light may be a cubic, pixels.
+    pub const EVEN_PIX: f64 = EVEN_PIX;
+
     /// The profile of a blur whose numbers have been held to their ranges; takes from a third of a millisecond (seeing alone) to some milliseconds (a
     /// ring many pixels wide).
     ///
@@ -90,7 +95,9 @@ impl ProfileTables {
         let variance_pix2 = PI * panels.integrate(0.0, reach, 0.5 * fwhm, |r| r.powi(3) * profile.at(r));
         let round_from_pix = round_from(&pixel);
         let edge = (averaged.end_pix() > WINGS * round_from_pix.max(1.0))
-            .then(|| EdgeTable::of(&pixel[0], round_from_pix.max(1.0)));
+            .then(|| EdgeTable::of(&pixel[0], round_from_pix.max(1.0), line[0].values()[0]));
+        let line_even_from_pix =
+            even_from(averaged.end_pix(), line[0].values()[0], |nearest, x| [line[0].at(nearest + x)]);
         let pixel_lanes = pixel.each_ref().map(Lanes::of);
         Ok(Self {
             blur: *blur,
@@ -99,6 +106,7 @@ impl ProfileTables {
             pixel_lanes,
             round_from_pix,
             line,
+            line_even_from_pix,
             line_second_moment,
             edge,
             half_light_pix,
@@ -153,17 +161,43 @@ impl ProfileTables {
 
     /// [`ProfileTables::line`] at one angle, as a table for loops.
     pub fn line_lanes(&self, angle_rad: f64) -> Lanes {
-        let parts: [(f64, &Curve); HARMONICS] =
-            std::array::from_fn(|m| ((4.0 * m as f64 * angle_rad).cos(), &self.line[m]));
+        self.line_sum(|m| (4.0 * m * angle_rad).cos())
+    }
+
+    /// Its derivative by the angle, per radian.
+    pub fn line_turned_lanes(&self, angle_rad: f64) -> Lanes {
+        self.line_sum(|m| -4.0 * m * (4.0 * m * angle_rad).sin())
+    }
+
+    fn line_sum(&self, weight: impl Fn(f64) -> f64) -> Lanes {
+        let parts: [(f64, &Curve); HARMONICS] = std::array::from_fn(|m| (weight(m as f64), &self.line[m]));
         Lanes::of(&Curve::sum(&parts))
+    }
+
+    /// How far an angle may be from that of [`ProfileTables::line_lanes`] and [`ProfileTables::line_turned_lanes`] together for 10⁻⁵ of the peak, radians.
+    pub fn line_most_turn_rad(&self) -> f64 {
+        // d²/dφ² Σ A_m cos 4mφ is at most Σ (4m)² |A_m|.
+        let (peak, bend) = self.line_harmonics(|m| (4.0 * m).powi(2));
+        (2e-5 * peak / bend.max(1e-4 * peak)).sqrt()
+    }
+
+    /// The peak of a line, and the weighted sum of what each of its harmonics is at most.
+    fn line_harmonics(&self, weight: impl Fn(f64) -> f64) -> (f64, f64) {
+        let greatest = |m: usize| self.line[m].values().iter().map(|value| value.abs()).fold(0.0, f64::max);
+        (greatest(0), (1..HARMONICS).map(|m| weight(m as f64) * greatest(m)).sum())
+    }
+
+    /// Distance across from which on the light of a line is nearly a cubic over [`ProfileTables::EVEN_PIX`], to 2·10⁻⁶ of the peak, pixels;
+    /// infinite where it is nowhere.
+    pub fn line_even_from_pix(&self) -> f64 {
+        self.line_even_from_pix
     }
 
     /// By how much the angle of [`ProfileTables::line_lanes`] may be wrong for 2·10⁻⁵ of the peak, radians.
     pub fn line_angle_step_rad(&self) -> f64 {
-        let greatest = |m: usize| self.line[m].values().iter().map(|value| value.abs()).fold(0.0, f64::max);
         // d/dφ Σ A_m cos 4mφ is at most Σ 4m |A_m|.
-        let slope: f64 = (1..HARMONICS).map(|m| 4.0 * m as f64 * greatest(m)).sum();
-        2e-5 * greatest(0) / slope.max(1e-4 * greatest(0))
+        let (peak, slope) = self.line_harmonics(|m| 4.0 * m);
+        2e-5 * peak / slope.max(1e-4 * peak)
     }
 
     /// Second moment along a line of unit light, M₂(v) = ∫ u² P(u, v) du, square pixels: a line whose light per pixel is λ at the foot of a pixel

@@ -87,6 +87,15 @@ impl ShadowModel {
         }
     }
 
+    /// A cone about the direction away from the Sun in which all is [`Illumination::Umbra`]: its radius at the Earth's centre, km, and by how much it
+    /// becomes narrower, km per km of depth. For satellites within [the Moon's distance](ShadowModel::Atmosphere).
+    pub fn dark_core(self) -> (f64, f64) {
+        // sin = (R_sun - R) / d at perihelion is 0.00469; air bends rays at the ground by twice 35' = 0.0204 at most.
+        let narrowing = if self == Self::Atmosphere { 0.026 } else { 0.0048 };
+        // No limb is nearer to the centre than a pole.
+        (EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING), narrowing)
+    }
+
     /// How a satellite is lit, both places geocentric, km. A place below the Earth's surface is lit as one on the surface above it would be.
     ///
     /// Far from the shadow's border a few products decide; near it a sum over two dozen rings of the Sun's disk, or five dozen rays through the air.

@@ -1,8 +1,9 @@
-//! A path cut into short stretches, each a parabola over its chord.
+//! A path cut into short stretches, each a parabola over its chord, and its light a cubic.
 
 use crate::quadrature::gauss_legendre;
 
 use super::path::{Piece, StreakPath};
+use crate::camera::ProfileTables;
 
 /// Longest chord, pixels: within it single precision is good to 10⁻⁵ pixels.
 const LONGEST_PIX: f64 = 256.0;
@@ -10,7 +11,7 @@ const LONGEST_PIX: f64 = 256.0;
 const SHORTEST_PIX: f64 = 2.0;
 /// How far a path may lie from its parabola, pixels: 5·10⁻⁵ of the peak for a width of 1 pixel.
 const BOW_ERROR_PIX: f64 = 1.5e-5;
-/// How far light per pixel may lie from its parabola, of itself.
+/// How far light per pixel may lie from its cubic, of itself.
 const LIGHT_ERROR: f64 = 3e-6;
 
 /// A place on a path, and where the path goes.
@@ -42,10 +43,10 @@ pub(super) struct Chord {
     /// b = bow (a² - half²).
     pub bow: f64,
     /// Light per pixel of length: powers of a.
-    pub light: [f64; 3],
+    pub light: [f64; 4],
     /// Way from the start of the path to both ends, pixels (where the path is far from the frame, a lower limit).
     pub way_pix: [f64; 2],
-    /// True where the path or its light is not a parabola.
+    /// True where the path is not a parabola or its light not a cubic.
     pub is_rough: bool,
 }
 
@@ -55,14 +56,28 @@ impl Chord {
         2.0 * self.bow
     }
 
+    /// Greatest angle between the path and its chord, radians.
+    pub fn half_turn_rad(&self) -> f64 {
+        self.curvature().abs() * self.half_pix
+    }
+
     /// How far the path lies from its chord at most, pixels, with its sign.
     pub fn sagitta_pix(&self) -> f64 {
         -self.bow * self.half_pix * self.half_pix
     }
 
-    /// λ''/2λ at the middle; infinite where light bends without being there.
+    /// λ, λ' and λ''/2 at a place of the chord.
+    pub fn light_at(&self, a: f64) -> [f64; 3] {
+        let [constant, slope, square, cube] = self.light;
+        let light = constant + a * (slope + a * (square + a * cube));
+        [light, slope + a * (2.0 * square + 3.0 * a * cube), square + 3.0 * a * cube]
+    }
+
+    /// |λ''|/2 at most, of λ at the middle; infinite where light bends without being there.
     pub fn bend(&self) -> f64 {
-        if self.light[2] == 0.0 { 0.0 } else { self.light[2] / self.light[0] }
+        let [first, last] = [-self.half_pix, self.half_pix].map(|a| self.light_at(a)[2].abs());
+        let most = first.max(last);
+        if most == 0.0 { 0.0 } else { most / self.light[0].abs() }
     }
 
     /// Angle between the directions at both ends, radians.
@@ -77,14 +92,22 @@ pub(super) struct Cutter<'a> {
     pub pieces: &'a [Piece],
     /// Bounds of x and y within which light reaches the frame.
     pub near: [[f64; 2]; 2],
+    /// A chord from whose direction its path turns by more is rough, radians.
+    most_turn_rad: f64,
     rule: Vec<(f64, f64)>,
 }
 
 impl<'a> Cutter<'a> {
-    /// For a frame of `rows` by `columns` and light that reaches `reach_pix`.
-    pub fn new(path: &'a StreakPath, rows: usize, columns: usize, reach_pix: f64) -> Self {
+    /// For a frame of `rows` by `columns`.
+    pub fn new(path: &'a StreakPath, profile: &ProfileTables, rows: usize, columns: usize) -> Self {
+        let reach_pix = profile.pixel_reach_pix();
         let bounds = |count: usize| [-reach_pix, count as f64 - 1.0 + reach_pix];
-        Self { pieces: path.pieces(), near: [bounds(columns), bounds(rows)], rule: gauss_legendre(8) }
+        Self {
+            pieces: path.pieces(),
+            near: [bounds(columns), bounds(rows)],
+            most_turn_rad: profile.line_most_turn_rad(),
+            rule: gauss_legendre(8),
+        }
     }
 
     /// Way along a stretch, pixels.
@@ -189,16 +212,21 @@ impl<'a> Cutter<'a> {
             let [x, y] = [border.at[0] - middle[0], border.at[1] - middle[1]];
             Some((x * along[0] + y * along[1], y * along[0] - x * along[1], light))
         };
-        let (a, b, light) = placed(0.5)?;
+        let (a, b, middle_light) = placed(0.5)?;
         if a.abs() > 0.5 * half_pix {
             return None;
         }
         let bow = b / (a * a - half_pix * half_pix);
-        let light = parabola([(-half_pix, first_light), (a, light), (half_pix, last_light)]);
-        let mut is_rough = false;
-        for share in [0.25, 0.75] {
-            let (a, b, true_light) = placed(share)?;
-            let at = light[0] + a * (light[1] + a * light[2]);
+        let (first_third, last_third) = (placed(1.0 / 3.0)?, placed(2.0 / 3.0)?);
+        let light = cubic([
+            (-half_pix, first_light),
+            (first_third.0, first_third.2),
+            (last_third.0, last_third.2),
+            (half_pix, last_light),
+        ]);
+        let mut is_rough = 2.0 * bow.abs() * half_pix > self.most_turn_rad;
+        for (a, b, true_light) in [placed(0.25)?, (a, b, middle_light), placed(0.75)?] {
+            let at = light[0] + a * (light[1] + a * (light[2] + a * light[3]));
             is_rough |= (b - bow * (a * a - half_pix * half_pix)).abs() > BOW_ERROR_PIX;
             is_rough |= (at - true_light).abs() > LIGHT_ERROR * true_light.abs().max(first_light).max(last_light);
         }
@@ -211,11 +239,35 @@ fn halves(stretch: Stretch) -> [Stretch; 2] {
     [Stretch { to_s: middle, ..stretch }, Stretch { from_s: middle, ..stretch }]
 }
 
-/// Powers of the parabola through three points.
-fn parabola(points: [(f64, f64); 3]) -> [f64; 3] {
-    let [(a, f), (b, g), (c, h)] = points;
-    let (first, second) = ((g - f) / (b - a), (h - g) / (c - b));
-    let square = (second - first) / (c - a);
-    let linear = first - square * (a + b);
-    [f - a * (linear + a * square), linear, square]
+/// Powers of the cubic through four points, by Newton's divided differences.
+fn cubic(points: [(f64, f64); 4]) -> [f64; 4] {
+    let mut differences = points.map(|(_, value)| value);
+    for order in 1..4 {
+        for i in (order..4).rev() {
+            differences[i] = (differences[i] - differences[i - 1]) / (points[i].0 - points[i - order].0);
+        }
+    }
+    // Σ d_i Π_(j<i) (a - a_j), from the innermost factor outwards.
+    let mut powers = [0.0; 4];
+    for i in (0..4).rev() {
+        for k in (1..4).rev() {
+            powers[k] = powers[k - 1] - points[i].0 * powers[k];
+        }
+        powers[0] = differences[i] - points[i].0 * powers[0];
+    }
+    powers
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_goes_through_its_points() {
+        let value = |a: f64| 2.0 + a * (-0.5 + a * (0.03 + a * 0.001));
+        let found = cubic([-20.0, -6.0, 7.5, 20.0].map(|a| (a, value(a))));
+        for (found, power) in found.into_iter().zip([2.0, -0.5, 0.03, 0.001]) {
+            assert!((found - power).abs() < 1e-12, "{found} {power}");
+        }
+    }
 }

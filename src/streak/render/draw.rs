@@ -2,14 +2,14 @@
 
 use std::ops::Range;
 
-use crate::camera::{Lanes, Patch, PatchRows, PixelPosition, ProfileTables, RadialProfile};
+use crate::camera::{Patch, PatchRows, PixelPosition, ProfileTables, RadialProfile};
 
 use super::chords::{Chord, Cutter, Stretch};
 use super::ends::End;
 use super::panels::PanelTree;
 use super::path::StreakPath;
 use super::runs::{Run, Source, around, beside, beyond};
-use super::strokes::{Strokes, draw as draw_strokes};
+use super::strokes::{Across, Strokes, draw as draw_strokes};
 
 /// Curvature times the profile's radius above which light is summed; what first order leaves out is 10⁻⁵ below it.
 const GREATEST_CURVATURE: f64 = 0.01;
@@ -17,6 +17,8 @@ const GREATEST_CURVATURE: f64 = 0.01;
 const GREATEST_BEND: f64 = 0.003;
 /// And for its change at a node; half of it is seen at the node itself.
 const GREATEST_BEND_CHANGE: f64 = 1e-5;
+/// And for that of λ'''/6λ times the radius cubed, of which a pixel sees a part.
+const GREATEST_THIRD_CHANGE: f64 = 1e-4;
 /// Curvature times the profile's reach above which normals come too near to one another for chords.
 const GREATEST_FAN: f64 = 0.25;
 /// A path that turns by more may come back to its own pixels, radians.
@@ -35,7 +37,7 @@ const GREATEST_TURNING_RAD: f64 = 1.2;
 /// ring's edges are 0.5 % of its radius off at both sides of it.
 pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
     on_parts(path, profile, rows, columns, |path, tables, rows, columns| {
-        let cutter = Cutter::new(path, rows, columns, tables.pixel_reach_pix());
+        let cutter = Cutter::new(path, tables, rows, columns);
         match cutter.chords().and_then(|chords| prepared(&cutter, chords, tables)) {
             Some((chords, ends)) => draw_along(&cutter, &chords, &ends, tables, rows, columns),
             None => draw_summed_by(&cutter, tables, rows, columns),
@@ -46,7 +48,7 @@ pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: us
 /// The same by sums over points of the path throughout: slow, and what [`draw`] is held against.
 pub fn draw_summed(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
     on_parts(path, profile, rows, columns, |path, tables, rows, columns| {
-        let cutter = Cutter::new(path, rows, columns, tables.pixel_reach_pix());
+        let cutter = Cutter::new(path, tables, rows, columns);
         draw_summed_by(&cutter, tables, rows, columns)
     })
 }
@@ -87,9 +89,12 @@ fn prepared(cutter: &Cutter<'_>, chords: Vec<Chord>, profile: &ProfileTables) ->
     // Where splines meet, brightness may begin to bend otherwise from one pixel to the next.
     for pair in chords.windows(2) {
         let [before, after] = [&cutter.pieces[pair[0].stretch.piece], &cutter.pieces[pair[1].stretch.piece]];
-        let change = 0.5 * (after.bend(0.0) - before.bend(before.duration_s)).abs() * profile.variance_pix2();
-        if pair[0].stretch.piece != pair[1].stretch.piece && change > GREATEST_BEND_CHANGE {
-            hard.push([pair[0].way_pix[1]; 2]);
+        if pair[0].stretch.piece != pair[1].stretch.piece {
+            let change = 0.5 * (after.bend(0.0) - before.bend(before.duration_s)).abs() * profile.variance_pix2();
+            let third = (after.third(0.0) - before.third(before.duration_s)).abs() / 6.0 * radius.powi(3);
+            if change > GREATEST_BEND_CHANGE || third > GREATEST_THIRD_CHANGE {
+                hard.push([pair[0].way_pix[1]; 2]);
+            }
         }
     }
     for chord in &chords {
@@ -234,8 +239,8 @@ impl Trees {
 }
 
 /// Tables across the path for all chords that need one, and which of them each uses.
-fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Lanes>, Vec<usize>) {
-    let mut tables = Vec::new();
+fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Vec<usize>) {
+    let mut tables: Vec<Across> = Vec::new();
     let mut table_of = vec![0; marked.len()];
     let step_rad = profile.line_angle_step_rad();
     let mut last: Option<f64> = None;
@@ -244,8 +249,11 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Lanes>, Vec
             continue;
         }
         let angle = chord.along[1].atan2(chord.along[0]);
-        if last.is_none_or(|last| (angle - last).abs() > step_rad) {
-            tables.push(profile.line_lanes(angle));
+        let turns = chord.half_turn_rad() > step_rad;
+        let is_known = last.is_some_and(|last| (angle - last).abs() <= step_rad);
+        if !is_known || (turns && tables.last().is_some_and(|table| table.turned.is_none())) {
+            let turned = turns.then(|| profile.line_turned_lanes(angle));
+            tables.push(Across { line: profile.line_lanes(angle), turned });
             last = Some(angle);
         }
         table_of[number] = tables.len() - 1;

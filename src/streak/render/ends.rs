@@ -2,8 +2,8 @@
 
 use crate::camera::{EdgeTable, ProfileTables};
 
+use super::blocks::{EACH, FOUR, LANES, add, through};
 use super::chords::Chord;
-use super::panels::LANES;
 
 /// What a path that is neither straight nor linearly bright may change in a pixel, of the peak.
 const TOLERANCE: f64 = 1e-5;
@@ -33,23 +33,24 @@ impl End {
         let own = &chords[chord];
         let (border, sign, a) =
             if is_start { (&own.start, 1.0, -own.half_pix) } else { (&own.end, -1.0, own.half_pix) };
-        let [constant, slope, square] = own.light;
+        let [light, slope, square] = own.light_at(a);
         let end = Self {
             at: border.at,
             inward: border.along.map(|component| sign * component),
-            light: [constant + a * (slope + a * square), sign * (slope + 2.0 * a * square)],
+            light: [light, sign * slope],
             way_pix: own.way_pix[usize::from(!is_start)],
             chord,
             from_pix: table.from_pix(),
         };
         let brightest = chords.iter().map(|chord| chord.light[0]).fold(end.light[0], f64::max);
-        let error = end.error(chords, profile, table.from_pix());
+        let error = end.error(chords, profile, [square, -sign * own.light[3]]);
         (error <= TOLERANCE * brightest * profile.line(0.0, 0.0)).then_some(end)
     }
 
-    /// What a straight line of linear brightness leaves out at the distance from which tables are used, at most.
-    fn error(&self, chords: &[Chord], profile: &ProfileTables, from_pix: f64) -> f64 {
-        let reach = profile.pixel_reach_pix();
+    /// What a straight line of linear brightness leaves out at the distance from which tables are used, at most. Beyond the end the light of the
+    /// last chord goes on by `beyond`, powers 2 and 3 of the way from there.
+    fn error(&self, chords: &[Chord], profile: &ProfileTables, beyond: [f64; 2]) -> f64 {
+        let (reach, from_pix) = (profile.pixel_reach_pix(), self.from_pix);
         // Light λ, off by δλ, displaced by b, over a length at a distance σ along the line.
         let felt = |sigma: f64, length: f64, light: f64, off: f64, b: f64| {
             let r = from_pix.hypot(sigma);
@@ -69,17 +70,17 @@ impl End {
                 if sigma.abs() - length > reach {
                     continue;
                 }
-                let light = chord.light[0] + a * (chord.light[1] + a * chord.light[2]);
+                let [light, ..] = chord.light_at(a);
                 let off = light - (self.light[0] + sigma * self.light[1]);
                 sum += felt((sigma - length).max(0.0), length, light, off, y * self.inward[0] - x * self.inward[1]);
             }
         }
-        // What the loop for smooth light continues beyond the end: the chord's own parabolas.
+        // What the loop for smooth light continues beyond the end: the chord's own parabola and cubic.
         let own = &chords[self.chord];
         for part in 0..16 {
             let length = reach / 16.0;
             let sigma = (f64::from(part) + 1.0) * length;
-            let off = own.light[2] * sigma * sigma;
+            let off = (beyond[0] + beyond[1] * sigma) * sigma * sigma;
             sum += felt(sigma - length, length, self.light[0] + off, off, own.bow * sigma * sigma);
         }
         sum
@@ -98,28 +99,56 @@ impl End {
     #[inline(always)]
     pub fn add_to(&self, table: &EdgeTable, row: usize, first_column: usize, pixels: &mut [f32]) {
         let dy = row as f64 - self.at[1];
-        let (light, slope) = (self.light[0] as f32, self.light[1] as f32);
+        let even_from = table.even_from_pix() as f32;
         for (block, out) in pixels.chunks_mut(LANES).enumerate() {
             let dx = (first_column + block * LANES) as f64 - self.at[0];
-            let u0 = (dx * self.inward[0] + dy * self.inward[1]) as f32;
-            let (x0, y0) = (dx as f32, dy as f32);
-            let (mut r, mut u, mut cosine) = ([0.0_f32; LANES], [0.0_f32; LANES], [0.0_f32; LANES]);
-            for lane in 0..LANES {
-                let x = x0 + lane as f32;
-                r[lane] = (x * x + y0 * y0).sqrt();
-                u[lane] = u0 + lane as f32 * self.inward[0] as f32;
-                cosine[lane] = u[lane].abs() / r[lane];
-            }
-            let (half, moment) = table.at(&r, &cosine);
-            let mut added = [0.0_f32; LANES];
-            for lane in 0..LANES {
-                let further = slope * (moment[lane] - u[lane].abs() * half[lane]);
-                let even = light * half[lane];
-                added[lane] = if u[lane] > 0.0 { further - even } else { further + even };
-            }
-            for (pixel, value) in out.iter_mut().zip(added) {
-                *pixel += value;
-            }
+            let first = [dx as f32, dy as f32, (dx * self.inward[0] + dy * self.inward[1]) as f32];
+            let four = self.seen(first, &FOUR);
+            // The nearest of the pixels, wherever in the row it is; and none on the other side of the end, where light goes the other way.
+            let nearest = first[1].hypot((-first[0]).clamp(FOUR[0], FOUR[3]) + first[0]);
+            let is_even = out.len() == LANES && nearest >= even_from && four.inward[0] * four.inward[3] > 0.0;
+            let light = if is_even {
+                through(self.light_of(table, &four))
+            } else {
+                self.light_of(table, &self.seen(first, &EACH))
+            };
+            add(&light, out);
         }
     }
+
+    /// Pixels so many columns after the first, of which x, y and way inward are given.
+    #[inline(always)]
+    fn seen<const N: usize>(&self, [x0, y0, u0]: [f32; 3], columns: &[f32; N]) -> Seen<N> {
+        let mut seen = Seen { distance: [0.0; N], inward: [0.0; N] };
+        for lane in 0..N {
+            let x = x0 + columns[lane];
+            seen.distance[lane] = (x * x + y0 * y0).sqrt();
+            seen.inward[lane] = u0 + columns[lane] * self.inward[0] as f32;
+        }
+        seen
+    }
+
+    #[inline(always)]
+    fn light_of<const N: usize>(&self, table: &EdgeTable, seen: &Seen<N>) -> [f32; N] {
+        let (light, slope) = (self.light[0] as f32, self.light[1] as f32);
+        let Seen { distance, inward } = seen;
+        let mut cosine = [0.0; N];
+        for lane in 0..N {
+            cosine[lane] = inward[lane].abs() / distance[lane];
+        }
+        let (half, moment) = table.at(distance, &cosine);
+        let mut added = [0.0; N];
+        for lane in 0..N {
+            let further = slope * (moment[lane] - inward[lane].abs() * half[lane]);
+            let even = light * half[lane];
+            added[lane] = if inward[lane] > 0.0 { further - even } else { further + even };
+        }
+        added
+    }
+}
+
+/// Pixels as an end sees them: their distances, and the ways inward to their feet.
+struct Seen<const N: usize> {
+    distance: [f32; N],
+    inward: [f32; N],
 }

@@ -1,6 +1,7 @@
 //! A path drawn: `path` (where a light is and how bright) on `spline`s; `chords` (stretches that are parabolas), `runs` (which pixel belongs to which),
-//! `strokes` (the vector loops), `ends` (by tables of half lines), `panels` (jumps, tight curves and the middle of ends, summed over points); `draw` (all together).
+//! `strokes` (the vector loops) over `blocks` of pixels, `ends` (by tables of half lines), `panels` (jumps, tight curves and the middle of ends, summed over points); `draw` (all together).
 
+mod blocks;
 mod chords;
 mod draw;
 mod ends;

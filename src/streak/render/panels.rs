@@ -6,10 +6,8 @@
 use crate::camera::ProfileTables;
 use crate::quadrature::gauss_legendre;
 
+use super::blocks::{EACH, LANES};
 use super::chords::{Cutter, Stretch};
-
-/// Pixels at a time.
-pub(super) const LANES: usize = 16;
 
 /// Nodes of a panel.
 const NODES: usize = 8;
@@ -83,7 +81,7 @@ impl Panel {
     fn add_to(&self, first: [f64; 2], profile: &ProfileTables, is_round: bool, light: &mut [f32; LANES]) {
         for ((x, y), weight) in self.x.iter().zip(self.y).zip(self.light) {
             let dx = (first[0] - x) as f32;
-            let dx: [f32; LANES] = std::array::from_fn(|lane| dx + lane as f32);
+            let dx = EACH.map(|column| dx + column);
             let shares = profile.pixels(&dx, &[(first[1] - y) as f32; LANES], is_round);
             for (light, share) in light.iter_mut().zip(shares) {
                 *light += weight * share;

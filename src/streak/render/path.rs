@@ -192,6 +192,12 @@ impl Piece {
         self.rate.bend(since_s) / (self.rate.at(since_s) * (u * u + v * v))
     }
 
+    /// Third derivative of the rate by the way, of the rate, per cubic pixel; the speed taken as even.
+    pub fn third(&self, since_s: f64) -> f64 {
+        let [u, v] = self.motion(since_s);
+        self.rate.third() / (self.rate.at(since_s) * u.hypot(v).powi(3))
+    }
+
     /// Way between two of its times, pixels; the `rule` is Gauss's.
     pub fn length_pix(&self, from_s: f64, to_s: f64, rule: &[(f64, f64)]) -> f64 {
         let speed = |(x, weight): &(f64, f64)| {

@@ -137,6 +137,11 @@ impl Cubic {
         2.0 * c + 6.0 * time * d
     }
 
+    /// Third derivative, everywhere the same.
+    pub fn third(&self) -> f64 {
+        6.0 * self.powers[3]
+    }
+
     /// ∫ from 0 to `time`.
     pub fn integral(&self, time: f64) -> f64 {
         let [a, b, c, d] = self.powers;

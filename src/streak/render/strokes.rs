@@ -6,19 +6,28 @@ use pulp::{Arch, NullaryFnOnce};
 
 use crate::camera::{Lanes, Patch, ProfileTables};
 
+use super::blocks::{EACH, FOUR, LANES, add, through};
 use super::chords::Chord;
 use super::ends::End;
-use super::panels::{LANES, PanelTree};
+use super::panels::PanelTree;
 use super::runs::{Run, Source};
 
 /// λ''/2λ times the variance from which on it is felt.
 const LEAST_BEND: f64 = 2e-6;
 
+/// The profile across a line.
+pub(super) struct Across {
+    /// At the direction of a chord.
+    pub line: Lanes,
+    /// What a radian more makes of it; none for chords so straight that it is not felt.
+    pub turned: Option<Lanes>,
+}
+
 /// All that the loops need.
 pub(super) struct Strokes<'a> {
     pub chords: &'a [Chord],
     /// Tables of the profile across the path, and which of them each chord uses.
-    pub tables: &'a [Lanes],
+    pub tables: &'a [Across],
     pub table_of: &'a [usize],
     pub trees: &'a [PanelTree],
     /// Of each chord: the trees that reach its pixels.
@@ -82,9 +91,7 @@ fn summed(trees: &[PanelTree], profile: &ProfileTables, row: usize, first_column
         for tree in trees {
             tree.add_to(at, out.len(), profile, &mut light);
         }
-        for (pixel, light) in out.iter_mut().zip(light) {
-            *pixel += light;
-        }
+        add(&light, out);
     }
 }
 
@@ -94,47 +101,102 @@ fn summed(trees: &[PanelTree], profile: &ProfileTables, row: usize, first_column
 /// curvature κ, points at a way u from the foot are at distance r² = v² + u² (1 - κv) from the pixel, to first order in κ, so that
 ///
 /// I = λ(a₀) (1 + κv/2) L(v) + λ''/2 M₂(v).
+///
+/// Pixels are squares: L depends on the path's direction at the foot too, L(v, φ + κa₀) = L(v, φ) + κa₀ dL/dφ.
 #[inline(always)]
-fn smooth(chord: &Chord, table: &Lanes, profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
+fn smooth(chord: &Chord, table: &Across, profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
+    let stroke = Smooth::of(chord, table, profile);
     let [ux, uy] = chord.along;
-    let (bow, half2) = (chord.bow as f32, (chord.half_pix * chord.half_pix) as f32);
-    let curvature = chord.curvature() as f32;
-    let light = chord.light.map(|power| power as f32);
-    let is_bent = chord.bend().abs() * profile.variance_pix2() > LEAST_BEND;
     let dy = row as f64 - chord.middle[1];
+    let even_from = profile.line_even_from_pix() as f32;
     for (block, out) in pixels.chunks_mut(LANES).enumerate() {
         let dx = (first_column + block * LANES) as f64 - chord.middle[0];
-        let (a0, b0) = ((dx * ux + dy * uy) as f32, (dy * ux - dx * uy) as f32);
-        let (step_a, step_b) = (ux as f32, -uy as f32);
-        let (mut across, mut brightness) = ([0.0_f32; LANES], [0.0_f32; LANES]);
-        for lane in 0..LANES {
-            let a = a0 + lane as f32 * step_a;
-            let b = b0 + lane as f32 * step_b;
-            let d = b - bow * (a * a - half2);
-            let g = 2.0 * bow * a;
+        let first = [(dx * ux + dy * uy) as f32, (dy * ux - dx * uy) as f32];
+        let four = stroke.feet(first, &FOUR);
+        let [from, .., to] = four.across;
+        let is_even = out.len() == LANES && from * to > 0.0 && from.abs().min(to.abs()) >= even_from;
+        let light = if is_even { through(stroke.light(&four)) } else { stroke.light(&stroke.feet(first, &EACH)) };
+        add(&light, out);
+    }
+}
+
+/// A chord as the loop needs it.
+struct Smooth<'a> {
+    table: &'a Across,
+    second_moment: Option<&'a Lanes>,
+    step: [f32; 2],
+    bow: f32,
+    half2: f32,
+    curvature: f32,
+    light: [f32; 4],
+}
+
+/// Pixels as a chord sees them: v, a₀, and λ(a₀) (1 + κv/2).
+struct Feet<const N: usize> {
+    across: [f32; N],
+    along: [f32; N],
+    brightness: [f32; N],
+}
+
+impl<'a> Smooth<'a> {
+    #[inline(always)]
+    fn of(chord: &Chord, table: &'a Across, profile: &'a ProfileTables) -> Self {
+        let is_bent = chord.bend().abs() * profile.variance_pix2() > LEAST_BEND;
+        Self {
+            table,
+            second_moment: is_bent.then(|| profile.line_second_moment()),
+            step: [chord.along[0] as f32, -chord.along[1] as f32],
+            bow: chord.bow as f32,
+            half2: (chord.half_pix * chord.half_pix) as f32,
+            curvature: chord.curvature() as f32,
+            light: chord.light.map(|power| power as f32),
+        }
+    }
+
+    /// Of pixels so many columns after the first, whose a and b are given.
+    #[inline(always)]
+    fn feet<const N: usize>(&self, first: [f32; 2], columns: &[f32; N]) -> Feet<N> {
+        let mut feet = Feet { across: [0.0; N], along: [0.0; N], brightness: [0.0; N] };
+        for lane in 0..N {
+            let a = first[0] + columns[lane] * self.step[0];
+            let b = first[1] + columns[lane] * self.step[1];
+            let d = b - self.bow * (a * a - self.half2);
+            let g = 2.0 * self.bow * a;
             let v = d * (1.0 - 0.5 * g * g);
             let foot = a + d * g;
-            across[lane] = v.abs();
-            brightness[lane] = (light[0] + foot * (light[1] + foot * light[2])) * (1.0 + 0.5 * curvature * v);
+            feet.across[lane] = v;
+            feet.along[lane] = foot;
+            let bend = self.light[2] + foot * self.light[3];
+            feet.brightness[lane] =
+                (self.light[0] + foot * (self.light[1] + foot * bend)) * (1.0 + 0.5 * self.curvature * v);
         }
-        let shares = table.at(&across);
-        for lane in 0..LANES {
-            brightness[lane] *= shares[lane];
+        feet
+    }
+
+    #[inline(always)]
+    fn light<const N: usize>(&self, feet: &Feet<N>) -> [f32; N] {
+        let mut distance = [0.0; N];
+        for lane in 0..N {
+            distance[lane] = feet.across[lane].abs();
         }
-        if is_bent {
-            let moments = profile.line_second_moment().at(&across);
-            for lane in 0..LANES {
-                brightness[lane] += light[2] * moments[lane];
+        let mut shares = self.table.line.at(&distance);
+        if let Some(turned) = &self.table.turned {
+            let turned = turned.at(&distance);
+            for lane in 0..N {
+                // The path's direction at the foot: f'(a₀)
+                shares[lane] += self.curvature * feet.along[lane] * turned[lane];
             }
         }
-        if let Ok(whole) = <&mut [f32; LANES]>::try_from(&mut *out) {
-            for lane in 0..LANES {
-                whole[lane] += brightness[lane];
-            }
-        } else {
-            for (pixel, value) in out.iter_mut().zip(brightness) {
-                *pixel += value;
+        let mut light = [0.0; N];
+        for lane in 0..N {
+            light[lane] = feet.brightness[lane] * shares[lane];
+        }
+        if let Some(moments) = self.second_moment {
+            let moments = moments.at(&distance);
+            for lane in 0..N {
+                light[lane] += (self.light[2] + 3.0 * self.light[3] * feet.along[lane]) * moments[lane];
             }
         }
+        light
     }
 }
