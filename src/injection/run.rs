@@ -147,7 +147,7 @@ fn one(
         .chips
         .par_iter()
         .map(|target| {
-            let drawn = seen.iter().map(|source| draw_on_chip(source, &target.chip, &shot));
+            let drawn = seen.par_iter().map(|source| draw_on_chip(source, &target.chip, &shot));
             Ok(drawn.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
         })
         .collect::<Result<Vec<Vec<_>>, InjectionError>>()?

@@ -1,4 +1,4 @@
-//! Frames through files: a copy with streaks against the bare copy of the file, and places in frames.
+//! Frames through files: a copy with five drawn streaks against the bare copy of the file, and places in frames.
 //!
 //!     cargo bench --bench frame_files
 //!
@@ -10,7 +10,11 @@ use std::io::Write;
 use std::path::Path;
 use std::time::Instant;
 
-use streakcast::camera::{FrameCopy, FrameFile, Header, NewImage, PixelPosition, Plane, Rice, Wcs, write_frame};
+use rayon::prelude::*;
+use streakcast::camera::{
+    Blur, FrameCopy, FrameFile, Header, NewImage, PixelPosition, Plane, RadialProfile, Rice, Seeing, Wcs, write_frame,
+};
+use streakcast::streak::{PathNode, StreakPath, draw};
 
 const SIDE: usize = 4096;
 const ROUNDS: usize = 9;
@@ -20,16 +24,25 @@ fn median(mut times: Vec<f64>) -> f64 {
     times[times.len() / 2]
 }
 
-/// Five streaks across the frame, 30 pixels wide, at several slopes.
+/// Five streaks through the frame at several slopes, drawn and added.
 fn inject(source: &Path, target: &Path, hdu: usize) {
     let frame = FrameFile::open(source).expect("a frame");
     let mut copy = FrameCopy::begin(&frame, target).expect("a copy");
-    let light = [3.5f32; 30];
-    for streak in 0..5 {
-        for row in 0..SIDE {
-            let column = (streak * 700 + row * (streak + 1) / 10) % (SIDE - 30);
-            copy.add(hdu, row, column, &light).expect("a change");
-        }
+    let seeing = Seeing::Moffat { fwhm_pix: 3.5, beta: 3.5 };
+    let profile = RadialProfile::of(&Blur::seeing(seeing)).expect("a profile");
+    let patches: Vec<_> = (0..5)
+        .into_par_iter()
+        .map(|streak| {
+            let (sin, cos) = (0.3 + 0.25 * f64::from(streak)).sin_cos();
+            let node = |side: f64| {
+                let at = PixelPosition { x: 2047.8 + side * 2000.0 * cos, y: 2047.4 + side * 2000.0 * sin };
+                PathNode::new(0.5 + 0.5 * side, at, 4e6)
+            };
+            draw(&StreakPath::new(vec![node(-1.0), node(1.0)]).expect("a path"), &profile, SIDE, SIDE)
+        })
+        .collect();
+    for span in patches.iter().flat_map(|patch| patch.iter()) {
+        copy.add(hdu, span.row, span.first_column, span.values).expect("a change");
     }
     copy.add_history(hdu, "five streaks").expect("history");
     copy.finish().expect("finished");

@@ -9,7 +9,7 @@ use std::sync::mpsc::{self, Sender};
 use rayon::prelude::*;
 
 use super::super::header::Header;
-use super::changed::Changed;
+use super::changed::{Changed, Outcome};
 use super::checksum;
 use super::deltas::Deltas;
 use super::error::FrameError;
@@ -198,6 +198,19 @@ impl PixelEdit {
         let format = self.info.format;
         let size = format.bitpix.bytes();
         let first = from / size;
+        if format.is_plain_single() {
+            // What most reduced frames are: several times faster than by way of any format.
+            self.light.each(first..first + bytes.len() / size, |pixel, sum| {
+                let Some(place) = bytes[size * (pixel - first)..].first_chunk_mut() else { return };
+                let old = f32::from_be_bytes(*place);
+                changed.set(f64::from(old), f64::from(old) + sum, |new| {
+                    let new = new as f32;
+                    *place = new.to_be_bytes();
+                    Outcome { is_other: new != old, is_clipped: false }
+                });
+            });
+            return;
+        }
         self.light.each(first..first + bytes.len() / size, |pixel, sum| {
             let old = format.physical(format.raw(bytes, pixel - first));
             changed

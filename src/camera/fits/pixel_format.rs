@@ -104,6 +104,11 @@ impl PixelFormat {
         self.zero + self.scale * stored
     }
 
+    /// True where values are stored as they are, in single precision.
+    pub(super) fn is_plain_single(&self) -> bool {
+        self.bitpix == Bitpix::F32 && self.scale == 1.0 && self.zero == 0.0
+    }
+
     /// How far apart stored values are; 0 for floating numbers.
     pub(super) fn step(&self) -> f64 {
         if self.bitpix.is_integer() { self.scale.abs() } else { 0.0 }
@@ -161,9 +166,8 @@ impl PixelFormat {
 
     /// The same in single precision; a fast way where nothing is scaled.
     pub(super) fn decode_single(&self, bytes: &[u8], values: &mut [f32]) {
-        let is_plain = self.scale == 1.0 && self.zero == 0.0;
         match (self.bitpix, self.blank) {
-            (Bitpix::F32, _) if is_plain => {
+            (Bitpix::F32, _) if self.is_plain_single() => {
                 for (value, chunk) in values.iter_mut().zip(bytes.chunks_exact(4)) {
                     *value = f32::from_be_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
                 }
