@@ -88,7 +88,7 @@ impl ShadowModel {
     }
 
     /// A cone about the direction away from the Sun in which all is [`Illumination::Umbra`]: its radius at the Earth's centre, km, and by how much it
-    /// becomes narrower, km per km of depth. For satellites within [the Moon's distance](ShadowModel::Atmosphere).
+    /// becomes narrower, km per km of depth. For satellites above 100 km and up to the Moon's distance.
     pub fn dark_core(self) -> (f64, f64) {
         // sin = (R_sun - R) / d at perihelion is 0.00469; air bends rays at the ground by twice 35' = 0.0204 at most.
         let narrowing = if self == Self::Atmosphere { 0.026 } else { 0.0048 };
@@ -330,5 +330,27 @@ mod tests {
         }
         assert!(checked > 80, "{checked}");
         assert!(worst < TOLERANCE, "{worst}");
+    }
+
+    #[test]
+    fn verif_all_of_the_dark_core_is_dark() {
+        for model in [ShadowModel::Geometric, ShadowModel::Atmosphere] {
+            let (radius_km, narrowing) = model.dark_core();
+            // The nearest Sun, overhead at both tropics and at the equator.
+            for declination_rad in [-0.409_f64, 0.0, 0.409] {
+                let toward = Vector3::new(declination_rad.cos(), 0.0, declination_rad.sin());
+                let beside = [Vector3::new(-toward.z, 0.0, toward.x), Vector3::y()];
+                let sun = Position::from_vector(toward * (0.9832 * AU_KM));
+                for depth_km in [1300.0, 2000.0, 3000.0, 7000.0, 20_000.0, 42_000.0, 100_000.0, 200_000.0] {
+                    let across_km = radius_km - narrowing * depth_km;
+                    for step in 0..12 {
+                        let (sin, cos) = (PI * f64::from(step) / 6.0).sin_cos();
+                        let place = -toward * depth_km + (beside[0] * cos + beside[1] * sin) * (0.999 * across_km);
+                        let found = model.illumination(&Position::from_vector(place), &sun);
+                        assert_eq!(found, Illumination::Umbra, "{model:?} {declination_rad} {depth_km} {step}");
+                    }
+                }
+            }
+        }
     }
 }
