@@ -58,7 +58,8 @@ impl ForecastRequest {
     /// [`ForecastError::OutOfRange`] for the first that is not.
     pub fn check(&self) -> Result<(), ForecastError> {
         let days = seconds_between(self.start, self.end) / DAY_S;
-        let degrees = f64::to_degrees;
+        // As they were written: the way to radians and back costs the last digits.
+        let degrees = |radians: f64| (radians.to_degrees() * 1e9).round() / 1e9;
         let refuse = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
         if !(0.0..=LONGEST_DAYS).contains(&days) {
             return refuse(
