@@ -120,10 +120,10 @@ impl End {
     #[inline(always)]
     fn seen<const N: usize>(&self, [x0, y0, u0]: [f32; 3], columns: &[f32; N]) -> Seen<N> {
         let mut seen = Seen { distance: [0.0; N], inward: [0.0; N] };
-        for lane in 0..N {
-            let x = x0 + columns[lane];
+        for (lane, column) in columns.iter().enumerate() {
+            let x = x0 + column;
             seen.distance[lane] = (x * x + y0 * y0).sqrt();
-            seen.inward[lane] = u0 + columns[lane] * self.inward[0] as f32;
+            seen.inward[lane] = u0 + column * self.inward[0] as f32;
         }
         seen
     }

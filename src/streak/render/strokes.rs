@@ -157,9 +157,9 @@ impl<'a> Smooth<'a> {
     #[inline(always)]
     fn feet<const N: usize>(&self, first: [f32; 2], columns: &[f32; N]) -> Feet<N> {
         let mut feet = Feet { across: [0.0; N], along: [0.0; N], brightness: [0.0; N] };
-        for lane in 0..N {
-            let a = first[0] + columns[lane] * self.step[0];
-            let b = first[1] + columns[lane] * self.step[1];
+        for (lane, column) in columns.iter().enumerate() {
+            let a = first[0] + column * self.step[0];
+            let b = first[1] + column * self.step[1];
             let d = b - self.bow * (a * a - self.half2);
             let g = 2.0 * self.bow * a;
             let v = d * (1.0 - 0.5 * g * g);
@@ -175,10 +175,7 @@ impl<'a> Smooth<'a> {
 
     #[inline(always)]
     fn light<const N: usize>(&self, feet: &Feet<N>) -> [f32; N] {
-        let mut distance = [0.0; N];
-        for lane in 0..N {
-            distance[lane] = feet.across[lane].abs();
-        }
+        let distance = feet.across.map(f32::abs);
         let mut shares = self.table.line.at(&distance);
         if let Some(turned) = &self.table.turned {
             let turned = turned.at(&distance);
