@@ -153,7 +153,7 @@ else
         step "docs/build.sh" docs/build.sh
     fi
     # Last, for it makes another command line.
-    step "with parquet" cargo test --features parquet --lib --bins --test cli_annotate_formats --test cli_forecast
+    step "with parquet" cargo test --features parquet --test cli_annotate_formats --test cli_forecast
 fi
 counts
 echo "all passed in $((SECONDS - begin)) s"

@@ -1,6 +1,6 @@
 //! Who may be inside a cone: the plane test over a whole window, and the phase test for those that it leaves.
 
-use super::phase::{Phase, Question};
+use super::phase::{Inside, Phase, Question};
 use super::shade::Shade;
 use super::sight::Sight;
 use super::window::{CHUNK, Chunk, Cone, Window};
@@ -10,12 +10,14 @@ use crate::frames::{Gcrs, Rotation, Teme};
 const BLOCK: usize = 8;
 
 /// A satellite that may be inside a cone.
-#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
+#[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Candidate {
     /// Which element set.
     pub element_index: u32,
     /// Which cone, by its number.
     pub cone: u32,
+    /// From when to when, if it is not late, seconds from the middle of the time that the cone is asked about.
+    pub near_s: [f32; 2],
     /// True where it is in the given shade all the time that this cone is asked about.
     pub is_dark: bool,
 }
@@ -41,8 +43,10 @@ impl Window {
         let parts = if cones.parts.is_empty() { single } else { cones.parts };
         let numbers = cones.first..cones.first + parts.len() as u32;
         for &element_index in &self.always {
-            let of_cone = |cone: u32| Candidate { element_index, cone, is_dark: false };
-            candidates.extend(numbers.clone().map(of_cone));
+            candidates.extend(numbers.clone().zip(parts).map(|(cone, part)| {
+                let half_s = part.half_duration_s as f32;
+                Candidate { element_index, cone, near_s: [-half_s, half_s], is_dark: false }
+            }));
         }
         let question = self.question(cones.whole, teme_to_gcrs);
         let of_parts: Vec<Question<'_>> = cones.parts.iter().map(|part| self.question(part, teme_to_gcrs)).collect();
@@ -52,13 +56,17 @@ impl Window {
                 question.place_inside(phase, &chunk.normal_at(lane, question.fraction()), shade.as_ref())
             };
             let Some(in_whole) = place(&question) else { return };
-            let element_index = phase.element_index;
+            let candidate = |cone: u32, Inside { near_s, is_dark }: Inside| Candidate {
+                element_index: phase.element_index,
+                cone,
+                near_s: near_s.map(|time_s| time_s as f32),
+                is_dark,
+            };
             if of_parts.is_empty() {
-                candidates.push(Candidate { element_index, cone: cones.first, is_dark: in_whole.is_dark });
+                candidates.push(candidate(cones.first, in_whole));
             }
-            candidates.extend(of_parts.iter().zip(numbers.clone()).filter_map(|(part, cone)| {
-                place(part).map(|inside| Candidate { element_index, cone, is_dark: inside.is_dark })
-            }));
+            let of_part = |(part, cone): (&Question<'_>, u32)| place(part).map(|inside| candidate(cone, inside));
+            candidates.extend(of_parts.iter().zip(numbers.clone()).filter_map(of_part));
         });
     }
 

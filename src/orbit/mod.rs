@@ -1,6 +1,7 @@
 //! Where the satellites are: SGP4 made ready, and the orbit planes that tell at once which satellites can matter.
 
 mod arc;
+mod beam;
 mod candidates;
 mod index;
 mod kepler;
@@ -13,6 +14,7 @@ mod uncertainty;
 mod window;
 
 pub use arc::Arc;
+pub use beam::Beam;
 pub use candidates::{Candidate, Cones};
 pub use index::{LeftOut, Reach, SatelliteIndex};
 pub use propagator::{DECAYED_RADIUS_KM, OrbitError, Propagator, State};

@@ -2,13 +2,11 @@
 
 use nalgebra::Vector3;
 
+use super::beam::Beam;
 use super::kepler::{plane_axis, plane_state};
 use super::shade::ShadeInTeme;
 use super::window::Cone;
 use crate::constants::WGS72_MU_KM3_S2;
-
-/// Fields wider than this are no longer narrow cones: the phase test falls back to balls, radians.
-const WIDE_RAD: f64 = 0.5;
 
 /// Slow elements of one satellite over the window.
 #[derive(Copy, Clone, Debug)]
@@ -30,6 +28,8 @@ pub(super) struct Phase {
 /// A satellite that may be inside a cone.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Inside {
+    /// From when to when that may be where it is not late, seconds from the middle of the time asked for.
+    pub near_s: [f64; 2],
     /// True where it is in the shade all the time.
     pub is_dark: bool,
 }
@@ -38,18 +38,14 @@ pub(super) struct Inside {
 pub(super) struct Question<'a> {
     cone: &'a Cone,
     observer: Vector3<f64>,
-    axis: Vector3<f64>,
+    beam: Beam,
     fraction: f64,
     moved_km: f64,
-    /// Tangent and secant of the cone's radius.
-    tangent: f64,
-    secant: f64,
 }
 
 impl<'a> Question<'a> {
     pub fn new(cone: &'a Cone, observer: Vector3<f64>, axis: Vector3<f64>, fraction: f64, moved_km: f64) -> Self {
-        let (tangent, secant) = (cone.radius_rad.tan(), 1.0 / cone.radius_rad.cos());
-        Self { cone, observer, axis, fraction, moved_km, tangent, secant }
+        Self { cone, observer, beam: Beam::new(axis, cone.radius_rad), fraction, moved_km }
     }
 
     pub fn observer(&self) -> &Vector3<f64> {
@@ -57,7 +53,7 @@ impl<'a> Question<'a> {
     }
 
     pub fn axis(&self) -> &Vector3<f64> {
-        &self.axis
+        self.beam.axis()
     }
 
     /// Where in the window, from 0 to 1.
@@ -71,45 +67,27 @@ impl<'a> Question<'a> {
     }
 
     pub fn radius_rad(&self) -> f64 {
-        self.cone.radius_rad
+        self.beam.radius_rad()
     }
 
     /// How a satellite whose orbit plane fits may be inside the cone while it is asked for; `None` where it cannot be.
     #[inline]
     pub fn place_inside(&self, phase: &Phase, normal: &Vector3<f64>, shade: Option<&ShadeInTeme>) -> Option<Inside> {
+        let open_s = self.cone.half_duration_s;
         if phase.only_plane {
-            return Some(Inside { is_dark: false });
+            return Some(Inside { near_s: [-open_s, open_s], is_dark: false });
         }
         let (position, velocity) = phase.place(normal, self.cone.mid_s, self.fraction);
         let sight = position - self.observer;
-        let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
+        let half_s = open_s + f64::from(phase.along_track_s);
         // The path bends away from its tangent by at most ½ g t², g being gravity at the satellite.
         let bend_km = 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
         let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
-        let inside = || {
-            // Where the elements put it, however late it is looked for.
-            let ends = [-1.0, 1.0].map(|side| position + velocity * (side * self.cone.half_duration_s));
-            Inside { is_dark: shade.is_some_and(|shade| ends.iter().all(|end| shade.holds(end, slop_km))) }
-        };
-        if self.cone.radius_rad > WIDE_RAD {
-            // The whole stretch as a ball around its middle.
-            let (distance_km, reach_km) = (sight.norm(), slop_km + velocity.norm() * half_s);
-            let angle_rad = sight.cross(&self.axis).norm().atan2(sight.dot(&self.axis));
-            let is_near =
-                distance_km <= reach_km || angle_rad <= self.cone.radius_rad + (reach_km / distance_km).asin();
-            return is_near.then(inside);
-        }
-        // The stretch as a straight line past the axis: the least distance across against the width at the greatest depth.
-        // A ball of radius s at the cone's edge touches it from s / cos ψ across.
-        let (depth, depth_rate) = (sight.dot(&self.axis), velocity.dot(&self.axis));
-        let deepest_km = depth + depth_rate.abs() * half_s + slop_km;
-        if deepest_km < 0.0 {
-            return None;
-        }
-        let (across, across_rate) = (sight - self.axis * depth, velocity - self.axis * depth_rate);
-        let nearest_s = (-across.dot(&across_rate) / across_rate.norm_squared().max(1e-12)).clamp(-half_s, half_s);
-        let width_km = deepest_km * self.tangent + slop_km * self.secant;
-        ((across + across_rate * nearest_s).norm_squared() <= width_km * width_km).then(inside)
+        let near_s = self.beam.near_s(&sight, &velocity, half_s, slop_km)?;
+        // Where the elements put it, however late it is looked for.
+        let ends = [-open_s, open_s].map(|time_s| position + velocity * time_s);
+        let is_dark = shade.is_some_and(|shade| ends.iter().all(|end| shade.holds(end, slop_km)));
+        Some(Inside { near_s: near_s.map(|time_s| time_s.clamp(-open_s, open_s)), is_dark })
     }
 }
 

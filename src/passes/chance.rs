@@ -189,8 +189,7 @@ impl Sky {
             let cones = Cones { whole: &cone, parts: &[], first: number, shade: None };
             window.candidates(&cones, &piece.orientation.teme_to_gcrs, seen);
         }
-        seen.sort_unstable();
-        seen.dedup();
+        seen.sort_unstable_by_key(|candidate| (candidate.element_index, candidate.cone));
         let whole = question(opened_s, closed_s, false);
         let sine_of_lowest = LOWEST_ALTITUDE_RAD.sin();
         let of_one = |one: &[Candidate]| {

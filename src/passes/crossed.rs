@@ -1,20 +1,26 @@
 //! Crossings alone: who is in a field from when to when, without a magnitude or a probability. A tenth of the work of a pass, for who asks only
 //! when a field is clear.
 
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use super::crossing::cross;
-use super::expose::{Dark, Run};
+use super::expose::{ABERRATION_MARGIN_RAD, Dark, Run};
 use super::exposure::Exposure;
 use super::field::{Field, FieldOnSky};
 use super::look::Look;
 use super::scene::{Scene, end_s, groups};
-use super::sightline::SightLine;
+use super::sightline::{ObserverMotion, SightLine};
 use super::sky::{PassOptions, Sky, SkyError, check};
 use super::track::Chord;
-use crate::constants::DAY_S;
-use crate::frames::{seconds_after, seconds_between};
-use crate::orbit::{Arc, Candidate, LeftOut, OrbitError};
+use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
+use crate::frames::{Gcrs, seconds_after, seconds_between};
+use crate::orbit::{Arc, Beam, Candidate, LeftOut, OrbitError, State};
+
+/// One look spares the rest where a satellite may be near for this long at most, seconds: it bends from its line by 4 km.
+const LONGEST_LOOK_S: f64 = 60.0;
+/// What SGP4's velocity and its positions may disagree by in that time, km.
+const LOOK_SLOP_KM: f64 = 1.0;
 
 /// One lit satellite in one exposure.
 #[derive(Clone, Debug, PartialEq)]
@@ -35,8 +41,8 @@ pub struct Crossings {
 }
 
 impl Sky {
-    /// Every lit satellite that crosses the field in each exposure: the same ones, at the same times, as the passes of [`Sky::field_passes`]
-    /// with default options.
+    /// Every lit satellite that crosses the field in each exposure: the same ones as the passes of [`Sky::field_passes`] with default options, at the same
+    /// times to 10 µs. A satellite whose orbit breaks down far from the field is not told of.
     ///
     /// # Errors
     /// As [`Sky::field_passes`].
@@ -114,9 +120,17 @@ impl Sky {
         let Some(observer) = self.motion(scene, &orientation, flight, mid_s) else { return Ok(None) };
         let minutes = propagator.minutes_since_epoch(scene.start);
         let teme_to_gcrs = &orientation.teme_to_gcrs;
-        let arc = Arc::new(propagator, minutes, run.start_s, run.end_s - run.start_s, teme_to_gcrs)?;
+        let [from_s, to_s] = run.near_s;
+        if to_s - from_s <= LONGEST_LOOK_S {
+            let look_s = 0.5 * (from_s + to_s);
+            let state = propagator.state_at_minutes(minutes + look_s / 60.0, teme_to_gcrs)?;
+            if !passes_by(&state, &observer, look_s, 0.5 * (to_s - from_s), field) {
+                return Ok(None);
+            }
+        }
+        let arc = Arc::new(propagator, minutes, from_s, to_s - from_s, teme_to_gcrs)?;
         let line = SightLine { arc: &arc, observer };
-        let mut crossing = cross(&|time_s| line.sight(time_s), run.start_s, run.end_s, field);
+        let mut crossing = cross(&|time_s| line.sight(time_s), from_s, to_s, field);
         if crossing.chords.is_empty() {
             return Ok(None);
         }
@@ -134,4 +148,15 @@ impl Sky {
         let ends = look.keep_above_ground(&mut crossing, near_the_ground);
         Ok(ends.filter(|&(enter_s, exit_s)| look.is_lit(enter_s, exit_s)).map(|_| crossing.chords))
     }
+}
+
+/// Whether a satellite that stands so at a moment may be in a field for so long before and after it: along a straight line, with all that the true one leaves it by.
+fn passes_by(state: &State<Gcrs>, observer: &ObserverMotion, look_s: f64, half_s: f64, field: &FieldOnSky) -> bool {
+    let (there, here) = (*state.position.vector(), *observer.position(look_s).vector());
+    // Both fall by ½ g t² at most.
+    let fall_km = |place: &Vector3<f64>| 0.5 * WGS72_MU_KM3_S2 / place.norm_squared() * half_s * half_s;
+    let slop_km = fall_km(&there) + fall_km(&here) + LOOK_SLOP_KM;
+    let velocity = state.velocity.vector() - observer.velocity(look_s);
+    let beam = Beam::new(*field.centre(), field.bounding_radius_rad() + ABERRATION_MARGIN_RAD);
+    beam.near_s(&(there - here), &velocity, half_s, slop_km).is_some()
 }

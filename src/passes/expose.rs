@@ -23,6 +23,8 @@ const FLIGHT_SLICE_S: f64 = 10.0;
 const GROUP: u32 = 5;
 /// A satellite that is a candidate again within this time is still on the same pass, seconds: nothing comes round so soon.
 const SAME_PASS_S: f64 = 1200.0;
+/// Satellites are looked for so much longer than they may be near, seconds.
+const NEAR_MARGIN_S: f64 = 0.5;
 /// The Sun's motion among the stars, rad/s: 1.02 degrees a day at most.
 const SUN_RATE_RAD_S: f64 = 2.1e-7;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with room, radians.
@@ -34,6 +36,8 @@ pub(super) struct Run {
     pub element_index: usize,
     pub start_s: f64,
     pub end_s: f64,
+    /// From when to when it may be in the field, if it is not late: a part of the slices.
+    pub near_s: [f64; 2],
     /// True where it is in the Earth's shadow all the time.
     is_dark: bool,
 }
@@ -41,7 +45,7 @@ pub(super) struct Run {
 impl Run {
     /// Over a stretch of time, whatever the light.
     pub fn over(element_index: usize, start_s: f64, end_s: f64) -> Self {
-        Self { element_index, start_s, end_s, is_dark: false }
+        Self { element_index, start_s, end_s, near_s: [start_s, end_s], is_dark: false }
     }
 }
 
@@ -152,18 +156,21 @@ impl Sky {
             first += group;
         }
         seen.retain(|candidate| !self.is_observer(candidate.element_index as usize));
-        seen.sort_unstable();
+        seen.sort_unstable_by_key(|candidate| (candidate.element_index, candidate.cone));
         let mut runs: Vec<Run> = Vec::new();
         for candidate in seen.iter() {
             let element_index = candidate.element_index as usize;
             let slice = candidate.cone;
             let (from_s, end_s) = (start_s + slice_s * f64::from(slice), start_s + slice_s * f64::from(slice + 1));
+            let near = candidate.near_s.map(|time_s| 0.5 * (from_s + end_s) + f64::from(time_s));
+            let near_s = [(near[0] - NEAR_MARGIN_S).max(from_s), (near[1] + NEAR_MARGIN_S).min(end_s)];
             match runs.last_mut() {
                 Some(run) if run.element_index == element_index && from_s - run.end_s < SAME_PASS_S => {
                     run.end_s = end_s;
+                    run.near_s[1] = near_s[1];
                     run.is_dark &= candidate.is_dark;
                 }
-                _ => runs.push(Run { element_index, start_s: from_s, end_s, is_dark: candidate.is_dark }),
+                _ => runs.push(Run { element_index, start_s: from_s, end_s, near_s, is_dark: candidate.is_dark }),
             }
         }
         // A pass that is lit for a part of its way is asked about as a whole.
