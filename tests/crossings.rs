@@ -259,6 +259,11 @@ fn same_answer(question: &Question, min_probability: Option<f64>) -> Result<usiz
     let options = PassOptions { include_dark: true, min_probability, ..PassOptions::default() };
     let culled = sky.field_passes(&exposures, &field, &options).expect("an answer");
     let brute = sky.field_passes_by_brute_force(&exposures, &field, &options).expect("an answer");
+    // Whoever is dark all along is left out before SGP4 is asked, and nobody else.
+    let lit = PassOptions { include_dark: false, ..options };
+    let lit = sky.field_passes(&exposures, &field, &lit).expect("an answer");
+    let of_all: Vec<&FieldPass> = culled.by_exposure[0].iter().filter(|pass| pass.lit).collect();
+    prop_assert_eq!(lit.by_exposure[0].iter().collect::<Vec<_>>(), of_all);
     let (culled, brute) = (by_id(&culled.by_exposure[0]), by_id(&brute[0]));
     for (one, other, what) in [(&culled, &brute, "added"), (&brute, &culled, "lost")] {
         for (id, pass) in one {
