@@ -68,6 +68,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("rand_distr", &["camera", "measured", "streak"]),
     ("sha2", &["catalogue", "fit"]),
     ("saphyr", &["schedule"]),
+    ("nix", &["table"]),
     ("tempfile", &["table"]),
     ("fitsio", &["maps"]),
     ("fitsio_sys", &["camera"]),

@@ -5,19 +5,15 @@ use nalgebra::Vector3;
 use super::propagator::{OrbitError, Propagator, State};
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
-/// Longest step between two nodes, seconds.
+/// A step between two nodes that is short enough for any orbit, seconds.
 ///
 /// A cubic through four places errs by h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and 300 km height, less
 /// elsewhere. SGP4's velocities would not do: on eccentric orbits they leave its positions by J₂ e v, metres in half a minute.
 const LONGEST_STEP_S: f64 = 10.0;
-/// The same as an angle about the Earth's centre, radians: (ωh)⁴/24 of the distance, 3 cm for a geosynchronous satellite.
+/// Longest step as an angle about the Earth's centre, radians: (ωh)⁴/24 of the distance, 3 cm for a geosynchronous satellite.
 const LONGEST_STEP_RAD: f64 = 0.0115;
 /// A cubic needs four nodes.
 const FEWEST_STEPS: f64 = 3.0;
-
-/// Position and velocity of two nodes may disagree by this, km: h³/12 · |r‴| is 2 m for the fastest orbit there is. SGP4's
-/// velocity leaves out how drag changes the mean motion, which shows when elements years old run away.
-const LARGEST_GAP_KM: f64 = 1.0;
 
 /// Positions and velocities of one satellite over a stretch of time, GCRS.
 ///
@@ -46,10 +42,12 @@ impl Arc {
         duration_s: f64,
         teme_to_gcrs: &Rotation<Teme, Gcrs>,
     ) -> Result<Self, OrbitError> {
-        Self::with_longest_step(propagator, reference_minutes, start_s, duration_s, teme_to_gcrs, LONGEST_STEP_S)
+        let turning_rad_s = propagator.fastest_turn_rad_s();
+        Self::over_pass(propagator, reference_minutes, start_s, duration_s, teme_to_gcrs, turning_rad_s)
     }
 
-    /// As [`Arc::new`] over a whole pass of a satellite that turns about the Earth's centre by `turning_rad_s` at most: nodes as far apart as that allows.
+    /// As [`Arc::new`] over a stretch on which the satellite is known to turn about the Earth's centre by `turning_rad_s` at most: nodes as far apart as that
+    /// allows.
     ///
     /// # Errors
     /// As [`Arc::new`].
@@ -62,17 +60,6 @@ impl Arc {
         turning_rad_s: f64,
     ) -> Result<Self, OrbitError> {
         let longest_s = (LONGEST_STEP_RAD / turning_rad_s).max(LONGEST_STEP_S);
-        Self::with_longest_step(propagator, reference_minutes, start_s, duration_s, teme_to_gcrs, longest_s)
-    }
-
-    fn with_longest_step(
-        propagator: &Propagator,
-        reference_minutes: f64,
-        start_s: f64,
-        duration_s: f64,
-        teme_to_gcrs: &Rotation<Teme, Gcrs>,
-        longest_s: f64,
-    ) -> Result<Self, OrbitError> {
         let steps = (duration_s / longest_s).ceil().max(FEWEST_STEPS);
         // An exposure of no length still needs four nodes.
         let step_s = (duration_s / steps).max(1e-3);
@@ -82,20 +69,8 @@ impl Arc {
             })
             .collect::<Result<Vec<State<Gcrs>>, OrbitError>>()?;
         for (node, pair) in nodes.windows(2).enumerate() {
-            let moved_km = pair[1].position.vector() - pair[0].position.vector();
-            let by_velocity_km = (pair[0].velocity.vector() + pair[1].velocity.vector()) * (0.5 * step_s);
-            if (moved_km - by_velocity_km).norm() > LARGEST_GAP_KM {
-                let minutes = reference_minutes + (start_s + step_s * node as f64) / 60.0;
-                return Err(OrbitError::Diverged {
-                    norad_id: propagator.norad_id(),
-                    days_since_epoch: minutes / 1440.0,
-                    reason: format!(
-                        "it moves by {:.1} km/s where its velocity is {:.1} km/s: the drag terms have run away",
-                        moved_km.norm() / step_s,
-                        by_velocity_km.norm() / step_s
-                    ),
-                });
-            }
+            let minutes = reference_minutes + (start_s + step_s * node as f64) / 60.0;
+            propagator.check_step(&pair[0], &pair[1], step_s, minutes)?;
         }
         let positions = nodes.iter().map(|node| *node.position.vector()).collect();
         Ok(Self { start_s, step_s, positions })

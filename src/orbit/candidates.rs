@@ -1,4 +1,5 @@
-//! Who may be inside a cone: the plane test over a whole window, and the phase test for those that it leaves.
+//! Who may be inside a cone: the plane test over a whole window, a look at their side of the Earth, and the phase test for those that
+//! both leave.
 
 use super::phase::{Inside, Phase, Question};
 use super::shade::Shade;
@@ -78,7 +79,7 @@ impl Window {
         Question::new(cone, observer, axis, cone.mid_s / self.span_s, moved_km)
     }
 
-    /// The plane test: calls `met` for every satellite whose orbit plane passes the cone.
+    /// The plane test and the look at which side of the Earth it is: calls `met` for every satellite whose orbit plane passes the cone.
     fn planes(&self, question: &Question<'_>, mut met: impl FnMut(&Chunk, usize, &Phase)) {
         let (observer, axis, moved_km) = (question.observer(), question.axis(), question.moved_km());
         let radius_rad = question.radius_rad();
@@ -93,6 +94,7 @@ impl Window {
             let limit = (moved_km + chunk.slop_km + 0.01) as f32;
             let near_limit = limit + near * radius_rad as f32;
             let far_limit = limit + far * radius_rad as f32;
+            let mut cap = None;
             let mut outside = [0.0_f32; CHUNK];
             for (lane, outside) in outside.iter_mut().enumerate() {
                 let nx = chunk.normal[0][lane] + x * chunk.normal_change[0][lane];
@@ -111,8 +113,13 @@ impl Window {
                 if outside.iter().copied().fold(f32::INFINITY, lesser) > 0.0 {
                     continue;
                 }
+                let cap = *cap.get_or_insert_with(|| question.cap([near_km, far_km], chunk.lowest_km));
                 for (lane, phase) in (block * BLOCK..).zip(chunk.phases.iter().skip(block * BLOCK)).take(BLOCK) {
-                    if outside[lane % BLOCK] <= 0.0 {
+                    if outside[lane % BLOCK] > 0.0 {
+                        continue;
+                    }
+                    let normal = chunk.normal_at(lane, question.fraction());
+                    if cap.is_none_or(|cap| question.may_be_over(&cap, phase, &normal)) {
                         met(chunk, lane, phase);
                     }
                 }

@@ -9,6 +9,7 @@ mod phase;
 mod propagator;
 mod resonance;
 mod shade;
+mod side;
 mod sight;
 mod uncertainty;
 mod window;

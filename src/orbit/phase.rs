@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::beam::Beam;
 use super::kepler::{plane_axis, plane_state};
 use super::shade::ShadeInTeme;
+use super::side::Cap;
 use super::window::Cone;
 use crate::constants::WGS72_MU_KM3_S2;
 
@@ -21,6 +22,8 @@ pub(super) struct Phase {
     pub semi_major_axis_change_km: f32,
     pub slop_km: f32,
     pub along_track_s: f32,
+    /// How far the true longitude may be from the mean one.
+    pub swing_rad: f32,
     /// Drag or an extreme eccentricity makes the interpolated place too poor: SGP4 decides once the plane fits.
     pub only_plane: bool,
 }
@@ -68,6 +71,20 @@ impl<'a> Question<'a> {
 
     pub fn radius_rad(&self) -> f64 {
         self.beam.radius_rad()
+    }
+
+    /// Where, seen from the Earth's centre, the cone runs through orbits no lower than `lowest_km`, between two distances from the observer; `None` where
+    /// that is too wide a place to look for anybody there.
+    pub fn cap(&self, distances_km: [f64; 2], lowest_km: f64) -> Option<Cap> {
+        Cap::of(&self.observer, self.axis(), self.radius_rad(), distances_km, lowest_km)
+    }
+
+    /// Whether a satellite whose orbit plane fits may be over the cap while it is asked for.
+    #[inline]
+    pub fn may_be_over(&self, cap: &Cap, phase: &Phase, normal: &Vector3<f64>) -> bool {
+        let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
+        phase.only_plane
+            || cap.may_hold(phase, normal, self.cone.mid_s, half_s, f64::from(phase.slop_km) + self.moved_km)
     }
 
     /// How a satellite whose orbit plane fits may be inside the cone while it is asked for; `None` where it cannot be.

@@ -1,13 +1,14 @@
 //! The cull: orbit planes and phases of a whole catalogue over a few hours, asked who can be inside a cone.
 //!
 //! A satellite in the field of view lies on a line of sight at its own distance from the Earth's centre, so its orbit plane
-//! must pass there, and it must be there now. Both tests run on numbers that change slowly (the plane's normal, the mean
+//! must pass there, and it must be there now. All tests run on numbers that change slowly (the plane's normal, the mean
 //! longitude, the eccentricity vector), taken from SGP4 at the two ends of the window and interpolated in between:
 //!
 //! 1. **Plane.** Points of the cone at distance ρ lie within `|n·O + ρ n·d|` of the orbit plane, give or take the cone's
 //!    width; the satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. Linear in ρ, so the ends decide. Satellites are
 //!    sorted by shell and handled in chunks that share ρ₁ and ρ₂: one or two in a hundred survive.
-//! 2. **Phase.** For these the interpolated elements give a place good to some 20 km and a velocity, and with them the
+//! 2. **Side.** Nine in ten of these are on another side of the Earth, which their mean longitudes tell.
+//! 3. **Phase.** For the rest the interpolated elements give a place good to some 20 km and a velocity, and with them the
 //!    closest approach to the line of sight while the shutter is open: one or two in ten thousand survive. Satellites that
 //!    drag is pulling down, and extreme eccentricities, are spared this test.
 //!
@@ -22,6 +23,7 @@ use super::index::{LeftOut, Reach, SatelliteIndex};
 use super::kepler::SlowElements;
 use super::phase::Phase;
 use super::propagator::{DECAYED_RADIUS_KM, OrbitError, State};
+use super::side::SWING_PER_ECCENTRICITY;
 use crate::frames::{Direction, Gcrs, Position, Teme, seconds_between};
 
 /// Longest stretch that one window may cover, seconds. Over six hours a node moves by at most 2.5° and drag bends the mean
@@ -238,6 +240,7 @@ fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: 
             semi_major_axis_change_km: (end.semi_major_axis_km - semi_major_axis_km) as f32,
             slop_km: (slop_km + reach.cross_track_km) as f32,
             along_track_s: reach.along_track_s as f32,
+            swing_rad: (SWING_PER_ECCENTRICITY * eccentric) as f32,
             only_plane: dragged || eccentric > TOO_ECCENTRIC,
         },
         normal: begin.normal,

@@ -14,10 +14,10 @@ use super::sightline::{ObserverMotion, SightLine};
 use super::sky::{PassOptions, Sky, SkyError, check};
 use super::track::Chord;
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
-use crate::frames::{Gcrs, seconds_after, seconds_between};
-use crate::orbit::{Arc, Beam, Candidate, LeftOut, OrbitError, State};
+use crate::frames::{Gcrs, Rotation, Teme, seconds_after, seconds_between};
+use crate::orbit::{Arc, Beam, Candidate, LeftOut, OrbitError, Propagator, State};
 
-/// One look spares the rest where a satellite may be near for this long at most, seconds: it bends from its line by 4 km.
+/// One look tells where a satellite is for so long at most, seconds: it bends from its line by 4 km.
 const LONGEST_LOOK_S: f64 = 60.0;
 /// What SGP4's velocity and its positions may disagree by in that time, km.
 const LOOK_SLOP_KM: f64 = 1.0;
@@ -120,34 +120,68 @@ impl Sky {
         let Some(observer) = self.motion(scene, &orientation, flight, mid_s) else { return Ok(None) };
         let minutes = propagator.minutes_since_epoch(scene.start);
         let teme_to_gcrs = &orientation.teme_to_gcrs;
-        let [from_s, to_s] = run.near_s;
-        if to_s - from_s <= LONGEST_LOOK_S {
-            let look_s = 0.5 * (from_s + to_s);
-            let state = propagator.state_at_minutes(minutes + look_s / 60.0, teme_to_gcrs)?;
-            if !passes_by(&state, &observer, look_s, 0.5 * (to_s - from_s), field) {
-                return Ok(None);
+        let (options, near_the_ground) =
+            (PassOptions::default(), self.reaches_the_ground(exposure, field, &orientation));
+        let (mut chords, mut is_lit) = (Vec::new(), false);
+        for [from_s, to_s] in stretches_near(run.near_s, &observer, field, propagator, minutes, teme_to_gcrs)? {
+            let arc = Arc::new(propagator, minutes, from_s, to_s - from_s, teme_to_gcrs)?;
+            let line = SightLine { arc: &arc, observer: observer.clone() };
+            let mut crossing = cross(&|time_s| line.sight(time_s), from_s, to_s, field);
+            if crossing.chords.is_empty() {
+                continue;
+            }
+            let age_days = seconds_between(propagator.epoch(), seconds_after(scene.start, mid_s)) / DAY_S;
+            let look = Look {
+                scene,
+                viewpoint: self.viewpoint(),
+                shadow: self.shadow(),
+                line: &line,
+                model: self.model(run.element_index),
+                options: &options,
+                uncertainty: self.uncertainty(run.element_index, age_days),
+            };
+            if let Some((enter_s, exit_s)) = look.keep_above_ground(&mut crossing, near_the_ground) {
+                is_lit |= look.is_lit(enter_s, exit_s);
+                chords.append(&mut crossing.chords);
             }
         }
-        let arc = Arc::new(propagator, minutes, from_s, to_s - from_s, teme_to_gcrs)?;
-        let line = SightLine { arc: &arc, observer };
-        let mut crossing = cross(&|time_s| line.sight(time_s), from_s, to_s, field);
-        if crossing.chords.is_empty() {
-            return Ok(None);
-        }
-        let age_days = seconds_between(propagator.epoch(), seconds_after(scene.start, mid_s)) / DAY_S;
-        let look = Look {
-            scene,
-            viewpoint: self.viewpoint(),
-            shadow: self.shadow(),
-            line: &line,
-            model: self.model(run.element_index),
-            options: &PassOptions::default(),
-            uncertainty: self.uncertainty(run.element_index, age_days),
-        };
-        let near_the_ground = self.reaches_the_ground(exposure, field, &orientation);
-        let ends = look.keep_above_ground(&mut crossing, near_the_ground);
-        Ok(ends.filter(|&(enter_s, exit_s)| look.is_lit(enter_s, exit_s)).map(|_| crossing.chords))
+        Ok(is_lit.then_some(chords))
     }
+}
+
+/// When a satellite may be in a field, within a stretch in which its interpolated elements cannot tell: one look of SGP4 for each minute.
+///
+/// # Errors
+/// [`OrbitError`] where there is no place at one of the looks, or velocities are not the rate of places.
+fn stretches_near(
+    [from_s, to_s]: [f64; 2],
+    observer: &ObserverMotion,
+    field: &FieldOnSky,
+    propagator: &Propagator,
+    reference_minutes: f64,
+    teme_to_gcrs: &Rotation<Teme, Gcrs>,
+) -> Result<Vec<[f64; 2]>, OrbitError> {
+    let looks = ((to_s - from_s) / LONGEST_LOOK_S).ceil().max(1.0);
+    let half_s = 0.5 * (to_s - from_s) / looks;
+    let mut near: Vec<[f64; 2]> = Vec::new();
+    let mut before: Option<State<Gcrs>> = None;
+    for look in 0..looks as usize {
+        let begin_s = from_s + 2.0 * half_s * look as f64;
+        let minutes = reference_minutes + (begin_s + half_s) / 60.0;
+        let state = propagator.state_at_minutes(minutes, teme_to_gcrs)?;
+        if let Some(before) = before.replace(state) {
+            propagator.check_step(&before, &state, 2.0 * half_s, minutes)?;
+        }
+        if !passes_by(&state, observer, begin_s + half_s, half_s, field) {
+            continue;
+        }
+        let end_s = begin_s + 2.0 * half_s;
+        match near.last_mut() {
+            Some(last) if begin_s - last[1] < half_s => last[1] = end_s,
+            _ => near.push([begin_s, end_s]),
+        }
+    }
+    Ok(near)
 }
 
 /// Whether a satellite that stands so at a moment may be in a field for so long before and after it: along a straight line, with all that the true one leaves it by.

@@ -130,6 +130,10 @@ impl Sky {
         while first < slices as u32 {
             let group = most.min(slices as u32 - first);
             let half_s = 0.5 * slice_s * f64::from(group);
+            if self.is_below_ground(scene, exposure, field, start_s + slice_s * f64::from(first) + half_s, half_s) {
+                first += group;
+                continue;
+            }
             let whole = cone(start_s + slice_s * f64::from(first) + half_s, half_s);
             let parts: Vec<_> = (first..first + group)
                 .map(|part| cone(start_s + slice_s * (f64::from(part) + 0.5), 0.5 * slice_s))
@@ -185,11 +189,23 @@ impl Sky {
         field: &FieldOnSky,
         orientation: &Orientation,
     ) -> bool {
-        let Some(observer) = self.viewpoint().site() else { return true };
-        let altitude_rad = (observer.state(orientation).horizon * exposure.pointing).latitude_rad();
+        let Some(altitude_rad) = self.altitude_rad(exposure, orientation) else { return true };
         // The sky turns by no more than this, whatever the exposure's length.
         let turn_rad = (EARTH_ROTATION_RAD_S * exposure.duration_s).min(std::f64::consts::PI);
         altitude_rad - field.bounding_radius_rad() - turn_rad < LOWEST_ALTITUDE_RAD
+    }
+
+    /// True where all of the field lies below the lowest altitude for `half_s` before and after a moment: nobody crosses it there.
+    fn is_below_ground(&self, scene: &Scene, exposure: &Exposure, field: &FieldOnSky, mid_s: f64, half_s: f64) -> bool {
+        let reach_rad = field.bounding_radius_rad() + ABERRATION_MARGIN_RAD + EARTH_ROTATION_RAD_S * half_s;
+        self.altitude_rad(exposure, &scene.orientation.at_s(mid_s))
+            .is_some_and(|altitude_rad| altitude_rad + reach_rad < LOWEST_ALTITUDE_RAD)
+    }
+
+    /// Altitude of the pointing at a moment; none in orbit.
+    fn altitude_rad(&self, exposure: &Exposure, orientation: &Orientation) -> Option<f64> {
+        let observer = self.viewpoint().site()?;
+        Some((observer.state(orientation).horizon * exposure.pointing).latitude_rad())
     }
 
     /// The exact answer for one satellite; `None` where it is not wanted.

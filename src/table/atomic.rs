@@ -42,14 +42,46 @@ impl AtomicFile {
         self.temporary.path()
     }
 
-    /// Puts the file in its place, over whatever stood there.
+    /// Whether another file stands where this one will.
+    pub fn is_replacing(&self) -> bool {
+        self.target.symlink_metadata().is_ok()
+    }
+
+    /// Puts the file in its place, over whatever stood there, when all of it is on the disk.
     ///
     /// # Errors
     /// Whatever the system reports; the old file then stands as it was.
     pub fn finish(self) -> io::Result<()> {
         self.temporary.as_file().sync_all()?;
-        self.temporary.persist(&self.target).map(drop).map_err(|error| error.error)
+        self.put()
     }
+
+    /// The same, but waits for the disk only where another file is replaced, which a power cut must not take away before this one is there. A file that
+    /// replaces nothing is as safe as one that was copied: for large ones that can be made again.
+    ///
+    /// # Errors
+    /// As [`finish`](AtomicFile::finish).
+    pub fn finish_lazily(self) -> io::Result<()> {
+        if self.is_replacing() { self.finish() } else { self.put() }
+    }
+
+    fn put(self) -> io::Result<()> {
+        let (file, path) = self.temporary.into_parts();
+        close(file)?;
+        path.persist(&self.target).map_err(|error| error.error)
+    }
+}
+
+/// Closes a file. Network file systems say only now that something could not be written; dropping a `File` would not tell.
+#[cfg(unix)]
+fn close(file: File) -> io::Result<()> {
+    nix::unistd::close(file).map_err(io::Error::from)
+}
+
+/// Closes a file.
+#[cfg(not(unix))]
+fn close(file: File) -> io::Result<()> {
+    file.sync_all()
 }
 
 /// A folder for files that only pass through; removed with all in it when dropped.
@@ -124,6 +156,20 @@ mod tests {
         });
         assert!(failed.is_err());
         assert_eq!(std::fs::read(&path).unwrap(), b"one");
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
+    }
+
+    #[test]
+    fn a_file_that_does_not_wait_for_the_disk_stands_as_well() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.fits");
+        for (text, is_replacing) in [("one", false), ("two", true)] {
+            let file = AtomicFile::new(&path).unwrap();
+            file.file().write_all(text.as_bytes()).unwrap();
+            assert_eq!(file.is_replacing(), is_replacing);
+            file.finish_lazily().unwrap();
+            assert_eq!(std::fs::read_to_string(&path).unwrap(), text);
+        }
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 1);
     }
 

@@ -1,5 +1,6 @@
 //! A copy of a frame with changes.
 
+use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::{self, Seek, SeekFrom, Write};
@@ -26,17 +27,17 @@ use super::pixel_edit::PixelEdit;
 /// Changes are gathered in memory (the touched pixels alone) and written by [`finish`](FrameCopy::finish). Headers keep their cards and their order;
 /// CHECKSUM and DATASUM are made right where they stand in an HDU that changed, and EXTEND = F where extensions came. Dropped without `finish`, nothing is left behind.
 #[derive(Debug)]
-pub struct FrameCopy {
+pub struct FrameCopy<'a> {
     source: FrameFile,
     input: File,
     target: PathBuf,
     output: AtomicFile,
     headers: BTreeMap<usize, Header>,
-    pixels: BTreeMap<usize, PixelEdit>,
+    pixels: BTreeMap<usize, PixelEdit<'a>>,
     appended: Vec<NewHdu>,
 }
 
-impl FrameCopy {
+impl<'a> FrameCopy<'a> {
     /// Begins a copy that will stand at `target`.
     ///
     /// # Errors
@@ -65,7 +66,14 @@ impl FrameCopy {
     ///
     /// # Errors
     /// As [`change`](FrameCopy::change).
-    pub fn add(&mut self, hdu: usize, row: usize, first_column: usize, values: &[f32]) -> Result<(), FrameError> {
+    pub fn add(
+        &mut self,
+        hdu: usize,
+        row: usize,
+        first_column: usize,
+        values: impl Into<Cow<'a, [f32]>>,
+    ) -> Result<(), FrameError> {
+        let values = values.into();
         self.check_part(hdu, row, &(first_column..first_column + values.len()))?;
         self.edit(hdu)?.0.add(row, first_column, values);
         Ok(())
@@ -167,11 +175,12 @@ impl FrameCopy {
             }
             _ => FrameError::Io { path: self.target.clone(), source },
         })?;
-        self.output.finish().map_err(FrameError::io(&self.target))?;
+        self.output.finish_lazily().map_err(FrameError::io(&self.target))?;
         Ok(self.pixels.into_iter().map(|(hdu, edit)| (hdu, edit.changed)).collect())
     }
 
     fn write(&mut self, tables: &BTreeMap<usize, Vec<u8>>) -> io::Result<()> {
+        let is_flushed = self.output.is_replacing();
         let mut output = self.output.file();
         let mut at = 0;
         for info in self.source.hdus() {
@@ -201,7 +210,7 @@ impl FrameCopy {
                 }
                 (None, Some(edit)) => {
                     let start = at + header_length;
-                    sum = edit.stream(&self.input, output, start, is_summed)?;
+                    sum = edit.stream(&self.input, output, start, is_summed, is_flushed)?;
                     output.seek(SeekFrom::Start(start + length))?;
                 }
                 (None, None) => copy_range(&mut self.input, output, data.clone())?,
@@ -223,7 +232,7 @@ impl FrameCopy {
     }
 
     /// The changes to an image, and the file that it is read from.
-    fn edit(&mut self, hdu: usize) -> Result<(&mut PixelEdit, &mut File), FrameError> {
+    fn edit(&mut self, hdu: usize) -> Result<(&mut PixelEdit<'a>, &mut File), FrameError> {
         let edit = match self.pixels.entry(hdu) {
             std::collections::btree_map::Entry::Occupied(entry) => entry.into_mut(),
             std::collections::btree_map::Entry::Vacant(entry) => {

@@ -2,7 +2,7 @@
 //!
 //! `hdu` knows where headers and data lie, `pixel_format` what numbers mean, `frame_file` reads, `cfitsio` unpacks and packs tiles. `frame_copy` copies
 //! with changes: `pixel_edit` holds those of an image (`deltas` light to be added, `overlay` changed bytes, `tiles` compressed images, `changed` what came
-//! of it), `output` with `checksum` writes headers and data. `new_frame` makes files of `new_hdu`s, whose pixels are `image_values`.
+//! of it), `output` with `checksum` writes headers and data, `write_behind` pixels while the next are made. `new_frame` makes files of `new_hdu`s, whose pixels are `image_values`.
 
 mod cfitsio;
 mod changed;
@@ -21,6 +21,7 @@ mod pixel_edit;
 mod pixel_format;
 mod positioned;
 mod tiles;
+mod write_behind;
 
 pub use cfitsio::Rice;
 pub use changed::Changed;

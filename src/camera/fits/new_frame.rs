@@ -43,7 +43,7 @@ pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), FrameEr
         });
     }
     hdus.iter().try_for_each(|hdu| write_hdu(output.file(), hdu)).map_err(&io)?;
-    output.finish().map_err(&io)
+    output.finish_lazily().map_err(&io)
 }
 
 /// Where a file's neighbours lie.

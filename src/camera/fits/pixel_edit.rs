@@ -1,12 +1,10 @@
 //! The pixels of one image as they are to be: its own, with light added and values changed.
 
+use std::borrow::Cow;
 use std::fs::File;
 use std::io::{self, Read, Seek, SeekFrom};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
-use std::sync::mpsc::{self, Sender};
-
-use rayon::prelude::*;
 
 use super::super::header::Header;
 use super::changed::{Changed, Outcome};
@@ -15,22 +13,17 @@ use super::deltas::Deltas;
 use super::error::FrameError;
 use super::hdu::{HduInfo, HduKind};
 use super::overlay::Overlay;
-use super::positioned::{read_exact_at, write_all_at};
+use super::positioned::read_exact_at;
 use super::tiles::{Rebuilt, TileImage};
-
-/// Bytes that go from the input to the output at once: whole pixels of every type, whole words of sums, and few enough to stay in a processor's cache.
-const CHUNK: usize = 1 << 17;
-
-/// Bytes of a stretch of the data that one thread takes: whole chunks.
-const STRETCH: usize = 1 << 22;
+use super::write_behind::write_behind;
 
 /// Changes to one image.
 #[derive(Debug)]
-pub(super) struct PixelEdit {
+pub(super) struct PixelEdit<'a> {
     path: PathBuf,
     info: HduInfo,
     columns: usize,
-    light: Deltas,
+    light: Deltas<'a>,
     stored: StoredPixels,
     /// What came of them so far.
     pub changed: Changed,
@@ -43,7 +36,7 @@ enum StoredPixels {
     Tiles(Box<TileImage>),
 }
 
-impl PixelEdit {
+impl<'a> PixelEdit<'a> {
     pub(super) fn new(path: &Path, info: &HduInfo, header: &Header, input: &mut File) -> Result<Self, FrameError> {
         let stored = if info.kind == HduKind::Image {
             StoredPixels::Plain(Overlay::new(info.data_at, info.data_length, info.format.bitpix.bytes()))
@@ -63,14 +56,14 @@ impl PixelEdit {
             path: path.to_owned(),
             info: info.clone(),
             columns: info.shape[0],
-            light: Deltas::new(info.shape.iter().product()),
+            light: Deltas::default(),
             stored,
             changed: Changed::default(),
         })
     }
 
     /// Adds light to pixels of a row.
-    pub(super) fn add(&mut self, row: usize, first_column: usize, values: &[f32]) {
+    pub(super) fn add(&mut self, row: usize, first_column: usize, values: Cow<'a, [f32]>) {
         self.light.add(row * self.columns + first_column, values);
     }
 
@@ -133,6 +126,7 @@ impl PixelEdit {
         let of_tiles = |why: String| FrameError::Tiles { path: self.path.clone(), hdu: self.info.index, why };
         let (columns, changed) = (self.columns, &mut self.changed);
         let mut failed = None;
+        self.light.settle();
         self.light.each(0..usize::MAX, |pixel, sum| {
             let (row, column) = (pixel / columns, pixel % columns);
             match tiles.read(row, column..column + 1) {
@@ -149,46 +143,28 @@ impl PixelEdit {
         }
     }
 
-    /// For an image as it is: its data from the input into the output from `to` on, changed on the way; their sum, if it is wanted.
-    ///
-    /// Threads of the caller's pool take stretches of the data; what is written is on its way to the disk while the next stretches are made.
-    pub(super) fn stream(&mut self, input: &File, output: &File, to: u64, is_summed: bool) -> io::Result<Option<u32>> {
-        let length = self.info.data_length as usize;
-        let stretches = (0..length).into_par_iter().step_by(STRETCH);
-        let done = flushed_meanwhile(output, |written| {
-            let part = |written: &mut Sender<()>, from: usize| {
-                let done = self.stream_part(from..length.min(from + STRETCH), input, output, to, is_summed)?;
-                // Nobody listens any more where the disk failed, which is told in the end.
-                let _ = written.send(());
-                Ok(done)
-            };
-            stretches.map_with(written, part).collect::<io::Result<Vec<(Changed, u32)>>>()
-        })?;
-        done.iter().for_each(|(changed, _)| self.changed += *changed);
-        // The sum of sums is the sum of all: every stretch but the last is of whole words.
-        Ok(is_summed.then(|| done.iter().fold(0, |sum, (_, part)| checksum::sum(sum, &part.to_be_bytes()))))
-    }
-
-    fn stream_part(
-        &self,
-        part: Range<usize>,
+    /// For an image as it is: its data from the input into the output from `to` on, changed on the way; their sum, if it is wanted. With `is_flushed` what is
+    /// written is on its way to the disk while the rest is made.
+    pub(super) fn stream(
+        &mut self,
         input: &File,
         output: &File,
         to: u64,
         is_summed: bool,
-    ) -> io::Result<(Changed, u32)> {
+        is_flushed: bool,
+    ) -> io::Result<Option<u32>> {
+        self.light.settle();
         let (mut changed, mut sum) = (Changed::default(), 0);
-        let mut chunk = vec![0; CHUNK];
-        for from in part.clone().step_by(CHUNK) {
-            let chunk = &mut chunk[..CHUNK.min(part.end - from)];
-            read_exact_at(input, chunk, self.info.data_at + from as u64)?;
-            self.put_changes(from, chunk, &mut changed);
-            write_all_at(output, chunk, to + from as u64)?;
+        write_behind(output, to, self.info.data_length as usize, is_flushed, |range, bytes| {
+            read_exact_at(input, bytes, self.info.data_at + range.start as u64)?;
+            self.put_changes(range.start, bytes, &mut changed);
             if is_summed {
-                sum = checksum::sum_padded(sum, chunk);
+                sum = checksum::sum_padded(sum, bytes);
             }
-        }
-        Ok((changed, sum))
+            Ok(())
+        })?;
+        self.changed += changed;
+        Ok(is_summed.then_some(sum))
     }
 
     /// Brings some bytes of the data of an image to what they are to be.
@@ -217,24 +193,6 @@ impl PixelEdit {
                 .set(old, old + sum + between_steps(pixel, format.step()), |new| format.put(bytes, pixel - first, new));
         });
     }
-}
-
-/// Does some work that writes to a file, while what it says to be written is brought to the disk.
-fn flushed_meanwhile<T: Send>(file: &File, work: impl FnOnce(Sender<()>) -> io::Result<T>) -> io::Result<T> {
-    let (sender, receiver) = mpsc::channel();
-    std::thread::scope(|scope| {
-        let flusher = scope.spawn(move || {
-            while receiver.recv().is_ok() {
-                // One flush for all that was written since the last.
-                while receiver.try_recv().is_ok() {}
-                file.sync_data()?;
-            }
-            Ok(())
-        });
-        let done = work(sender);
-        let flushed = flusher.join().unwrap_or_else(|_| Err(io::Error::other("the thread that flushes stopped")));
-        flushed.and(done)
-    })
 }
 
 /// A fraction of the step between two values that a pixel can take, from minus to plus half of it: with it light of less than half a step is not rounded away

@@ -132,7 +132,7 @@ fn quantisation(target: &TargetChip) -> Option<Quantisation> {
 }
 
 /// Light alone.
-fn add(copy: &mut FrameCopy, target: &TargetChip, streaks: &[&DrawnStreak<'_>]) -> Result<(), FrameError> {
+fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnStreak<'_>]) -> Result<(), FrameError> {
     let mut spans = streaks.iter().flat_map(|streak| streak.patch.iter());
     spans.try_for_each(|span| copy.add(target.chip.hdu, span.row, span.first_column, span.values))
 }
@@ -156,7 +156,7 @@ fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, FrameE
 
 /// Light through a detector: the whole chip is read, since full wells hold the sum of what was there and what is added.
 fn expose(
-    copy: &mut FrameCopy,
+    copy: &mut FrameCopy<'_>,
     frame: &TargetFrame,
     target: &TargetChip,
     streaks: &[&DrawnStreak<'_>],
@@ -188,7 +188,7 @@ fn expose(
             .zip(&new[first..end])
             .map(|(old, new)| if old.is_nan() { 0.0 } else { new - old })
             .collect();
-        copy.add(hdu, row, first, &added)?;
+        copy.add(hdu, row, first, added)?;
     }
     Ok(())
 }
@@ -217,7 +217,7 @@ fn mask(streaks: &[&DrawnStreak<'_>], target: &TargetChip, planes: &MaskPlanes, 
 }
 
 fn append_masks(
-    copy: &mut FrameCopy,
+    copy: &mut FrameCopy<'_>,
     frame: &TargetFrame,
     masks: Vec<(&TargetChip, ImageValues)>,
     planes: &MaskPlanes,
