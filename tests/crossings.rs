@@ -13,6 +13,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRu
 use streakcast::catalogue::{Catalogue, Constellation, ElementSet, NoradId, Origin, ReadOptions};
 use streakcast::frames::{Direction, EopTable, Horizontal, OrientationTable};
 use streakcast::geometry::{Observer, Site};
+use streakcast::orbit::LeftOut;
 use streakcast::passes::{Exposure, Field, FieldPass, ModelChoice, PassOptions, Sky};
 
 /// Cerro Pachón as the golden numbers have it.
@@ -470,7 +471,9 @@ fn verif_hours_on_one_field_are_their_minutes() {
                 assert!(apart_s < SAME_ROOT_OF_SHORT_ARCS_S, "{size_deg} deg: {one:?} {other:?}");
             }
         }
-        assert_eq!(alone.left_out, lit.left_out);
+        // An orbit that breaks down does so at the moments that are looked at, which are others.
+        let who = |left_out: &[LeftOut]| left_out.iter().map(|one| one.norad_id).collect::<Vec<_>>();
+        assert_eq!(who(&alone.left_out), who(&lit.left_out));
     }
     assert!(compared > 200, "{compared}");
 }

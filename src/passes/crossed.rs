@@ -170,7 +170,7 @@ fn stretches_near(
         let minutes = reference_minutes + (begin_s + half_s) / 60.0;
         let state = propagator.state_at_minutes(minutes, teme_to_gcrs)?;
         if let Some(before) = before.replace(state) {
-            propagator.check_step(&before, &state, 2.0 * half_s, minutes)?;
+            propagator.check_step(&before, &state, 2.0 * half_s, minutes - 2.0 * half_s / 60.0)?;
         }
         if !passes_by(&state, observer, begin_s + half_s, half_s, field) {
             continue;
