@@ -14,9 +14,11 @@ use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 /// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).
 pub const DECAYED_RADIUS_KM: f64 = 6378.135;
 
-/// Positions and velocities of two moments may disagree by this, km: h³/12 · |r‴| is 2 m for the fastest orbit there is in 10 s, and 0.4 km in a minute. SGP4's
-/// velocity leaves out how drag changes the mean motion, which shows when elements years old run away.
+/// Positions and velocities of two moments may disagree by this, km: h³/12 · |r‴| is 2 m for the fastest orbit there is in 10 s. SGP4's velocity leaves out how drag
+/// changes the mean motion, which shows when elements years old run away.
 const LARGEST_GAP_KM: f64 = 1.0;
+/// The same over longer steps, km/s: 0.4 km in a minute by h³/12 · |r‴|, and some m/s where Moon and Sun pull most.
+const LARGEST_MISMATCH_KM_S: f64 = 0.1;
 
 /// Why a satellite has no position.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -138,7 +140,7 @@ impl Propagator {
         self.epoch
     }
 
-    /// Whether velocities are the rate of positions between two states, `step_s` (a minute at most) apart, the first at `minutes` after the element epoch.
+    /// Whether velocities are the rate of positions between two states, `step_s` apart, the first at `minutes` after the element epoch.
     ///
     /// # Errors
     /// [`OrbitError::Diverged`] where they are not: the drag terms have run away.
@@ -151,7 +153,7 @@ impl Propagator {
     ) -> Result<(), OrbitError> {
         let moved_km = second.position.vector() - first.position.vector();
         let by_velocity_km = (first.velocity.vector() + second.velocity.vector()) * (0.5 * step_s);
-        if (moved_km - by_velocity_km).norm() <= LARGEST_GAP_KM {
+        if (moved_km - by_velocity_km).norm() <= LARGEST_GAP_KM.max(LARGEST_MISMATCH_KM_S * step_s) {
             return Ok(());
         }
         Err(OrbitError::Diverged {

@@ -9,8 +9,11 @@ use super::phase::Phase;
 /// True and mean longitude differ by at most so many eccentricities, for eccentricities to 0.9: 2 e + 11/48 e³ + ... for small ones.
 pub(super) const SWING_PER_ECCENTRICITY: f64 = 2.5;
 
-/// What interpolated normals and references, and the series for sine and cosine, are wrong by, radians.
+/// What the series for sine and cosine, and numbers of single precision, are wrong by, radians.
 const ROUGHNESS_RAD: f64 = 3e-3;
+
+/// By how much an interpolated normal may be short.
+const SHORTNESS: f64 = 1e-4;
 
 /// Caps and stretches wider than this together are the whole Earth, radians.
 const EVERYWHERE_RAD: f64 = 3.0;
@@ -66,10 +69,14 @@ impl Cap {
         // x = r - (r·n) n and y = n × r, as in the plane of Kepler's place; cos λ x·c + sin λ y·c is the cosine of the angle to the cap's middle.
         let [rx, ry, rz] = phase.reference;
         let reference = Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz));
-        let x = reference.dot(&self.centre) - reference.dot(normal) * normal.dot(&self.centre);
+        let off_plane = reference.dot(normal);
+        let x = reference.dot(&self.centre) - off_plane * normal.dot(&self.centre);
         let y = normal.cross(&reference).dot(&self.centre);
         let (sin, cos) = sin_cos(phase.mean_longitude_rad + phase.mean_longitude_rate_rad_s * time_s);
-        cos * x + sin * y >= sin_cos(within_rad).1
+        // The reference turns out of the plane by a degree or two: both axes are √(1 - (r·n)²) long, and with them the cosine.
+        let cosine = sin_cos(within_rad).1 - off_plane * off_plane - SHORTNESS;
+        // What is not a number stays.
+        !(cos * x + sin * y < cosine)
     }
 }
 

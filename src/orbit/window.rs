@@ -289,6 +289,7 @@ mod tests {
     use crate::catalogue::{ElementSet, NoradId, Origin};
     use crate::constants::WGS72_MU_KM3_S2;
     use crate::frames::seconds_after;
+    use crate::orbit::side::Cap;
 
     fn element_set(norad_id: u32, altitude_km: f64, eccentricity: f64, inclination_deg: f64) -> ElementSet {
         let a = 6378.137 + altitude_km;
@@ -360,6 +361,13 @@ mod tests {
                         (place - position).norm() / f64::from(phase.slop_km),
                         (radius_km - highest(phase)).max(lowest(phase) - radius_km) / RADIUS_SLOP_KM,
                     ];
+                    // A line of sight straight up to it, and nothing but its own margin to be found by.
+                    let up = position.normalize();
+                    let height_km = radius_km - DECAYED_RADIUS_KM;
+                    let cap =
+                        Cap::of(&(up * DECAYED_RADIUS_KM), &up, 1e-6, [height_km - 0.1, height_km + 0.1], radius_km);
+                    let slop_km = f64::from(phase.slop_km);
+                    assert!(cap.expect("a cap").may_hold(phase, &normal, time_s, 0.0, slop_km));
                     for (worst, ratio) in worst.iter_mut().zip(ratios) {
                         *worst = worst.max(ratio);
                     }

@@ -19,8 +19,8 @@ use crate::orbit::{Arc, Beam, Candidate, LeftOut, OrbitError, Propagator, State}
 
 /// One look tells where a satellite is for so long at most, seconds: it bends from its line by 4 km.
 const LONGEST_LOOK_S: f64 = 60.0;
-/// What SGP4's velocity and its positions may disagree by in that time, km.
-const LOOK_SLOP_KM: f64 = 1.0;
+/// What SGP4's velocity and its positions may disagree by in that time, km: what [`Propagator::check_step`] lets pass, in half of it.
+const LOOK_SLOP_KM: f64 = 3.0;
 
 /// One lit satellite in one exposure.
 #[derive(Clone, Debug, PartialEq)]
@@ -36,13 +36,14 @@ pub struct Crossed {
 pub struct Crossings {
     /// For each exposure asked, in its place, the crossings in order of entry.
     pub by_exposure: Vec<Vec<Crossed>>,
-    /// Satellites without a position for at least one of the exposures, each once, in catalogue order.
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. Nobody is asked for one while the field is below the ground.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Sky {
     /// Every lit satellite that crosses the field in each exposure: the same ones as the passes of [`Sky::field_passes`] with default options, at the same
-    /// times to 10 µs. A satellite whose orbit breaks down far from the field is not told of.
+    /// times to 10 µs. A satellite whose orbit breaks down far from the field is not told of, and one that stays for hours or comes twice within minutes is lit if it is
+    /// at any of the times that it crosses, not in between.
     ///
     /// # Errors
     /// As [`Sky::field_passes`].

@@ -80,7 +80,7 @@ pub struct PassOptions {
 pub struct Passes {
     /// For each exposure asked, in its place, the passes in order of entry.
     pub by_exposure: Vec<Vec<FieldPass>>,
-    /// Satellites without a position for at least one of the exposures, each once, in catalogue order.
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. Nobody is asked for one while the field is below the ground.
     pub left_out: Vec<LeftOut>,
 }
 
@@ -222,7 +222,7 @@ impl Sky {
     }
 
     /// As [`Sky::field_passes`], without the cull: every satellite is asked of SGP4 for every slice. The authority that the
-    /// cull is held against; thousands of times slower.
+    /// cull is held against; thousands of times slower. It alone tells near misses of fields that are below the ground.
     ///
     /// # Errors
     /// As [`Sky::field_passes`].

@@ -10,6 +10,7 @@ pub(super) struct Deltas<'a> {
     stretches: Vec<Stretch<'a>>,
     /// Pixels of the longest.
     longest: usize,
+    is_settled: bool,
 }
 
 #[derive(Debug)]
@@ -42,12 +43,16 @@ impl<'a> Deltas<'a> {
     pub(super) fn add(&mut self, start: usize, values: Cow<'a, [f32]>) {
         self.longest = self.longest.max(values.len());
         self.stretches.push(Stretch { start, values });
+        self.is_settled = false;
     }
 
     /// Brings what was added into the order of the pixels; [`each`](Deltas::each) wants it.
     pub(super) fn settle(&mut self) {
-        // Those of one streak are in order: merging a few such runs is quick.
-        self.stretches.sort_by_key(|stretch| stretch.start);
+        if !self.is_settled {
+            // Those of one streak are in order: merging a few such runs is quick.
+            self.stretches.sort_by_key(|stretch| stretch.start);
+            self.is_settled = true;
+        }
     }
 
     /// Hands out the sums that are not zero among pixels of a range, in order.

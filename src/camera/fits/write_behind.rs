@@ -58,16 +58,15 @@ pub(super) fn write_behind(
                 Ok(())
             })
         });
-        let made = (0..length).step_by(CHUNK).try_for_each(|from| {
+        let finished = (0..length).step_by(CHUNK).try_for_each(|from| {
             let mut chunk = used.try_recv().unwrap_or_default();
             chunk.resize(CHUNK.min(length - from), 0);
             make(from..from + chunk.len(), &mut chunk)?;
-            // Where the writer has failed it says so itself.
-            let _ = to_writer.send((from, chunk));
-            Ok(())
+            // Nobody takes it where the writer has failed, which says why itself.
+            to_writer.send((from, chunk)).map_err(|_| io::Error::from(io::ErrorKind::BrokenPipe))
         });
         drop(to_writer);
-        made.and(joined(writer)).and(flusher.map_or(Ok(()), joined))
+        joined(writer).and(finished).and(flusher.map_or(Ok(()), joined))
     })
 }
 
