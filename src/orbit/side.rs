@@ -75,8 +75,9 @@ impl Cap {
         let (sin, cos) = sin_cos(phase.mean_longitude_rad + phase.mean_longitude_rate_rad_s * time_s);
         // The reference turns out of the plane by a degree or two: both axes are √(1 - (r·n)²) long, and with them the cosine.
         let cosine = sin_cos(within_rad).1 - off_plane * off_plane - SHORTNESS;
+        let along = cos * x + sin * y;
         // What is not a number stays.
-        !(cos * x + sin * y < cosine)
+        along >= cosine || along.is_nan()
     }
 }
 
