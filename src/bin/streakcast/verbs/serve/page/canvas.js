@@ -19,6 +19,29 @@ export function prepare(canvas) {
   return { context, width, height };
 }
 
+/** What lies behind in a chart, kept while it stays the same: a drag redraws alone what it moves. */
+export class Backdrop {
+  /** Puts on the canvas what `paint(context)` draws; that is drawn anew where `of` (what it shows) or the canvas is another. */
+  show(context, of, paint) {
+    const { canvas } = context;
+    const shown = [canvas.width, canvas.height, ...of];
+    if (!this.shown || shown.some((one, place) => one !== this.shown[place])) {
+      this.picture = document.createElement("canvas");
+      this.picture.width = canvas.width;
+      this.picture.height = canvas.height;
+      const own = this.picture.getContext("2d");
+      own.setTransform(context.getTransform());
+      own.font = context.font;
+      paint(own);
+      this.shown = shown;
+    }
+    context.save();
+    context.resetTransform();
+    context.drawImage(this.picture, 0, 0);
+    context.restore();
+  }
+}
+
 /** A line through points [x, y]; a point that is null breaks it. */
 export function path(context, points) {
   context.beginPath();

@@ -1,8 +1,8 @@
 // The sky over the site: zenith in the middle, north up, east left, as one looks up.
 
-import { css, ofMagnitude, theme } from "./colours.js";
+import { css, isRed, ofMagnitude, theme } from "./colours.js";
 import { between, contour } from "./contours.js";
-import { label, path, prepare } from "./canvas.js";
+import { Backdrop, label, path, prepare } from "./canvas.js";
 
 const DEG = Math.PI / 180;
 /** Pixels of the magnitude map across; it is smooth and drawn larger. */
@@ -29,6 +29,7 @@ function filled(rows) {
 export class Dome {
   constructor(canvas) {
     this.canvas = canvas;
+    this.backdrop = new Backdrop();
   }
 
   /** A new answer of the server. */
@@ -50,23 +51,25 @@ export class Dome {
       return [x0 - reach * Math.sin(azimuth * DEG), y0 - reach * Math.cos(azimuth * DEG)];
     };
     const up = ([azimuth, altitude]) => (altitude >= 0 ? at(azimuth, altitude) : null);
-    context.save();
-    context.beginPath();
-    context.arc(x0, y0, radius, 0, 2 * Math.PI);
-    context.fillStyle = colours.shadow;
-    context.fill();
-    context.clip();
-    if (this.dome) {
-      context.drawImage(this.map(), x0 - radius, y0 - radius, 2 * radius, 2 * radius);
-      this.contours(context, at, colours);
-      this.shadow(context, at, x0, y0, radius, colours);
-    }
-    context.restore();
-    this.grid(context, x0, y0, radius, at, colours);
-    if (this.dome) {
-      this.tracks(context, up, limit, selected, colours);
-      this.sun(context, x0, y0, radius, colours);
-    }
+    this.backdrop.show(context, [this.dome, limit, selected, isRed()], (behind) => {
+      behind.save();
+      behind.beginPath();
+      behind.arc(x0, y0, radius, 0, 2 * Math.PI);
+      behind.fillStyle = colours.shadow;
+      behind.fill();
+      behind.clip();
+      if (this.dome) {
+        behind.drawImage(this.map(), x0 - radius, y0 - radius, 2 * radius, 2 * radius);
+        this.contours(behind, at, colours);
+        this.shadow(behind, at, x0, y0, radius, colours);
+      }
+      behind.restore();
+      this.grid(behind, x0, y0, radius, at, colours);
+      if (this.dome) {
+        this.tracks(behind, up, limit, selected, colours);
+        this.sun(behind, x0, y0, radius, colours);
+      }
+    });
     for (const pass of passes ?? []) {
       if (pass.norad_id !== selected || !pass.samples) continue;
       context.lineWidth = 4;
@@ -89,7 +92,7 @@ export class Dome {
 
   /** The model's magnitudes as a picture, made once an answer and light. */
   map() {
-    const light = document.documentElement.dataset.light ?? "dark";
+    const light = isRed();
     if (this.image && this.image.light === light) return this.image;
     const image = document.createElement("canvas");
     image.width = image.height = FINE;

@@ -1,7 +1,7 @@
 // The night as a whole: exposures as bars over the bands of twilight, UTC below and local time above.
 
-import { css, theme, BRIGHT, FAINT, ofMagnitude } from "./colours.js";
-import { label, prepare, step } from "./canvas.js";
+import { css, isRed, theme, BRIGHT, FAINT, ofMagnitude } from "./colours.js";
+import { Backdrop, label, prepare, step } from "./canvas.js";
 import { hour, moment, zone } from "./words.js";
 
 const MARGIN = { left: 6, right: 6, top: 20, bottom: 20 };
@@ -24,6 +24,7 @@ export class Night {
     this.canvas = canvas;
     this.choose = choose;
     this.bars = [];
+    this.backdrop = new Backdrop();
     const nearest = (event) => {
       const x = event.clientX - canvas.getBoundingClientRect().left;
       return this.bars.reduce((best, bar) => (Math.abs(bar.x - x) < Math.abs(best.x - x) ? bar : best), { x: Infinity }).place;
@@ -65,11 +66,34 @@ export class Night {
     const colours = theme();
     const left = MARGIN.left, right = width - MARGIN.right, top = MARGIN.top, bottom = height - MARGIN.bottom;
     const at = (ms) => left + ((ms - this.from) / (this.to - this.from)) * (right - left);
-    for (let x = left; x < right; x += 1) {
-      context.fillStyle = colours[this.band(this.from + ((x - left) / (right - left)) * (this.to - this.from))];
-      context.fillRect(x, top, 1.5, bottom - top);
+    this.backdrop.show(context, [this.night, this.rows, limit, isRed()], (behind) => {
+      for (let x = left; x < right; x += 1) {
+        behind.fillStyle = colours[this.band(this.from + ((x - left) / (right - left)) * (this.to - this.from))];
+        behind.fillRect(x, top, 1.5, bottom - top);
+      }
+      this.axis(behind, at, (right - left) / 62, top, bottom, colours);
+      this.exposures(behind, at, top, bottom, limit, colours);
+    });
+    const chosen = this.rows[selected];
+    if (chosen?.start != null) {
+      const x = at(start ?? chosen.start);
+      context.strokeStyle = colours.mark;
+      context.fillStyle = colours.mark;
+      context.lineWidth = 2;
+      context.beginPath();
+      context.moveTo(x, top);
+      context.lineTo(x, bottom);
+      context.stroke();
+      context.beginPath();
+      context.moveTo(x - 6, top - 1);
+      context.lineTo(x + 6, top - 1);
+      context.lineTo(x, top + 8);
+      context.fill();
     }
-    this.axis(context, at, (right - left) / 62, top, bottom, colours);
+    this.tell(chosen, selected);
+  }
+
+  exposures(context, at, top, bottom, limit, colours) {
     this.bars = [];
     const full = bottom - top - 8;
     this.rows.forEach((row, place) => {
@@ -89,23 +113,6 @@ export class Night {
       }
       this.bars.push({ x: x + wide / 2, place });
     });
-    const chosen = this.rows[selected];
-    if (chosen?.start != null) {
-      const x = at(start ?? chosen.start);
-      context.strokeStyle = colours.mark;
-      context.fillStyle = colours.mark;
-      context.lineWidth = 2;
-      context.beginPath();
-      context.moveTo(x, top);
-      context.lineTo(x, bottom);
-      context.stroke();
-      context.beginPath();
-      context.moveTo(x - 6, top - 1);
-      context.lineTo(x + 6, top - 1);
-      context.lineTo(x, top + 8);
-      context.fill();
-    }
-    this.tell(chosen, selected);
   }
 
   axis(context, at, wanted, top, bottom, colours) {
