@@ -15,7 +15,7 @@ from pathlib import Path
 ROOT = Path(__file__).parents[1]
 TABLE = ROOT / "docs" / "tables" / "speed.md"
 PEERS = Path("tests/benches/peers")
-DATA = Path(os.environ.get("STREAKCAST_DATA", ""))
+DATA = Path(os.environ.get("STREAKCAST_DATA", ROOT.parent / "shared" / "data"))
 ACTIVE = DATA / "tle" / "active" / "active_2026-04-25.txt"
 
 #: The benches that need nothing but the crate, then those beside which other tools run.

@@ -38,7 +38,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let tracks: Vec<SkyTrack> = rows.map(|row| track(row.name(), &row.pass.samples)).collect();
     let over = sky_chart(&SkyChart {
         title: "Bright passes over Rubin Observatory, 2026-08-14",
-        caption: "Zenith in the middle, horizon at the rim, north up, east left; grey where nothing is seen. Satellites are synthetic.",
+        caption: "Satellites are synthetic.",
         tracks: &tracks,
     })?;
     let first = tracks.first().ok_or("no pass is that bright")?;

@@ -406,8 +406,8 @@ fn verif_nights_that_are_empty_say_so_and_others_are_refused() {
 
 fn streak(name: &str, from: [f64; 2], to: [f64; 2], magnitude: f64) -> FieldStreak {
     let name = name.to_owned();
-    let (enter, exit) = ("00:30:01.0".to_owned(), "00:30:04.5".to_owned());
-    FieldStreak { name, track_deg: vec![from, to], enter, exit, magnitude, sigma_mag: 0.4 }
+    let [enter_mjd, exit_mjd] = [1801.0, 1804.5].map(|seconds| 60_536.0 + seconds / 86_400.0);
+    FieldStreak { name, track_deg: vec![from, to], enter_mjd, exit_mjd, magnitude, sigma_mag: 0.4 }
 }
 
 #[test]
@@ -419,6 +419,9 @@ fn verif_east_is_left_and_north_is_up_in_a_field() {
         field_chart(&FieldChart { title: "Field", caption: "Test.", ra_deg: 10.0, dec_deg: 0.0, outlines, streaks })
     };
     let picture = chart(&outlines, &streaks).unwrap();
+    // The brightest first, in whatever order they come.
+    let turned = [streaks[1].clone(), streaks[0].clone()];
+    assert_eq!(chart(&outlines, &turned).unwrap().to_svg().unwrap(), picture.to_svg().unwrap());
     has(
         &picture,
         &["EAST", "NORTH", "4.0 ±0.4", "00:30:01.0", "00:30:04.5", "N", "E", "0.5°", "offset to the east, °"],
@@ -610,15 +613,20 @@ fn verif_a_sky_chart_says_who_when_and_how_bright() {
     let drawn = |tracks: &[SkyTrack]| sky_chart(&SkyChart { title: "A night", caption: "Invented.", tracks });
     let picture = drawn(&one).unwrap();
     // Minutes along a pass that is alone; the ends to a second; the brightest magnitude.
-    has(
-        &picture,
-        &["A night", "Invented.", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"],
-    );
+    has(&picture, &["A night", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"]);
     has(&picture, &["3.6 ±0.4"]);
+    assert!(words(&picture).join(" ").contains("the brightest of each pass. Invented."));
     pixels(&picture);
     let many: Vec<SkyTrack> = (1..=30).map(|k| pass(&format!("SAMPLE {k}"))).collect();
     let picture = drawn(&many).unwrap();
-    has(&picture, &["SAMPLE 22", "22", "and 8 more, in the data"]);
+    has(&picture, &["SAMPLE 22", "22"]);
+    assert!(words(&picture).join(" ").contains("The 22 brightest of 30 passes."));
+    // The brightest stay, in the order of the list.
+    let mut one_bright = many.clone();
+    one_bright[29].magnitude[0] = -3.0;
+    let picture_of_it = drawn(&one_bright).unwrap();
+    has(&picture_of_it, &["SAMPLE 21", "SAMPLE 30", "−3.0 ±0.4"]);
+    assert!(!words(&picture_of_it).iter().any(|words| words == "SAMPLE 22"));
     assert!(!words(&picture).iter().any(|words| words == "00:01"));
     pixels(&picture);
     // Dark all along is drawn too, and a night without a pass.

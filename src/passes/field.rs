@@ -184,22 +184,15 @@ impl Field {
 
     /// The shapes in order as closed lines on the tangent plane, degrees of the plane: x to the east and y to the north at rotation 0.
     ///
-    /// Circles come with `points` points; what of them lies 90° from the pointing or farther has no place on the plane and is left out.
+    /// Circles come with `points` points, 3 at least; what of them lies 90° from the pointing or farther has no place on the plane and is left out.
     pub fn outlines_deg(&self, points: usize) -> Vec<Vec<[f64; 2]>> {
         let degrees = |point: [f64; 2]| point.map(f64::to_degrees);
-        let rim = |[x, y]: [f64; 2], radius_rad: f64| {
-            let axis = Vector3::new(x, y, 1.0).normalize();
-            let aside = Vector3::new(axis.z, 0.0, -axis.x).normalize();
-            let across = axis.cross(&aside);
-            let at = move |step: usize| {
-                let (sin, cos) = (std::f64::consts::TAU * step as f64 / points as f64).sin_cos();
-                axis * radius_rad.cos() + (aside * cos + across * sin) * radius_rad.sin()
-            };
-            let seen = (0..points).map(at).filter(|sight| sight.z > 1e-9);
-            seen.map(|sight| degrees([sight.x / sight.z, sight.y / sight.z])).collect()
-        };
         let outline = |named: &NamedShape| match &named.shape {
-            Shape::Circle { centre, radius_rad } => rim(*centre, *radius_rad),
+            Shape::Circle { centre: [x, y], radius_rad } => {
+                let axis = Vector3::new(*x, *y, 1.0).normalize();
+                let seen = rim(axis, *radius_rad, points).filter(|sight| sight.z > 1e-9);
+                seen.map(|sight| degrees([sight.x / sight.z, sight.y / sight.z])).collect()
+            }
             Shape::Polygon(corners) => corners.iter().map(|corner| degrees(*corner)).collect(),
         };
         self.shapes.iter().map(outline).collect()
@@ -217,6 +210,17 @@ impl Field {
             bounding_radius_rad: self.bounding_radius_rad(),
         }
     }
+}
+
+/// Unit vectors evenly around a circle about an axis, 3 at least.
+fn rim(axis: Vector3<f64>, radius_rad: f64, points: usize) -> impl Iterator<Item = Vector3<f64>> {
+    let points = points.max(3);
+    let (east, north) = Direction::<Gcrs>::from_vector(axis).east_north();
+    let (sin_radius, cos_radius) = radius_rad.sin_cos();
+    (0..points).map(move |step| {
+        let (sin, cos) = (std::f64::consts::TAU * step as f64 / points as f64).sin_cos();
+        axis * cos_radius + (north * cos + east * sin) * sin_radius
+    })
 }
 
 fn circle(name: String, diameter_deg: f64, centre_deg: [f64; 2]) -> Result<NamedShape, FieldError> {
@@ -331,19 +335,10 @@ impl FieldOnSky<'_> {
 
     /// The border of every shape as directions, for pictures: corners of a polygon, `round` points (at least 3) of a circle; closed by itself.
     pub fn outlines(&self, round: usize) -> Vec<Vec<Direction<Gcrs>>> {
-        let rim = |axis: Vector3<f64>, radius_rad: f64| {
-            let (east, north) = Direction::<Gcrs>::from_vector(axis).east_north();
-            let (sin_radius, cos_radius) = radius_rad.sin_cos();
-            let point = |part: usize| {
-                let (sin, cos) = (std::f64::consts::TAU * part as f64 / round.max(3) as f64).sin_cos();
-                Direction::from_vector(axis * cos_radius + (north * cos + east * sin) * sin_radius)
-            };
-            (0..round.max(3)).map(point).collect()
-        };
         let corner =
             |[x, y]: &[f64; 2]| Direction::from_vector((self.centre + self.x_axis * *x + self.y_axis * *y).normalize());
         let outline = |border: Border<'_>| match border {
-            Border::Rim(axis, radius_rad) => rim(axis, radius_rad),
+            Border::Rim(axis, radius_rad) => rim(axis, radius_rad, round).map(Direction::from_vector).collect(),
             Border::Outline(corners) => corners.iter().map(corner).collect(),
         };
         self.borders().map(outline).collect()

@@ -2,7 +2,6 @@
 //! all that is told of a point, are of [`Sky::overhead`].
 
 use hifitime::Epoch;
-use rayon::prelude::*;
 
 use super::sky::{Sky, SkyError};
 use crate::geometry::{Illumination, ViewingGeometry};
@@ -52,20 +51,18 @@ impl Sky {
         let (orientation, sun) = (scene.orientation.at_s(0.0), scene.sun.at_s(0.0).sun);
         let here = observer.state(&orientation);
         let limit = min_altitude_rad.sin();
-        let look =
-            |element_index: usize| -> Result<Option<Glance>, LeftOut> {
-                let Some(propagator) = self.index().propagator(element_index) else { return Ok(None) };
+        let (found, left_out) = self.survey(
+            |_| true,
+            |element_index, propagator, found| {
                 let minutes = propagator.minutes_since_epoch(epoch);
-                let state = propagator
-                    .state_at_minutes(minutes, &orientation.teme_to_gcrs)
-                    .map_err(|reason| LeftOut { norad_id: propagator.norad_id(), element_index, reason })?;
+                let state = propagator.state_at_minutes(minutes, &orientation.teme_to_gcrs)?;
                 let away = state.position - here.position;
                 if here.sine_of_altitude(&away) < limit {
-                    return Ok(None);
+                    return Ok(());
                 }
                 let geometry = ViewingGeometry::new(&state.position, &here.position, &sun);
                 let place = geometry.zip(here.altitude_azimuth_rad(&away));
-                Ok(place.map(|(geometry, (altitude_rad, azimuth_rad))| {
+                found.extend(place.map(|(geometry, (altitude_rad, azimuth_rad))| {
                     let illumination = self.shadow().illumination(&state.position, &sun);
                     let (sight, moving) = (away.vector(), state.velocity.vector() - here.velocity.vector());
                     Glance {
@@ -82,19 +79,10 @@ impl Sky {
                             photometry,
                         ),
                     }
-                }))
-            };
-        let looks: Vec<Result<Option<Glance>, LeftOut>> =
-            (0..self.index().len()).into_par_iter().with_min_len(64).map(look).collect();
-        let mut left_out = self.index().left_out().to_vec();
-        let mut found = Vec::new();
-        for look in looks {
-            match look {
-                Ok(one) => found.extend(one),
-                Err(one) => left_out.push(one),
-            }
-        }
-        left_out.sort_by_key(|one| one.element_index);
+                }));
+                Ok(())
+            },
+        );
         Ok((found, left_out))
     }
 }

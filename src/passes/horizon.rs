@@ -6,7 +6,6 @@
 //! faster than at its perigee.
 
 use hifitime::Epoch;
-use rayon::prelude::*;
 
 use super::crossing::root;
 use super::look::Look;
@@ -137,29 +136,18 @@ impl Sky {
             scene.sun.at_s(middle_s).earth_velocity,
             middle_s,
         );
-        let answers: Vec<(Vec<HorizonPass>, Option<LeftOut>)> = (0..self.index().len())
-            .into_par_iter()
-            .with_min_len(16)
-            .map(|element_index| {
-                let Some(propagator) = self.index().propagator(element_index) else { return Default::default() };
+        let (mut passes, left_out) = self.survey(
+            |_| true,
+            |element_index, propagator, passes| {
                 let minutes = propagator.minutes_since_epoch(start);
                 let motion = motion.clone();
                 let follow = Follow { sky: self, scene: &scene, propagator, minutes, observer, motion };
-                let mut passes = Vec::new();
-                let failed = follow.passes(element_index, span_s, min_altitude_rad, options, &mut passes).err();
-                let left_out = failed.map(|reason| LeftOut { norad_id: propagator.norad_id(), element_index, reason });
-                (passes, left_out)
-            })
-            .collect();
-        let mut passes = Vec::new();
-        let mut left_out = self.index().left_out().to_vec();
-        for (found, failed) in answers {
-            passes.extend(found);
-            left_out.extend(failed);
-        }
-        passes
-            .sort_by(|a, b| a.culmination.epoch.cmp(&b.culmination.epoch).then(a.element_index.cmp(&b.element_index)));
-        left_out.sort_by_key(|left_out| left_out.element_index);
+                follow.passes(element_index, span_s, min_altitude_rad, options, passes)
+            },
+        );
+        passes.sort_by(|a: &HorizonPass, b| {
+            a.culmination.epoch.cmp(&b.culmination.epoch).then(a.element_index.cmp(&b.element_index))
+        });
         Ok((passes, left_out))
     }
 }

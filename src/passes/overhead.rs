@@ -1,9 +1,8 @@
-//! Who stands above a site's horizon at one moment or over a short stretch of time, and where Sun and pointing stand.
+//! Who stands above a site's horizon at one moment or over a short stretch of time.
 //!
 //! Altitudes are geometric (no refraction) against the WGS84 horizon of the site, as everywhere in this room.
 
 use hifitime::Epoch;
-use rayon::prelude::*;
 
 use super::look::Look;
 use super::sightline::{ObserverMotion, SightLine};
@@ -11,8 +10,8 @@ use super::sky::{PassOptions, Sky, SkyError, check_epoch};
 use super::track::TrackPoint;
 use crate::catalogue::NoradId;
 use crate::constants::DAY_S;
-use crate::frames::{Direction, Gcrs, seconds_after, seconds_between};
-use crate::orbit::{Arc, LeftOut, OrbitError};
+use crate::frames::{seconds_after, seconds_between};
+use crate::orbit::{Arc, LeftOut, OrbitError, Propagator};
 
 /// The longest stretch, seconds: longer ones are nights, for [`Sky::horizon_passes`].
 const LONGEST_S: f64 = 3600.0;
@@ -30,15 +29,6 @@ pub struct Overhead {
     pub element_index: usize,
     /// Where it is at the moments asked for, in their order; at some of them it may be below the altitude asked for.
     pub points: Vec<TrackPoint>,
-}
-
-/// Sun or pointing over a site at one moment.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Horizontally {
-    /// Above the horizon, geometric, radians.
-    pub altitude_rad: f64,
-    /// From north through east, [0, 2π), radians.
-    pub azimuth_rad: f64,
 }
 
 impl Sky {
@@ -79,8 +69,7 @@ impl Sky {
         let motion = ObserverMotion::of_site(observer, &orientation, scene.sun.at_s(mid_s).earth_velocity, mid_s);
         let times_s: Vec<f64> =
             (0..moments).map(|moment| duration_s * moment as f64 / (moments.max(2) - 1) as f64).collect();
-        let overhead = |element_index: usize| -> Result<Option<Overhead>, OrbitError> {
-            let Some(propagator) = self.index().propagator(element_index) else { return Ok(None) };
+        let overhead = |element_index: usize, propagator: &Propagator| -> Result<Option<Overhead>, OrbitError> {
             let minutes = propagator.minutes_since_epoch(start);
             let state = propagator.state_at_minutes(minutes + mid_s / 60.0, &orientation.teme_to_gcrs)?;
             // How far above the plane of the horizon it stands half way, and how much of that it can make good until the ends.
@@ -120,52 +109,12 @@ impl Sky {
             let points = times_s.iter().filter_map(|&time_s| look.point(time_s)).collect();
             Ok(Some(Overhead { norad_id: propagator.norad_id(), element_index, points }))
         };
-        let answers: Vec<Result<Option<Overhead>, LeftOut>> = (0..self.elements().len())
-            .into_par_iter()
-            .with_min_len(64)
-            .map(|element_index| {
-                let norad_id = self.elements()[element_index].norad_id;
-                overhead(element_index).map_err(|reason| LeftOut { norad_id, element_index, reason })
-            })
-            .collect();
-        let mut left_out = self.left_out().to_vec();
-        let mut found = Vec::new();
-        for answer in answers {
-            match answer {
-                Ok(overhead) => found.extend(overhead),
-                Err(failed) => left_out.push(failed),
-            }
-        }
-        left_out.sort_by_key(|left_out| left_out.element_index);
-        Ok((found, left_out))
-    }
-
-    /// Where the Sun stands over the site at `count` moments, `step_s` apart from `start` on.
-    ///
-    /// # Errors
-    /// As [`Sky::overhead`], for the epoch and the observer.
-    pub fn sun_over_site(&self, start: Epoch, step_s: f64, count: usize) -> Result<Vec<Horizontally>, SkyError> {
-        check_epoch(start)?;
-        let observer = self.site_observer()?;
-        let scene = self.scene_without_windows(start, step_s * count as f64);
-        let at = |step: usize| {
-            let time_s = step_s * step as f64;
-            let here = observer.state(&scene.orientation.at_s(time_s));
-            let (altitude_rad, azimuth_rad) =
-                here.altitude_azimuth_rad(&(scene.sun.at_s(time_s).sun - here.position)).unwrap_or((f64::NAN, 0.0));
-            Horizontally { altitude_rad, azimuth_rad }
-        };
-        Ok((0..count).map(at).collect())
-    }
-
-    /// Where a pointing stands over the site, without aberration (25" at most).
-    ///
-    /// # Errors
-    /// As [`Sky::overhead`], for the epoch and the observer.
-    pub fn pointing_over_site(&self, pointing: &Direction<Gcrs>, epoch: Epoch) -> Result<Horizontally, SkyError> {
-        check_epoch(epoch)?;
-        let orientation = self.orientation_over(epoch, epoch).at_s(0.0);
-        let direction = self.site_observer()?.state(&orientation).horizon * *pointing;
-        Ok(Horizontally { altitude_rad: direction.latitude_rad(), azimuth_rad: direction.longitude_rad() })
+        Ok(self.survey(
+            |_| true,
+            |element_index, propagator, found| {
+                found.extend(overhead(element_index, propagator)?);
+                Ok(())
+            },
+        ))
     }
 }

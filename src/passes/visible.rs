@@ -5,7 +5,6 @@
 //! looked for in steps of at most ten seconds and closed in on.
 
 use hifitime::Epoch;
-use rayon::prelude::*;
 
 use super::horizon::{Follow, Sample, Stretch};
 use super::look::Look;
@@ -151,38 +150,25 @@ impl Sky {
         let spans = spans(request, scene_start);
         let options =
             PassOptions { samples: request.samples, photometry: request.photometry, ..PassOptions::default() };
-        let wanted: Vec<usize> = (0..self.index().len()).filter(|&one| is_wanted(one)).collect();
         let search = Search { sky: self, scene: &scene, observer, request, options: &options };
-        let answers: Vec<(Vec<Kept>, Option<LeftOut>)> = wanted
-            .par_iter()
-            .with_min_len(8)
-            .map(|&element_index| {
-                let Some(propagator) = self.index().propagator(element_index) else { return Default::default() };
-                let mut kept = Vec::new();
-                let failed = spans.iter().try_for_each(|span| search.passes(element_index, span, &mut kept)).err();
-                let left_out = failed.map(|reason| LeftOut { norad_id: propagator.norad_id(), element_index, reason });
-                (kept, left_out)
-            })
-            .collect();
-        let mut answer = VisiblePasses { satellites: wanted.len(), ..VisiblePasses::default() };
-        answer.left_out.extend(self.index().left_out().iter().filter(|one| is_wanted(one.element_index)).cloned());
-        for (kept, left_out) in answers {
-            for one in kept {
-                match one {
-                    Kept::Pass(pass) => answer.passes.push(*pass),
-                    Kept::InShadow => answer.not_shown.in_shadow += 1,
-                    Kept::TooFaint { by_prior } => {
-                        answer.not_shown.too_faint += 1;
-                        answer.not_shown.too_faint_by_prior += usize::from(by_prior);
-                    }
-                    Kept::TooLow => answer.not_shown.too_low += 1,
+        let (all, left_out) = self.survey(is_wanted, |element_index, _, kept| {
+            spans.iter().try_for_each(|span| search.passes(element_index, span, kept))
+        });
+        let satellites = (0..self.index().len()).filter(|&one| is_wanted(one)).count();
+        let mut answer = VisiblePasses { satellites, left_out, ..VisiblePasses::default() };
+        for one in all {
+            match one {
+                Kept::Pass(pass) => answer.passes.push(*pass),
+                Kept::InShadow => answer.not_shown.in_shadow += 1,
+                Kept::TooFaint { by_prior } => {
+                    answer.not_shown.too_faint += 1;
+                    answer.not_shown.too_faint_by_prior += usize::from(by_prior);
                 }
+                Kept::TooLow => answer.not_shown.too_low += 1,
             }
-            answer.left_out.extend(left_out);
         }
         let seen = |pass: &VisiblePass| pass.visible.as_ref().map_or(pass.culmination.epoch, |seen| seen.begin.epoch);
         answer.passes.sort_by(|a, b| seen(a).cmp(&seen(b)).then(a.element_index.cmp(&b.element_index)));
-        answer.left_out.sort_by_key(|left_out| left_out.element_index);
         Ok(answer)
     }
 }

@@ -7,9 +7,10 @@ use plotters::style::text_anchor::HPos;
 use super::axes::{Axis, Frame};
 use super::bar::colour_bar;
 use super::error::PlotError;
+use super::numbers::{fixed, many};
 use super::picture::{INK, Picture, width_of};
 use super::scale::{ColourScale, Quantity};
-use super::tracks::{Listed, arrow, list, numbers};
+use super::tracks::{Listed, arrow, by_brightness, list, numbers, time_of_day};
 
 const WIDTH: f64 = 1440.0;
 const SIDES: [f64; 4] = [92.0, 72.0, 772.0, 752.0];
@@ -26,7 +27,7 @@ const INSIDE: RGBColor = RGBColor(240, 240, 240);
 pub struct FieldChart<'a> {
     /// Above.
     pub title: &'a str,
-    /// Below.
+    /// Below, behind what the chart says of itself.
     pub caption: &'a str,
     /// Right ascension of the centre, degrees.
     pub ra_deg: f64,
@@ -34,7 +35,7 @@ pub struct FieldChart<'a> {
     pub dec_deg: f64,
     /// Borders of the field, each closed by itself: corners as right ascension and declination, degrees, near enough for straight lines.
     pub outlines: &'a [Vec<[f64; 2]>],
-    /// What crosses, in the order of the list beside.
+    /// What crosses.
     pub streaks: &'a [FieldStreak],
 }
 
@@ -45,18 +46,18 @@ pub struct FieldStreak {
     pub name: String,
     /// Points from entry to exit, two or more: right ascension and declination, degrees.
     pub track_deg: Vec<[f64; 2]>,
-    /// Entry, as it stands in the list: `00:30:04.1`.
-    pub enter: String,
-    /// Exit.
-    pub exit: String,
-    /// Magnitude; not a number where there is none.
+    /// Entry, MJD (UTC).
+    pub enter_mjd: f64,
+    /// Exit, MJD (UTC).
+    pub exit_mjd: f64,
+    /// The brightest along it; not a number where there is none.
     pub magnitude: f64,
     /// One sigma of it, mag; not a number where there is none.
     pub sigma_mag: f64,
 }
 
 /// Draws the field on the tangent plane with its borders, every streak in the colour of its magnitude with an arrow where it leaves, and beside
-/// it a list with entry, exit and magnitude. The first streaks of the list have a number in the chart, the others are told to be in the data.
+/// it a list with entry, exit and magnitude, by what harms most: the brightest streaks have a number in the chart, the others are told to be in the data.
 ///
 /// A field without streaks is drawn too, and says so; its size is then that of its borders, and there must be one.
 ///
@@ -79,11 +80,13 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     let outlines = (input.outlines.iter())
         .map(|outline| outline.iter().map(|place| project(*place)).collect::<Result<Vec<_>, _>>())
         .collect::<Result<Vec<_>, _>>()?;
-    let tracks = (input.streaks.iter())
+    let order = by_brightness(input.streaks.iter().map(|streak| streak.magnitude));
+    let streaks: Vec<&FieldStreak> = order.into_iter().map(|number| &input.streaks[number]).collect();
+    let tracks = (streaks.iter())
         .map(|streak| streak.track_deg.iter().map(|place| project(*place)).collect::<Result<Vec<_>, _>>())
         .collect::<Result<Vec<_>, _>>()?;
-    if let Some(short) = tracks.iter().position(|track| track.len() < 2) {
-        return Err(PlotError::Empty { what: format!("two points of the track of {}", input.streaks[short].name) });
+    if let Some(short) = streaks.iter().find(|streak| streak.track_deg.len() < 2) {
+        return Err(PlotError::Empty { what: format!("two points of the track of {}", short.name) });
     }
     let sized = if outlines.is_empty() { &tracks } else { &outlines };
     let reach = sized.iter().flatten().map(|[x, y]| x.abs().max(y.abs())).fold(1e-5, f64::max) * 1.1;
@@ -107,7 +110,7 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
     let (x, y) = at([0.0, 0.0]);
     picture.line(&[(x - 7.0, y), (x + 7.0, y)], INK.mix(0.6), 1.2);
     picture.line(&[(x, y - 7.0), (x, y + 7.0)], INK.mix(0.6), 1.2);
-    let magnitudes = || input.streaks.iter().map(|streak| streak.magnitude).filter(|magnitude| magnitude.is_finite());
+    let magnitudes = || streaks.iter().map(|streak| streak.magnitude).filter(|magnitude| magnitude.is_finite());
     let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
     let colour = |streak: &FieldStreak| match streak.magnitude.is_finite() {
         true => {
@@ -116,7 +119,7 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
         }
         false => DARK,
     };
-    for (streak, track) in input.streaks.iter().zip(&tracks) {
+    for (streak, track) in streaks.iter().zip(&tracks) {
         let line: Vec<_> = track.iter().map(|place| at(*place)).collect();
         picture.line(&line, INK.to_rgba(), 5.0);
         picture.line(&line, colour(streak).to_rgba(), 3.4);
@@ -138,18 +141,26 @@ pub fn field_chart(input: &FieldChart<'_>) -> Result<Picture, PlotError> {
         colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.words());
     }
     if !input.streaks.is_empty() {
-        let listed = |streak: &FieldStreak| Listed {
+        let listed = |streak: &&FieldStreak| Listed {
             name: streak.name.clone(),
-            times: [streak.enter.clone(), streak.exit.clone()],
+            times: [streak.enter_mjd, streak.exit_mjd].map(|mjd| time_of_day(mjd, 1)),
             magnitude: streak.magnitude,
             sigma_mag: streak.sigma_mag,
             colour: colour(streak),
         };
-        let rows: Vec<Listed> = input.streaks.iter().map(listed).collect();
+        let rows: Vec<Listed> = streaks.iter().map(listed).collect();
         list(&mut picture, [LIST_LEFT, WIDTH - 20.0], SIDES[1] + 10.0, ["enter UTC", "exit UTC"], &rows);
     }
     picture.set_scales(vec![scale]);
-    picture.paragraph(input.caption, [SIDES[0], WIDTH - 24.0], 816.0, 16.0);
+    let caption = format!(
+        "Centre RA {:.4}°, Dec {}°, ICRS; gnomonic (TAN), north up, east left. {}, {} with a magnitude: the brightest along each track. {}",
+        input.ra_deg,
+        fixed(input.dec_deg, 4),
+        many(streaks.len(), "streak", "streaks"),
+        magnitudes().count(),
+        input.caption
+    );
+    picture.paragraph(caption.trim_end(), [SIDES[0], WIDTH - 24.0], 816.0, 16.0);
     Ok(picture)
 }
 

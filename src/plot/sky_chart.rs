@@ -12,7 +12,7 @@ use super::error::PlotError;
 use super::picture::{INK, Picture};
 use super::scale::{ColourScale, Quantity};
 use super::statistics::check;
-use super::tracks::{Listed, arrow, list, numbers};
+use super::tracks::{Listed, MOST_LISTED, arrow, by_brightness, list, numbers, time_of_day};
 
 const WIDTH: f64 = 1440.0;
 const HEIGHT: usize = 846;
@@ -38,9 +38,9 @@ const GROUND: RGBColor = RGBColor(240, 240, 240);
 pub struct SkyChart<'a> {
     /// Above.
     pub title: &'a str,
-    /// Below.
+    /// Below, behind what the chart says of itself.
     pub caption: &'a str,
-    /// The passes, in the order of the list beside.
+    /// The passes; the brightest of them are drawn, as many as the list beside has room for, in this order.
     pub tracks: &'a [SkyTrack],
 }
 
@@ -69,11 +69,15 @@ pub struct SkyTrack {
 /// Fewer than two points, columns of unequal length, times that do not grow, altitudes that are none.
 pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     input.tracks.iter().try_for_each(held)?;
-    let lines: Vec<Vec<(f64, f64)>> = input.tracks.iter().map(SkyTrack::line).collect();
+    let mut drawn = by_brightness(input.tracks.iter().map(SkyTrack::brightest_magnitude));
+    drawn.truncate(MOST_LISTED);
+    drawn.sort_unstable();
+    let tracks: Vec<&SkyTrack> = drawn.into_iter().map(|number| &input.tracks[number]).collect();
+    let lines: Vec<Vec<(f64, f64)>> = tracks.iter().map(|track| track.line()).collect();
     let mut picture = Picture::new(WIDTH as usize, HEIGHT);
     picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     ground(&mut picture);
-    let magnitudes = || input.tracks.iter().flat_map(|track| track.magnitude.iter().copied());
+    let magnitudes = || tracks.iter().flat_map(|track| track.magnitude.iter().copied());
     let scale = ColourScale::of(Quantity::Magnitude, magnitudes());
     let colour = |magnitude: f64| match magnitude.is_finite() {
         true => {
@@ -82,7 +86,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         }
         false => DARK,
     };
-    for (track, line) in input.tracks.iter().zip(&lines) {
+    for (track, line) in tracks.iter().zip(&lines) {
         picture.line(line, INK.to_rgba(), 5.0);
         for (step, pair) in line.windows(2).enumerate() {
             // A step into the shadow is dark.
@@ -92,28 +96,27 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     }
     // Over the tracks, that they can be read.
     CIRCLES_DEG.iter().for_each(|altitude| picture.note(&format!("{altitude:.0}°"), at(112.5, *altitude)));
-    if input.tracks.is_empty() {
+    if tracks.is_empty() {
         picture.note("no pass", at(180.0, 80.0));
     }
-    if input.tracks.len() <= MOST_TIMED {
-        input.tracks.iter().for_each(|track| times_along(&mut picture, track));
+    if tracks.len() <= MOST_TIMED {
+        tracks.iter().for_each(|track| times_along(&mut picture, track));
     }
-    if input.tracks.len() > 1 {
+    if tracks.len() > 1 {
         numbers(&mut picture, &lines);
     }
     if magnitudes().any(f64::is_finite) {
         let sides = [BAR_LEFT, TOP + 60.0, BAR_LEFT + 24.0, MIDDLE.1 + RADIUS - 30.0];
         colour_bar(&mut picture, &scale, sides, Quantity::Magnitude.words());
     }
-    let rows: Vec<Listed> = input
-        .tracks
+    let rows: Vec<Listed> = tracks
         .iter()
         .map(|track| {
             let brightest = track.brightest();
             let at = |column: &[f64]| brightest.map_or(f64::NAN, |point| column[point]);
             Listed {
                 name: track.name.clone(),
-                times: [0, track.time_mjd.len() - 1].map(|point| clock(track.time_mjd[point], 1.0)),
+                times: [0, track.time_mjd.len() - 1].map(|point| time_of_day(track.time_mjd[point], 0)),
                 magnitude: at(&track.magnitude),
                 sigma_mag: at(&track.sigma_mag),
                 colour: colour(at(&track.magnitude)),
@@ -122,7 +125,12 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         .collect();
     list(&mut picture, [LIST_LEFT, WIDTH - 20.0], TOP, ["from UTC", "to UTC"], &rows);
     picture.set_scales(vec![scale]);
-    picture.paragraph(input.caption, [48.0, WIDTH - 24.0], 816.0, 16.0);
+    let mut caption = "Zenith in the middle, horizon at the rim, north up, east left; grey where nothing is seen. Magnitudes in the list are the brightest of each pass. ".to_owned();
+    if tracks.len() < input.tracks.len() {
+        caption += &format!("The {} brightest of {} passes. ", tracks.len(), input.tracks.len());
+    }
+    caption += input.caption;
+    picture.paragraph(caption.trim_end(), [48.0, WIDTH - 24.0], 816.0, 16.0);
     Ok(picture)
 }
 
@@ -136,6 +144,11 @@ impl SkyTrack {
     fn brightest(&self) -> Option<usize> {
         let lit = (0..self.magnitude.len()).filter(|point| self.magnitude[*point].is_finite());
         lit.min_by(|a, b| self.magnitude[*a].total_cmp(&self.magnitude[*b]))
+    }
+
+    /// Its magnitude; not a number where nothing is seen.
+    fn brightest_magnitude(&self) -> f64 {
+        self.brightest().map_or(f64::NAN, |point| self.magnitude[point])
     }
 }
 
@@ -208,21 +221,9 @@ fn times_along(picture: &mut Picture, track: &SkyTrack) {
             // Beside the track, away from it.
             let length = (x1 - x0).hypot(y1 - y0).max(1e-9);
             let (across, up) = ((y1 - y0) / length, -(x1 - x0) / length);
-            picture.note(&clock(mjd, 60.0), (x + 34.0 * across, y + 22.0 * up));
+            picture.note(&time_of_day(mjd, 0)[..5], (x + 34.0 * across, y + 22.0 * up));
             labelled = Some((x, y));
         }
-    }
-}
-
-/// Time of day to the nearest second, or of a full minute without seconds.
-fn clock(mjd: f64, step_s: f64) -> String {
-    // Whole seconds of the day: leap seconds do not move a clock that is read.
-    let seconds = ((mjd - mjd.floor()) * 86_400.0).round() as i64 % 86_400;
-    let (hours, minutes) = (seconds / 3600, seconds / 60 % 60);
-    if step_s < 60.0 {
-        format!("{hours:02}:{minutes:02}:{:02}", seconds % 60)
-    } else {
-        format!("{hours:02}:{minutes:02}")
     }
 }
 
@@ -236,9 +237,5 @@ mod tests {
         assert!(near(at(0.0, 90.0), MIDDLE) && near(at(123.0, 90.0), MIDDLE));
         assert!(near(at(0.0, 0.0), (MIDDLE.0, MIDDLE.1 - RADIUS)));
         assert!(near(at(90.0, 45.0), (MIDDLE.0 - RADIUS / 2.0, MIDDLE.1)));
-        assert_eq!(
-            (clock(60_536.5, 60.0), clock(60_536.25 + 1.4 / 86_400.0, 1.0)),
-            ("12:00".into(), "06:00:01".into())
-        );
     }
 }

@@ -101,6 +101,25 @@ pub(super) fn list(picture: &mut Picture, [left, right]: [f64; 2], top: f64, tim
     }
 }
 
+/// Time of day, UTC, with so many decimals of a second.
+pub(super) fn time_of_day(mjd: f64, decimals: usize) -> String {
+    // Leap seconds do not move a clock that is read.
+    let parts_a_second = 10_i64.pow(decimals as u32);
+    let parts = ((mjd - mjd.floor()) * 86_400.0 * parts_a_second as f64).round() as i64 % (86_400 * parts_a_second);
+    let (seconds, fraction) = (parts / parts_a_second, parts % parts_a_second);
+    let clock = format!("{:02}:{:02}:{:02}", seconds / 3600, seconds / 60 % 60, seconds % 60);
+    if decimals == 0 { clock } else { format!("{clock}.{fraction:0decimals$}") }
+}
+
+/// The numbers of magnitudes from the brightest on; those that are none come last, in their order.
+pub(super) fn by_brightness(magnitudes: impl Iterator<Item = f64>) -> Vec<usize> {
+    let magnitudes: Vec<f64> =
+        magnitudes.map(|magnitude| if magnitude.is_nan() { f64::INFINITY } else { magnitude }).collect();
+    let mut order: Vec<usize> = (0..magnitudes.len()).collect();
+    order.sort_by(|a, b| magnitudes[*a].total_cmp(&magnitudes[*b]));
+    order
+}
+
 /// Words cut to a width, with a sign where they were.
 fn shortened(words: &str, width: f64) -> String {
     if width_of(words, 16.0) <= width {
@@ -116,6 +135,14 @@ fn shortened(words: &str, width: f64) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn verif_clocks_are_rounded_and_the_brightest_come_first() {
+        let late = 60_536.0 + 86_399.97 / 86_400.0;
+        assert_eq!((time_of_day(late, 2), time_of_day(late, 1)), ("23:59:59.97".into(), "00:00:00.0".into()));
+        assert_eq!(time_of_day(60_536.25 + 1.4 / 86_400.0, 0), "06:00:01");
+        assert_eq!(by_brightness([f64::NAN, 5.0, -1.0, f64::NAN, 5.0].into_iter()), [2, 1, 4, 0, 3]);
+    }
 
     #[test]
     fn verif_places_along_a_line() {

@@ -5,7 +5,8 @@ use std::path::Path;
 use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
-use streakcast::frames::mjd_utc;
+use streakcast::frames::{Direction, Gcrs, mjd_utc};
+use streakcast::passes::Field;
 use streakcast::plot::{
     FieldChart, FieldStreak, LightCurve, LocalClock, NightTimeline, PictureFormat, SkyChart, SkyRate, SkyTrack,
     SunAltitude, field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
@@ -14,6 +15,9 @@ use streakcast::table::write_atomically;
 
 use crate::failure;
 use crate::questions::{Column, epoch_of};
+
+/// Points of a circle.
+const ROUND: usize = 180;
 
 /// A picture that can be shown and written.
 #[pyclass(frozen)]
@@ -59,7 +63,6 @@ pub fn utc_mjd<'py>(jd1: Column<'py>, jd2: Column<'py>) -> Vec<f64> {
 #[pyo3(from_item_all)]
 pub struct Words {
     title: String,
-    caption: String,
     limit_mag: Option<f64>,
     /// Local clock of the upper side: hours ahead of UTC, and its name.
     local: Option<(f64, String)>,
@@ -81,14 +84,26 @@ struct Night {
     brightest_mag: Vec<f64>,
 }
 
-/// A field and its streaks: name, track, entry, exit, magnitude, sigma.
+/// A field, the diameter of a round one, and its streaks: name, track, entry and exit (MJD UTC), magnitude, sigma.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 struct FieldOf {
     ra_deg: f64,
     dec_deg: f64,
-    outlines: Vec<Vec<[f64; 2]>>,
-    streaks: Vec<(String, Vec<[f64; 2]>, String, String, f64, f64)>,
+    fov_deg: Option<f64>,
+    streaks: Vec<(String, Vec<[f64; 2]>, f64, f64, f64, f64)>,
+}
+
+impl FieldOf {
+    /// The border.
+    fn outlines(&self) -> PyResult<Vec<Vec<[f64; 2]>>> {
+        let Some(fov_deg) = self.fov_deg else { return Ok(Vec::new()) };
+        let field = Field::circle(fov_deg).map_err(failure::asked)?;
+        let centre = Direction::from_lon_lat_rad(self.ra_deg.to_radians(), self.dec_deg.to_radians());
+        let degrees = |place: Direction<Gcrs>| [place.longitude_rad().to_degrees(), place.latitude_rad().to_degrees()];
+        let outlines = field.on_sky(&centre, 0.0).outlines(ROUND);
+        Ok(outlines.into_iter().map(|outline| outline.into_iter().map(degrees).collect()).collect())
+    }
 }
 
 /// Columns of a light curve.
@@ -144,7 +159,7 @@ struct Trails {
 /// A chart by its name, of words and columns (dictionaries).
 #[pyfunction]
 pub fn draw(chart: &str, words: Words, columns: Bound<'_, PyAny>) -> PyResult<Picture> {
-    let (title, caption, limit_mag) = (words.title.as_str(), words.caption.as_str(), words.limit_mag);
+    let (title, caption, limit_mag) = (words.title.as_str(), "", words.limit_mag);
     let picture = match chart {
         "night" => {
             let Night { start_mjd, duration_s, n_streaks, brightest_mag } = columns.extract()?;
@@ -161,12 +176,14 @@ pub fn draw(chart: &str, words: Words, columns: Bound<'_, PyAny>) -> PyResult<Pi
             })
         }
         "field" => {
-            let FieldOf { ra_deg, dec_deg, outlines, streaks } = columns.extract()?;
-            let streak = |(name, track_deg, enter, exit, magnitude, sigma_mag)| FieldStreak {
+            let field: FieldOf = columns.extract()?;
+            let outlines = field.outlines()?;
+            let FieldOf { ra_deg, dec_deg, streaks, .. } = field;
+            let streak = |(name, track_deg, enter_mjd, exit_mjd, magnitude, sigma_mag)| FieldStreak {
                 name,
                 track_deg,
-                enter,
-                exit,
+                enter_mjd,
+                exit_mjd,
                 magnitude,
                 sigma_mag,
             };

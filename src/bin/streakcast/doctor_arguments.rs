@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::arguments::{OutputArguments, RulesArguments, SharedArguments};
+use crate::shared_arguments::{OutputArguments, RulesArguments, SharedArguments};
 
 #[derive(Args)]
 pub struct DoctorArguments {

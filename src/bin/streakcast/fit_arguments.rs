@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::{Args, Subcommand, ValueEnum};
 
-use crate::arguments::{OutputArguments, PlaceArguments};
+use crate::shared_arguments::{OutputArguments, PlaceArguments};
 
 #[derive(Args)]
 pub struct FitArguments {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::arguments::{OutputArguments, SharedArguments, norad_id};
+use crate::shared_arguments::{OutputArguments, SharedArguments, norad_id};
 
 #[derive(Args)]
 pub struct ForecastArguments {

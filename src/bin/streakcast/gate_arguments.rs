@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use clap::{Args, ValueEnum};
 use streakcast::schedule::MagnitudeLimit;
 
-use crate::arguments::SharedArguments;
+use crate::shared_arguments::SharedArguments;
 
 #[derive(Args)]
 pub struct GateArguments {

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::arguments::{OutputArguments, SharedArguments};
+use crate::shared_arguments::{OutputArguments, SharedArguments};
 
 #[derive(Args)]
 pub struct IdentifyArguments {

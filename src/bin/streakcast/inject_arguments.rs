@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::arguments::SharedArguments;
+use crate::shared_arguments::SharedArguments;
 
 #[derive(Args)]
 pub struct InjectArguments {

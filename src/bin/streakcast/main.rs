@@ -21,6 +21,7 @@ mod plot_arguments;
 mod screen;
 #[cfg(feature = "serve")]
 mod serve_arguments;
+mod shared_arguments;
 mod statistics_arguments;
 mod verbs;
 mod window_arguments;

@@ -7,7 +7,7 @@ use clap::ValueEnum;
 use clap::{Args, Subcommand};
 use streakcast::setup::Setup;
 
-use crate::arguments::{PlaceArguments, setup_of};
+use crate::shared_arguments::{MagnitudeArguments, PlaceArguments, setup_of};
 
 #[derive(Args)]
 pub struct MapArguments {
@@ -29,15 +29,8 @@ pub enum MapVerb {
 /// How light is measured, and how the run goes.
 #[derive(Args)]
 pub struct LightArguments {
-    /// Passband of the magnitudes: B V R I u g r i z y G
-    #[arg(long, value_name = "BAND")]
-    pub band: Option<String>,
-    /// Zero point of the magnitudes: Vega or AB; each band has its usual one
-    #[arg(long, value_name = "SYSTEM")]
-    pub mag_system: Option<String>,
-    /// Sunlight alone on models made of panels, without the light that the Earth throws on them
-    #[arg(long)]
-    pub no_earthshine: bool,
+    #[command(flatten)]
+    pub magnitudes: MagnitudeArguments,
     /// Configuration file: band, site and models of one's own; flags that are typed win
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     pub config: Option<PathBuf>,
@@ -156,14 +149,7 @@ pub struct MapPaperArguments {
 impl LightArguments {
     /// What was typed, over what the configuration file says.
     pub fn setup(&self, typed: Setup) -> anyhow::Result<Setup> {
-        let light = Setup {
-            band: self.band.clone(),
-            mag_system: self.mag_system.clone(),
-            earthshine: self.no_earthshine.then_some(false),
-            threads: self.threads,
-            quiet: self.quiet.then_some(true),
-            ..Setup::default()
-        };
+        let light = Setup { threads: self.threads, quiet: self.quiet.then_some(true), ..self.magnitudes.setup() };
         Ok(typed.over(light).over(setup_of(self.config.as_deref())?))
     }
 }

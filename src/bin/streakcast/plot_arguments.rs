@@ -3,10 +3,9 @@
 use std::path::PathBuf;
 
 use clap::{Args, Subcommand};
-use streakcast::setup::Setup;
 
-use crate::arguments::{RulesArguments, SharedArguments, norad_id};
 use crate::map_arguments::{BodyViewArguments, SkyViewArguments};
+use crate::shared_arguments::{ExposureArguments, MagnitudeArguments, RulesArguments, SharedArguments, norad_id};
 
 #[derive(Args)]
 #[command(arg_required_else_help = true, args_conflicts_with_subcommands = true)]
@@ -97,23 +96,6 @@ pub struct PlotNightArguments {
     pub title: TitleArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
-}
-
-/// One exposure, as of `passes`.
-#[derive(Args)]
-pub struct ExposureArguments {
-    /// Shutter opening, as 2024-08-14T00:30:00.000Z
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
-    pub start: Option<String>,
-    /// Length of the exposure with its unit, as 30s or 2min
-    #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
-    pub exposure: Option<String>,
-    /// Right ascension of the field's centre (ICRS): 188.5 (degrees) or 12h34m
-    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
-    pub ra: Option<String>,
-    /// Declination of the field's centre (ICRS): -30.5 or -30d30m
-    #[arg(long, value_name = "ANGLE", allow_hyphen_values = true)]
-    pub dec: Option<String>,
 }
 
 #[derive(Args)]
@@ -303,28 +285,10 @@ pub struct PlotResidualsArguments {
     /// Configuration file: band and models of one's own
     #[arg(long, value_name = "FILE", help_heading = "Run")]
     pub config: Option<PathBuf>,
-    /// Passband of the magnitudes: B V R I u g r i z y G
-    #[arg(long, value_name = "BAND")]
-    pub band: Option<String>,
-    /// Zero point of the magnitudes: Vega or AB; each band has its usual one
-    #[arg(long, value_name = "SYSTEM")]
-    pub mag_system: Option<String>,
+    #[command(flatten)]
+    pub magnitudes: MagnitudeArguments,
     #[command(flatten)]
     pub title: TitleArguments,
     #[command(flatten)]
     pub picture: PictureArguments,
-}
-
-impl ExposureArguments {
-    /// What of it a setup holds.
-    pub fn setup(&self) -> Setup {
-        let text = |value: &Option<String>| value.clone().map(streakcast::setup::Quantity::Text);
-        Setup {
-            start: text(&self.start),
-            exposure: text(&self.exposure),
-            ra: text(&self.ra),
-            dec: text(&self.dec),
-            ..Setup::default()
-        }
-    }
 }

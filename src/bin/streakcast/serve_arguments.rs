@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::arguments::{RulesArguments, SharedArguments};
+use crate::shared_arguments::{RulesArguments, SharedArguments};
 
 #[derive(Args)]
 pub struct ServeArguments {

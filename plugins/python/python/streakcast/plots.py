@@ -27,10 +27,6 @@ __all__ = ["Picture", "field", "light_curve", "night", "sky_chart", "sky_rate", 
 #: MJD of 1970-01-01, where ``datetime64`` begins.
 _UNIX_MJD = 40587.0
 _DAY_NS = 86_400e9
-#: Corners of a circle.
-_ROUND = 180
-#: Passes in one chart of the sky: the list beside has room for no more.
-_MOST_PASSES = 22
 
 
 class Picture:
@@ -153,27 +149,23 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
         Neither streaks nor a border; places more than 75 degrees from the centre.
     """
     ra, dec = (float(np.ravel(axis)[0]) for axis in directions(target))
-    outlines = [] if fov_deg is None else [_circle(ra, dec, 0.5 * scalar(fov_deg, "deg", "fov_deg"))]
+    diameter = None if fov_deg is None else scalar(fov_deg, "deg", "fov_deg")
     axes = [[_numbers(passes, f"{end}_{axis}_deg") for axis in ("ra", "dec")] for end in ("enter", "mid", "exit")]
     names, ids = _texts(passes, "name"), _numbers(passes, "norad_id")
-    ends = [_clocks(passes[f"{end}_utc"]) for end in ("enter", "exit")]
+    ends = [_mjd(passes[f"{end}_utc"], None) for end in ("enter", "exit")]
     peak, sigma = _numbers(passes, "magnitude_peak"), _numbers(passes, "magnitude_sigma")
-    order = sorted(range(len(names)), key=lambda k: peak[k] if np.isfinite(peak[k]) else np.inf)
     streaks = [
         (
             names[k] or f"NORAD {ids[k]:.0f}",
             [[float(right[k]), float(up[k])] for right, up in axes],
-            ends[0][k],
-            ends[1][k],
+            float(ends[0][k]),
+            float(ends[1][k]),
             float(peak[k]),
             float(sigma[k]),
         )
-        for k in order
+        for k in range(len(names))
     ]
-    word = "streak" if len(streaks) == 1 else "streaks"
-    caption = f"Centre RA {ra:.4f}°, Dec {dec:.4f}°, ICRS; gnomonic (TAN), north up, east left. {len(streaks)} {word}."
-    caption = caption.replace(" -", " −")
-    return _drawn("field", title, caption, ra_deg=ra, dec_deg=dec, outlines=outlines, streaks=streaks)
+    return _drawn("field", title, ra_deg=ra, dec_deg=dec, fov_deg=diameter, streaks=streaks)
 
 
 def light_curve(
@@ -248,12 +240,7 @@ def sky_chart(passes: Any, *, title: str = "") -> Picture:
         )
         for name, samples in zip(_texts(passes, "name"), passes["samples"])
     ]  # fmt: skip
-    count = len(tracks)
-    brightest = sorted(range(count), key=lambda k: min([m for m in tracks[k]["magnitude"] if m == m], default=np.inf))
-    tracks = [tracks[k] for k in sorted(brightest[:_MOST_PASSES])]
-    more = f" The {len(tracks)} brightest of {count} passes." if len(tracks) < count else ""
-    caption = "Zenith in the middle, horizon at the rim, north up, east left; grey where nothing is seen." + more
-    return _drawn("sky_chart", title, caption, tracks=tracks)
+    return _drawn("sky_chart", title, tracks=tracks)
 
 
 def sky_rate(
@@ -345,7 +332,6 @@ def sun_altitude(
 def _drawn(
     chart: str,
     title: str,
-    caption: str = "",
     *,
     limit_mag: Union[float, None] = None,
     utc_offset: Union[float, None] = None,
@@ -353,7 +339,7 @@ def _drawn(
 ) -> Picture:
     """A chart by its name, of its words and its own columns."""
     local = None if utc_offset is None else (float(utc_offset), _clock_name(utc_offset))
-    words = {"title": title, "caption": caption, "limit_mag": limit_mag, "local": local}
+    words = {"title": title, "limit_mag": limit_mag, "local": local}
     plain = {name: value.tolist() if isinstance(value, np.ndarray) else value for name, value in columns.items()}
     return Picture(_core.draw(chart, words, plain))
 
@@ -395,19 +381,3 @@ def _mjd(times: Any, scale: Union[str, None]) -> npt.NDArray[np.float64]:
             return np.ravel(array.astype("datetime64[ns]").astype(np.int64) / _DAY_NS + _UNIX_MJD)
     jd1, jd2 = to_tai(times, scale, "start")
     return np.asarray(_core.utc_mjd(np.ravel(jd1).astype(np.float64), np.ravel(jd2).astype(np.float64)))
-
-
-def _clocks(times: Any) -> list[str]:
-    """Times of day to a tenth of a second."""
-    texts = times.utc.isot if is_time(times) else np.datetime_as_string(np.asarray(times, "datetime64[ns]"))
-    return [str(text).split("T")[1][:10] for text in np.ravel(texts)]
-
-
-def _circle(ra: float, dec: float, radius: float) -> list[list[float]]:
-    angle = np.linspace(0.0, 2.0 * np.pi, _ROUND, endpoint=False)
-    sin_dec, cos_dec = np.sin(np.radians(dec)), np.cos(np.radians(dec))
-    sin_r, cos_r = np.sin(np.radians(radius)), np.cos(np.radians(radius))
-    up = np.arcsin(np.clip(sin_dec * cos_r + cos_dec * sin_r * np.cos(angle), -1.0, 1.0))
-    right = np.arctan2(np.sin(angle) * sin_r * cos_dec, cos_r - sin_dec * np.sin(up))
-    corners: list[list[float]] = np.column_stack([np.degrees(right) + ra, np.degrees(up)]).tolist()
-    return corners

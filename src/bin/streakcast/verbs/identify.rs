@@ -10,12 +10,12 @@ use streakcast::table::Section;
 
 use super::judged::{begin, state_scales};
 use super::passes::left_out_table;
-use crate::arguments::SharedArguments;
 use crate::failure::Outcome;
 use crate::identify_arguments::IdentifyArguments;
 use crate::notices::Notices;
 use crate::output::Answer;
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::shared_arguments::SharedArguments;
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),

@@ -7,13 +7,12 @@ use streakcast::checks::{DataSet, POPULATION, Photometry, compare, comparison_ta
 use streakcast::photometry::{BrightnessModel, ModelFile, ModelLibrary};
 use streakcast::table::{Column, Kind, Provenance, Section, Table, Value};
 
-use crate::arguments::{
-    ModelArguments, ModelCheckArguments, ModelListArguments, ModelShowArguments, ModelVerb, setup_of,
-};
+use crate::arguments::{ModelArguments, ModelCheckArguments, ModelListArguments, ModelShowArguments, ModelVerb};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
+use crate::shared_arguments::setup_of;
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),

@@ -5,7 +5,7 @@ use streakcast::frames::seconds_after;
 use streakcast::passes::{Exposure, FieldPass, PassOptions, Passes};
 use streakcast::questions::above_the_horizon;
 use streakcast::schedule::{StreakRow, exposure_table, streak_table};
-use streakcast::setup::{Prepared, Quantity, Setup, parse_moment};
+use streakcast::setup::{Prepared, Setup, parse_moment};
 use streakcast::table::{Column, Kind, Section, Table, format_utc};
 use streakcast::telescope::Telescope;
 
@@ -37,16 +37,11 @@ const ON_SCREEN: &[Shown] = &[
 ];
 
 pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
-    let text = |value: Option<String>| value.map(Quantity::Text);
     let setup = typed.shared.setup(Setup {
-        start: text(typed.start),
-        exposure: text(typed.exposure),
-        ra: text(typed.ra),
-        dec: text(typed.dec),
         include_dark: typed.include_dark.then_some(true),
         limit_mag: typed.limit_mag,
         samples: typed.samples,
-        ..Setup::default()
+        ..typed.exposure.setup()
     })?;
     let output = typed.output.open(&setup)?;
     let asked = ask(&setup)?;

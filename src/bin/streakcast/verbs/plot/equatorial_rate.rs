@@ -5,7 +5,7 @@ use std::collections::BTreeSet;
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
-use streakcast::frames::{Direction, Horizontal, Orientation, seconds_after};
+use streakcast::frames::{Direction, Horizontal, seconds_after};
 use streakcast::healpix::{cell_count, ring_cell, ring_centre_rad};
 use streakcast::passes::CountRequest;
 use streakcast::plot::{EquatorialRate, Picture, equatorial_rate};
@@ -17,6 +17,7 @@ use crate::plot_arguments::PlotSkyRateArguments;
 use crate::verbs::judged::{field_said, state_scales};
 
 use super::columns::Columns;
+use super::rates::{BRIGHT, Rates, STREAKS};
 
 const FRAME: &str = "equatorial";
 const SHORTEST_STEP_S: f64 = 30.0;
@@ -33,8 +34,8 @@ const COLUMNS: [Column; 6] = [
     Column::real("ra_deg", "deg", 6, "Right ascension of the cell's centre, ICRS."),
     Column::real("dec_deg", "deg", 6, "Declination of the cell's centre, ICRS."),
     Column::new("exposures", Kind::Integer, "Exposures averaged: dark hours in which the place stands high enough."),
-    Column::real("streaks_per_exposure", "", 5, "Mean number of lit satellites that cross an exposure."),
-    Column::real("bright_per_exposure", "", 5, "The same of those brighter than the limit; empty without one."),
+    STREAKS,
+    BRIGHT,
 ];
 
 /// Sums over the exposures of a cell.
@@ -81,8 +82,7 @@ pub fn asked(
         let mut moments: Vec<Epoch> = Vec::new();
         let mut moment = from;
         while moment < to {
-            let (sun_rad, _) = prepared.sky.sun_altitude_azimuth_rad(moment, &prepared.eop)?;
-            if sun_rad <= typed.max_sun_altitude_deg.to_radians() {
+            if prepared.sky.sun_over_site(moment)?.altitude_rad <= typed.max_sun_altitude_deg.to_radians() {
                 moments.push(moment);
             }
             moment = seconds_after(moment, step_s);
@@ -95,10 +95,11 @@ pub fn asked(
             photometry,
             limit_mag: typed.limit_mag,
         };
-        let counts = prepared.sky.streak_counts(&request, &prepared.eop)?;
+        let counts = prepared.sky.streak_counts(&request)?;
         let observer = prepared.sky.viewpoint().site().ok_or_else(|| anyhow!("a sky over a site needs a site"))?;
         for (moment, all) in moments.iter().zip(&counts.by_moment) {
-            let from_horizon = observer.state(&Orientation::at(*moment, &prepared.eop)).horizon.inverse();
+            let from_horizon =
+                observer.state(&prepared.sky.orientation_over(*moment, *moment).at_s(0.0)).horizon.inverse();
             for (place, count) in places.iter().zip(all) {
                 let star = from_horizon * *place;
                 let cell = ring_cell(typed.nside, star.longitude_rad(), star.latitude_rad());
@@ -164,35 +165,28 @@ pub fn is_of(columns: &Columns) -> bool {
 }
 
 pub fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
-    let options = columns.stated("options").cloned().unwrap_or_default();
-    let number = |name: &str| options.get(name).and_then(Value::as_f64);
-    let nside = number("nside")
-        .ok_or_else(|| anyhow!("this table does not say its nside; allowed: the data of plot sky-rate --equatorial"))?;
-    let limit = number("limit_mag");
-    let rate = columns.numbers(if limit.is_some() { "bright_per_exposure" } else { "streaks_per_exposure" })?;
-    let cells: Vec<u64> = columns.numbers("healpix_cell")?.into_iter().map(|cell| cell as u64).collect();
-    let bright = limit.map(|limit| format!(" brighter than {limit} mag")).unwrap_or_default();
-    let signed = |name: &str| number(name).map(|value| format!("{value}").replace('-', "−")).unwrap_or_default();
-    let nights: Vec<&str> =
-        options.get("nights").and_then(Value::as_array).into_iter().flatten().filter_map(Value::as_str).collect();
+    let rates = Rates::of(columns, "plot sky-rate --equatorial")?;
+    let signed = |name: &str| format!("{}", rates.number(name)).replace('-', "−");
+    let nights = rates.option("nights").and_then(Value::as_array).into_iter().flatten();
+    let nights: Vec<&str> = nights.filter_map(Value::as_str).collect();
     let nights = match nights.as_slice() {
         [one] => format!("the night of {one}"),
         [first, .., last] => format!("{} nights from {first} to {last}", nights.len()),
         [] => "nights".to_owned(),
     };
-    let site = columns.stated("site").and_then(|site| site.get("name")).and_then(Value::as_str).unwrap_or_default();
     Ok(equatorial_rate(&EquatorialRate {
-        title: title
-            .unwrap_or(&format!("Streaks{bright} per exposure of {} s", number("exposure_s").unwrap_or(f64::NAN))),
+        title: title.unwrap_or(&format!("Streaks{} per exposure of {} s", rates.bright, rates.number("exposure_s"))),
         caption: &format!(
-            "Site: {site}. Means over the hours of {nights} in which the Sun is below {}° and the place above {}°, every {:.0} min, HEALPix nside {nside}.{}",
+            "Site: {}. Means over the hours of {nights} in which the Sun is below {}° and the place above {}°, every {:.0} min, HEALPix nside {}.{}",
+            rates.site,
             signed("max_sun_altitude_deg"),
             signed("min_altitude_deg"),
-            number("step_s").unwrap_or(f64::NAN) / 60.0,
+            rates.number("step_s") / 60.0,
+            rates.nside,
             columns.synthetic_words()
         ),
-        nside: nside as u32,
-        cells: &cells,
-        rate: &rate,
+        nside: rates.nside,
+        cells: &rates.cells,
+        rate: &rates.rate,
     })?)
 }

@@ -14,7 +14,7 @@ use crate::verbs::judged::begin;
 use crate::verbs::passes::ask;
 
 use super::columns::Columns;
-use super::curves::SYNTHETIC;
+use super::curves::{SYNTHETIC, synthetic_words};
 use super::target::Target;
 
 /// Points of a circle.
@@ -91,7 +91,7 @@ fn stated_field(setup: &Setup, columns: &Columns) -> anyhow::Result<Option<Field
 fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Option<&str>) -> anyhow::Result<Picture> {
     let names = columns.texts("name")?;
     let ids = columns.texts("norad_id")?;
-    let (enter, exit) = (columns.texts("enter_utc")?, columns.texts("exit_utc")?);
+    let (enter, exit) = (columns.moments("enter_utc")?, columns.moments("exit_utc")?);
     let peak = columns.numbers("magnitude_peak")?;
     let sigma = columns.numbers("magnitude_sigma")?;
     let ends = ["enter", "mid", "exit"].map(|end| {
@@ -106,14 +106,12 @@ fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Optio
             names[k].trim_end_matches(SYNTHETIC).to_owned()
         },
         track_deg: ends.iter().map(|(ra, dec)| [ra[k], dec[k]]).collect(),
-        enter: clock(enter[k]),
-        exit: clock(exit[k]),
+        enter_mjd: enter[k],
+        exit_mjd: exit[k],
         magnitude: peak[k],
         sigma_mag: sigma[k],
     };
-    let mut streaks: Vec<FieldStreak> = (0..columns.len()).map(streak).collect();
-    // By what harms most: the brightest have numbers.
-    streaks.sort_by(|a, b| a.magnitude.total_cmp(&b.magnitude));
+    let streaks: Vec<FieldStreak> = (0..columns.len()).map(streak).collect();
     let degrees = |place: &Direction<Gcrs>| [place.longitude_rad().to_degrees(), place.latitude_rad().to_degrees()];
     let outlines =
         field.map(|field| field.on_sky(&place.centre, place.rotation_rad).outlines(ROUND)).unwrap_or_default();
@@ -122,26 +120,12 @@ fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Optio
     let start = parse_moment(&place.start_utc, None).map_or(place.start_utc.clone(), |moment| format_utc(moment, 3));
     let start = start.trim_end_matches('Z').trim_end_matches(".000").replace('T', " ");
     let words = format!("{} UTC, {} s", start, place.exposure_s);
-    let lit = streaks.iter().filter(|streak| streak.magnitude.is_finite()).count();
-    let caption = format!(
-        "Centre RA {ra_deg:.4}°, Dec {}°, ICRS; gnomonic (TAN), north up, east left. {} {}, {lit} with a magnitude. Magnitudes are the brightest along each track.{}",
-        format!("{dec_deg:.4}").replace('-', "−"),
-        streaks.len(),
-        if streaks.len() == 1 { "streak" } else { "streaks" },
-        if names.iter().any(|name| name.ends_with(SYNTHETIC)) { " Satellites of shells are synthetic." } else { "" },
-    );
     Ok(field_chart(&FieldChart {
         title: title.unwrap_or(&format!("Streaks in the field, {words}")),
-        caption: &caption,
+        caption: synthetic_words(&names),
         ra_deg,
         dec_deg,
         outlines: &outlines,
         streaks: &streaks,
     })?)
-}
-
-/// `2024-08-14T00:30:04.173456Z` as `00:30:04.2`.
-fn clock(utc: &str) -> String {
-    let rounded = parse_moment(utc, None).map(|moment| format_utc(moment, 1)).unwrap_or_else(|_| utc.to_owned());
-    rounded.split('T').nth(1).unwrap_or(&rounded).trim_end_matches('Z').to_owned()
 }

@@ -11,9 +11,9 @@ use streakcast::plot::{
 use streakcast::setup::Setup;
 use streakcast::table::{Column, Provenance, Table, Value};
 
-use crate::arguments::setup_of;
 use crate::failure::Outcome;
 use crate::plot_arguments::{PlotCornerArguments, PlotResidualsArguments};
+use crate::shared_arguments::setup_of;
 use crate::verbs::judged::begin;
 use crate::verbs::map::model_of;
 
@@ -83,7 +83,7 @@ struct Residuals {
 
 pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Result<Outcome> {
     let base = setup_of(typed.config.as_deref())?;
-    let setup = Setup { band: typed.band.clone(), mag_system: typed.mag_system.clone(), ..Setup::default() }.over(base);
+    let setup = typed.magnitudes.setup().over(base);
     let notices = begin(&setup)?;
     let target = Target::new(&typed.picture)?;
     let found = residuals(&typed, &setup)?;
@@ -99,6 +99,7 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
     let photometry = setup.photometry()?;
     provenance.state("band", photometry.band.name());
     provenance.state("mag_system", photometry.system.to_string());
+    provenance.state("earthshine", photometry.earthshine.name());
     target.write(&picture, "residuals", &found.table(), &provenance)?;
     Ok(Outcome::Done)
 }

@@ -1,6 +1,7 @@
 //! `plot`: pictures with their data beside. One plot a file; `columns` reads tables that verbs wrote (of forecasts
 //! `curves`), `target` says where pictures go, `clock` what
-//! time it is where the telescope stands, `exposures` what the plots of nights share.
+//! time it is where the telescope stands, `exposures` what the plots of nights share, `rates` what both maps of
+//! streaks an exposure do.
 
 mod clock;
 mod columns;
@@ -13,6 +14,7 @@ mod light_curve;
 mod list;
 mod maps;
 mod night;
+mod rates;
 mod run;
 mod sky_chart;
 mod sky_rate;

@@ -10,11 +10,8 @@ use crate::plot_arguments::PlotSkyChartArguments;
 use crate::verbs::judged::begin;
 
 use super::columns::Columns;
-use super::curves::{Curve, SECTIONS, SYNTHETIC, curves};
+use super::curves::{Curve, SECTIONS, curves, synthetic_words};
 use super::target::Target;
-
-/// As many passes are drawn: the list beside has room for no more.
-const MOST_PASSES: usize = 22;
 
 pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
     begin(&Setup::default())?;
@@ -26,8 +23,7 @@ pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
 }
 
 fn picture(columns: &Columns, found: Vec<Curve>, title: Option<&str>) -> anyhow::Result<Picture> {
-    let count = found.len();
-    let tracks = brightest(found);
+    let tracks: Vec<SkyTrack> = found.into_iter().map(|curve| curve.track).collect();
     let site = columns.stated("site").and_then(|site| site.get("name")).and_then(Value::as_str);
     let over = site.filter(|name| *name != "site").map_or("a site".to_owned(), str::to_owned);
     let begins = tracks.iter().filter_map(|track| track.time_mjd.first().copied()).fold(f64::INFINITY, f64::min);
@@ -36,26 +32,8 @@ fn picture(columns: &Columns, found: Vec<Curve>, title: Option<&str>) -> anyhow:
     } else {
         String::new()
     };
-    let mut caption = "Zenith in the middle, horizon at the rim, north up, east left; grey where nothing is seen. Magnitudes in the list are the brightest of each pass.".to_owned();
-    if tracks.len() < count {
-        caption += &format!(" The {} brightest of {count} passes.", tracks.len());
-    }
-    if columns.texts("name").is_ok_and(|names| names.iter().any(|name| name.ends_with(SYNTHETIC))) {
-        caption += " Satellites of shells are synthetic.";
-    }
+    let caption = columns.texts("name").map_or("", |names| synthetic_words(&names));
     let one = tracks.first().filter(|_| tracks.len() == 1).map(|track| format!("{} over {over}, {date}", track.name));
     let words = one.unwrap_or_else(|| format!("Passes over {over}, {date}"));
-    Ok(sky_chart(&SkyChart { title: title.unwrap_or(&words), caption: &caption, tracks: &tracks })?)
-}
-
-/// The brightest passes in the order of the table.
-fn brightest(found: Vec<Curve>) -> Vec<SkyTrack> {
-    // Not a number sorts behind all numbers.
-    let mut magnitudes: Vec<(usize, f64)> = found.iter().map(Curve::brightest).enumerate().collect();
-    magnitudes.sort_by(|a, b| a.1.total_cmp(&b.1));
-    let mut rows: Vec<usize> = magnitudes.into_iter().take(MOST_PASSES).map(|(row, _)| row).collect();
-    rows.sort_unstable();
-    let mut rows = rows.into_iter().peekable();
-    let is_kept = |(row, curve): (usize, Curve)| rows.next_if_eq(&row).map(|_| curve.track);
-    found.into_iter().enumerate().filter_map(is_kept).collect()
+    Ok(sky_chart(&SkyChart { title: title.unwrap_or(&words), caption, tracks: &tracks })?)
 }

@@ -16,8 +16,11 @@ use crate::verbs::judged::{begin, field_said};
 
 use super::columns::Columns;
 use super::equatorial_rate;
+use super::rates::{BRIGHT, Rates, STREAKS, lacking};
 use super::target::Target;
 
+/// What writes tables of this map.
+const WRITER: &str = "plot sky-rate";
 const MOST_NSIDE: u32 = 64;
 const MOST_REPEATS: usize = 1000;
 const LONGEST_S: f64 = 6.0 * 3600.0;
@@ -31,8 +34,8 @@ const COLUMNS: [Column; 6] = [
     Column::real("azimuth_deg", "deg", 6, "Azimuth of the cell's centre from north through east."),
     Column::real("altitude_deg", "deg", 6, "Altitude of the cell's centre without refraction."),
     Column::new("exposures", Kind::Integer, "Exposures averaged."),
-    Column::real("streaks_per_exposure", "", 5, "Mean number of lit satellites that cross an exposure."),
-    Column::real("bright_per_exposure", "", 5, "The same of those brighter than the limit; empty without one."),
+    STREAKS,
+    BRIGHT,
 ];
 
 pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
@@ -89,10 +92,10 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
         photometry,
         limit_mag: typed.limit_mag,
     };
-    let counts = prepared.sky.streak_counts(&request, &prepared.eop)?;
+    let counts = prepared.sky.streak_counts(&request)?;
     notices.warn(&prepared.left_out_warning(&counts.left_out, moment)?);
     let table = table(&directions, &counts, typed.limit_mag.is_some());
-    let (sun_altitude, sun_azimuth) = prepared.sky.sun_altitude_azimuth_rad(moment, &prepared.eop)?;
+    let sun = prepared.sky.sun_over_site(moment)?;
     let mut provenance = prepared.provenance;
     crate::verbs::judged::state_scales(&mut provenance, "utc", &photometry);
     provenance.state(
@@ -106,8 +109,8 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
             "over_s": over_s,
             "min_altitude_deg": typed.min_altitude,
             "limit_mag": typed.limit_mag,
-            "sun_altitude_deg": (sun_altitude.to_degrees() * 1e4).round() / 1e4,
-            "sun_azimuth_deg": (sun_azimuth.to_degrees() * 1e4).round() / 1e4,
+            "sun_altitude_deg": (sun.altitude_rad.to_degrees() * 1e4).round() / 1e4,
+            "sun_azimuth_deg": (sun.azimuth_rad.to_degrees() * 1e4).round() / 1e4,
         }),
     );
     let picture = picture(&Columns::of(&table, &provenance), title)?;
@@ -148,7 +151,7 @@ fn sun_at(prepared: &Prepared, altitude_deg: f64, start: Epoch) -> anyhow::Resul
     if !(-90.0..=90.0).contains(&altitude_deg) {
         bail!("sun-altitude-deg {altitude_deg}; allowed: -90 to 90 deg");
     }
-    prepared.sky.sun_reaches(altitude_deg.to_radians(), start, &prepared.eop)?.ok_or_else(|| {
+    prepared.sky.sun_reaches(altitude_deg.to_radians(), start)?.ok_or_else(|| {
         anyhow!(
             "sun-altitude-deg {altitude_deg}: the Sun does not stand there within a day of {}",
             format_utc(start, 0)
@@ -175,40 +178,39 @@ fn table(directions: &[(u64, Direction<Horizontal>)], counts: &Counts, has_limit
 }
 
 fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
-    let options = columns.stated("options").cloned().unwrap_or_default();
-    let number = |name: &str| options.get(name).and_then(Value::as_f64);
-    let missing =
-        || anyhow!("this table does not say its nside and the Sun's azimuth; allowed: the data of plot sky-rate");
-    let nside = number("nside").ok_or_else(missing)? as u32;
-    let sun_azimuth_deg = number("sun_azimuth_deg").ok_or_else(missing)?;
-    let limit = number("limit_mag");
-    let rate = columns.numbers(if limit.is_some() { "bright_per_exposure" } else { "streaks_per_exposure" })?;
-    let cells: Vec<u64> = columns.numbers("healpix_cell")?.into_iter().map(|cell| cell as u64).collect();
-    let exposure = number("exposure_s").unwrap_or(f64::NAN);
-    let bright = limit.map(|limit| format!(" brighter than {limit} mag")).unwrap_or_default();
-    let field = match options.get("field").and_then(|field| field.get("circle")).and_then(Value::as_str) {
+    let rates = Rates::of(columns, WRITER)?;
+    let sun_azimuth_deg = rates.number("sun_azimuth_deg");
+    if !sun_azimuth_deg.is_finite() {
+        return Err(lacking("Sun's azimuth", WRITER));
+    }
+    let field = match rates.option("field").and_then(|field| field.get("circle")).and_then(Value::as_str) {
         Some(circle) => format!(", field {circle}"),
         None => String::new(),
     };
-    let sun = number("sun_altitude_deg").map(|altitude| format!("{altitude:.1}").replace('-', "−")).unwrap_or_default();
-    let utc = options.get("moment_utc").and_then(Value::as_str).unwrap_or_default();
+    let sun = format!("{:.1}", rates.number("sun_altitude_deg")).replace('-', "−");
+    let utc = rates.option("moment_utc").and_then(Value::as_str).unwrap_or_default();
     let utc = utc.trim_end_matches('Z').replace('T', " ");
-    let place = columns.stated("site").and_then(|site| site.get("name")).and_then(Value::as_str).unwrap_or_default();
     Ok(sky_rate(&SkyRate {
-        title: title.unwrap_or(&format!("Streaks{bright} per exposure of {exposure} s{field}")),
+        title: title.unwrap_or(&format!(
+            "Streaks{} per exposure of {} s{field}",
+            rates.bright,
+            rates.number("exposure_s")
+        )),
         subtitle: &format!(
             "{} UTC, Sun at altitude {sun}°, azimuth {sun_azimuth_deg:.1}°",
             utc.get(..19).unwrap_or(&utc)
         ),
         caption: &format!(
-            "Site: {place}. Means of {} exposures over {:.0} min in HEALPix cells, nside {nside}.{}",
-            number("repeats").unwrap_or(f64::NAN),
-            number("over_s").unwrap_or(f64::NAN) / 60.0,
+            "Site: {}. Means of {} exposures over {:.0} min in HEALPix cells, nside {}.{}",
+            rates.site,
+            rates.number("repeats"),
+            rates.number("over_s") / 60.0,
+            rates.nside,
             columns.synthetic_words()
         ),
-        nside,
-        cells: &cells,
-        rate: &rate,
+        nside: rates.nside,
+        cells: &rates.cells,
+        rate: &rates.rate,
         sun_azimuth_deg,
     })?)
 }

@@ -82,7 +82,7 @@ fn grid(
     for step in 0..(DAY_S / step_s).ceil() as usize {
         let moment = seconds_after(start, step as f64 * step_s);
         let middle = seconds_after(moment, duration_s / 2.0);
-        if prepared.sky.sun_altitude_azimuth_rad(middle, &prepared.eop)?.0 <= typed.max_sun_altitude_deg.to_radians() {
+        if prepared.sky.sun_over_site(middle)?.altitude_rad <= typed.max_sun_altitude_deg.to_radians() {
             moments.push(moment);
         }
     }
@@ -103,10 +103,10 @@ fn grid(
         photometry,
         limit_mag: limit,
     };
-    let counts = prepared.sky.streak_counts(&request, &prepared.eop)?;
+    let counts = prepared.sky.streak_counts(&request)?;
     notices.warn(&prepared.left_out_warning(&counts.left_out, start)?);
     let mut rows = Vec::new();
-    for ((moment, all), (sun, _)) in moments.iter().zip(&counts.by_moment).zip(&counts.sun_rad) {
+    for ((moment, all), sun) in moments.iter().zip(&counts.by_moment).zip(&counts.sun) {
         for (direction, count) in directions.iter().zip(all) {
             rows.push(vec![
                 (*moment).into(),
@@ -114,7 +114,7 @@ fn grid(
                 direction.latitude_rad().to_degrees().into(),
                 count.streaks.into(),
                 limit.map(|_| count.bright).into(),
-                sun.to_degrees().into(),
+                sun.altitude_rad.to_degrees().into(),
             ]);
         }
     }

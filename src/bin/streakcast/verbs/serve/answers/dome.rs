@@ -47,8 +47,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let Some(observer) = house.sky.viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
 
     let mid = seconds_after(start, 0.5 * duration_s);
-    let sun = house.sky.sun_over_site(mid, 0.0, 1).map_err(|error| of_sky(&error))?;
-    let sun = sun.first().ok_or_else(|| Problem::new(500, "no Sun"))?;
+    let sun = house.sky.sun_over_site(mid).map_err(|error| of_sky(&error))?;
     let earth = Earth::Ellipsoid(observer.site().clone());
     let photometry = house.asked.photometry;
     let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)
@@ -74,7 +73,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         house.sky.overhead(start, duration_s, moments, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
     let satellites: Vec<Value> = overhead.iter().map(|one| satellite(house, one)).collect();
 
-    let (sun_altitude_deg, sun_azimuth_deg) = degrees(sun);
+    let (sun_altitude_deg, sun_azimuth_deg) = degrees(&sun);
     let mut document = Document::resting_on(&house.provenance);
     document.value(
         "sun",

@@ -127,8 +127,7 @@ fn pointing(house: &House, exposure: &Exposure) -> Result<Table, Problem> {
     let ends = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
     let row = |epoch| -> Result<Vec<Cell>, SkyError> {
         let (altitude_deg, azimuth_deg) = degrees(&house.sky.pointing_over_site(&exposure.pointing, epoch)?);
-        let sun = house.sky.sun_over_site(epoch, 0.0, 1)?;
-        let (sun_altitude_deg, sun_azimuth_deg) = sun.first().map_or((f64::NAN, f64::NAN), degrees);
+        let (sun_altitude_deg, sun_azimuth_deg) = degrees(&house.sky.sun_over_site(epoch)?);
         Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into(), sun_altitude_deg.into(), sun_azimuth_deg.into()])
     };
     let rows = ends.into_iter().map(row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;

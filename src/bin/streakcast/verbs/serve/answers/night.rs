@@ -2,6 +2,7 @@
 
 use serde_json::{Value, json};
 use streakcast::frames::{mjd_utc, seconds_after, seconds_between};
+use streakcast::passes::SkyError;
 use streakcast::schedule::{ExposureFlag, ScheduledExposure, flag_table, night_of};
 use streakcast::table::{Table, Value as Cell, format_utc};
 
@@ -39,12 +40,13 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         site.longitude_rad,
     );
     let count = (seconds_between(from, to) / SUN_EVERY_S) as usize + 1;
-    let places = house.sky.sun_over_site(from, SUN_EVERY_S, count).map_err(|error| of_sky(&error))?;
-    let sun_row = |(step, place)| -> Vec<Cell> {
-        let (altitude_deg, azimuth_deg) = degrees(place);
-        vec![seconds_after(from, SUN_EVERY_S * step as f64).into(), altitude_deg.into(), azimuth_deg.into()]
+    let sun_row = |step: usize| -> Result<Vec<Cell>, SkyError> {
+        let epoch = seconds_after(from, SUN_EVERY_S * step as f64);
+        let (altitude_deg, azimuth_deg) = degrees(&house.sky.sun_over_site(epoch)?);
+        Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into()])
     };
-    let sun = Table { columns: SUN.to_vec(), rows: places.iter().enumerate().map(sun_row).collect() };
+    let places = (0..count).map(sun_row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
+    let sun = Table { columns: SUN.to_vec(), rows: places };
 
     let exposures = Table {
         columns: SCHEDULED.to_vec(),
