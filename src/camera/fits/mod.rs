@@ -2,11 +2,12 @@
 //!
 //! `hdu` knows where headers and data lie, `pixel_format` what numbers mean, `frame_file` reads, `cfitsio` unpacks and packs tiles. `frame_copy` copies
 //! with changes: `pixel_edit` holds those of an image (`deltas` light to be added, `overlay` changed bytes, `tiles` compressed images, `changed` what came
-//! of it), `output` with `checksum` writes headers and data, `write_behind` pixels while the next are made. `new_frame` makes files of `new_hdu`s, whose pixels are `image_values`.
+//! of it), `output` with `checksum` writes headers and data, `chunks` pixels, several chunks at once. `new_frame` makes files of `new_hdu`s, whose pixels are `image_values`.
 
 mod cfitsio;
 mod changed;
 mod checksum;
+mod chunks;
 mod deltas;
 mod error;
 mod frame_copy;
@@ -21,7 +22,6 @@ mod pixel_edit;
 mod pixel_format;
 mod positioned;
 mod tiles;
-mod write_behind;
 
 pub use cfitsio::Rice;
 pub use changed::Changed;

@@ -10,13 +10,13 @@ use super::super::header::Header;
 use super::super::patch::LightRows;
 use super::changed::{Changed, Outcome};
 use super::checksum;
+use super::chunks::write_in_chunks;
 use super::deltas::Deltas;
 use super::error::FrameError;
 use super::hdu::{HduInfo, HduKind};
 use super::overlay::Overlay;
 use super::positioned::read_exact_at;
 use super::tiles::{Rebuilt, TileImage};
-use super::write_behind::write_behind;
 
 /// Changes to one image.
 #[derive(Debug)]
@@ -160,16 +160,17 @@ impl<'a> PixelEdit<'a> {
         is_flushed: bool,
     ) -> io::Result<Option<u32>> {
         self.light.settle();
-        let (mut changed, mut sum) = (Changed::default(), 0);
-        write_behind(output, to, self.info.data_length as usize, is_flushed, |range, bytes| {
+        let chunks = write_in_chunks(output, to, self.info.data_length as usize, is_flushed, |range, bytes| {
+            let mut changed = Changed::default();
             read_exact_at(input, bytes, self.info.data_at + range.start as u64)?;
             self.put_changes(range.start, bytes, &mut changed);
-            if is_summed {
-                sum = checksum::sum_padded(sum, bytes);
-            }
-            Ok(())
+            Ok((changed, if is_summed { checksum::sum_padded(0, bytes) } else { 0 }))
         })?;
-        self.changed += changed;
+        let mut sum = 0;
+        for (changed, of_chunk) in chunks {
+            self.changed += changed;
+            sum = checksum::sum(sum, &of_chunk.to_be_bytes());
+        }
         Ok(is_summed.then_some(sum))
     }
 

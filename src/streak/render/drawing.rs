@@ -11,8 +11,8 @@ use super::draw::Strokes;
 use super::path::StreakPath;
 use crate::camera::{LightArea, LightRows, Patch, PatchRows, PatchSpan, Plane, RadialProfile};
 
-/// Rows of a band: those of a streak stay in the processor's cache until they are added.
-const BAND_ROWS: usize = 64;
+/// Rows of a band: few enough that threads which write a frame seldom meet in one.
+const BAND_ROWS: usize = 32;
 
 /// The light of a path on the lit area of a frame, as of [`draw`](super::draw()).
 #[derive(Clone, Debug)]

@@ -1,0 +1,127 @@
+//! Bytes that are made and written chunk by chunk, several at once.
+
+use std::fs::File;
+use std::io;
+use std::ops::Range;
+use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
+use std::sync::mpsc;
+use std::thread;
+
+use rayon::prelude::*;
+
+use super::positioned::write_all_at;
+
+/// Bytes that are made and written at once: whole pixels of every type, and whole words of sums. A thread writes what it made itself, which is still in its cache.
+const CHUNK: usize = 1 << 20;
+
+/// Chunks that are worked on at once, at most: a file system lets one thread into a file at a time, so that more would only wait.
+const AT_ONCE: usize = 4;
+
+/// Bytes after which the disk is asked to take what was written.
+const FLUSH: usize = 4 * CHUNK;
+
+/// Writes `length` bytes to a file from `to` on as `make` makes them, on the threads of the current pool, and gathers in order what it says of each chunk. Chunks are
+/// begun in order. With `is_flushed` what is written is brought to the disk while the next chunks are made; that all of it is there the caller has to see to.
+///
+/// # Errors
+/// What `make` says, and what the system says of writing.
+pub(super) fn write_in_chunks<T: Send>(
+    file: &File,
+    to: u64,
+    length: usize,
+    is_flushed: bool,
+    make: impl Fn(Range<usize>, &mut [u8]) -> io::Result<T> + Sync,
+) -> io::Result<Vec<T>> {
+    let (begun, has_failed) = (AtomicUsize::new(0), AtomicBool::new(false));
+    let chunk = |from: usize, bytes: &mut [u8]| {
+        let said = make(from..from + bytes.len(), bytes)?;
+        write_all_at(file, bytes, to + from as u64)?;
+        Ok::<_, io::Error>((from, said))
+    };
+    thread::scope(|scope| {
+        let (to_flusher, written) = mpsc::channel();
+        let flusher = is_flushed.then(|| {
+            scope.spawn(move || {
+                while written.recv().is_ok() {
+                    // One flush for all that was written since the last.
+                    while written.try_recv().is_ok() {}
+                    file.sync_data()?;
+                }
+                Ok(())
+            })
+        });
+        let work = |to_flusher: mpsc::Sender<()>| -> io::Result<Vec<(usize, T)>> {
+            let (mut bytes, mut made, mut since_flush) = (vec![0; CHUNK.min(length)], Vec::new(), 0);
+            while !has_failed.load(Ordering::Relaxed) {
+                let from = begun.fetch_add(CHUNK, Ordering::Relaxed);
+                if from >= length {
+                    break;
+                }
+                let bytes = &mut bytes[..CHUNK.min(length - from)];
+                made.push(chunk(from, bytes).inspect_err(|_| has_failed.store(true, Ordering::Relaxed))?);
+                since_flush += bytes.len();
+                if since_flush >= FLUSH {
+                    since_flush = 0;
+                    // Nobody listens where nothing is flushed, or where the disk failed, which is told in the end.
+                    let _ = to_flusher.send(());
+                }
+            }
+            Ok(made)
+        };
+        let workers = rayon::current_num_threads().min(AT_ONCE).min(length.div_ceil(CHUNK));
+        let senders: Vec<_> = (0..workers).map(|_| to_flusher.clone()).collect();
+        drop(to_flusher);
+        let made: io::Result<Vec<Vec<(usize, T)>>> = senders.into_par_iter().with_max_len(1).map(work).collect();
+        let flushed = flusher.map_or(Ok(()), joined);
+        let mut made: Vec<(usize, T)> = made?.into_iter().flatten().collect();
+        flushed?;
+        made.sort_by_key(|(from, _)| *from);
+        Ok(made.into_iter().map(|(_, said)| said).collect())
+    })
+}
+
+fn joined(thread: thread::ScopedJoinHandle<'_, io::Result<()>>) -> io::Result<()> {
+    thread.join().unwrap_or_else(|_| Err(io::Error::other("a thread that writes stopped")))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use std::io::{Read, Seek, SeekFrom};
+
+    #[test]
+    fn verif_every_byte_is_where_it_belongs() {
+        for (length, is_flushed) in [(0, false), (1, true), (CHUNK, false), (9 * CHUNK + 17, true), (5 * CHUNK, false)]
+        {
+            let mut file = tempfile::tempfile().unwrap();
+            let byte = |at: usize| (at % 251) as u8;
+            let said = write_in_chunks(&file, 7, length, is_flushed, |range, bytes| {
+                assert_eq!(range.len(), bytes.len());
+                bytes.iter_mut().zip(range.clone()).for_each(|(place, at)| *place = byte(at));
+                Ok(range)
+            })
+            .unwrap();
+            // In order, and without a gap.
+            let ends = said.iter().fold(0, |end, range| if range.start == end { range.end } else { usize::MAX });
+            assert_eq!(ends, length);
+            let mut found = Vec::new();
+            file.seek(SeekFrom::Start(0)).unwrap();
+            file.read_to_end(&mut found).unwrap();
+            let expected: Vec<u8> = [0; 7].into_iter().chain((0..length).map(byte)).collect();
+            assert!(length == 0 && found.is_empty() || found == expected, "{length}");
+        }
+    }
+
+    #[test]
+    fn errors_of_either_side_come_back() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        let file = File::create(&path).unwrap();
+        let error = write_in_chunks(&file, 0, 12 * CHUNK, true, |range, _| {
+            if range.start < 8 * CHUNK { Ok(()) } else { Err(io::Error::other("no more")) }
+        });
+        assert_eq!(error.unwrap_err().to_string(), "no more");
+        let closed = File::open(&path).unwrap();
+        assert!(write_in_chunks(&closed, 0, 12 * CHUNK, true, |_, _| Ok(())).is_err());
+    }
+}
