@@ -59,7 +59,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for source in &sources {
         streaks.extend(draw_on_chip(source, &chip, &shot)?);
     }
-    streaks.iter().for_each(|streak| streak.light.add_to(&mut plane));
+    streaks.iter().for_each(|streak| streak.patch.add_to(&mut plane));
     let brightest = plane.values().iter().copied().fold(0.0, f32::max);
     println!("# {} streaks, brightest pixel {brightest:.0} counts", streaks.len());
     write_csv(&mut stdout().lock(), &truth_table(&truth_rows(&streaks, exposure_s, seed)), &Provenance::new())?;

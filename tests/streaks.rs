@@ -4,13 +4,10 @@ mod common;
 
 use common::agreement::Agreement;
 use std::f64::consts::PI;
-use std::sync::Arc;
 
 use proptest::prelude::*;
-use streakcast::camera::{
-    Blur, LightArea, LightRows, PatchRows, PixelPosition, Plane, RadialProfile, Seeing, draw_point,
-};
-use streakcast::streak::{Drawing, PathError, PathNode, StreakPath, draw, draw_summed};
+use streakcast::camera::{Blur, PixelPosition, Plane, RadialProfile, Seeing, draw_point};
+use streakcast::streak::{PathError, PathNode, StreakPath, draw, draw_summed};
 
 /// Of the peak: GalSim's FFTs are good to 10⁻⁶ or so, and 10⁻⁵ of our light lies nearer than it should.
 const GALSIM_TOLERANCE: f64 = 1e-4;
@@ -258,42 +255,6 @@ fn verif_a_long_streak_is_even_along_itself_and_cheap_outside() {
     assert!(draw(&path, &profile, 1000, 1).len() < 30);
     let beside = StreakPath::new(vec![node(0.0, -50.0, 500.0, 1.0), node(1.0, -20.0, 2000.0, 1.0)]).expect("a path");
     assert!(draw(&beside, &profile, 1000, 1000).is_empty());
-}
-
-#[test]
-fn verif_bands_have_the_pixels_of_the_whole_whichever_is_drawn_first() {
-    let (rows, columns) = (300, 200);
-    let mut lit = vec![node(0.0, -20.0, 290.0, 3.0), node(0.5, 90.0, 160.0, 5.0), node(1.0, 150.0, 40.0, 4.0)];
-    lit[1].rate_after = Some(9.0);
-    let bent = path(lit);
-    let flat = path(vec![node(0.0, 30.0, 64.3, 2.0), node(1.0, 230.0, 60.0, 2.0)]);
-    let narrow = RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 0.4 })).expect("a profile");
-    let oblong = RadialProfile::on_oblong(&Blur::seeing(Seeing::Moffat { fwhm_pix: 3.0, beta: 4.0 }), 0.6);
-    let areas = [LightArea::whole(rows, columns), LightArea { rows: 70..230, columns: 20..120 }];
-    for profile in [gaussian(3.5), ring(), narrow, oblong.expect("a profile")].map(Arc::new) {
-        for (path, area) in [&bent, &flat].into_iter().flat_map(|path| areas.iter().map(move |area| (path, area))) {
-            let patch = draw(path, &profile, rows, columns).within(area);
-            let drawing = Drawing::of(path, profile.clone(), rows, columns, area);
-            let outline = |light: &PatchRows| light.iter().collect::<Vec<_>>();
-            assert_eq!(outline(drawing.outline()), outline(&patch.outline()));
-            assert_eq!(drawing.is_empty(), patch.is_empty());
-            let mut planes = [Plane::zeros(rows, columns), Plane::zeros(rows, columns), Plane::zeros(rows, columns)];
-            // Before any band is there, from the last row up, and when all are.
-            drawing.add_to(&mut planes[0]);
-            for row in (0..rows).rev() {
-                assert_eq!(drawing.row(row), patch.row(row), "row {row}");
-            }
-            drawing.add_to(&mut planes[1]);
-            patch.add_to(&mut planes[2]);
-            assert!(planes[0] == planes[2] && planes[1] == planes[2]);
-            assert!((drawing.sum() / patch.sum() - 1.0).abs() < 1e-12 || patch.is_empty());
-            assert_eq!(drawing.iter().collect::<Vec<_>>(), patch.iter().collect::<Vec<_>>());
-            let doubled = drawing.scaled(2.0);
-            assert!(doubled.iter().zip(patch.iter()).all(|(double, one)| double.values[0] == 2.0 * one.values[0]));
-            let given = Drawing::from(patch.clone());
-            assert!((0..rows).all(|row| given.row(row) == patch.row(row)));
-        }
-    }
 }
 
 #[test]

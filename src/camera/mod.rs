@@ -30,7 +30,7 @@ pub use fits::{
 };
 pub use header::Header;
 pub use light_area::LightArea;
-pub use patch::{LightRows, Patch, PatchRows, PatchSpan};
+pub use patch::{Patch, PatchRows, PatchSpan};
 pub use pixel::PixelPosition;
 pub use plane::{Plane, PlaneError};
 #[cfg(feature = "plot")]

@@ -1,20 +1,10 @@
 //! Light on a part of a frame: only the pixels that it touches.
 
-use std::fmt;
 use std::ops::Range;
 
 use super::light_area::LightArea;
 use super::pixel::PixelPosition;
 use super::plane::Plane;
-
-/// Light on rows of a frame that need not be there before it is looked at.
-pub trait LightRows: fmt::Debug + Sync {
-    /// The pixels that it has.
-    fn outline(&self) -> &PatchRows;
-
-    /// One row; empty where it has no pixels in it, else just those of its outline.
-    fn row(&self, row: usize) -> PatchSpan<'_>;
-}
 
 /// One row of a patch: neighbouring pixels and what is in them.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -130,6 +120,11 @@ impl Patch {
         place.and_then(|place| self.values.get_mut(place)).unwrap_or(&mut [])
     }
 
+    /// Multiplies all values.
+    pub fn scale(&mut self, factor: f32) {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+    }
+
     /// Adds it to a plane; what lies outside of the plane is left out.
     pub fn add_to(&self, plane: &mut Plane) {
         for span in self.iter() {
@@ -164,7 +159,14 @@ impl Patch {
         if *area == LightArea::whole(self.rows, self.columns) {
             return self;
         }
-        let mut patch = self.outline().within(area).into_patch();
+        let mut extents = PatchRows::new(self.rows, self.columns);
+        let cut = |span: &PatchSpan<'_>| {
+            let end = span.first_column + span.values.len();
+            span.first_column.max(area.columns.start)..end.min(area.columns.end)
+        };
+        let rows = || self.iter().filter(|span| area.rows.contains(&span.row));
+        rows().for_each(|span| extents.add(span.row, cut(&span)));
+        let mut patch = extents.into_patch();
         patch.fill(|row, first, values| {
             if values.is_empty() {
                 return;
@@ -173,13 +175,6 @@ impl Patch {
             values.copy_from_slice(&span.values[first - span.first_column..][..values.len()]);
         });
         patch
-    }
-
-    /// The pixels that it has.
-    pub fn outline(&self) -> PatchRows {
-        let mut outline = PatchRows::new(self.rows, self.columns);
-        self.iter().for_each(|span| outline.add(span.row, span.first_column..span.first_column + span.values.len()));
-        outline
     }
 
     /// Pixels that hold at least `threshold`, as `(row, columns)`: for masks.
@@ -236,41 +231,6 @@ impl PatchRows {
     /// Pixel rows of the frame whose centres lie from `least` to `greatest`.
     pub fn rows_within(&self, least: f64, greatest: f64) -> Range<usize> {
         whole_within(least, greatest, self.rows)
-    }
-
-    /// True where there will be none.
-    pub fn is_empty(&self) -> bool {
-        self.extents.is_empty()
-    }
-
-    /// The first row that will have any.
-    pub fn first_row(&self) -> usize {
-        self.first_row
-    }
-
-    /// Rows from the first that will have any to the last.
-    pub fn row_count(&self) -> usize {
-        self.extents.len()
-    }
-
-    /// All rows that will have any, from the first, with their columns.
-    pub fn iter(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
-        (self.first_row..)
-            .zip(&self.extents)
-            .filter(|(_, columns)| !columns.is_empty())
-            .map(|(row, columns)| (row, columns.clone()))
-    }
-
-    /// Those of them on an area of the frame alone.
-    pub fn within(self, area: &LightArea) -> Self {
-        if *area == LightArea::whole(self.rows, self.columns) {
-            return self;
-        }
-        let mut cut = Self::new(self.rows, self.columns);
-        for (row, columns) in self.iter().filter(|(row, _)| area.rows.contains(row)) {
-            cut.add(row, columns.start.max(area.columns.start)..columns.end.min(area.columns.end));
-        }
-        cut
     }
 
     /// Adds columns of one row, and all between them and those that the row already has.

@@ -1,20 +1,15 @@
 //! A source drawn on a chip: its light in pixels, and the truth about it.
 
-use std::sync::Arc;
-
 use hifitime::Epoch;
 use thiserror::Error;
 
 use super::chip::{Chip, ChipPath};
 use super::light::{SkyPoint, Source, SourcePart};
 use super::optics::{Optics, OpticsError};
-use super::render::{Drawing, PathError};
+use super::render::{PathError, draw};
 use super::tracking::Tracking;
-use crate::camera::{PixelPosition, RadialProfile};
+use crate::camera::{Patch, PixelPosition, RadialProfile};
 use crate::frames::{Direction, Gcrs, seconds_after};
-
-/// Light per second, in the frame's unit, that is seen in single precision however short it lasts.
-const FAINTEST_RATE: f64 = 1e-9;
 
 /// Why a source cannot be drawn.
 #[derive(Clone, Debug, Error, PartialEq)]
@@ -62,8 +57,8 @@ pub struct DrawnStreak<'a> {
     pub chip: &'a str,
     /// False where the frame says nothing of the sky.
     pub is_on_sky: bool,
-    /// The light, in the frame's unit, before any detector; drawn when it is looked at.
-    pub light: Drawing,
+    /// The light, in the frame's unit, before any detector.
+    pub patch: Patch,
     /// Evenly spaced in time from the first to the last moment over the chip; empty where only the light's fringe touches it.
     pub points: Vec<StreakPoint>,
     /// Full width at half maximum of the light across the streak, arcsec; of a light that stands still about the same.
@@ -120,16 +115,14 @@ pub fn draw_on_chip<'a>(
         let seen = |point: &SkyPoint| shot.tracking.seen(&point.direction, point.time_s, &shot.centre);
         let Some(nearest_s) = part.track.closest_s(&middle, seen) else { continue };
         let (scale_arcsec, aspect) = (chip.pixel_scale_arcsec(), chip.pixel_aspect());
-        let profile = Arc::new(shot.optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?);
+        let profile = shot.optics.profile(range_at(part, nearest_s), part.radius_m, scale_arcsec, aspect)?;
         let paths = chip
             .paths(&part.track, shot.tracking, &shot.centre, profile.pixel_reach_pix())
             .map_err(|source| DrawError::Path { hdu: chip.hdu, source })?;
         for way in paths.iter().filter(|way| way.path.total() > 0.0) {
-            let light = Drawing::of(&way.path, profile.clone(), chip.rows, chip.columns, &chip.light_area);
-            // What shines over the chip itself need not be drawn to know that it is there.
-            let is_there = || brightest_rate(way).is_some_and(|rate| rate > FAINTEST_RATE) || light.sum() > 0.0;
-            if !light.is_empty() && is_there() {
-                drawn.push(told(source, part, chip, shot, way, light, &profile));
+            let patch = draw(&way.path, &profile, chip.rows, chip.columns).within(&chip.light_area);
+            if !patch.is_empty() && patch.sum() > 0.0 {
+                drawn.push(told(source, part, chip, shot, way, patch, &profile));
             }
         }
     }
@@ -152,13 +145,6 @@ fn width_across(profile: &RadialProfile, angle_rad: f64) -> f64 {
     2.0 * inside
 }
 
-/// The brightest light per second over the chip; `None` where only the light's fringe touches it.
-fn brightest_rate(way: &ChipPath) -> Option<f64> {
-    let (path, [from_s, to_s]) = (&way.path, way.inside_s?);
-    let inside = path.nodes().iter().filter(|node| (from_s..=to_s).contains(&node.time_s));
-    Some(inside.map(|node| node.rate).chain([path.rate_at(from_s), path.rate_at(to_s)]).fold(0.0, f64::max))
-}
-
 /// Distance at a moment, km: the straight line between the two nearest points.
 fn range_at(part: &SourcePart, time_s: f64) -> f64 {
     let points = &part.track.points;
@@ -178,7 +164,7 @@ fn told<'a>(
     chip: &'a Chip,
     shot: &Shot<'_>,
     way: &ChipPath,
-    light: Drawing,
+    patch: Patch,
     profile: &RadialProfile,
 ) -> DrawnStreak<'a> {
     let path = &way.path;
@@ -186,6 +172,10 @@ fn told<'a>(
     let points: Vec<StreakPoint> = way.inside_s.map_or_else(Vec::new, |[from_s, to_s]| {
         let last = shot.truth_points.max(2) - 1;
         (0..=last).filter_map(|index| told_at(from_s + (to_s - from_s) * index as f64 / last as f64)).collect()
+    });
+    let brightest = way.inside_s.map(|[from_s, to_s]| {
+        let inside = path.nodes().iter().filter(|node| (from_s..=to_s).contains(&node.time_s));
+        inside.map(|node| node.rate).chain([path.rate_at(from_s), path.rate_at(to_s)]).fold(0.0, f64::max)
     });
     let ends = points.first().zip(points.last());
     let angle_rad = ends.map_or(0.0, |(from, to)| (to.at.y - from.at.y).atan2(to.at.x - from.at.x));
@@ -205,10 +195,10 @@ fn told<'a>(
         hdu: chip.hdu,
         chip: &chip.name,
         is_on_sky: chip.is_on_sky,
-        light,
+        patch,
         length_pix,
         middle: way.inside_s.and_then(|[from_s, to_s]| told_at(0.5 * (from_s + to_s))),
-        peak_magnitude: brightest_rate(way).and_then(|rate| chip.scale.magnitude(rate)),
+        peak_magnitude: brightest.and_then(|rate| chip.scale.magnitude(rate)),
         width_arcsec: width_pix * profile.mean_pixels_across(angle_rad) * chip.pixel_scale_arcsec(),
         width_pix,
         rate_arcsec_s: a_second(arc_arcsec),
@@ -252,7 +242,7 @@ impl DrawnStreak<'_> {
 
     /// Light of the whole streak in the frame, as the magnitude of a star of as many counts.
     pub fn total_magnitude(&self) -> f64 {
-        self.zero_point_mag - 2.5 * self.light.sum().log10()
+        self.zero_point_mag - 2.5 * self.patch.sum().log10()
     }
 }
 

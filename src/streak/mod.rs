@@ -27,7 +27,7 @@ pub use light::{
     SatelliteLight, Satellites, SkyPoint, SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling, satellites,
 };
 pub use optics::{Optics, OpticsError, SeeingForm};
-pub use render::{Drawing, PathError, PathNode, StreakPath, draw, draw_summed};
+pub use render::{PathError, PathNode, StreakPath, draw, draw_summed};
 pub use tracking::Tracking;
 pub use truth::{
     MaskError, MaskPlanes, MaskPreset, MaskSpan, TruthRow, mask_spans, noise_of, points_table, trail_table, truth_rows,

@@ -8,14 +8,13 @@ use std::fs;
 use std::hint::black_box;
 use std::io::Write;
 use std::path::Path;
-use std::sync::Arc;
 use std::time::Instant;
 
+use rayon::prelude::*;
 use streakcast::camera::{
-    Blur, FrameCopy, FrameFile, Header, LightArea, NewImage, PixelPosition, Plane, RadialProfile, Rice, Seeing, Wcs,
-    write_frame,
+    Blur, FrameCopy, FrameFile, Header, NewImage, PixelPosition, Plane, RadialProfile, Rice, Seeing, Wcs, write_frame,
 };
-use streakcast::streak::{Drawing, PathNode, StreakPath};
+use streakcast::streak::{PathNode, StreakPath, draw};
 
 const SIDE: usize = 4096;
 const ROUNDS: usize = 9;
@@ -30,19 +29,21 @@ fn inject(source: &Path, target: &Path, hdu: usize) {
     let frame = FrameFile::open(source).expect("a frame");
     let mut copy = FrameCopy::begin(&frame, target).expect("a copy");
     let seeing = Seeing::Moffat { fwhm_pix: 3.5, beta: 3.5 };
-    let profile = Arc::new(RadialProfile::of(&Blur::seeing(seeing)).expect("a profile"));
-    let streaks: Vec<_> = (0..5)
+    let profile = RadialProfile::of(&Blur::seeing(seeing)).expect("a profile");
+    let patches: Vec<_> = (0..5)
+        .into_par_iter()
         .map(|streak| {
             let (sin, cos) = (0.3 + 0.25 * f64::from(streak)).sin_cos();
             let node = |side: f64| {
                 let at = PixelPosition { x: 2047.8 + side * 2000.0 * cos, y: 2047.4 + side * 2000.0 * sin };
                 PathNode::new(0.5 + 0.5 * side, at, 4e6)
             };
-            let path = StreakPath::new(vec![node(-1.0), node(1.0)]).expect("a path");
-            Drawing::of(&path, profile.clone(), SIDE, SIDE, &LightArea::whole(SIDE, SIDE))
+            draw(&StreakPath::new(vec![node(-1.0), node(1.0)]).expect("a path"), &profile, SIDE, SIDE)
         })
         .collect();
-    streaks.iter().for_each(|streak| copy.add_light(hdu, streak).expect("light"));
+    for span in patches.iter().flat_map(|patch| patch.iter()) {
+        copy.add(hdu, span.row, span.first_column, span.values).expect("a change");
+    }
     copy.add_history(hdu, "five streaks").expect("history");
     copy.finish().expect("finished");
 }

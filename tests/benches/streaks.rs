@@ -6,11 +6,10 @@
 //! writes the light of the shortest Gaussian streak as 32-bit numbers, so that both can be compared.
 
 use std::io::Write;
-use std::sync::Arc;
 use std::time::Instant;
 
-use streakcast::camera::{Blur, Detector, LightArea, LightRows, PixelPosition, Plane, RadialProfile, Seeing};
-use streakcast::streak::{Drawing, PathNode, StreakPath, draw};
+use streakcast::camera::{Blur, Detector, PixelPosition, Plane, RadialProfile, Seeing};
+use streakcast::streak::{PathNode, StreakPath, draw};
 
 const SIZE: usize = 4096;
 /// As `peers/streaks.py` has them: a slope that favours neither rows nor columns, the middle of the frame, one count of light per pixel.
@@ -60,16 +59,16 @@ fn main() {
     plane.values_mut().fill(100.0);
     for (name, blur) in blurs() {
         let profile_ms = median_ms(rounds, || drop(RadialProfile::of(&blur).expect("a profile")));
-        let profile = Arc::new(RadialProfile::of(&blur).expect("a profile"));
+        let profile = RadialProfile::of(&blur).expect("a profile");
         println!("{name} profile: {profile_ms:.3} ms (reach {:.0} pixels)", profile.reach_pix());
         // The last is longer than the frame's diagonal: no end in sight.
         for length_pix in [500.0, 1000.0, 2000.0, 4000.0, 8000.0] {
             let path = streak(length_pix);
             let mut pixels = 0;
             let drawn_ms = median_ms(rounds, || {
-                let light = Drawing::of(&path, profile.clone(), SIZE, SIZE, &LightArea::whole(SIZE, SIZE));
-                light.add_to(&mut plane);
-                pixels = light.outline().iter().map(|(_, columns)| columns.len()).sum();
+                let patch = draw(&path, &profile, SIZE, SIZE);
+                patch.add_to(&mut plane);
+                pixels = patch.len();
             });
             println!("{name} {length_pix:.0}: {drawn_ms:.3} ms ({pixels} pixels)");
         }

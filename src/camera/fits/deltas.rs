@@ -3,8 +3,6 @@
 use std::borrow::Cow;
 use std::ops::Range;
 
-use super::super::patch::LightRows;
-
 /// What is added to the pixels of an image, physical values, by the pixels' numbers row after row.
 #[derive(Debug, Default)]
 pub(super) struct Deltas<'a> {
@@ -18,40 +16,18 @@ pub(super) struct Deltas<'a> {
 #[derive(Debug)]
 struct Stretch<'a> {
     start: usize,
-    length: usize,
-    source: Source<'a>,
-}
-
-#[derive(Debug)]
-enum Source<'a> {
-    Values(Cow<'a, [f32]>),
-    /// A row of light, which may yet have to be made.
-    Row(&'a dyn LightRows, usize),
+    values: Cow<'a, [f32]>,
 }
 
 impl Stretch<'_> {
     fn end(&self) -> usize {
-        self.start + self.length
-    }
-
-    fn values(&self) -> &[f32] {
-        match &self.source {
-            Source::Values(values) => values,
-            Source::Row(light, row) => light.row(*row).values,
-        }
-    }
-
-    /// Forgets those of some pixels of the image.
-    fn clear(&mut self, pixels: Range<usize>) {
-        let mut values = self.values().to_vec();
-        values[pixels.start - self.start..pixels.end - self.start].fill(0.0);
-        self.source = Source::Values(Cow::Owned(values));
+        self.start + self.values.len()
     }
 
     /// Adds it to sums of pixels from `start` on.
     fn sum_up(&self, start: usize, sums: &mut Vec<f64>) {
         let before = start.saturating_sub(self.start);
-        let values = &self.values()[before..];
+        let values = &self.values[before..];
         let place = self.start + before - start;
         if sums.len() < place + values.len() {
             sums.resize(place + values.len(), 0.0);
@@ -65,20 +41,8 @@ impl Stretch<'_> {
 impl<'a> Deltas<'a> {
     /// Adds to pixels from a number on.
     pub(super) fn add(&mut self, start: usize, values: Cow<'a, [f32]>) {
-        self.push(Stretch { start, length: values.len(), source: Source::Values(values) });
-    }
-
-    /// Adds light to an image of so many columns; each row of it is asked for when it is needed, and not before.
-    pub(super) fn add_rows(&mut self, columns: usize, light: &'a dyn LightRows) {
-        for (row, pixels) in light.outline().iter() {
-            let start = row * columns + pixels.start;
-            self.push(Stretch { start, length: pixels.len(), source: Source::Row(light, row) });
-        }
-    }
-
-    fn push(&mut self, stretch: Stretch<'a>) {
-        self.longest = self.longest.max(stretch.length);
-        self.stretches.push(stretch);
+        self.longest = self.longest.max(values.len());
+        self.stretches.push(Stretch { start, values });
         self.is_settled = false;
     }
 
@@ -119,7 +83,7 @@ impl<'a> Deltas<'a> {
         for stretch in &mut self.stretches[first..last] {
             let (from, to) = (stretch.start.max(range.start), stretch.end().min(range.end));
             if from < to {
-                stretch.clear(from..to);
+                stretch.values.to_mut()[from - stretch.start..to - stretch.start].fill(0.0);
             }
         }
     }

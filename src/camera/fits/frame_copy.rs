@@ -11,7 +11,6 @@ use crate::table::AtomicFile;
 
 use super::super::card::{Card, CardValue};
 use super::super::header::Header;
-use super::super::patch::LightRows;
 use super::cfitsio::Rice;
 use super::changed::Changed;
 use super::checksum;
@@ -77,21 +76,6 @@ impl<'a> FrameCopy<'a> {
         let values = values.into();
         self.check_part(hdu, row, &(first_column..first_column + values.len()))?;
         self.edit(hdu)?.0.add(row, first_column, values);
-        Ok(())
-    }
-
-    /// Adds light to many rows as [`add`](FrameCopy::add) does; what is not there yet is asked for while the copy is written, row by row.
-    ///
-    /// # Errors
-    /// As [`change`](FrameCopy::change).
-    pub fn add_light(&mut self, hdu: usize, light: &'a dyn LightRows) -> Result<(), FrameError> {
-        if light.outline().is_empty() {
-            return Ok(());
-        }
-        for (row, columns) in light.outline().iter() {
-            self.check_part(hdu, row, &columns)?;
-        }
-        self.edit(hdu)?.0.add_rows(light);
         Ok(())
     }
 

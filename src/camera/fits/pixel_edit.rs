@@ -7,7 +7,6 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 
 use super::super::header::Header;
-use super::super::patch::LightRows;
 use super::changed::{Changed, Outcome};
 use super::checksum;
 use super::chunks::write_in_chunks;
@@ -66,11 +65,6 @@ impl<'a> PixelEdit<'a> {
     /// Adds light to pixels of a row.
     pub(super) fn add(&mut self, row: usize, first_column: usize, values: Cow<'a, [f32]>) {
         self.light.add(row * self.columns + first_column, values);
-    }
-
-    /// Adds light to rows, each of which is asked for when it is written.
-    pub(super) fn add_rows(&mut self, light: &'a dyn LightRows) {
-        self.light.add_rows(self.columns, light);
     }
 
     /// Changes pixels of a row, light that was added before included.

@@ -2,7 +2,6 @@
 
 use std::path::Path;
 
-use rayon::prelude::*;
 use thiserror::Error;
 
 use super::super::drawn::DrawnStreak;
@@ -72,10 +71,6 @@ pub fn inject(
     options: &InjectOptions,
     output: &Path,
 ) -> Result<Injected, InjectError> {
-    if options.tell {
-        // Masks and sums look at all of it before anything is written.
-        streaks.par_iter().for_each(|streak| streak.light.finish());
-    }
     let mut copy = FrameCopy::begin(&frame.file, output)?;
     let mut report = Injected::default();
     let mut masks = Vec::new();
@@ -91,7 +86,7 @@ pub fn inject(
         let noise = if options.tell { noise_of_chip(frame, target)? } else { 0.0 };
         match detector {
             Some(detector) => expose(&mut copy, frame, target, &own, &detector, options.seed)?,
-            None => own.iter().try_for_each(|streak| copy.add_light(target.chip.hdu, &streak.light))?,
+            None => add(&mut copy, target, &own)?,
         }
         for line in &options.history {
             copy.add_history(target.chip.hdu, line)?;
@@ -136,6 +131,12 @@ fn quantisation(target: &TargetChip) -> Option<Quantisation> {
     (greatest_adu <= 65_535.0 && least_adu >= -65_536.0).then_some(Quantisation { least_adu, greatest_adu })
 }
 
+/// Light alone.
+fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnStreak<'_>]) -> Result<(), FrameError> {
+    let mut spans = streaks.iter().flat_map(|streak| streak.patch.iter());
+    spans.try_for_each(|span| copy.add(target.chip.hdu, span.row, span.first_column, span.values))
+}
+
 /// One sigma of a chip's pixels, from some of its rows.
 fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, FrameError> {
     const ROWS: usize = 48;
@@ -164,11 +165,16 @@ fn expose(
 ) -> Result<(), InjectError> {
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
     let before = frame.file.read_plane(hdu)?;
-    let electrons: Vec<Patch> = streaks.iter().map(|streak| streak.light.scaled(detector.gain_e_adu as f32)).collect();
+    let electrons = |patch: &Patch| {
+        let mut patch = patch.clone();
+        patch.scale(detector.gain_e_adu as f32);
+        patch
+    };
+    let patches: Vec<Patch> = streaks.iter().map(|streak| electrons(&streak.patch)).collect();
     let mut after = before.clone();
     // Every chip has random numbers of its own.
     let seed = seed ^ (hdu as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    detector.add_light(&mut after, &electrons, seed).map_err(|source| InjectError::Detector { hdu, source })?;
+    detector.add_light(&mut after, &patches, seed).map_err(|source| InjectError::Detector { hdu, source })?;
     // Charge that bled out of what is lit went to the registers.
     for row in lit.rows.clone() {
         let (old, new) = (before.row(row), after.row(row));

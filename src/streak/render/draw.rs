@@ -9,7 +9,7 @@ use super::ends::End;
 use super::panels::PanelTree;
 use super::path::StreakPath;
 use super::runs::{Run, Source, around, beside, beyond};
-use super::strokes::{Across, draw_runs};
+use super::strokes::{Across, Strokes, draw as draw_strokes};
 
 /// Curvature times the profile's radius above which light is summed; what first order leaves out is 10⁻⁵ below it.
 const GREATEST_CURVATURE: f64 = 0.01;
@@ -36,16 +36,37 @@ const GREATEST_TURNING_RAD: f64 = 1.2;
 /// The profile is the same along the whole path: take that of the middle of what is on the frame. Where the range changes by 1 % on the frame, the
 /// ring's edges are 0.5 % of its radius off at both sides of it.
 pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
-    whole(&Strokes::of_parts(path, profile, rows, columns), profile, rows, columns)
+    on_parts(path, profile, rows, columns, |path, tables, rows, columns| {
+        let cutter = Cutter::new(path, tables, rows, columns);
+        match cutter.chords().and_then(|chords| prepared(&cutter, chords, tables)) {
+            Some((chords, ends)) => draw_along(&cutter, &chords, &ends, tables, rows, columns),
+            None => draw_summed_by(&cutter, tables, rows, columns),
+        }
+    })
 }
 
 /// The same by sums over points of the path throughout: slow, and what [`draw`] is held against.
 pub fn draw_summed(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
-    whole(&Strokes::summed_of_parts(path, profile, rows, columns), profile, rows, columns)
+    on_parts(path, profile, rows, columns, |path, tables, rows, columns| {
+        let cutter = Cutter::new(path, tables, rows, columns);
+        draw_summed_by(&cutter, tables, rows, columns)
+    })
 }
 
-fn whole(strokes: &Strokes, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
-    strokes.draw_parts(profile, 0..rows, rows, columns)
+/// Draws on the parts into which the profile cuts pixels, and sums these.
+fn on_parts(
+    path: &StreakPath,
+    profile: &RadialProfile,
+    rows: usize,
+    columns: usize,
+    draw: impl FnOnce(&StreakPath, &ProfileTables, usize, usize) -> Patch,
+) -> Patch {
+    let parts = profile.parts();
+    if parts.is_whole() {
+        return draw(path, profile.tables(), rows, columns);
+    }
+    let patch = draw(&path.in_parts(parts), profile.tables(), rows * parts.y, columns * parts.x);
+    patch.summed(parts.x, parts.y)
 }
 
 /// Chords with a mark whether their pixels are summed, cut where that changes, and ends for which tables do; none where chords will not do.
@@ -122,135 +143,51 @@ fn ends(cutter: &Cutter<'_>, chords: &[Chord], profile: &ProfileTables, hard: &m
     clear
 }
 
-/// A path cut up: what the loops need to draw any rows of it.
-#[derive(Debug)]
-pub(super) struct Strokes {
-    pub chords: Vec<Chord>,
-    /// Tables of the profile across the path, and which of them each chord uses.
-    pub tables: Vec<Across>,
-    pub table_of: Vec<usize>,
-    pub trees: Vec<PanelTree>,
-    /// Of each chord: the trees that reach its pixels.
-    pub trees_of: Vec<Range<usize>>,
-    /// Ends that are drawn by the profile's table of half lines, and the trees that reach each one's middle.
-    pub ends: Vec<(End, Range<usize>)>,
-    /// By rows; in each of them ends correct the smooth light, and their middles come last.
-    runs: Vec<Run>,
-}
-
-impl Strokes {
-    /// The way of [`draw`], on the parts into which the profile cuts pixels.
-    pub fn of_parts(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Self {
-        on_parts(path, profile, rows, columns, |cutter, tables, rows, columns| {
-            match cutter.chords().and_then(|chords| prepared(cutter, chords, tables)) {
-                Some((chords, ends)) => Self::along(cutter, &chords, &ends, tables, rows, columns),
-                None => Self::summed(cutter, tables, rows, columns),
-            }
-        })
-    }
-
-    fn summed_of_parts(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Self {
-        on_parts(path, profile, rows, columns, Self::summed)
-    }
-
-    fn along(
-        cutter: &Cutter<'_>,
-        marked: &[(Chord, bool)],
-        ends: &[End],
-        profile: &ProfileTables,
-        rows: usize,
-        columns: usize,
-    ) -> Self {
-        let reach = profile.pixel_reach_pix();
-        let frame = PatchRows::new(rows, columns);
-        let mut runs: Vec<Run> = Vec::new();
-        for (number, (chord, is_summed)) in marked.iter().enumerate() {
-            let source = if *is_summed { Source::Summed(number) } else { Source::Smooth(number) };
-            beside(chord, reach, source, &frame, &mut runs);
-            for (is_start, border) in [(true, &chord.start), (false, &chord.end)] {
-                if *is_summed && cutter.is_end(chord, is_start) {
-                    beyond(border, is_start, reach, source, &frame, &mut runs);
-                }
-            }
-        }
-        for (number, end) in ends.iter().enumerate() {
-            around(end.at, end.from_pix, reach, [Source::Edge(number), Source::Middle(number)], &frame, &mut runs);
-        }
-        runs.sort_by_key(|run| (run.row, matches!(run.source, Source::Middle(_))));
-        let Trees { trees, of_chords, of_ends } = Trees::of(cutter, marked, ends, profile);
-        let (tables, table_of) = tables(marked, profile);
-        Self {
-            chords: marked.iter().map(|(chord, _)| *chord).collect(),
-            tables,
-            table_of,
-            trees,
-            trees_of: of_chords,
-            ends: ends.iter().copied().zip(of_ends).collect(),
-            runs,
-        }
-    }
-
-    fn summed(cutter: &Cutter<'_>, profile: &ProfileTables, rows: usize, columns: usize) -> Self {
-        let reach = profile.pixel_reach_pix();
-        let trees: Vec<PanelTree> =
-            cutter.stretches().iter().map(|(stretch, _)| PanelTree::of(cutter, *stretch, profile)).collect();
-        let mut extents = PatchRows::new(rows, columns);
-        for ([x, y], radius) in trees.iter().flat_map(PanelTree::discs) {
-            extents.add_disc(PixelPosition { x, y }, reach + radius);
-        }
-        let all = 0..trees.len();
-        let runs = extents.iter().map(|(row, columns)| Run { row, columns, source: Source::Summed(0) }).collect();
-        Self {
-            chords: Vec::new(),
-            tables: Vec::new(),
-            table_of: Vec::new(),
-            trees,
-            trees_of: Vec::from([all]),
-            ends: Vec::new(),
-            runs,
-        }
-    }
-
-    /// Which parts of pixels will have light: stretches of rows, in their order.
-    pub fn extents(&self) -> impl Iterator<Item = (usize, Range<usize>)> {
-        self.runs.iter().map(|run| (run.row, run.columns.clone()))
-    }
-
-    /// Some rows of a frame of `row_count` by `column_count` pixels.
-    pub fn draw_parts(
-        &self,
-        profile: &RadialProfile,
-        rows: Range<usize>,
-        row_count: usize,
-        column_count: usize,
-    ) -> Patch {
-        let parts = profile.parts();
-        let runs = {
-            let place = |row: usize| self.runs.partition_point(|run| run.row < row * parts.y);
-            &self.runs[place(rows.start)..place(rows.end)]
-        };
-        let mut extents = PatchRows::new(row_count * parts.y, column_count * parts.x);
-        runs.iter().for_each(|run| extents.add(run.row, run.columns.clone()));
-        let mut patch = extents.into_patch();
-        draw_runs(self, runs, profile.tables(), &mut patch);
-        if parts.is_whole() { patch } else { patch.summed(parts.x, parts.y) }
-    }
-}
-
-/// Cuts a path up on the parts into which the profile cuts pixels.
-fn on_parts(
-    path: &StreakPath,
-    profile: &RadialProfile,
+fn draw_along(
+    cutter: &Cutter<'_>,
+    marked: &[(Chord, bool)],
+    ends: &[End],
+    profile: &ProfileTables,
     rows: usize,
     columns: usize,
-    cut: impl FnOnce(&Cutter<'_>, &ProfileTables, usize, usize) -> Strokes,
-) -> Strokes {
-    let (parts, tables) = (profile.parts(), profile.tables());
-    let (rows, columns) = (rows * parts.y, columns * parts.x);
-    if parts.is_whole() {
-        return cut(&Cutter::new(path, tables, rows, columns), tables, rows, columns);
+) -> Patch {
+    let reach = profile.pixel_reach_pix();
+    let mut extents = PatchRows::new(rows, columns);
+    let mut runs: Vec<Run> = Vec::new();
+    for (number, (chord, is_summed)) in marked.iter().enumerate() {
+        let source = if *is_summed { Source::Summed(number) } else { Source::Smooth(number) };
+        beside(chord, reach, source, &extents, &mut runs);
+        for (is_start, border) in [(true, &chord.start), (false, &chord.end)] {
+            if *is_summed && cutter.is_end(chord, is_start) {
+                beyond(border, is_start, reach, source, &extents, &mut runs);
+            }
+        }
     }
-    cut(&Cutter::new(&path.in_parts(parts), tables, rows, columns), tables, rows, columns)
+    // After the smooth light, which they correct, and each middle after all edges.
+    for (number, end) in ends.iter().enumerate() {
+        around(end.at, end.from_pix, reach, [Source::Edge(number), Source::Middle(number)], &extents, &mut runs);
+    }
+    runs.sort_by_key(|run| matches!(run.source, Source::Middle(_)));
+    for run in &runs {
+        extents.add(run.row, run.columns.clone());
+    }
+    let mut patch = extents.into_patch();
+    let Trees { trees, of_chords, of_ends } = Trees::of(cutter, marked, ends, profile);
+    let ends: Vec<(End, Range<usize>)> = ends.iter().copied().zip(of_ends).collect();
+    let (tables, table_of) = tables(marked, profile);
+    let chords: Vec<Chord> = marked.iter().map(|(chord, _)| *chord).collect();
+    draw_strokes(Strokes {
+        chords: &chords,
+        tables: &tables,
+        table_of: &table_of,
+        trees: &trees,
+        trees_of: &of_chords,
+        ends: &ends,
+        profile,
+        runs: &runs,
+        patch: &mut patch,
+    });
+    patch
 }
 
 /// Panels of all chords within reach of what is summed, and which of them each chord and each end needs.
@@ -322,4 +259,32 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Ve
         table_of[number] = tables.len() - 1;
     }
     (tables, table_of)
+}
+
+fn draw_summed_by(cutter: &Cutter<'_>, profile: &ProfileTables, rows: usize, columns: usize) -> Patch {
+    let reach = profile.pixel_reach_pix();
+    let mut extents = PatchRows::new(rows, columns);
+    let stretches = cutter.stretches();
+    let trees: Vec<PanelTree> = stretches.iter().map(|(stretch, _)| PanelTree::of(cutter, *stretch, profile)).collect();
+    for ([x, y], radius) in trees.iter().flat_map(PanelTree::discs) {
+        extents.add_disc(PixelPosition { x, y }, reach + radius);
+    }
+    let mut patch = extents.into_patch();
+    let mut runs = Vec::new();
+    patch.fill(|row, first, values| {
+        runs.push(Run { row, columns: first..first + values.len(), source: Source::Summed(0) });
+    });
+    let all = 0..trees.len();
+    draw_strokes(Strokes {
+        chords: &[],
+        tables: &[],
+        table_of: &[],
+        trees: &trees,
+        trees_of: std::slice::from_ref(&all),
+        ends: &[],
+        profile,
+        runs: &runs,
+        patch: &mut patch,
+    });
+    patch
 }

@@ -1,11 +1,9 @@
 //! A path drawn: `path` (where a light is and how bright) on `spline`s; `chords` (stretches that are parabolas), `runs` (which pixel belongs to which),
-//! `strokes` (the vector loops) over `blocks` of pixels, `ends` (by tables of half lines), `panels` (jumps, tight curves and the middle of ends, summed over points); `draw` (all together), `drawing` (the same
-//! in bands of rows, each when it is wanted).
+//! `strokes` (the vector loops) over `blocks` of pixels, `ends` (by tables of half lines), `panels` (jumps, tight curves and the middle of ends, summed over points); `draw` (all together).
 
 mod blocks;
 mod chords;
 mod draw;
-mod drawing;
 mod ends;
 mod panels;
 mod path;
@@ -14,5 +12,4 @@ mod spline;
 mod strokes;
 
 pub use draw::{draw, draw_summed};
-pub use drawing::Drawing;
 pub use path::{PathError, PathNode, StreakPath};

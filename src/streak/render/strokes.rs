@@ -1,12 +1,14 @@
 //! The loops that put light into pixels, in the widest vectors of the machine.
 
+use std::ops::Range;
+
 use pulp::{Arch, NullaryFnOnce};
 
 use crate::camera::{Lanes, Patch, ProfileTables};
 
 use super::blocks::{EACH, FOUR, LANES, add, through};
 use super::chords::Chord;
-use super::draw::Strokes;
+use super::ends::End;
 use super::panels::PanelTree;
 use super::runs::{Run, Source};
 
@@ -14,7 +16,6 @@ use super::runs::{Run, Source};
 const LEAST_BEND: f64 = 2e-6;
 
 /// The profile across a line.
-#[derive(Debug)]
 pub(super) struct Across {
     /// At the direction of a chord.
     pub line: Lanes,
@@ -23,51 +24,57 @@ pub(super) struct Across {
 }
 
 /// All that the loops need.
-struct Runs<'a> {
-    strokes: &'a Strokes,
-    runs: &'a [Run],
-    profile: &'a ProfileTables,
-    patch: &'a mut Patch,
+pub(super) struct Strokes<'a> {
+    pub chords: &'a [Chord],
+    /// Tables of the profile across the path, and which of them each chord uses.
+    pub tables: &'a [Across],
+    pub table_of: &'a [usize],
+    pub trees: &'a [PanelTree],
+    /// Of each chord: the trees that reach its pixels.
+    pub trees_of: &'a [Range<usize>],
+    /// Ends that are drawn by the profile's table of half lines, and the trees that reach each one's middle.
+    pub ends: &'a [(End, Range<usize>)],
+    pub profile: &'a ProfileTables,
+    pub runs: &'a [Run],
+    pub patch: &'a mut Patch,
 }
 
-/// Draws some runs of a path that was cut up.
-pub(super) fn draw_runs(strokes: &Strokes, runs: &[Run], profile: &ProfileTables, patch: &mut Patch) {
-    let runs = Runs { strokes, runs, profile, patch };
+/// Draws all runs.
+pub(super) fn draw(strokes: Strokes<'_>) {
     match Arch::new() {
         #[cfg(target_arch = "x86_64")]
-        Arch::V4(simd) => simd.vectorize(runs),
+        Arch::V4(simd) => simd.vectorize(strokes),
         #[cfg(target_arch = "x86_64")]
-        Arch::V3(simd) => simd.vectorize(runs),
-        _ => runs.call(),
+        Arch::V3(simd) => simd.vectorize(strokes),
+        _ => strokes.call(),
     }
 }
 
-impl NullaryFnOnce for Runs<'_> {
+impl NullaryFnOnce for Strokes<'_> {
     type Output = ();
 
     #[inline(always)]
     fn call(self) {
-        let Strokes { chords, tables, table_of, trees, trees_of, ends, .. } = self.strokes;
         for run in self.runs {
             let first_column = run.columns.start;
             let pixels = self.patch.stretch_mut(run.row, run.columns.clone());
             match run.source {
                 Source::Smooth(number) => {
-                    let table = &tables[table_of[number]];
-                    smooth(&chords[number], table, self.profile, run.row, first_column, pixels);
+                    let table = &self.tables[self.table_of[number]];
+                    smooth(&self.chords[number], table, self.profile, run.row, first_column, pixels);
                 }
                 Source::Summed(number) => {
-                    let trees = &trees[trees_of[number].clone()];
+                    let trees = &self.trees[self.trees_of[number].clone()];
                     summed(trees, self.profile, run.row, first_column, pixels);
                 }
                 Source::Edge(number) => {
                     if let Some(table) = self.profile.edge() {
-                        ends[number].0.add_to(table, run.row, first_column, pixels);
+                        self.ends[number].0.add_to(table, run.row, first_column, pixels);
                     }
                 }
                 Source::Middle(number) => {
                     pixels.fill(0.0);
-                    let trees = &trees[ends[number].1.clone()];
+                    let trees = &self.trees[self.ends[number].1.clone()];
                     summed(trees, self.profile, run.row, first_column, pixels);
                 }
             }

@@ -2,7 +2,6 @@
 
 use super::super::drawn::DrawnStreak;
 use super::mask_planes::MaskPlanes;
-use crate::camera::LightRows;
 
 /// Fainter than this share of its brightest pixel a streak's light is not counted as injected: it is below anything that a frame can hold.
 const FAINTEST_SHARE: f32 = 1e-4;
@@ -28,9 +27,9 @@ pub struct MaskSpan {
 pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
     let peaks: Vec<f32> = streaks
         .iter()
-        .map(|streak| streak.light.iter().flat_map(|span| span.values.iter().copied()).fold(0.0, f32::max))
+        .map(|streak| streak.patch.iter().flat_map(|span| span.values.iter().copied()).fold(0.0, f32::max))
         .collect();
-    let rows = streaks.iter().flat_map(|streak| streak.light.iter().map(|span| span.row));
+    let rows = streaks.iter().flat_map(|streak| streak.patch.iter().map(|span| span.row));
     let mut rows: Vec<usize> = rows.collect();
     rows.sort_unstable();
     rows.dedup();
@@ -40,7 +39,7 @@ pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPla
         .filter_map(|row| {
             let (mut first, mut end) = (columns, 0);
             for (streak, &peak) in streaks.iter().zip(&peaks) {
-                let span = streak.light.row(row);
+                let span = streak.patch.row(row);
                 let threshold = if noise > 0.0 { f32::INFINITY } else { SHARE_WITHOUT_NOISE * peak };
                 for (column, &value) in (span.first_column..).zip(span.values) {
                     if value > FAINTEST_SHARE * peak {
@@ -85,7 +84,7 @@ pub fn noise_of(values: &[f32]) -> f32 {
 mod tests {
     use super::*;
     use crate::camera::{Blur, PixelPosition, RadialProfile, Seeing, draw_point};
-    use crate::streak::{Drawing, Source, SourceName};
+    use crate::streak::{Source, SourceName};
 
     #[test]
     fn verif_masks_tell_light_that_stands_out_from_light_that_is_there() {
@@ -98,7 +97,7 @@ mod tests {
             hdu: 0,
             chip: "",
             is_on_sky: true,
-            light: Drawing::from(draw_point(&profile, PixelPosition { x, y: 20.0 }, 1000.0, 40, 60)),
+            patch: draw_point(&profile, PixelPosition { x, y: 20.0 }, 1000.0, 40, 60),
             points: vec![],
             width_arcsec: 3.0,
             width_pix: 3.0,
@@ -117,13 +116,10 @@ mod tests {
             let middle = spans.iter().find(|span| span.row == 20).unwrap();
             let at = |column: usize| middle.values[column - middle.first_column];
             assert_eq!((at(20), at(26)), (3, 3));
-            let light = |streak: &DrawnStreak<'_>, column: usize| {
-                let span = streak.light.row(20);
-                column.checked_sub(span.first_column).and_then(|place| span.values.get(place)).copied().unwrap_or(0.0)
-            };
-            let sum = |column: usize| light(&left, column) + light(&right, column);
+            let sum = |column: usize| left.patch.at(20, column) + right.patch.at(20, column);
             for column in middle.first_column..middle.first_column + middle.values.len() {
-                let stands_out = if noise > 0.0 { sum(column) > noise } else { sum(column) > 0.1 * light(&left, 20) };
+                let stands_out =
+                    if noise > 0.0 { sum(column) > noise } else { sum(column) > 0.1 * left.patch.at(20, 20) };
                 // Between the two the sum may stand out where neither does: only noise knows sums.
                 if noise > 0.0 || (column as f64 - 23.0).abs() > 1.5 {
                     assert_eq!(at(column) & 1 == 1, stands_out, "{column} {noise}");

@@ -124,7 +124,7 @@ static FIELDS: &[Field] = &[
     ),
     field(
         Column::real("counts", "", 3, "Sum of the light on the chip in the frame's unit, before noise and detector."),
-        |row| row.streak.light.sum().into(),
+        |row| row.streak.patch.sum().into(),
     ),
     field(Column::real("total_magnitude", "mag", 3, "Of a star of as many counts."), |row| {
         row.streak.total_magnitude().into()
@@ -215,7 +215,7 @@ pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
         let streak = row.streak;
         let (middle, angle_deg) = (streak.middle.filter(|_| streak.is_on_sky)?, streak.angle_deg()?);
         // Σ counts = flux(mag) × length                        lsst.source.injection, make_galsim_trail
-        let mag = streak.zero_point_mag - 2.5 * (streak.light.sum() / streak.length_pix).log10();
+        let mag = streak.zero_point_mag - 2.5 * (streak.patch.sum() / streak.length_pix).log10();
         Some(vec![
             row.number.into(),
             middle.frame_direction.longitude_rad().to_degrees().into(),
