@@ -46,9 +46,9 @@ pub struct FieldStreak {
     pub name: String,
     /// Points from entry to exit, two or more: right ascension and declination, degrees.
     pub track_deg: Vec<[f64; 2]>,
-    /// Entry, MJD (UTC).
+    /// Entry, MJD (UTC); not a number where it is not known.
     pub enter_mjd: f64,
-    /// Exit, MJD (UTC).
+    /// Exit, likewise.
     pub exit_mjd: f64,
     /// The brightest along it; not a number where there is none.
     pub magnitude: f64,

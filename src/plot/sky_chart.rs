@@ -130,7 +130,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         caption += &format!("The {} brightest of {} passes. ", tracks.len(), input.tracks.len());
     }
     caption += input.caption;
-    picture.paragraph(caption.trim_end(), [48.0, WIDTH - 24.0], 816.0, 16.0);
+    picture.paragraph(caption.trim_end(), [48.0, WIDTH - 24.0], 804.0, 16.0);
     Ok(picture)
 }
 

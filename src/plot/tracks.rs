@@ -101,8 +101,11 @@ pub(super) fn list(picture: &mut Picture, [left, right]: [f64; 2], top: f64, tim
     }
 }
 
-/// Time of day, UTC, with so many decimals of a second.
+/// Time of day, UTC, with so many decimals of a second; nothing where there is no moment.
 pub(super) fn time_of_day(mjd: f64, decimals: usize) -> String {
+    if !mjd.is_finite() {
+        return String::new();
+    }
     // Leap seconds do not move a clock that is read.
     let parts_a_second = 10_i64.pow(decimals as u32);
     let parts = ((mjd - mjd.floor()) * 86_400.0 * parts_a_second as f64).round() as i64 % (86_400 * parts_a_second);
@@ -141,6 +144,7 @@ mod tests {
         let late = 60_536.0 + 86_399.97 / 86_400.0;
         assert_eq!((time_of_day(late, 2), time_of_day(late, 1)), ("23:59:59.97".into(), "00:00:00.0".into()));
         assert_eq!(time_of_day(60_536.25 + 1.4 / 86_400.0, 0), "06:00:01");
+        assert_eq!(time_of_day(f64::NAN, 1), "");
         assert_eq!(by_brightness([f64::NAN, 5.0, -1.0, f64::NAN, 5.0].into_iter()), [2, 1, 4, 0, 3]);
     }
 

@@ -98,7 +98,7 @@ impl FieldOf {
     /// The border.
     fn outlines(&self) -> PyResult<Vec<Vec<[f64; 2]>>> {
         let Some(fov_deg) = self.fov_deg else { return Ok(Vec::new()) };
-        let field = Field::circle(fov_deg).map_err(failure::asked)?;
+        let field = Field::circle(fov_deg.to_radians()).map_err(failure::asked)?;
         let centre = Direction::from_lon_lat_rad(self.ra_deg.to_radians(), self.dec_deg.to_radians());
         let degrees = |place: Direction<Gcrs>| [place.longitude_rad().to_degrees(), place.latitude_rad().to_degrees()];
         let outlines = field.on_sky(&centre, 0.0).outlines(ROUND);

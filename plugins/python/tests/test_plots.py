@@ -28,6 +28,18 @@ def test_a_field_shows_its_passes(model, output):
     assert any(str(name)[:16] in svg for name in passes["name"])
 
 
+def test_a_field_is_as_wide_as_it_was_said_to_be(model):
+    passes = model.passes(TARGET, START, 30.0, output="dict")
+    none = {name: column[:0] for name, column in passes.items()}
+    # A chart is a tenth wider than its border: 33 arcmin to each side.
+    arcminutes, degrees = (shown(plots.field(none, TARGET, fov_deg=fov)) for fov in (1.0, 7.0))
+    assert "offset to the east, ′" in arcminutes and "\n30\n" in arcminutes and "\n40\n" not in arcminutes
+    assert "offset to the east, °" in degrees and "no streak crosses this field" in degrees
+    for fov in (0.0, -1.0, 181.0):
+        with pytest.raises(StreakcastError):
+            plots.field(passes, TARGET, fov_deg=fov)
+
+
 def test_forms_of_tables_are_one_picture(model):
     one, other = (plots.field(model.passes(TARGET, START, 30.0, output=form), TARGET) for form in ("qtable", "dict"))
     assert one.svg() == other.svg()

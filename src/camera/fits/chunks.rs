@@ -7,21 +7,16 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc;
 use std::thread;
 
-use rayon::prelude::*;
-
 use super::positioned::write_all_at;
 
 /// Bytes that are made and written at once: whole pixels of every type, and whole words of sums. A thread writes what it made itself, which is still in its cache.
 const CHUNK: usize = 1 << 20;
 
-/// Chunks that are worked on at once, at most: a file system lets one thread into a file at a time, so that more would only wait.
-const AT_ONCE: usize = 4;
-
 /// Bytes after which the disk is asked to take what was written.
 const FLUSH: usize = 4 * CHUNK;
 
-/// Writes `length` bytes to a file from `to` on as `make` makes them, on the threads of the current pool, and gathers in order what it says of each chunk. Chunks are
-/// begun in order. With `is_flushed` what is written is brought to the disk while the next chunks are made; that all of it is there the caller has to see to.
+/// Writes `length` bytes to a file from `to` on as `make` makes them, and gathers in order what it says of each chunk. Chunks are begun in order, on two threads: a file
+/// system lets one of them into a file at a time, and the other makes its next chunk meanwhile; more would only wait. With `is_flushed` what is written is brought to the disk while the next chunks are made; that all of it is there the caller has to see to.
 ///
 /// # Errors
 /// What `make` says, and what the system says of writing.
@@ -68,19 +63,19 @@ pub(super) fn write_in_chunks<T: Send>(
             }
             Ok(made)
         };
-        let workers = rayon::current_num_threads().min(AT_ONCE).min(length.div_ceil(CHUNK));
-        let senders: Vec<_> = (0..workers).map(|_| to_flusher.clone()).collect();
-        drop(to_flusher);
-        let made: io::Result<Vec<Vec<(usize, T)>>> = senders.into_par_iter().with_max_len(1).map(work).collect();
+        let other = to_flusher.clone();
+        let beside = (length > CHUNK).then(|| scope.spawn(move || work(other)));
+        let own = work(to_flusher);
+        let others = beside.map_or(Ok(Vec::new()), joined);
         let flushed = flusher.map_or(Ok(()), joined);
-        let mut made: Vec<(usize, T)> = made?.into_iter().flatten().collect();
-        flushed?;
+        let (mut made, others, ()) = (own?, others?, flushed?);
+        made.extend(others);
         made.sort_by_key(|(from, _)| *from);
         Ok(made.into_iter().map(|(_, said)| said).collect())
     })
 }
 
-fn joined(thread: thread::ScopedJoinHandle<'_, io::Result<()>>) -> io::Result<()> {
+fn joined<T>(thread: thread::ScopedJoinHandle<'_, io::Result<T>>) -> io::Result<T> {
     thread.join().unwrap_or_else(|_| Err(io::Error::other("a thread that writes stopped")))
 }
 

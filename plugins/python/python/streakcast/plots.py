@@ -146,7 +146,7 @@ def field(passes: Any, target: Any, *, fov_deg: Union[float, None] = None, title
     Raises
     ------
     StreakcastError
-        Neither streaks nor a border; places more than 75 degrees from the centre.
+        Neither streaks nor a border; a diameter of 0 or less, or of more than 180 degrees; places more than 75 degrees from the centre.
     """
     ra, dec = (float(np.ravel(axis)[0]) for axis in directions(target))
     diameter = None if fov_deg is None else scalar(fov_deg, "deg", "fov_deg")

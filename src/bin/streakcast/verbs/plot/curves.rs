@@ -10,8 +10,9 @@ use super::columns::Columns;
 
 /// Names of satellites of shells end so; the caption says it of all.
 pub const SYNTHETIC: &str = " (synthetic)";
+
 /// Said where there are such.
-pub fn synthetic_words(names: &[&str]) -> &'static str {
+pub fn shells_caption(names: &[&str]) -> &'static str {
     if names.iter().any(|name| name.ends_with(SYNTHETIC)) { "Satellites of shells are synthetic." } else { "" }
 }
 

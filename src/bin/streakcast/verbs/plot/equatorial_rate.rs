@@ -166,7 +166,6 @@ pub fn is_of(columns: &Columns) -> bool {
 
 pub fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
     let rates = Rates::of(columns, "plot sky-rate --equatorial")?;
-    let signed = |name: &str| format!("{}", rates.number(name)).replace('-', "−");
     let nights = rates.option("nights").and_then(Value::as_array).into_iter().flatten();
     let nights: Vec<&str> = nights.filter_map(Value::as_str).collect();
     let nights = match nights.as_slice() {
@@ -179,8 +178,8 @@ pub fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture
         caption: &format!(
             "Site: {}. Means over the hours of {nights} in which the Sun is below {}° and the place above {}°, every {:.0} min, HEALPix nside {}.{}",
             rates.site,
-            signed("max_sun_altitude_deg"),
-            signed("min_altitude_deg"),
+            rates.angle("max_sun_altitude_deg", None),
+            rates.angle("min_altitude_deg", None),
             rates.number("step_s") / 60.0,
             rates.nside,
             columns.synthetic_words()

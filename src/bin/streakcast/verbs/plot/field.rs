@@ -14,7 +14,7 @@ use crate::verbs::judged::begin;
 use crate::verbs::passes::ask;
 
 use super::columns::Columns;
-use super::curves::{SYNTHETIC, synthetic_words};
+use super::curves::{SYNTHETIC, shells_caption};
 use super::target::Target;
 
 /// Points of a circle.
@@ -122,7 +122,7 @@ fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Optio
     let words = format!("{} UTC, {} s", start, place.exposure_s);
     Ok(field_chart(&FieldChart {
         title: title.unwrap_or(&format!("Streaks in the field, {words}")),
-        caption: synthetic_words(&names),
+        caption: shells_caption(&names),
         ra_deg,
         dec_deg,
         outlines: &outlines,

@@ -99,7 +99,9 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
     let photometry = setup.photometry()?;
     provenance.state("band", photometry.band.name());
     provenance.state("mag_system", photometry.system.to_string());
-    provenance.state("earthshine", photometry.earthshine.name());
+    if model_of(&setup.model_library()?, &typed.model)?.is_of_panels() {
+        provenance.state("earthshine", photometry.earthshine.name());
+    }
     target.write(&picture, "residuals", &found.table(), &provenance)?;
     Ok(Outcome::Done)
 }

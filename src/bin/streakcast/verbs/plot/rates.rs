@@ -50,6 +50,13 @@ impl Rates {
     pub fn number(&self, name: &str) -> f64 {
         self.option(name).and_then(Value::as_f64).unwrap_or(f64::NAN)
     }
+
+    /// An angle with a true minus sign, degrees; nothing where it is not said.
+    pub fn angle(&self, name: &str, decimals: Option<usize>) -> String {
+        let Some(angle) = self.option(name).and_then(Value::as_f64) else { return String::new() };
+        let text = decimals.map_or_else(|| angle.to_string(), |decimals| format!("{angle:.decimals$}"));
+        text.replace('-', "−")
+    }
 }
 
 /// A table that does not say what a picture needs.

@@ -10,7 +10,7 @@ use crate::plot_arguments::PlotSkyChartArguments;
 use crate::verbs::judged::begin;
 
 use super::columns::Columns;
-use super::curves::{Curve, SECTIONS, curves, synthetic_words};
+use super::curves::{Curve, SECTIONS, curves, shells_caption};
 use super::target::Target;
 
 pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
@@ -26,13 +26,13 @@ fn picture(columns: &Columns, found: Vec<Curve>, title: Option<&str>) -> anyhow:
     let tracks: Vec<SkyTrack> = found.into_iter().map(|curve| curve.track).collect();
     let site = columns.stated("site").and_then(|site| site.get("name")).and_then(Value::as_str);
     let over = site.filter(|name| *name != "site").map_or("a site".to_owned(), str::to_owned);
-    let begins = tracks.iter().filter_map(|track| track.time_mjd.first().copied()).fold(f64::INFINITY, f64::min);
-    let date = if begins.is_finite() {
-        format_utc(hifitime::Epoch::from_mjd_utc(begins), 0).chars().take(10).collect()
-    } else {
-        String::new()
+    let begins = || tracks.iter().filter_map(|track| track.time_mjd.first().copied()).filter(|mjd| mjd.is_finite());
+    let day = |mjd: f64| format_utc(hifitime::Epoch::from_mjd_utc(mjd), 0).chars().take(10).collect::<String>();
+    let date = match (begins().min_by(f64::total_cmp).map(day), begins().max_by(f64::total_cmp).map(day)) {
+        (Some(first), Some(last)) if first != last => format!("{first} to {last}"),
+        (first, _) => first.unwrap_or_default(),
     };
-    let caption = columns.texts("name").map_or("", |names| synthetic_words(&names));
+    let caption = columns.texts("name").map_or("", |names| shells_caption(&names));
     let one = tracks.first().filter(|_| tracks.len() == 1).map(|track| format!("{} over {over}, {date}", track.name));
     let words = one.unwrap_or_else(|| format!("Passes over {over}, {date}"));
     Ok(sky_chart(&SkyChart { title: title.unwrap_or(&words), caption, tracks: &tracks })?)

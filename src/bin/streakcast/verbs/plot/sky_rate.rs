@@ -187,7 +187,7 @@ fn picture(columns: &Columns, title: Option<&str>) -> anyhow::Result<Picture> {
         Some(circle) => format!(", field {circle}"),
         None => String::new(),
     };
-    let sun = format!("{:.1}", rates.number("sun_altitude_deg")).replace('-', "−");
+    let sun = rates.angle("sun_altitude_deg", Some(1));
     let utc = rates.option("moment_utc").and_then(Value::as_str).unwrap_or_default();
     let utc = utc.trim_end_matches('Z').replace('T', " ");
     Ok(sky_rate(&SkyRate {

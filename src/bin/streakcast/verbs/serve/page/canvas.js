@@ -24,7 +24,7 @@ export class Backdrop {
   /** Puts on the canvas what `paint(context)` draws; that is drawn anew where `of` (what it shows) or the canvas is another. */
   show(context, of, paint) {
     const { canvas } = context;
-    const shown = [canvas.width, canvas.height, ...of];
+    const shown = [canvas.width, canvas.height, context.getTransform().a, ...of];
     if (!this.shown || shown.some((one, place) => one !== this.shown[place])) {
       this.picture = document.createElement("canvas");
       this.picture.width = canvas.width;
