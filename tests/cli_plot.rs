@@ -403,7 +403,7 @@ fn verif_what_forecast_wrote_is_drawn() {
     // Rows of points, passes that hold them, in each format: one picture.
     drawn(&folder, "sky", &[&["sky-chart", "--from", &curves]], 0);
     let sky = words(&path(&folder, "sky.svg"));
-    for expected in ["Passes over Rubin Observatory, 2026-08-14", "N", "E", "60°", "from UTC", "13"] {
+    for expected in ["Passes over Rubin Observatory, 2026-08-14 to 2026-08-15", "N", "E", "60°", "from UTC", "13"] {
         assert!(sky.iter().any(|words| words == expected), "{expected}: {sky:?}");
     }
     let picture = fs::read(path(&folder, "sky.png")).unwrap();
