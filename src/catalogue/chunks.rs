@@ -30,6 +30,7 @@ pub(super) fn parse_in_chunks<'a>(
     let mut whole = parts.next().map(|(_, first)| first).unwrap_or_default();
     for (offset, part) in parts {
         whole.sets.extend(part.sets);
+        whole.last_good_at = part.last_good_at.map(|at| at + offset).or(whole.last_good_at);
         whole.rejected.extend(part.rejected.into_iter().map(|(at, reason)| (at + offset, reason)));
         whole.bad_checksums_accepted += part.bad_checksums_accepted;
     }

@@ -127,10 +127,10 @@ impl<'a> Fields<'a> {
             let name = self.get(Keyword::ObjectName).unwrap_or_default();
             match parse_lines(name.as_bytes(), line1.as_bytes(), line2.as_bytes(), checksums) {
                 Ok((set, overlooked)) => {
-                    parsed.sets.push(set);
+                    parsed.take(offset, Ok(set));
                     parsed.bad_checksums_accepted += usize::from(overlooked);
                 }
-                Err((_, reason)) => parsed.rejected.push((offset, reason)),
+                Err((_, reason)) => parsed.take(offset, Err(reason)),
             }
             return;
         }

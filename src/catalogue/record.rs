@@ -166,6 +166,8 @@ impl fmt::Display for Rejected {
 pub(super) struct Parsed {
     /// The good records in their order.
     pub sets: Vec<ElementSet>,
+    /// Where the last of them stands.
+    pub last_good_at: Option<usize>,
     /// The bad ones: where and why.
     pub rejected: Vec<(usize, RecordError)>,
     /// Records taken in spite of a wrong checksum.
@@ -176,9 +178,17 @@ impl Parsed {
     /// Takes a record or notes why not.
     pub fn take(&mut self, offset: usize, record: Result<ElementSet, RecordError>) {
         match record {
-            Ok(set) => self.sets.push(set),
+            Ok(set) => {
+                self.sets.push(set);
+                self.last_good_at = Some(offset);
+            }
             Err(reason) => self.rejected.push((offset, reason)),
         }
+    }
+
+    /// Whether no good record follows the last bad one: the text may have been cut within it.
+    pub fn is_cut_short(&self) -> bool {
+        self.rejected.iter().map(|(offset, _)| *offset).max() > self.last_good_at
     }
 }
 

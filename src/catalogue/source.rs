@@ -12,7 +12,7 @@ use sha2::{Digest, Sha256};
 use thiserror::Error;
 
 use super::element_set::ElementSet;
-use super::record::{Parsed, Rejected, excerpt};
+use super::record::{Parsed, RecordError, Rejected, excerpt};
 use super::tle::Checksums;
 use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};
 
@@ -60,6 +60,8 @@ pub struct SourceFile {
     pub records: usize,
     /// Records left out.
     pub rejected: usize,
+    /// Whether the last record is one of those: the file may have been cut short, or is still being written.
+    pub cut_short: bool,
     /// Records taken in spite of a wrong checksum.
     pub bad_checksums_accepted: usize,
     /// Earliest epoch.
@@ -156,7 +158,7 @@ pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading
 pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, CatalogueError> {
     // Hashing and reading take about as long as each other.
     let (sha256, content) = rayon::join(|| hex(&Sha256::digest(bytes)), || read_content(name, bytes, checksums));
-    let (format, gzipped, sets, rejected, bad_checksums_accepted) = content?;
+    let Content { format, gzipped, sets, rejected, cut_short, bad_checksums_accepted } = content?;
     let name: Arc<str> = Arc::from(name);
     let rejected: Vec<Rejected> =
         rejected.into_iter().map(|(line, reason)| Rejected { file: name.clone(), line, reason }).collect();
@@ -178,6 +180,7 @@ pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Resu
         gzipped,
         records: sets.len(),
         rejected: rejected.len(),
+        cut_short,
         bad_checksums_accepted,
         first_epoch,
         last_epoch,
@@ -185,8 +188,15 @@ pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Resu
     Ok(FileReading { source, sets, rejected })
 }
 
-/// Format, whether gzipped, good records, bad ones by line, accepted bad checksums.
-type Content = (ElementFormat, bool, Vec<ElementSet>, Vec<(usize, super::record::RecordError)>, usize);
+/// What a file holds, bad records by line.
+struct Content {
+    format: ElementFormat,
+    gzipped: bool,
+    sets: Vec<ElementSet>,
+    rejected: Vec<(usize, RecordError)>,
+    cut_short: bool,
+    bad_checksums_accepted: usize,
+}
 
 fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, CatalogueError> {
     let gzipped = bytes.starts_with(&[0x1f, 0x8b]);
@@ -206,8 +216,10 @@ fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Conten
         ElementFormat::OmmKvn => omm_kvn::parse(&text),
     };
     parsed.rejected.sort_by_key(|(offset, _)| *offset);
-    let Parsed { sets, rejected, bad_checksums_accepted } = parsed;
-    Ok((format, gzipped, sets, line_numbers(text.as_bytes(), rejected), bad_checksums_accepted))
+    let cut_short = parsed.is_cut_short();
+    let Parsed { sets, rejected, bad_checksums_accepted, .. } = parsed;
+    let rejected = line_numbers(text.as_bytes(), rejected);
+    Ok(Content { format, gzipped, sets, rejected, cut_short, bad_checksums_accepted })
 }
 
 /// Byte offsets in rising order to line numbers from 1.

@@ -42,7 +42,7 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
                 let name_line = name.take().map_or(&[][..], |name| name.1);
                 match parse_lines(name_line, first_line, line, checksums) {
                     Ok((set, overlooked)) => {
-                        parsed.sets.push(set);
+                        parsed.take(offset, Ok(set));
                         parsed.bad_checksums_accepted += usize::from(overlooked);
                     }
                     Err((1, error)) => parsed.rejected.push((first_offset, error)),

@@ -148,6 +148,7 @@ impl Stock {
             provenance.attach("rejected_count", catalogue.rejected.len());
             provenance
                 .attach("rejected", catalogue.rejected.iter().take(LISTED).map(rejected_json).collect::<Vec<_>>());
+            provenance.attach("cut_short", cut_short(catalogue).collect::<Vec<_>>());
             elements = catalogue.at(middle);
             warnings.extend(age_warning(&elements, first, last));
         }
@@ -240,6 +241,11 @@ fn source_json(source: &SourceFile) -> serde_json::Value {
     })
 }
 
+/// Files that end with a broken record.
+fn cut_short(catalogue: &Catalogue) -> impl Iterator<Item = &str> {
+    catalogue.sources.iter().filter(|source| source.cut_short).map(|source| source.name.as_ref())
+}
+
 fn rejected_json(rejected: &Rejected) -> serde_json::Value {
     json!({
         "file": rejected.file.as_ref(),
@@ -286,6 +292,9 @@ fn catalogue_warnings(catalogue: &Catalogue) -> Vec<String> {
             warning += &format!(" ({checksums} for a wrong checksum; --accept-bad-checksums takes those)");
         }
         warnings.push(format!("{warning}: {}{more}", named.join("; ")));
+    }
+    for name in cut_short(catalogue) {
+        warnings.push(format!("{name} ends with a broken record: it may have been cut short; fetch it again"));
     }
     let accepted: usize = catalogue.sources.iter().map(|source| source.bad_checksums_accepted).sum();
     if accepted > 0 {

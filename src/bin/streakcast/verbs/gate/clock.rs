@@ -2,7 +2,7 @@
 
 use std::cell::Cell;
 use std::thread::sleep;
-use std::time::{Duration, SystemTime};
+use std::time::{Duration, Instant, SystemTime};
 
 use hifitime::Epoch;
 use streakcast::frames::seconds_between;
@@ -35,16 +35,20 @@ impl Clock {
         matches!(self, Clock::Machine)
     }
 
-    /// Waits until a moment; at once where it has passed.
+    /// Waits until a moment; at once where it has passed. Never longer than it is away now, whatever becomes of the clock meanwhile.
     pub fn sleep_until(&self, moment: Epoch) {
         match self {
-            Clock::Machine => loop {
-                let rest_s = seconds_between(self.now(), moment);
-                if rest_s.is_nan() || rest_s <= 0.0 {
-                    return;
+            Clock::Machine => {
+                let until = |now: Epoch| Duration::try_from_secs_f64(seconds_between(now, moment)).unwrap_or_default();
+                let (began, longest) = (Instant::now(), until(self.now()));
+                loop {
+                    let rest = longest.saturating_sub(began.elapsed()).min(until(self.now()));
+                    if rest.is_zero() {
+                        return;
+                    }
+                    sleep(rest.min(LONGEST_NAP));
                 }
-                sleep(Duration::from_secs_f64(rest_s).min(LONGEST_NAP));
-            },
+            }
             Clock::Rehearsal(now) => now.set(moment.max(now.get())),
         }
     }

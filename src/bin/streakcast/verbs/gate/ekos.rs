@@ -1,6 +1,8 @@
 //! What Ekos pipes into its pre-capture script: one JSON object, read without trusting the pipe ever to be closed.
 
-use std::io::stdin;
+use std::io::{self, Read, Stdin, stdin};
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
@@ -47,12 +49,30 @@ impl Job {
     }
 }
 
-/// The first JSON value on standard input; `None` where it is empty, as older KStars leave it.
+/// Standard input, and whether anything but blanks came from it.
+struct Heard {
+    input: Stdin,
+    anything: Arc<AtomicBool>,
+}
+
+impl Read for Heard {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        let read = self.input.read(buffer)?;
+        if !buffer[..read].trim_ascii().is_empty() {
+            self.anything.store(true, Ordering::Relaxed);
+        }
+        Ok(read)
+    }
+}
+
+/// The first JSON value on standard input; `None` where nothing comes, as from older KStars, whether they close it or not.
 pub fn read_job(timeout: Duration) -> Result<Option<Job>, Fault> {
     let (send, receive) = channel();
+    let anything = Arc::new(AtomicBool::new(false));
+    let heard = Heard { input: stdin(), anything: anything.clone() };
     // A host that never closes the pipe must not stall the night: the reader is left behind.
     thread::spawn(move || {
-        let mut messages = Deserializer::from_reader(stdin()).into_iter::<Message>();
+        let mut messages = Deserializer::from_reader(heard).into_iter::<Message>();
         let _ = send.send(messages.next());
     });
     let bad = |what: String| Fault::new(FaultKind::Host, what);
@@ -65,6 +85,7 @@ pub fn read_job(timeout: Duration) -> Result<Option<Job>, Fault> {
             Some(other) => Err(bad(format!("standard input: script_type {other}; allowed: PRE_CAPTURE, PRE_JOB"))),
         },
         Ok(Some(Err(error))) => Err(bad(format!("standard input: {error}"))),
+        Err(RecvTimeoutError::Timeout) if !anything.load(Ordering::Relaxed) => Ok(None),
         Err(RecvTimeoutError::Timeout) => {
             Err(bad(format!("standard input: no whole JSON object within {} s", timeout.as_secs_f64())))
         }

@@ -17,7 +17,7 @@ use super::fault::{Fault, FaultKind};
 const PORT: u16 = 7624;
 /// A server that says more than this before it says where the mount points is none, bytes.
 const MOST_BYTES: usize = 16 << 20;
-/// How long the place of the observatory is waited for once the mount's pointing is known.
+/// How long the place of the observatory, and a second mount, are waited for once a mount's pointing is known.
 const GRACE: Duration = Duration::from_millis(700);
 /// Clocks this far apart are told, seconds: INDI gives whole seconds, and networks have their moments.
 const CLOCK_TOLERANCE_S: f64 = 3.0;
@@ -169,10 +169,11 @@ impl Heard {
                 _ => {}
             }
             if let Some(pointing) = self.settled() {
-                if self.sites.iter().any(|(device, ..)| *device == pointing.device) {
+                let has_site = self.sites.iter().any(|(device, ..)| *device == pointing.device);
+                if has_site && self.wanted.is_some() {
                     return None;
                 }
-                // Properties come in one breath: a site that has not come soon will not come.
+                // Properties come in one breath: a site, or a second mount, that has not come soon will not come.
                 let patient = reader.get_mut().get_mut();
                 patient.deadline = patient.deadline.min(Instant::now() + GRACE);
             }
@@ -219,6 +220,7 @@ impl Heard {
 
     fn mount(&self, clock: &Clock) -> Result<Mount, String> {
         let mut mounts: Vec<&str> = self.pointings.iter().map(|pointing| pointing.device.as_str()).collect();
+        mounts.sort_unstable();
         mounts.dedup();
         if mounts.len() > 1 {
             return Err(format!("several mounts ({}); say which with --indi-device", mounts.join(", ")));

@@ -27,9 +27,13 @@ use crate::notices::Notices;
 const SAME_SITE_KM: f64 = 1.0;
 /// A file of elements written less than this ago may still be being written.
 const FRESH: Duration = Duration::from_secs(10);
+/// One that has stayed so long as it is, is meant to be so.
+const SETTLED: Duration = Duration::from_mins(10);
 /// How often, and how long apart, elements are read again that could not be read, seconds.
 const TRIES: usize = 4;
 const TRY_AGAIN_S: f64 = 0.3;
+/// A clock that is off by more than this after a wait was set meanwhile, seconds.
+const CLOCK_STEP_S: f64 = 1.0;
 /// Passes named in the status file.
 const NAMED: usize = 5;
 
@@ -195,6 +199,12 @@ fn answer(
     if waited_s > 0.0 {
         tell_waiting(request, said);
         request.clock.sleep_until(first);
+        let now = request.clock.now();
+        let late_s = seconds_between(first, now);
+        if late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S {
+            let message = format!("the clock was set, or the machine slept, during the wait: {late_s:+.1} s from the clear start");
+            return Err(Fault::new(FaultKind::Clock, message));
+        }
     }
     Ok(Verdict::Clear { waited_s, until })
 }
@@ -273,7 +283,7 @@ fn prepare(
         let prepared = setup.prepare(now, seconds_after(now, request.max_wait_s));
         let is_done = match &prepared {
             Err(error) => !is_of_elements(error),
-            Ok(prepared) => rejected(prepared) == 0 || !files.iter().any(|path| is_fresh(path)),
+            Ok(prepared) => rejected(prepared) == 0 || files.iter().all(|path| is_older(path, FRESH)),
         };
         if is_done || tries == TRIES {
             break prepared;
@@ -287,14 +297,18 @@ fn prepare(
     })?;
     notices.warn(&prepared.warnings);
     let (satellites, rejected) = (prepared.sky.elements().len(), rejected(&prepared));
-    state(said, "satellites", satellites);
     state(said, "elements_rejected", rejected);
-    let shrank = satellites_before.filter(|before| 2 * satellites < *before && !files.is_empty());
+    // Fewer than the last time, and not because somebody wanted it so.
+    let cut_short = is_cut_short(&prepared);
+    let least = |before: usize| if cut_short { before - before / 10 } else { before.div_ceil(2) };
+    let meant = files.is_empty() || !cut_short && files.iter().all(|path| is_older(path, SETTLED));
+    let shrank = satellites_before.filter(|before| satellites < least(*before) && !meant);
     if rejected > satellites || shrank.is_some() {
         let before = shrank.map_or_else(String::new, |before| format!(", {before} the last time"));
         let message = format!("half-written elements? {satellites} satellites, {rejected} records rejected{before}");
         return Err(Fault::new(FaultKind::Elements, message));
     }
+    state(said, "satellites", satellites);
     let stale = share_of_stale(prepared.sky.elements(), now, OLD_ELEMENTS_DAYS);
     if stale > 0.5 {
         let message = format!("{:.0} % of the elements are more than {OLD_ELEMENTS_DAYS} days from now", 100.0 * stale);
@@ -312,9 +326,16 @@ fn rejected(prepared: &Prepared) -> usize {
     attached.and_then(|(_, count)| count.as_u64()).map_or(0, |count| count as usize)
 }
 
-fn is_fresh(path: &Path) -> bool {
+fn is_cut_short(prepared: &Prepared) -> bool {
+    let attached = prepared.provenance.attached().find(|(name, _)| *name == "cut_short");
+    attached.and_then(|(_, names)| names.as_array()).is_some_and(|names| !names.is_empty())
+}
+
+/// Whether a file was changed longer ago; true of times to come, which are another machine's, and of files that nothing is known of.
+fn is_older(path: &Path, age: Duration) -> bool {
     let changed = std::fs::metadata(path).and_then(|metadata| metadata.modified());
-    changed.is_ok_and(|changed| SystemTime::now().duration_since(changed).is_ok_and(|age| age < FRESH))
+    let since = changed.ok().and_then(|changed| SystemTime::now().duration_since(changed).ok());
+    since.is_none_or(|since| since >= age)
 }
 
 /// The passes that are waited for, in the status file.
