@@ -176,12 +176,30 @@ fn faults_of_elements_open_the_gate_and_are_counted() {
     assert_eq!(code, 0, "{stderr}");
     let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
     assert_eq!((told["satellites"].as_i64(), told["verdict"].as_str()), (Some(40), Some("clear")), "{told}");
-    // A quarter of what was there the last time, cut between two records: fewer than half, so it is not believed, once.
+    // A quarter of what was there the last time, cut between two records: fewer than half, so it is not believed until it has stayed so for minutes.
+    let is_believed = |text: &str, minutes: u64, part: &str| {
+        fs::write(&elements, text).unwrap();
+        let changed = SystemTime::now() - Duration::from_secs(60 * minutes);
+        fs::File::options().append(true).open(&elements).unwrap().set_modified(changed).unwrap();
+        let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--status-file", &status]]);
+        assert_eq!(code, 0, "{stderr}");
+        assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
+        let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+        told["verdict"] != "fault"
+    };
     let quarter: String = many.split_inclusive('\n').take(20).collect();
-    fs::write(&elements, &quarter).unwrap();
-    let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--status-file", &status]]);
-    assert_eq!(code, 0);
-    assert!(stderr.contains("half-written elements? 10 satellites, 0 records rejected, 40 the last time"), "{stderr}");
+    let fewer = "half-written elements? 10 satellites, 0 records rejected, 40 the last time";
+    for minutes in [0, 1, 9] {
+        assert!(!is_believed(&quarter, minutes, fewer));
+    }
+    // Cut within a record: fewer than nine in ten are not believed, however long they stay.
+    let torn: String = many.split_inclusive('\n').take(60).collect::<String>() + &many[..100];
+    let broken = "half-written elements? 30 satellites, 1 records rejected, 40 the last time";
+    assert!(!is_believed(&torn, 60, broken));
+    let last: String = many.split_inclusive('\n').take(79).collect();
+    assert!(is_believed(&last, 1, "ends with a broken record"));
+    assert!(is_believed(&many, 0, "clear now"));
+    assert!(is_believed(&quarter, 11, "clear now"));
     // Weeks old: no wait can be trusted.
     fs::write(&elements, &many).unwrap();
     check("stale_elements", "100 % of the elements are more than 14 days from now", 1, "2026-09-14T23:30:00Z");
@@ -247,8 +265,11 @@ fn ekos_hands_over_its_job_and_is_let_through_with_darks() {
     }
     // Older KStars say nothing: what was typed counts.
     let typed: Vec<&str> = ["--limit-mag=-20", "--now", NOW].iter().chain(POINTING).copied().collect();
-    let (code, status) = ekos(&folder, b"", true, &typed);
-    assert_eq!((code, status["exposure_s"].as_f64()), (0, Some(10.0)), "{status}");
+    for (input, close) in [("", true), ("", false), ("\n", false)] {
+        let (code, status) = ekos(&folder, input.as_bytes(), close, &typed);
+        assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{status}");
+        assert_eq!(status["exposure_s"].as_f64(), Some(10.0), "{status}");
+    }
 }
 
 /// As N.I.N.A.: a program with arguments; any code but 0 fails the sequence; the answer is read from the status file.
@@ -384,7 +405,8 @@ fn servers_that_are_down_silent_or_mad_stall_nobody() {
         (vec![eod("Ok", STAMP)[..120].to_owned()], true, "no mount answers"),
         (vec!["\u{1}<<<&&>>\"garbage\u{7f}".to_owned(); 3], true, "no mount answers"),
         (vec![eod("Busy", STAMP)], false, "Mount is Busy, not at rest"),
-        (vec![format!("{}{second}", eod("Busy", STAMP))], false, "several mounts (Mount, Other)"),
+        (vec![eod("Busy", STAMP) + &second], false, "several mounts (Mount, Other)"),
+        (vec![eod("Ok", STAMP) + &place("-30.2446", "289.2506"), second], false, "several mounts (Mount, Other)"),
         (vec![wrong], false, "points at 14.5 h, -300 deg"),
     ] {
         let (code, stderr, status) = ask(&folder, pieces, close, &["--now", NOW]);

@@ -112,8 +112,8 @@ fn with_site(setup: &Setup, frames: &[TargetFrame], notes: &mut Notes) -> Result
         return Ok(setup.clone());
     }
     let mut sites: Vec<Site> = Vec::new();
-    for named in frames.iter().filter_map(|frame| frame.observatory.as_deref()) {
-        if let Ok(site) = Site::by_name(named)
+    for frame in frames {
+        if let Some(site) = frame.observatory.iter().find_map(|named| Site::by_name(named).ok())
             && !sites.iter().any(|known| known.name == site.name)
         {
             sites.push(site);

@@ -3,7 +3,7 @@
 use hifitime::{Duration, Epoch, TimeScale};
 use serde_json::{Value as Json, json};
 
-use crate::frames::seconds_between;
+use crate::frames::{seconds_after, seconds_between};
 use crate::table::{Column, Kind, Table, format_utc};
 
 use super::targets::ListedTarget;
@@ -103,7 +103,8 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
 /// A scheduler whose shape windows are written in.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum WindowShape {
-    /// `windows` of requests of the LCO observation portal: a request, its overhead included, lies inside one.
+    /// `windows` of requests of the LCO observation portal: a request, its overhead included, lies inside one. They are a second apart at least, for
+    /// the scheduler joins those that overlap or touch.
     Lco,
     /// Absolute time constraints of an ESO p2 observation block: the block begins inside one.
     EsoP2,
@@ -122,35 +123,47 @@ impl WindowShape {
         }
     }
 
-    /// The text of the file.
+    /// The text of the file, and the targets that are not in it, having no window: to these schedulers no window means no limit.
     ///
     /// `overhead_s` passes from the beginning of a request or block to the opening of its shutter (slew, acquisition). What a shape has no
     /// digits for is rounded inwards (seconds for LCO and AstroQ, minutes for p2), and a window that is gone by then is left out.
-    pub fn text(self, all: &[FoundWindows<'_>], overhead_s: f64) -> String {
+    pub fn text<'a>(self, all: &[FoundWindows<'a>], overhead_s: f64) -> (String, Vec<&'a ListedTarget>) {
+        let (with, without): (Vec<_>, Vec<_>) =
+            all.iter().map(|one| (one.listed, self.spans(one, overhead_s))).partition(|(_, spans)| !spans.is_empty());
+        (self.written(&with), without.into_iter().map(|(listed, _)| listed).collect())
+    }
+
+    fn spans(self, one: &FoundWindows<'_>, overhead_s: f64) -> Vec<(Epoch, Epoch)> {
+        let duration_s = one.duration_s();
         match self {
-            WindowShape::Lco => pretty(&json!({ "requests": all.iter().map(|one| {
-                let windows = spans(one, |window, duration_s| (window.first, -overhead_s, window.last, duration_s), 1.0);
-                let windows: Vec<Json> = windows
-                    .map(|(start, end)| json!({"start": format_utc(start, 0), "end": format_utc(end, 0)}))
-                    .collect();
-                json!({"name": one.listed.name, "windows": windows})
+            WindowShape::Lco => apart(&spans(one, [-overhead_s, duration_s], 1.0), overhead_s + duration_s),
+            WindowShape::EsoP2 => spans(one, [-overhead_s, -overhead_s], 60.0),
+            WindowShape::AstroQ => spans(one, [0.0, duration_s], 1.0),
+        }
+    }
+
+    fn written(self, all: &[(&ListedTarget, Vec<(Epoch, Epoch)>)]) -> String {
+        let json = |spans: &[(Epoch, Epoch)], [from, to]: [&str; 2], text: &dyn Fn(Epoch) -> String| {
+            spans.iter().map(|(first, last)| json!({from: text(*first), to: text(*last)})).collect::<Vec<Json>>()
+        };
+        match self {
+            WindowShape::Lco => pretty(&json!({ "requests": all.iter().map(|(listed, spans)| {
+                json!({"name": listed.name, "windows": json(spans, ["start", "end"], &|epoch| format_utc(epoch, 0))})
             }).collect::<Vec<_>>() })),
-            WindowShape::EsoP2 => pretty(&json!(all.iter().map(|one| {
-                let windows = spans(one, |window, _| (window.first, -overhead_s, window.last, -overhead_s), 60.0);
+            WindowShape::EsoP2 => {
+                pretty(&json!(all.iter().map(|(listed, spans)| {
                 let minutes = |epoch: Epoch| format_utc(epoch, 0).chars().take(16).collect::<String>();
-                let windows: Vec<Json> =
-                    windows.map(|(from, to)| json!({"from": minutes(from), "to": minutes(to)})).collect();
-                json!({"name": one.listed.name, "obId": one.listed.unique_id, "absoluteTimeConstraints": windows})
-            }).collect::<Vec<_>>())),
+                let constraints = json(spans, ["from", "to"], &minutes);
+                json!({"name": listed.name, "obId": listed.unique_id, "absoluteTimeConstraints": constraints})
+            }).collect::<Vec<_>>()))
+            }
             WindowShape::AstroQ => {
                 let mut text = "unique_id,starname,start,stop\n".to_owned();
-                for one in all {
-                    for (start, stop) in
-                        spans(one, |window, duration_s| (window.first, 0.0, window.last, duration_s), 1.0)
-                    {
-                        let cells = [&one.listed.unique_id, &one.listed.name].map(|cell| quoted(cell));
+                for (listed, spans) in all {
+                    for (start, stop) in spans {
+                        let cells = [&listed.unique_id, &listed.name].map(|cell| quoted(cell));
                         let time = |epoch| format_utc(epoch, 0).trim_end_matches('Z').to_owned();
-                        text += &format!("{},{},{},{}\n", cells[0], cells[1], time(start), time(stop));
+                        text += &format!("{},{},{},{}\n", cells[0], cells[1], time(*start), time(*stop));
                     }
                 }
                 text
@@ -159,13 +172,34 @@ impl WindowShape {
     }
 }
 
+/// Windows in order, none less than a second after another, that `least_s` fits into. Where an overhead reaches back into the window before, the later one
+/// begins later, or the shorter one goes where it is worth less than that.
+fn apart(windows: &[(Epoch, Epoch)], least_s: f64) -> Vec<(Epoch, Epoch)> {
+    let worth_s = |(start, end): (Epoch, Epoch)| seconds_between(start, end) - least_s;
+    let mut found: Vec<(Epoch, Epoch)> = Vec::with_capacity(windows.len());
+    'next: for &window in windows.iter().filter(|window| worth_s(**window) >= 0.0) {
+        while let Some(&before) = found.last() {
+            let free = seconds_after(before.1, 1.0);
+            let shared_s = seconds_between(window.0, free);
+            if shared_s <= 0.0 {
+                break;
+            }
+            if worth_s(before).min(worth_s(window)) > shared_s {
+                found.push((free, window.1));
+                continue 'next;
+            }
+            if worth_s(window) <= worth_s(before) {
+                continue 'next;
+            }
+            found.pop();
+        }
+        found.push(window);
+    }
+    found
+}
+
 /// Windows with something added to their ends (seconds), rounded inwards to whole steps of UTC.
-fn spans(
-    one: &FoundWindows<'_>,
-    ends: impl Fn(&ClearWindow, f64) -> (Epoch, f64, Epoch, f64),
-    step_s: f64,
-) -> impl Iterator<Item = (Epoch, Epoch)> {
-    let duration_s = one.duration_s();
+fn spans(one: &FoundWindows<'_>, [first_add_s, last_add_s]: [f64; 2], step_s: f64) -> Vec<(Epoch, Epoch)> {
     let nanoseconds = |seconds: f64| (seconds * 1e9).round() as i128;
     let utc = |epoch: Epoch, add_s: f64| {
         epoch.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds() + nanoseconds(add_s)
@@ -173,18 +207,15 @@ fn spans(
     let moment = |steps: i128| {
         Epoch::from_duration(Duration::from_total_nanoseconds(steps * nanoseconds(step_s)), TimeScale::UTC)
     };
-    let found: Vec<(Epoch, Epoch)> = one
-        .windows()
+    let step = nanoseconds(step_s);
+    one.windows()
         .iter()
-        .filter_map(|window| {
-            let (first, first_add_s, last, last_add_s) = ends(window, duration_s);
-            let step = nanoseconds(step_s);
-            let (start, end) =
-                (moment(-(-utc(first, first_add_s)).div_euclid(step)), moment(utc(last, last_add_s).div_euclid(step)));
-            (seconds_between(start, end) > 0.0).then_some((start, end))
+        .map(|window| {
+            let first = -(-utc(window.first, first_add_s)).div_euclid(step);
+            (moment(first), moment(utc(window.last, last_add_s).div_euclid(step)))
         })
-        .collect();
-    found.into_iter()
+        .filter(|(start, end)| seconds_between(*start, *end) > 0.0)
+        .collect()
 }
 
 fn pretty(document: &Json) -> String {
@@ -231,7 +262,7 @@ mod tests {
         };
         let all = [FoundWindows { listed: &listed, found: Some(&found) }];
         let json =
-            |shape: WindowShape, overhead_s| serde_json::from_str::<Json>(&shape.text(&all, overhead_s)).unwrap();
+            |shape: WindowShape, overhead_s| serde_json::from_str::<Json>(&shape.text(&all, overhead_s).0).unwrap();
         let lco = json(WindowShape::Lco, 0.0);
         assert_eq!(
             lco["requests"][0]["windows"],
@@ -243,8 +274,53 @@ mod tests {
             json!([{"from": "2024-08-14T01:00", "to": "2024-08-14T01:04"}])
         );
         assert_eq!(
-            WindowShape::AstroQ.text(&all, 0.0),
+            WindowShape::AstroQ.text(&all, 0.0).0,
             "unique_id,starname,start,stop\n7,\"a, b\",2024-08-14T01:00:01,2024-08-14T01:05:30\n7,\"a, b\",2024-08-14T02:00:10,2024-08-14T02:00:40\n"
         );
+    }
+
+    /// Clear starts 40 s apart for an exposure of 30 s: with an overhead of 90 s windows would reach into one another, and the scheduler, which joins what
+    /// overlaps, would expose between them.
+    #[test]
+    fn requests_with_overheads_stay_clear_wherever_they_lie() {
+        let at = |seconds: f64| seconds_after(utc("2024-08-14T01:00:00Z"), seconds);
+        let clear = [[0.0, 100.0], [140.0, 141.0], [180.4, 400.0], [440.0, 700.3], [760.0, 800.0]];
+        let listed = ListedTarget {
+            name: "a".into(),
+            unique_id: "a".into(),
+            target: Ok(WindowTarget {
+                exposure: Exposure {
+                    id: "a".into(),
+                    start: at(0.0),
+                    duration_s: 30.0,
+                    pointing: Direction::from_lon_lat_rad(1.0, 0.5),
+                    rotation_rad: 0.0,
+                },
+                band: None,
+            }),
+        };
+        let found = TargetWindows {
+            windows: clear.map(|[first, last]| ClearWindow { first: at(first), last: at(last) }).to_vec(),
+            ..TargetWindows::default()
+        };
+        let never = TargetWindows::default();
+        let all = [&found, &never].map(|found| FoundWindows { listed: &listed, found: Some(found) });
+        let (text, left_out) = WindowShape::Lco.text(&all, 90.0);
+        let answer: Json = serde_json::from_str(&text).unwrap();
+        assert_eq!((answer["requests"].as_array().unwrap().len(), left_out.len()), (1, 1));
+        let windows = answer["requests"][0]["windows"].as_array().unwrap();
+        let seconds = |one: &Json| seconds_between(at(0.0), utc(one.as_str().unwrap()));
+        let mut before_s = f64::NEG_INFINITY;
+        for window in windows {
+            let (start_s, end_s) = (seconds(&window["start"]), seconds(&window["end"]));
+            assert!(start_s > before_s && end_s - start_s >= 120.0, "{text}");
+            before_s = end_s;
+            // The shutter opens 90 s into a request of 120 s.
+            for step in 0..=((end_s - start_s - 120.0) as usize) {
+                let opens_s = start_s + 90.0 + step as f64;
+                assert!(clear.iter().any(|[first, last]| (*first..=*last).contains(&opens_s)), "{opens_s}: {text}");
+            }
+        }
+        assert_eq!(windows.len(), 3, "{text}");
     }
 }

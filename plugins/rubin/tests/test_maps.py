@@ -78,6 +78,18 @@ def test_bands_without_a_limit_mask_what_is_lit(conditions, models):
     assert np.array_equal(masks[0], masks[1]) and masks[0].any() and not masks[2].any()
 
 
+def test_the_scale_of_the_mjd_is_that_of_the_hook(conditions, models):
+    """TAI taken for UTC asks for other moments; told of moments 37 s ahead it asks for the same."""
+    later = copy.copy(conditions)
+    later._mjd = conditions.mjd + 37.0 / 86_400.0
+    utc, tai, ahead = (
+        np.isnan(StreakMaskBasisFunction(models[40768], mjd_scale=scale, max_share=1.0)(when))
+        for scale, when in (("utc", conditions), ("tai", conditions), ("tai", later))
+    )
+    assert np.count_nonzero(utc != tai) > 0.1 * np.count_nonzero(utc)
+    assert np.array_equal(utc, ahead)
+
+
 def test_what_has_no_magnitude_breaks_no_limit():
     samples = Samples(np.eye(3), np.zeros(3), np.ones(3), np.ones(3), np.array([5.0, np.nan, 8.0]))
     assert brighter_than(7.0, samples).magnitude.tolist() == [5.0]

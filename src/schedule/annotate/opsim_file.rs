@@ -17,6 +17,8 @@ use super::write::Annotation;
 const STREAKS: &str = "streaks";
 const FLAGS: &str = "streak_flags";
 const PROVENANCE: &str = "streak_provenance";
+/// What a scheduler's plugin adds to them: a view that joins its own form of the flags.
+const JOINED: &str = "observations_streaks";
 /// Pages copied at a time; the whole file where it is not huge.
 const PAGES_PER_STEP: i32 = 16_384;
 
@@ -46,9 +48,9 @@ pub(super) fn annotate(
 /// Tables and views of an earlier annotation: kind and name.
 fn earlier_tables(connection: &Connection) -> Result<Vec<(String, String)>, rusqlite::Error> {
     let mut statement = connection.prepare(
-        "SELECT type, name FROM sqlite_master WHERE type IN ('table', 'view') AND name IN (?1, ?2, ?3) ORDER BY name",
+        "SELECT type, name FROM sqlite_master WHERE type IN ('table', 'view') AND name IN (?1, ?2, ?3, ?4) ORDER BY name",
     )?;
-    statement.query_map(params![STREAKS, FLAGS, PROVENANCE], |row| Ok((row.get(0)?, row.get(1)?)))?.collect()
+    statement.query_map(params![STREAKS, FLAGS, PROVENANCE, JOINED], |row| Ok((row.get(0)?, row.get(1)?)))?.collect()
 }
 
 fn write_copy(
@@ -273,7 +275,13 @@ mod tests {
         annotate(&output, &output, &annotation(true)).unwrap();
         assert_eq!(dump(&input), dump(&output));
         let copy = Connection::open(&output).unwrap();
-        let rows: i64 = copy.query_row("SELECT count(*) FROM streak_flags", [], |row| row.get(0)).unwrap();
-        assert_eq!(rows, 2);
+        let count = |copy: &Connection, query: &str| copy.query_row(query, [], |row| row.get::<_, i64>(0)).unwrap();
+        assert_eq!(count(&copy, "SELECT count(*) FROM streak_flags"), 2);
+        // The plugin's view of its own tables does not stay behind to fail.
+        copy.execute_batch("CREATE VIEW observations_streaks AS SELECT p_any FROM streak_flags").unwrap();
+        drop(copy);
+        annotate(&output, &output, &annotation(true)).unwrap();
+        let copy = Connection::open(&output).unwrap();
+        assert_eq!(count(&copy, "SELECT count(*) FROM sqlite_master WHERE type = 'view'"), 0);
     }
 }

@@ -121,8 +121,8 @@ pub struct TargetFrame {
     pub left_out: Vec<(usize, WcsError)>,
     /// Filter or band as the header has it.
     pub filter: Option<String>,
-    /// Name of the observatory as the header has it.
-    pub observatory: Option<String>,
+    /// Names of instrument, telescope and observatory as the header has them: the nearest to the light first.
+    pub observatory: Vec<String>,
     /// Planes that a mask in the file names, and their bits.
     pub mask_planes: BTreeMap<String, u32>,
 }
@@ -160,16 +160,14 @@ impl TargetFrame {
         }
         let said_headers = headers(first)?;
         let calibration = Calibration::from_headers(&said_headers);
-        let text = |keywords: &[&str]| {
-            keywords.iter().find_map(|keyword| said_headers.iter().find_map(|header| header.text(keyword)))
-        };
+        let text = |keyword: &str| said_headers.iter().find_map(|header| header.text(keyword));
         Ok(Self {
             opened,
             exposure_s,
             chips,
             left_out,
             filter: calibration.band.map(|band| band.value),
-            observatory: text(&["OBSERVAT", "OBSERVATORY", "TELESCOP"]),
+            observatory: ["INSTRUME", "TELESCOP", "OBSERVAT", "OBSERVATORY"].into_iter().filter_map(text).collect(),
             mask_planes: mask_planes(&file)?,
             file,
         })

@@ -263,12 +263,12 @@ class Questions(Sights):
         Returns
         -------
         lengths_deg : array, ``(n,)``
-            Length of all lit streaks in the field of each visit, degrees; NaN for pointings below the horizon.
+            Length of all lit streaks in the field of each visit, degrees; 0 for pointings below the horizon, as there (`assess` says NaN).
         n_streaks : array, ``(n,)``
             How many there are.
         """
         answer = self.assess((pointing_ras, pointing_decs), mjds, visit_time, scale=scale)
-        return np.atleast_1d(answer.streak_length_deg), np.atleast_1d(answer.n_streaks)
+        return np.nan_to_num(np.atleast_1d(answer.streak_length_deg)), np.atleast_1d(answer.n_streaks)
 
     def _question(
         self, target: Any, start: TimeLike, exposure: Numbers, rotation: Numbers, band: Any, scale: Union[str, None]

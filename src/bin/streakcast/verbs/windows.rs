@@ -90,7 +90,15 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         }),
     );
     if let Some(shape) = shape {
-        output.write_text(&shape.text(&found, overhead_s))?;
+        let (text, left_out) = shape.text(&found, overhead_s);
+        output.write_text(&text)?;
+        if !left_out.is_empty() {
+            let names: Vec<&str> = left_out.iter().map(|listed| listed.name.as_str()).collect();
+            notices.warn(&[format!(
+                "no window, and so not in the file, where none would mean any time: {}",
+                names.join(", ")
+            )]);
+        }
     } else {
         let windows = window_table(&found);
         output.write(&Answer {
