@@ -90,6 +90,26 @@ def test_verif_a_worker_killed_half_way_changes_nothing(visits, survey_model, tm
         assert all(path.stat().st_mtime_ns != written[path] for path in other)
 
 
+def test_workers_read_elements_from_their_path(data, visits, tmp_path):
+    few = {name: column[: 3 * EACH] for name, column in visits.items()}
+    # From the summer into the week of the elements, and the sky with it.
+    few["start"] = few["start"] - 85.0
+    few["ra_deg"] = (few["ra_deg"] - 85.0 * 0.98565) % 360.0
+    elements = data / "tle" / "active" / "active_2026-04-25.txt"
+    model = streakcast.StreakModel(
+        mpc="X05", elements=str(elements), telescope="rubin", limit_mag={"g": 7, "default": 6}, mjd_scale="utc"
+    )
+    expected = model.assess((few["ra_deg"], few["dec_deg"]), few["start"], few["exposure_s"], band=few["band"])
+    assert expected.n_streaks.sum() > 10
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, processes=True, dashboard_address=None) as cluster,
+        distributed.Client(cluster) as client,
+    ):
+        files = streakcast.dask.annotate(few, model, client, tmp_path)
+        assert len(files) == 3
+        same(streakcast.dask.read(files), expected)
+
+
 def test_what_is_no_survey_is_refused(visits, survey_model, tmp_path):
     with pytest.raises(ValueError, match="no column exposure_s"):
         fewer = {name: column for name, column in visits.items() if name != "exposure_s"}

@@ -87,7 +87,7 @@ def test_the_scale_of_the_mjd_is_that_of_the_hook(conditions, models):
         for scale, when in (("utc", conditions), ("tai", conditions), ("tai", later))
     )
     assert np.count_nonzero(utc != tai) > 0.1 * np.count_nonzero(utc)
-    assert np.array_equal(utc, ahead)
+    assert np.count_nonzero(utc != ahead) < BORDER_SHARE * np.count_nonzero(utc)
 
 
 def test_what_has_no_magnitude_breaks_no_limit():
