@@ -5,7 +5,7 @@ mod common;
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
-use streakcast::camera::{FrameFile, PixelPosition, Wcs};
+use streakcast::camera::{CountBasis, FrameFile, PixelPosition, Wcs};
 use streakcast::catalogue::{Catalogue, ElementSet, ReadOptions};
 use streakcast::frames::{Direction, EopTable, Gcrs, seconds_between};
 use streakcast::geometry::{Observer, Site};
@@ -23,10 +23,11 @@ const NORAD: u32 = 44920;
 /// (counted from 0; found on a grid of half a pixel).
 const SEEN: [PixelPosition; 2] = [PixelPosition { x: 0.0, y: 67.5 }, PixelPosition { x: 70.0, y: -3.0 }];
 
-fn track(elements: &ElementSet, exposure: &Exposure) -> Option<SkyTrack> {
+fn track(elements: &ElementSet, exposure: &Exposure, radius_deg: f64) -> Option<SkyTrack> {
     let site = Site::by_mpc_code("W84").unwrap();
     let choice = ModelChoice::new(&ModelLibrary::embedded()).unwrap();
-    let eop = EopTable::embedded();
+    // As the command has it where no table is named: with the pole's motion, 12 m there, the streak lies 3" nearer.
+    let eop = EopTable::embedded().without_polar_motion();
     let sky = Sky::new(vec![elements.clone()], Observer::new(site), eop.clone(), &choice);
     let light = SatelliteLight {
         photometry: &PhotometryOptions::default(),
@@ -34,7 +35,7 @@ fn track(elements: &ElementSet, exposure: &Exposure) -> Option<SkyTrack> {
         resolve_panels: false,
         tracking: &Tracking::Sidereal,
     };
-    let found = satellites(&sky, &eop, exposure, 1.0f64.to_radians(), &light).unwrap();
+    let found = satellites(&sky, &eop, exposure, radius_deg.to_radians(), &light).unwrap();
     found.sources.into_iter().next().map(|source| source.parts[0].track.clone())
 }
 
@@ -52,18 +53,21 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_it_was_seen() {
         pointing: seen[0],
         rotation_rad: 0.0,
     };
-    // The header says where that was, by its instrument: the observatory's own place is 60 m away, 11" at this satellite.
-    let said = TargetFrame::read(&folder.join(FRAME), &FrameSaid::default()).unwrap();
+    // The header says where that was, by its instrument: that of the observatory is 70 m away, 11" at this satellite.
+    let said = FrameSaid { zero_point: Some((30.0, CountBasis::Frame)), ..FrameSaid::default() };
+    let said = TargetFrame::open(&folder.join(FRAME), &said).unwrap();
     let site = said.observatory.iter().find_map(|named| Site::by_name(named).ok()).unwrap();
     assert_eq!(site.mpc_code.as_deref(), Some("W84"));
-    // Elements 11.5 days old, and 9.5 days old within a manoeuvre: how far beside the streak the track runs, arcmin. Known to half a pixel, 0.002'.
-    for (file, age_days, beside_arcmin) in
-        [("supgp/starlink_supgp_2020-02-23.tle", 11.48, 0.50), ("supgp/starlink_supgp_2020-02-25.tle", 9.48, 27.04)]
-    {
+    // Elements 11.5 days old, and 9.5 days old within a manoeuvre: how far beside the streak the track runs, arcmin, and a field that it just crosses: the
+    // track bends by 3" within a degree. The streak is known to half a pixel, 0.002'.
+    for (file, age_days, beside_arcmin, radius_deg) in [
+        ("supgp/starlink_supgp_2020-02-23.tle", 11.48, 0.50, 0.03),
+        ("supgp/starlink_supgp_2020-02-25.tle", 9.48, 27.09, 0.47),
+    ] {
         let catalogue = Catalogue::read(&[folder.join("tle").join(file)], &ReadOptions::default()).unwrap();
         let elements = catalogue.element_sets.iter().find(|one| one.norad_id.0 == NORAD).unwrap();
         assert!((seconds_between(elements.epoch, exposure.start) / 86_400.0 - age_days).abs() < 0.01, "{file}");
-        let track = track(elements, &exposure).expect("the satellite passes within a degree");
+        let track = track(elements, &exposure, radius_deg).expect("the satellite crosses the field");
         // The great circle through the two points of the track nearest to the streak.
         let away = |pair: &[SkyPoint]| pair[0].direction.separation_rad(&seen[0]);
         let near = track.points.windows(2).min_by(|a, b| away(a).total_cmp(&away(b))).unwrap();
@@ -71,7 +75,7 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_it_was_seen() {
         let pole: Vector3<f64> = from.vector().cross(to.vector()).normalize();
         let beside = |place: &Direction<Gcrs>| (place.vector().dot(&pole).asin().to_degrees() * 60.0).abs();
         for place in &seen {
-            assert!((beside(place) - beside_arcmin).abs() < 0.02, "{file}: {:.3}'", beside(place));
+            assert!((beside(place) - beside_arcmin).abs() < 0.01, "{file}: {:.3}'", beside(place));
         }
         // The line was measured over 70 pixels to half a pixel at its ends: 0.4 degrees.
         let turned = (from.position_angle_rad(&to) - seen[1].position_angle_rad(&seen[0])).to_degrees();
