@@ -9,14 +9,14 @@ use super::error::InjectionError;
 use super::frames::Frames;
 use super::light::{Lights, SkyOf, history, is_seen, photometry_of, state};
 use super::said::InjectionSaid;
-use crate::camera::PixelPosition;
+use crate::camera::{FrameError, PixelPosition};
 use crate::frames::Direction;
 use crate::setup::Setup;
 use crate::streak::{
     Chip, DrawnStreak, InjectOptions, Injected, MaskPlanes, Shot, Source, SourceName, TargetFrame, TruthRow,
     draw_on_chip, inject, points_table, trail_table, truth_rows, truth_table,
 };
-use crate::table::{Column, Kind, Provenance, Table, Value};
+use crate::table::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
 /// A streak's line on a chip, for pictures.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,13 +71,16 @@ pub struct Injections {
 /// site. Frames are worked on in the caller's pool of threads.
 ///
 /// # Errors
-/// [`InjectionError`]; each output is written whole or not at all.
+/// [`InjectionError`]; each output is written whole or not at all, and where one of them cannot be (no folder, a pipe, a device) nothing is read.
 pub fn inject_frames(
     said: &InjectionSaid,
     setup: &Setup,
     sky: Option<SkyOf<'_>>,
     outputs: &[PathBuf],
 ) -> Result<Injections, InjectionError> {
+    for output in outputs {
+        AtomicFile::check(output).map_err(|source| FrameError::Io { path: output.clone(), source })?;
+    }
     let asked = Asked::new(said, setup)?;
     let frames = Frames::open(said, setup, &asked, outputs)?;
     let known = frames.known();

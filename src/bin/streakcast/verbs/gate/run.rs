@@ -202,7 +202,9 @@ fn answer(
         let now = request.clock.now();
         let late_s = seconds_between(first, now);
         if late_s < -CLOCK_STEP_S || now > until && late_s > CLOCK_STEP_S {
-            let message = format!("the clock was set, or the machine slept, during the wait: {late_s:+.1} s from the clear start");
+            let message = format!(
+                "the clock was set, or the machine slept, during the wait: {late_s:+.1} s from the clear start"
+            );
             return Err(Fault::new(FaultKind::Clock, message));
         }
     }
