@@ -16,7 +16,7 @@ mod preview;
 mod psf;
 mod wcs;
 
-pub use background::{BackgroundError, RandomStars, Star, background};
+pub use background::{BackgroundError, RandomStars, Star, background, flux_e};
 pub use card::{CARD_LENGTH, Card, CardValue};
 pub use detector::{
     AddedLight, Amplifier, Bleeding, Crosstalk, Detector, DetectorError, NonLinearity, Quantisation, ReadoutCorner,
