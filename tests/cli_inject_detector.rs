@@ -76,3 +76,31 @@ fn verif_what_bled_and_ghosts_are_masked() {
     assert!(alone > 1000, "bled columns and ghosts are injected and no streak: {alone}");
     assert!(idle < changed / 50, "{idle} are masked and did not change");
 }
+
+#[test]
+fn verif_variances_of_a_masked_image_grow_with_the_light() {
+    let folder = TempDir::new().unwrap();
+    let [input, output] = ["in.fits", "out.fits"].map(|name| path(&folder, name));
+    let plane = |value: f32| ImageValues::new(SIDE, Pixels::F32(vec![value; SIDE * SIDE])).unwrap();
+    let (image, mask, variance) = (plane(0.0), plane(0.0), plane(629.0));
+    let cards = Card::with_value("EXPTIME", &CardValue::Real(30.0), "");
+    let named = [("IMAGE", &image), ("MASK", &mask), ("VARIANCE", &variance)];
+    let empty = ImageValues::new(1, Pixels::U8(vec![0])).unwrap();
+    let primary = NewImage { name: "", values: &empty, cards: &cards, rice: None };
+    let planes = named.map(|(name, values)| NewImage { name, values, cards: &[], rice: None });
+    write_frame(Path::new(&input), &[&[primary][..], &planes].concat()).unwrap();
+    let light = ["--random-streaks", "1", "--magnitude", "6", "--zero-point-1s", "26", "--gain", "4", "--hdu", "1"];
+    let sky = ["--pixel-scale", "1arcsec", "--seeing", "2.5arcsec", "--start", "2024-08-14T00:30:00Z", "--seed", "3"];
+    let asked: &[&str] = &["inject", "--image", &input, "-o", &output, "--quiet"];
+    done(&[asked, &light, &sky]);
+    let (added, variances) = (values(&output, 1), values(&output, 3));
+    let lit = added.iter().filter(|value| **value > 100.0).count();
+    assert!(lit > 100, "{lit}");
+    for (added, variance) in added.iter().zip(&variances) {
+        assert!((variance - 629.0 - added / 4.0).abs() < 1e-6 * variance, "{added} {variance}");
+    }
+    for option in ["--pixels-only", "--no-noise"] {
+        done(&[asked, &light, &sky, &[option]]);
+        assert!(values(&output, 3).iter().all(|variance| *variance == 629.0), "{option}");
+    }
+}

@@ -43,7 +43,7 @@ pub struct InjectOptions {
     pub seed: u64,
     /// Bits of the masks.
     pub planes: MaskPlanes,
-    /// Masks and tables of truth in the file.
+    /// Masks and tables of truth in the file, and the light's variance where the file has a plane of variances.
     pub tell: bool,
     /// Lines of HISTORY: what was injected, from what.
     pub history: Vec<String>,
@@ -61,6 +61,7 @@ pub struct Injected {
 /// Writes a copy of the frame with streaks in it: every card, extension and table that was there is still there, and what was not touched is the same to the
 /// last bit.
 ///
+/// Where a chip has a plane of variances ([`TargetChip::variance_hdu`]) and the light has noise, that plane gets the variance of the light.
 /// Behind the frame's own HDUs come, if they are wanted, one mask for each chip with streaks (`MASK`, or `MASK_<chip>` where there are several chips or a mask
 /// of that name is there already) and the tables `STREAKS` and `STREAK_POINTS`. Chips without streaks stay untouched. Streaks are those of
 /// [`crate::streak::draw_on_chip`], in any order.
@@ -86,6 +87,7 @@ pub fn inject(
             report.without_gain.push(target.chip.hdu);
         }
         let noise = if options.tell { noise_of_chip(frame, target)? } else { 0.0 };
+        let has_noise = detector.as_ref().is_some_and(|detector| detector.shot_noise);
         let added = match detector {
             Some(detector) => expose(&mut copy, frame, target, &own, &detector, options.seed)?,
             None => {
@@ -95,6 +97,9 @@ pub fn inject(
         };
         for line in &options.history {
             copy.add_history(target.chip.hdu, line)?;
+        }
+        if has_noise && options.tell {
+            add_variance(&mut copy, target, &added)?;
         }
         if options.tell {
             masks.extend(mask(&own, &added, target, &options.planes, noise).map(|mask| (target, mask)));
@@ -107,8 +112,10 @@ pub fn inject(
         copy.append_table("STREAKS", &fits_columns(&truth_table(&rows)), &cards)?;
         copy.append_table("STREAK_POINTS", &fits_columns(&points_table(&rows)), &[])?;
     }
-    for changed in copy.finish()?.into_values() {
-        report.changed += changed;
+    for (hdu, changed) in copy.finish()? {
+        if frame.chips.iter().any(|target| target.chip.hdu == hdu) {
+            report.changed += changed;
+        }
     }
     Ok(report)
 }
@@ -192,6 +199,20 @@ fn expose(
     Ok(added)
 }
 
+/// Into the plane of variances, where there is one: light of n electrons has a variance of n, in the frame's unit n / gain². As in the pipelines that
+/// wrote the plane, n is what was counted and not what was expected.
+fn add_variance(copy: &mut FrameCopy<'_>, target: &TargetChip, added: &[AddedLight]) -> Result<(), FrameError> {
+    let (Some(hdu), Some(gain)) = (target.variance_hdu, target.electrons_a_unit) else { return Ok(()) };
+    for of_span in added.chunk_by(|a, b| (a.row, a.column + 1) == (b.row, b.column)) {
+        let variances: Vec<f32> = of_span.iter().map(|light| light.change_adu.max(0.0) / gain as f32).collect();
+        copy.add(hdu, of_span[0].row, of_span[0].column, variances)?;
+    }
+    if !added.is_empty() {
+        copy.add_history(hdu, "streakcast inject: variance of the added light, its counts divided by the gain")?;
+    }
+    Ok(())
+}
+
 fn mask(
     streaks: &[&DrawnStreak<'_>],
     added: &[AddedLight],
@@ -245,7 +266,7 @@ fn append_masks(
     Ok(())
 }
 
-/// A table as columns of a FITS file. Whole numbers that are not known are -1, moments and lists are text.
+/// A table as columns of a FITS file; moments and lists are text.
 fn fits_columns(table: &Table) -> Vec<TableColumn> {
     let column = |(index, column): (usize, &Column)| {
         let cells = table.rows.iter().map(|row| &row[index]);
@@ -253,9 +274,9 @@ fn fits_columns(table: &Table) -> Vec<TableColumn> {
             Kind::Real { .. } => {
                 Cells::Real(cells.map(|cell| if let Value::Real(number) = cell { *number } else { f64::NAN }).collect())
             }
-            Kind::Integer => {
-                Cells::Integer(cells.map(|cell| if let Value::Integer(number) = cell { *number } else { -1 }).collect())
-            }
+            Kind::Integer => Cells::Integer(
+                cells.map(|cell| if let Value::Integer(number) = cell { Some(*number) } else { None }).collect(),
+            ),
             _ => Cells::Text(cells.map(|cell| column.text(cell)).collect()),
         };
         TableColumn {
