@@ -73,7 +73,8 @@ pub struct Injections {
 /// site. Frames are worked on in the caller's pool of threads.
 ///
 /// # Errors
-/// [`InjectionError`]; each output is written whole or not at all. Where one frame of several fails, others may stand already: the error counts them. And where one of them cannot be (no folder, a pipe, a device) nothing is read.
+/// [`InjectionError`]; each output is written whole or not at all. Where one cannot be (no folder, a pipe, a device, a packed one) nothing is read; where one frame of
+/// several fails, others may stand already, and the error counts them.
 pub fn inject_frames(
     said: &InjectionSaid,
     setup: &Setup,
@@ -86,6 +87,7 @@ pub fn inject_frames(
     }
     let asked = Asked::new(said, setup)?;
     let frames = Frames::open(said, setup, &asked, outputs)?;
+    frames.refuse_plain(outputs)?;
     let known = frames.known();
     let left_out = known.iter().flat_map(|frame| {
         let shown = frame.file.path().display();
@@ -95,7 +97,6 @@ pub fn inject_frames(
     let (lights, notes) = Lights::prepare(setup, &asked, known, sky)?;
     warnings.extend(notes.warnings);
 
-    frames.refuse_plain(outputs)?;
     let count = outputs.len();
     let whole = AtomicUsize::new(0);
     let done: Result<Vec<FrameDone>, InjectionError> = outputs
