@@ -209,6 +209,54 @@ fn verif_a_followed_satellite_is_a_point_with_all_its_light() {
 }
 
 #[test]
+fn verif_stars_trail_where_the_telescope_follows_something_else() {
+    let folder = TempDir::new().unwrap();
+    let [description, list] = ["sky.toml", "stars.csv"].map(|name| path(&folder, name));
+    // One star in the middle, in a frame without noise.
+    let sky = "columns = 400\nrows = 300\npixel_scale_arcsec = 0.5\nzero_point_1s_mag = 25.0\nsky_mag_arcsec2 = 40\n\
+        star_list = 'stars.csv'\ndetector = { shot_noise = false }\n";
+    fs::write(&description, sky).unwrap();
+    fs::write(&list, "ra_deg,dec_deg,magnitude\n40,10,12\n").unwrap();
+    let take = |name: &str, more: &[&str]| {
+        let output = path(&folder, name);
+        let centre = ["--ra", "40", "--dec", "10", "--random-streaks", "0", "--magnitude", "5", "--pixels-only"];
+        let shot = ["--exposure", "30s", "--seeing", "2arcsec", "--psf", "gaussian", "--quiet", "--seed", "2"];
+        done(&[&["inject", "--synthetic", &description, "-o", &output], &centre, &shot, more]);
+        values(&output, 0)
+    };
+    let moments = |pixels: &[f32]| {
+        let mut sums = [0.0f64; 6];
+        for (pixel, light) in pixels.iter().enumerate() {
+            let (x, y) = ((pixel % 400) as f64 - 199.5, (pixel / 400) as f64 - 149.5);
+            let terms = [1.0, x, y, x * x, y * y, x * y];
+            terms.iter().zip(&mut sums).for_each(|(term, sum)| *sum += f64::from(*light) * term);
+        }
+        sums
+    };
+    let (still, trailed) =
+        (moments(&take("still.fits", &[])), moments(&take("trailed.fits", &["--track-rate", "2,1"])));
+    // 2"/s east and 1"/s north for 30 s: 120 and 60 pixels. An even line of length L has a variance of L² / 12.
+    assert!((trailed[0] / still[0] - 1.0).abs() < 1e-3, "{} {}", trailed[0], still[0]);
+    let mean = |sums: &[f64; 6], index: usize| sums[index] / sums[0];
+    assert!((mean(&trailed, 1) - mean(&still, 1)).abs() < 0.05 && (mean(&trailed, 2) - mean(&still, 2)).abs() < 0.05);
+    for (index, expected) in [(3, 120.0f64 * 120.0 / 12.0), (4, 60.0 * 60.0 / 12.0)] {
+        let wider = mean(&trailed, index) - mean(&still, index);
+        assert!((wider / expected - 1.0).abs() < 0.01, "{index}: {wider} {expected}");
+    }
+    assert!((mean(&trailed, 5).abs() / 600.0 - 1.0).abs() < 0.01, "{}", mean(&trailed, 5));
+
+    // Random stars as many as without it, also where the telescope follows a satellite.
+    let field = "stars = { per_megapixel = 2000, slope = 0.3, brightest_mag = 13, faintest_mag = 16 }";
+    fs::write(&description, sky.replace("star_list = 'stars.csv'", field)).unwrap();
+    let total = |pixels: Vec<f32>| pixels.iter().map(|pixel| f64::from(*pixel)).sum::<f64>();
+    let still = total(take("field.fits", &[]));
+    for rate in ["--track-rate=2,1", "--track-rate=-1500,900"] {
+        let trailed = total(take("trails.fits", &[rate]));
+        assert!((trailed / still - 1.0).abs() < 0.4, "{rate}: {trailed} {still}");
+    }
+}
+
+#[test]
 fn verif_the_middle_is_the_middle_and_a_flash_is_seen() {
     let folder = TempDir::new().unwrap();
     let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);

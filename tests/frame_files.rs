@@ -159,7 +159,7 @@ fn verif_new_extensions_are_behind_the_old_ones() {
             name: "norad_id".into(),
             unit: String::new(),
             meaning: String::new(),
-            cells: Cells::Integer(vec![44_238, -1]),
+            cells: Cells::Integer(vec![Some(44_238), None]),
         },
         TableColumn {
             name: "name".into(),
@@ -169,7 +169,7 @@ fn verif_new_extensions_are_behind_the_old_ones() {
         },
     ];
     copy.append_table("STREAKS", &columns, &[]).expect("a table");
-    let uneven = [columns[0].clone(), TableColumn { cells: Cells::Integer(vec![1]), ..columns[1].clone() }];
+    let uneven = [columns[0].clone(), TableColumn { cells: Cells::Integer(vec![Some(1)]), ..columns[1].clone() }];
     let error = copy.append_table("BAD", &uneven, &[]).expect_err("uneven");
     assert_eq!(error.to_string(), "\"BAD\" cannot be written: column norad_id has 1 cells, the first one 2");
     copy.finish().expect("finished");
@@ -178,6 +178,7 @@ fn verif_new_extensions_are_behind_the_old_ones() {
     assert_eq!(names, ["SCI", "MASK", "TRUTH", "STREAKS"]);
     assert_eq!(file.hdus()[2].kind, HduKind::CompressedImage("RICE_1".into()));
     assert_eq!(file.hdus()[3].kind, HduKind::Table);
+    assert_eq!(file.header(3).expect("a header").integer("TNULL2"), Some(-1));
     assert_eq!(file.read_plane(1).expect("a plane").values()[0], 3.0);
     let header = file.header(0).expect("a header");
     assert_eq!(header.number("MJD-OBS"), Some(60_000.123_456_789_01));

@@ -36,10 +36,15 @@ pub struct Star {
     pub flux_e: f64,
 }
 
+/// Electrons of a star: 10^(0.4 (zero point - m)), the zero point being the magnitude of one electron in the exposure.
+pub fn flux_e(magnitude: f64, zero_point_mag: f64) -> f64 {
+    10_f64.powf(0.4 * (zero_point_mag - magnitude))
+}
+
 impl Star {
-    /// From a magnitude: flux = 10^(0.4 (zero point - m)), the zero point being the magnitude of one electron in the exposure.
+    /// From a magnitude, by [`flux_e`].
     pub fn of_magnitude(at: PixelPosition, magnitude: f64, zero_point_mag: f64) -> Self {
-        Self { at, flux_e: 10_f64.powf(0.4 * (zero_point_mag - magnitude)) }
+        Self { at, flux_e: flux_e(magnitude, zero_point_mag) }
     }
 }
 

@@ -16,11 +16,11 @@ mod preview;
 mod psf;
 mod wcs;
 
-pub use background::{BackgroundError, RandomStars, Star, background};
+pub use background::{BackgroundError, RandomStars, Star, background, flux_e};
 pub use card::{CARD_LENGTH, Card, CardValue};
 pub use detector::{
-    Amplifier, Bleeding, Crosstalk, Detector, DetectorError, NonLinearity, Quantisation, ReadoutCorner, Saturated,
-    Saturation, Vignetting,
+    AddedLight, Amplifier, Bleeding, Crosstalk, Detector, DetectorError, NonLinearity, Quantisation, ReadoutCorner,
+    Saturated, Saturation, Vignetting,
 };
 pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, PixelUnit, Stated, ZeroPoint};
 #[cfg(feature = "fits")]

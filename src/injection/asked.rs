@@ -312,6 +312,12 @@ fn refuse_idle(said: &InjectionSaid) -> Result<(), InjectionError> {
     if said.synthetic.is_some() && !said.hdu.is_empty() {
         return Err(InjectionError::said("--hdu is for frames on file; a synthetic one has one image".to_string()));
     }
+    let is_random = said.random_streaks.is_some() || said.streak_density.is_some();
+    if said.resolve_panels && is_random {
+        return Err(InjectionError::said(
+            "--resolve-panels is for satellites; random streaks have neither chassis nor solar array".to_string(),
+        ));
+    }
     if !(2..=MOST_TRUTH_POINTS).contains(&said.truth_points) {
         return Err(InjectionError::said(format!(
             "truth-points {}; allowed: 2 to {MOST_TRUTH_POINTS}",

@@ -1,5 +1,7 @@
 //! Why nothing was injected.
 
+use std::path::Path;
+
 use thiserror::Error;
 
 use crate::camera::FrameError;
@@ -52,6 +54,24 @@ pub enum InjectionError {
     /// A file of pixels.
     #[error(transparent)]
     Frame(#[from] FrameError),
+    /// One frame.
+    #[error("{path}: {source}")]
+    File {
+        /// Its file.
+        path: String,
+        /// What is wrong with it, in words that do not name it.
+        source: Box<InjectionError>,
+    },
+    /// One frame of several.
+    #[error("{source}; {done} of {count} frames are written already, without a table of truth beside them")]
+    Batch {
+        /// What is wrong with it.
+        source: Box<InjectionError>,
+        /// Frames that stand whole.
+        done: usize,
+        /// All frames.
+        count: usize,
+    },
     /// A folder for what is in between.
     #[error(transparent)]
     Scratch(#[from] std::io::Error),
@@ -60,5 +80,20 @@ pub enum InjectionError {
 impl InjectionError {
     pub(super) fn said(message: impl Into<String>) -> Self {
         Self::Said(message.into())
+    }
+
+    /// The same with the file that it is about, where its own words do not say.
+    pub(super) fn of_file(self, path: &Path) -> Self {
+        match self {
+            Self::Mask(_) | Self::Satellites(_) | Self::Draw(_) | Self::Write(InjectError::Detector { .. }) => {
+                Self::File { path: path.display().to_string(), source: Box::new(self) }
+            }
+            other => other,
+        }
+    }
+
+    /// The same with what was done before, where that is something.
+    pub(super) fn of_batch(self, done: usize, count: usize) -> Self {
+        if done == 0 { self } else { Self::Batch { source: Box::new(self), done, count } }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use crate::camera::HduKind;
 use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 use crate::setup::{Setup, parse_moment};
 use crate::streak::{FrameSaid, SyntheticFrame, SyntheticShot, TargetFrame};
@@ -69,6 +70,23 @@ impl<'a> Frames<'a> {
         &self.known
     }
 
+    /// Refuses names ending in .fz where the frame has no compressed tiles: a copy has none either.
+    pub fn refuse_plain(&self, outputs: &[PathBuf]) -> Result<(), InjectionError> {
+        let is_tiled =
+            |frame: &TargetFrame| frame.file.hdus().iter().any(|hdu| matches!(hdu.kind, HduKind::CompressedImage(_)));
+        for (index, output) in outputs.iter().enumerate() {
+            let frame = self.known.get(if self.maker.is_some() { 0 } else { index });
+            let promises = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("fz"));
+            if promises && frame.is_some_and(|frame| !is_tiled(frame)) {
+                return Err(InjectionError::said(format!(
+                    "{}: the frame is not compressed in tiles, and its copy will not be; allowed: a name that ends in .fits",
+                    output.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+
     /// Works on one of them.
     pub fn with<T>(
         &self,
@@ -96,6 +114,7 @@ impl Maker<'_> {
             opened: self.opened,
             exposure_s: self.exposure_s,
             centre: self.centre,
+            tracking: self.asked.tracking(self.exposure_s),
             optics: &self.asked.optics,
             filter: self.filter,
             seed,

@@ -9,8 +9,8 @@ use crate::passes::Exposure;
 use crate::photometry::{Band, PhotometryOptions};
 use crate::setup::{Prepared, Setup, SetupError, SiteSetup, state_scales};
 use crate::streak::{
-    Chip, RandomStreaks, SatelliteLight, SkyTrack, Source, SourceName, SourcePart, StreakNumber, TargetFrame,
-    direction_on, satellites,
+    Chip, DrawnStreak, RandomStreaks, SatelliteLight, SkyTrack, Source, SourceName, SourcePart, StreakNumber,
+    TargetFrame, direction_on, satellites,
 };
 use crate::table::{Provenance, format_utc};
 use hifitime::Epoch;
@@ -194,15 +194,37 @@ pub fn photometry_of(
 }
 
 /// Lines of HISTORY: what was put in, and from what.
-pub fn history(provenance: &Provenance, sources: &[&Source], seed: u64) -> Vec<String> {
+pub fn history(
+    provenance: &Provenance,
+    asked: &Asked,
+    psf: &str,
+    sources: &[&Source],
+    streaks: &[DrawnStreak<'_>],
+    seed: u64,
+) -> Vec<String> {
     let version = env!("CARGO_PKG_VERSION");
     let mut lines = vec![format!("streakcast {version} inject: {} sources, seed {seed}", sources.len())];
+    let optics = &asked.optics;
+    let telescope = asked.telescope.as_ref().map_or_else(String::new, |telescope| format!(", {}", telescope.name));
+    lines.push(format!("streakcast image of a star: {psf}, FWHM {} arcsec{telescope}", optics.seeing_arcsec));
+    let magnitudes = span(streaks.iter().filter_map(|streak| streak.peak_magnitude));
+    let zero_points = span(streaks.iter().map(|streak| streak.zero_point_mag));
+    if let (Some(magnitudes), Some(zero_points)) = (magnitudes, zero_points) {
+        lines.push(format!("streakcast light: magnitude {magnitudes} where brightest, zero point {zero_points} mag"));
+    }
     for key in ["elements", "shells", "site", "models", "earth_orientation"] {
         if let Some(value) = provenance.get(key) {
             lines.push(format!("streakcast {key}: {}", shortened(value)));
         }
     }
     lines
+}
+
+/// The least and the greatest of some numbers, to a thousandth.
+fn span(numbers: impl Iterator<Item = f64> + Clone) -> Option<String> {
+    let [least, greatest] = [numbers.clone().min_by(f64::total_cmp)?, numbers.max_by(f64::total_cmp)?];
+    let [least, greatest] = [least, greatest].map(|number| format!("{number:.3}"));
+    Some(if least == greatest { least } else { format!("{least} to {greatest}") })
 }
 
 /// A statement on few cards.

@@ -1,6 +1,8 @@
 //! The way of the data: frames opened, light found, drawn and written.
 
+use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use rayon::prelude::*;
 
@@ -9,14 +11,14 @@ use super::error::InjectionError;
 use super::frames::Frames;
 use super::light::{Lights, SkyOf, history, is_seen, photometry_of, state};
 use super::said::InjectionSaid;
-use crate::camera::PixelPosition;
+use crate::camera::{FrameError, PixelPosition};
 use crate::frames::Direction;
 use crate::setup::Setup;
 use crate::streak::{
     Chip, DrawnStreak, InjectOptions, Injected, MaskPlanes, Shot, Source, SourceName, TargetFrame, TruthRow,
     draw_on_chip, inject, points_table, trail_table, truth_rows, truth_table,
 };
-use crate::table::{Column, Kind, Provenance, Table, Value};
+use crate::table::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
 /// A streak's line on a chip, for pictures.
 #[derive(Clone, Debug, PartialEq)]
@@ -71,15 +73,21 @@ pub struct Injections {
 /// site. Frames are worked on in the caller's pool of threads.
 ///
 /// # Errors
-/// [`InjectionError`]; each output is written whole or not at all.
+/// [`InjectionError`]; each output is written whole or not at all. Where one cannot be (no folder, a pipe, a device, a packed one) nothing is read; where one frame of
+/// several fails, others may stand already, and the error counts them.
 pub fn inject_frames(
     said: &InjectionSaid,
     setup: &Setup,
     sky: Option<SkyOf<'_>>,
     outputs: &[PathBuf],
 ) -> Result<Injections, InjectionError> {
+    for output in outputs {
+        refuse_packed(output)?;
+        AtomicFile::check(output).map_err(|source| FrameError::Io { path: output.clone(), source })?;
+    }
     let asked = Asked::new(said, setup)?;
     let frames = Frames::open(said, setup, &asked, outputs)?;
+    frames.refuse_plain(outputs)?;
     let known = frames.known();
     let left_out = known.iter().flat_map(|frame| {
         let shown = frame.file.path().display();
@@ -90,14 +98,18 @@ pub fn inject_frames(
     warnings.extend(notes.warnings);
 
     let count = outputs.len();
-    let done: Vec<FrameDone> = outputs
+    let whole = AtomicUsize::new(0);
+    let done: Result<Vec<FrameDone>, InjectionError> = outputs
         .par_iter()
         .enumerate()
         .map(|(index, output)| {
             let seed = seed_of(said.seed, index, count);
-            frames.with(index, seed, |frame| one(said, setup, &asked, &lights, frame, output, seed))
+            let done = frames.with(index, seed, |frame| one(said, setup, &asked, &lights, frame, output, seed));
+            whole.fetch_add(usize::from(done.is_ok()), Ordering::Relaxed);
+            done.map_err(|error| error.of_file(said.image.get(index).unwrap_or(output)))
         })
-        .collect::<Result<_, InjectionError>>()?;
+        .collect();
+    let done = done.map_err(|error| error.of_batch(whole.into_inner(), count))?;
 
     let mut provenance = lights.provenance();
     if let Some(first) = known.first() {
@@ -109,6 +121,18 @@ pub fn inject_frames(
     }
     let remarks = notes.remarks.into_iter().chain(known.iter().filter_map(overscan)).collect();
     Ok(Injections { frames: done, remarks, warnings, provenance })
+}
+
+/// Refuses names of what is not made: frames are never packed as a whole.
+fn refuse_packed(output: &Path) -> Result<(), InjectionError> {
+    let end = output.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
+    if ["gz", "bz2", "xz", "zip", "z"].contains(&end.as_str()) {
+        let shown = output.display();
+        return Err(InjectionError::said(format!(
+            "{shown}: packed frames are not written; allowed: a name without .{end}, as .fits"
+        )));
+    }
+    Ok(())
 }
 
 /// Which of a frame's pixels get no light.
@@ -162,7 +186,7 @@ fn one(
         seed,
         planes,
         tell: !said.pixels_only,
-        history: history(&lights.provenance(), &drawn, seed),
+        history: history(&lights.provenance(), asked, &said.psf, &drawn, &streaks, seed),
     };
     let injected = inject(frame, &streaks, &options, output)?;
     let rows: Vec<TruthRow<'_>> = truth_rows(&streaks, frame.exposure_s, seed);

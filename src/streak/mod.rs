@@ -30,6 +30,6 @@ pub use optics::{Optics, OpticsError, SeeingForm};
 pub use render::{PathError, PathNode, StreakPath, draw, draw_summed};
 pub use tracking::Tracking;
 pub use truth::{
-    MaskError, MaskPlanes, MaskPreset, MaskSpan, TruthRow, mask_spans, noise_of, points_table, trail_table, truth_rows,
-    truth_table,
+    MaskError, MaskPlanes, MaskPreset, MaskSpan, TruthRow, changed_spans, mask_spans, noise_of, points_table,
+    trail_table, truth_rows, truth_table,
 };

@@ -15,13 +15,19 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Begins a file that will stand at `target`, in the same folder so that the rename is one step.
+    /// Begins a file that will stand at `target`, in the same folder so that the rename is one step. Symbolic links are followed: what they lead to, there
+    /// already or not yet, is replaced, and they stay.
     ///
     /// # Errors
-    /// The folder is missing or cannot be written to, or the target is a directory.
+    /// The folder is missing or cannot be written to, the target is a directory, a pipe or a device, or its links go round in a circle.
     pub fn new(target: &Path) -> io::Result<Self> {
+        let target = behind_links(target)?;
         if target.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory"));
+        }
+        if is_special(&target) {
+            let why = "is a pipe, a terminal or a device, which no file can take the place of; allowed: a file's name";
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
         }
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = Builder::new();
@@ -30,7 +36,15 @@ impl AtomicFile {
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
         let temporary = builder.tempfile_in(folder).map_err(|error| of_folder(folder, &error))?;
-        Ok(Self { temporary, target: target.to_owned() })
+        Ok(Self { temporary, target })
+    }
+
+    /// Whether a file can be begun there: better asked before long work than after it. Leaves nothing behind.
+    ///
+    /// # Errors
+    /// As [`new`](AtomicFile::new).
+    pub fn check(target: &Path) -> io::Result<()> {
+        Self::new(target).map(drop)
     }
 
     /// The file as it is being made.
@@ -112,12 +126,29 @@ fn of_folder(folder: &Path, error: &io::Error) -> io::Error {
     io::Error::new(error.kind(), format!("folder {}: {cause}", folder.display()))
 }
 
-/// Whether a file can be made at `target`: better asked before long work than after it. Leaves nothing behind.
+/// Whether [`write_atomically`] can write to `target`: better asked before long work than after it. Leaves nothing behind.
 ///
 /// # Errors
 /// The folder is missing or cannot be written to, or the target is a directory.
 pub fn check_target(target: &Path) -> io::Result<()> {
-    if is_special(target) { Ok(()) } else { AtomicFile::new(target).map(drop) }
+    if is_special(target) { Ok(()) } else { AtomicFile::check(target) }
+}
+
+/// Links on the way to a file; a system follows 40 of them (`man 7 path_resolution`).
+const MOST_LINKS: usize = 40;
+
+/// Where the symbolic links at `target` lead to, whether something stands there or not; `target` itself where it is none.
+fn behind_links(target: &Path) -> io::Result<PathBuf> {
+    let mut target = target.to_owned();
+    for _ in 0..=MOST_LINKS {
+        if !target.is_symlink() {
+            return Ok(target);
+        }
+        // A link that begins with a folder's name begins in its own folder; `join` takes an absolute one as it is.
+        let link = std::fs::read_link(&target)?;
+        target = target.parent().unwrap_or(Path::new("")).join(link);
+    }
+    Err(io::Error::other(format!("is a symbolic link that leads to no file within {MOST_LINKS} steps")))
 }
 
 /// A pipe, a terminal: what cannot be replaced by another file.
@@ -180,6 +211,45 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         assert!(write_atomically(folder.path(), |_| Ok(())).is_err());
         assert!(check_target(folder.path()).is_err());
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn links_are_followed_and_stay() {
+        use std::os::unix::fs::symlink;
+        let folder = tempfile::tempdir().unwrap();
+        let below = folder.path().join("below");
+        std::fs::create_dir(&below).unwrap();
+        std::fs::write(below.join("old.csv"), "old").unwrap();
+        let [old, new, round] = ["old", "new", "round"].map(|name| folder.path().join(name));
+        symlink("below/old.csv", &old).unwrap();
+        symlink(below.join("new.csv"), below.join("link")).unwrap();
+        symlink("below/link", &new).unwrap();
+        symlink("round", &round).unwrap();
+        for (link, file) in [(&old, "old.csv"), (&new, "new.csv")] {
+            write_atomically(link, |out| out.write_all(b"written")).unwrap();
+            assert!(link.is_symlink(), "{file}");
+            assert_eq!(std::fs::read(below.join(file)).unwrap(), b"written");
+        }
+        assert!(!below.join("new.csv").is_symlink() && below.join("link").is_symlink());
+        assert!(check_target(&round).unwrap_err().to_string().contains("leads to no file"));
+        assert_eq!(std::fs::read_dir(&below).unwrap().count(), 3);
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn devices_are_written_to_and_never_replaced() {
+        use std::os::unix::fs::{FileTypeExt, symlink};
+        let folder = tempfile::tempdir().unwrap();
+        let link = folder.path().join("link");
+        symlink("/dev/null", &link).unwrap();
+        for target in [Path::new("/dev/null"), &link] {
+            check_target(target).unwrap();
+            write_atomically(target, |out| out.write_all(b"words")).unwrap();
+            assert!(AtomicFile::new(target).unwrap_err().to_string().contains("device"));
+        }
+        assert!(link.is_symlink() && link.metadata().unwrap().file_type().is_char_device());
     }
 
     #[test]

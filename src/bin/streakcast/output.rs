@@ -6,8 +6,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use streakcast::table::{
-    Provenance, Section, Table, check_target, write_atomically, write_csv, write_ecsv, write_json, write_json_lines,
-    write_votable,
+    AtomicFile, Provenance, Section, Table, check_target, write_atomically, write_csv, write_ecsv, write_json,
+    write_json_lines, write_votable,
 };
 
 use crate::screen::{Shown, Style, render};
@@ -158,14 +158,25 @@ impl Output {
     }
 }
 
-/// That a file can be made there, asked before any work.
+/// That a file can be written there, asked before any work.
 pub fn check(path: &Path) -> anyhow::Result<()> {
+    named(path)?;
+    check_target(path).map_err(|error| cannot_write(path, &error))
+}
+
+/// The same of a file that only takes its place whole: no pipe and no device.
+pub fn check_whole(path: &Path) -> anyhow::Result<()> {
+    named(path)?;
+    AtomicFile::check(path).map_err(|error| cannot_write(path, &error))
+}
+
+fn named(path: &Path) -> anyhow::Result<()> {
     if path == Path::new(STANDARD_OUTPUT) {
         return Err(anyhow!(
             "cannot write {STANDARD_OUTPUT}: standard output takes the main answer alone; allowed: a file's name"
         ));
     }
-    check_target(path).map_err(|error| cannot_write(path, &error))
+    Ok(())
 }
 
 /// Writes a file of bytes, whole or not at all.

@@ -17,20 +17,52 @@ struct Change {
     e: f32,
 }
 
+/// What light makes of one pixel of a frame.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct AddedLight {
+    /// Row, counted from 0.
+    pub row: usize,
+    /// Column, counted from 0.
+    pub column: usize,
+    /// The signal before the converter, counts: whole ones only by chance. Below 0 for ghosts of a negative coefficient.
+    pub signal_adu: f32,
+    /// What is added to the pixel's count: the signal, or the step of whole counts within the converter's range that was drawn for it.
+    pub change_adu: f32,
+}
+
 impl Detector {
-    /// Adds light to a frame in counts; the patches hold expected electrons before vignetting and were drawn for the frame's shape.
+    /// Adds light to a frame in counts: what [`light_on`](Detector::light_on) finds, in single precision.
+    ///
+    /// # Errors
+    /// As [`light_on`](Detector::light_on).
+    pub fn add_light(&self, frame: &mut Plane, patches: &[Patch], seed: u64) -> Result<Saturated, DetectorError> {
+        let (added, saturated) = self.light_on(frame, patches, seed)?;
+        for light in added {
+            let pixel = &mut frame.row_mut(light.row)[light.column];
+            *pixel = (f64::from(*pixel) + f64::from(light.change_adu)) as f32;
+        }
+        Ok(saturated)
+    }
+
+    /// What light makes of a frame in counts, pixel by pixel in order, and what saturated; the patches hold expected electrons before vignetting and were drawn for the frame's shape.
     ///
     /// What the frame shows already stays as it is: only the added light gets photon noise, vignetting and ghosts by crosstalk, and there is no
     /// new read noise. Full wells hold the sum of both: what does not fit bleeds, and a pixel that shows more than its well holds
     /// keeps that. Counts become electrons by gain, bias and the inverse of the non-linearity, and back. Where counts are whole, the
-    /// fraction that the converter cut off is drawn at random first, so that light of less than a count is not lost. Pixels without new charge keep
-    /// their value to the last bit; pixels that are not a number stay so.
+    /// fraction that the converter cut off is drawn at random first, so that light of less than a count is not lost. Pixels without new charge are not
+    /// among the answers, nor are those that are not a number; what is beyond the converter's range already stays.
     ///
+    /// Changes are found as such and not as differences of counts, which of a frame of 10⁹ counts would hold no light of less than 64.
     /// With `shot_noise = false` and nothing else the light is simply added. The same seed gives the same frame on any number of threads.
     ///
     /// # Errors
     /// As [`Detector::validate`]; [`DetectorError::Shape`] where a patch is for another frame; [`DetectorError::AmplifierOutside`].
-    pub fn add_light(&self, frame: &mut Plane, patches: &[Patch], seed: u64) -> Result<Saturated, DetectorError> {
+    pub fn light_on(
+        &self,
+        frame: &Plane,
+        patches: &[Patch],
+        seed: u64,
+    ) -> Result<(Vec<AddedLight>, Saturated), DetectorError> {
         let (rows, columns) = (frame.rows(), frame.columns());
         self.validate_for(rows, columns)?;
         if let Some(patch) = patches.iter().find(|patch| (patch.rows(), patch.columns()) != (rows, columns)) {
@@ -56,25 +88,28 @@ impl Detector {
         all.append(&mut ghosts);
         // Stable: sums do not depend on anything but the order of amplifiers.
         all.sort_by_key(|change| (change.row, change.column));
+        let mut added = Vec::with_capacity(all.len());
         for of_row in all.chunk_by(|a, b| a.row == b.row) {
-            let mut random = stream(seed, Purpose::Rounding, of_row[0].row);
-            let pixels = frame.row_mut(of_row[0].row);
+            let row = of_row[0].row;
+            let mut random = stream(seed, Purpose::Rounding, row);
             for of_pixel in of_row.chunk_by(|a, b| a.column == b.column) {
+                let column = of_pixel[0].column;
                 let e: f64 = of_pixel.iter().map(|change| f64::from(change.e)).sum();
-                let pixel = &mut pixels[of_pixel[0].column];
-                let added_adu = e / self.gain_e_adu;
-                *pixel = match &self.quantisation {
-                    // What is beyond the converter's range already, or not a number, stays.
+                let count = frame.row(row)[column];
+                let signal_adu = e / self.gain_e_adu;
+                let change_adu = match &self.quantisation {
                     Some(quantisation) => {
-                        let analogue = f64::from(*pixel) + f64::from(fraction(&mut random)) + added_adu;
-                        let count = quantisation.apply(analogue as f32);
-                        if pixel.is_nan() || added_adu == 0.0 { *pixel } else { count }
+                        quantisation.step(f64::from(count), signal_adu + f64::from(fraction(&mut random)))
                     }
-                    None => (f64::from(*pixel) + added_adu) as f32,
+                    None => signal_adu,
                 };
+                if signal_adu != 0.0 && count.is_finite() {
+                    let (signal_adu, change_adu) = (signal_adu as f32, change_adu as f32);
+                    added.push(AddedLight { row, column, signal_adu, change_adu });
+                }
             }
         }
-        Ok(saturated)
+        Ok((added, saturated))
     }
 
     /// Charge that the light of all patches makes in one row.
@@ -143,27 +178,24 @@ impl Detector {
             Bleeding::Columns => (first..last + 1, 0..frame.rows()),
             Bleeding::Rows | Bleeding::Off => (0..frame.columns(), over[0].row..over[over.len() - 1].row + 1),
         };
-        let mut before = Plane::zeros(rows.len(), columns.len());
+        let mut room = Plane::zeros(rows.len(), columns.len());
         for (number, row) in rows.clone().enumerate() {
-            for (charge, count) in before.row_mut(number).iter_mut().zip(&frame.row(row)[columns.clone()]) {
-                *charge = self.charge_of(*count) as f32;
+            for (room, count) in room.row_mut(number).iter_mut().zip(&frame.row(row)[columns.clone()]) {
+                *room = (full - self.charge_of(*count)).max(0.0) as f32;
             }
         }
-        let mut after = before.clone();
+        let mut added = Plane::zeros(rows.len(), columns.len());
         let is_inside = |change: &Change| columns.contains(&change.column) && rows.contains(&change.row);
-        for change in changes.iter().filter(|change| is_inside(change)) {
-            after.row_mut(change.row - rows.start)[change.column - columns.start] += change.e;
+        // Pixels without a value hold nothing and let nothing bleed.
+        let holds = |change: &&Change| is_inside(change) && !frame.row(change.row)[change.column].is_nan();
+        for change in changes.iter().filter(holds) {
+            added.row_mut(change.row - rows.start)[change.column - columns.start] += change.e;
         }
-        let saturated = saturation.apply(&mut after, Some(&before));
+        let saturated = saturation.apply(&mut added, Some(&room));
         changes.retain(|change| !is_inside(change));
         for (number, row) in rows.enumerate() {
-            let pairs = after.row(number).iter().zip(before.row(number));
-            changes.extend(
-                pairs
-                    .zip(columns.clone())
-                    .filter(|((after, before), _)| after != before)
-                    .map(|((after, before), column)| Change { row, column, e: after - before }),
-            );
+            let of_row = added.row(number).iter().zip(columns.clone());
+            changes.extend(of_row.filter(|(e, _)| **e != 0.0).map(|(&e, column)| Change { row, column, e }));
         }
         changes.sort_by_key(|change| (change.row, change.column));
         saturated

@@ -32,6 +32,11 @@ impl Quantisation {
         DetectorError::hold("quantisation.greatest_adu", self.greatest_adu, self.least_adu + 1.0, 16_777_216.0)
     }
 
+    /// From a count to the next whole one when a signal comes on top: within the range, or where the count is beyond it, no farther beyond.
+    pub(super) fn step(&self, count: f64, signal_adu: f64) -> f64 {
+        (count + signal_adu).round().clamp(self.least_adu.min(count), self.greatest_adu.max(count)) - count
+    }
+
     pub(super) fn apply(&self, count: f32) -> f32 {
         count.round().clamp(self.least_adu as f32, self.greatest_adu as f32)
     }

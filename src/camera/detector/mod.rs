@@ -12,6 +12,7 @@ mod saturation;
 mod settings;
 mod vignetting;
 
+pub use add::AddedLight;
 pub use conversion::Quantisation;
 pub use crosstalk::{Amplifier, Crosstalk, ReadoutCorner};
 pub use error::DetectorError;

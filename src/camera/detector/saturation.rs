@@ -46,12 +46,12 @@ impl Saturation {
 
     /// Cuts all pixels to what they hold and lets the rest bleed.
     ///
-    /// `kept` is charge that a pixel holds in any case, and no more, where it lies above the full well: what a frame shows already. It has the
-    /// shape of the charge, or is left out.
-    pub(super) fn apply(&self, charge: &mut Plane, kept: Option<&Plane>) -> Saturated {
+    /// `room` is what is left of each pixel's well where the charge comes on top of what a frame shows already, 0 or more. It has the shape of the charge;
+    /// left out, wells are empty.
+    pub(super) fn apply(&self, charge: &mut Plane, room: Option<&Plane>) -> Saturated {
         let (rows, columns) = (charge.rows(), charge.columns());
         let full = self.full_well_e as f32;
-        let room_to = |row: usize, column: usize| kept.map_or(full, |kept| kept.row(row)[column].max(full));
+        let room_to = |row: usize, column: usize| room.map_or(full, |room| room.row(row)[column]);
         let mut saturated = Saturated::default();
         let mut excess: Vec<(usize, usize, f32)> = Vec::new();
         for row in 0..rows {

@@ -130,7 +130,7 @@ impl<'a> FrameCopy<'a> {
         rice: Option<Rice>,
     ) -> Result<(), FrameError> {
         let hdu = match rice {
-            Some(rice) => new_hdu::rice_image(name, image, cards, rice, folder_of(&self.target))?,
+            Some(rice) => new_hdu::rice_image(name, image, cards, rice, folder_of(self.output.path()))?,
             None => new_hdu::image(Place::Extension, name, image, cards),
         };
         self.appended.push(hdu);

@@ -38,7 +38,7 @@ pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), FrameEr
     for image in images {
         let place = if hdus.is_empty() { Place::Primary } else { Place::Extension };
         hdus.push(match image.rice {
-            Some(rice) => new_hdu::rice_image(image.name, image.values, image.cards, rice, folder_of(target))?,
+            Some(rice) => new_hdu::rice_image(image.name, image.values, image.cards, rice, folder_of(output.path()))?,
             None => new_hdu::image(place, image.name, image.values, image.cards),
         });
     }

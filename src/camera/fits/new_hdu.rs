@@ -43,8 +43,9 @@ pub struct TableColumn {
 pub enum Cells {
     /// Numbers in double precision (1D); NaN where nothing is known.
     Real(Vec<f64>),
-    /// Whole numbers of 64 bits (1K).
-    Integer(Vec<i64>),
+    /// Whole numbers of 64 bits (1K); `None` where nothing is known, which the file shows as the value of TNULLn: -1, or the least of all numbers where -1 is one of
+    /// the others.
+    Integer(Vec<Option<i64>>),
     /// Text (nA), ASCII; other characters become `?`.
     Text(Vec<String>),
 }
@@ -81,10 +82,16 @@ impl Cells {
         }
     }
 
-    fn write(&self, row: usize, out: &mut Vec<u8>) {
+    /// What stands for nothing in a column of whole numbers that has such cells.
+    fn null(&self) -> Option<i64> {
+        let Self::Integer(cells) = self else { return None };
+        cells.contains(&None).then(|| if cells.contains(&Some(-1)) { i64::MIN } else { -1 })
+    }
+
+    fn write(&self, row: usize, null: Option<i64>, out: &mut Vec<u8>) {
         match self {
             Self::Real(cells) => out.extend(cells[row].to_be_bytes()),
-            Self::Integer(cells) => out.extend(cells[row].to_be_bytes()),
+            Self::Integer(cells) => out.extend(cells[row].or(null).unwrap_or(-1).to_be_bytes()),
             Self::Text(cells) => {
                 let end = out.len() + self.width();
                 out.extend(cells[row].chars().map(|c| if (' '..='~').contains(&c) { c as u8 } else { b'?' }));
@@ -193,6 +200,9 @@ pub(super) fn table(name: &str, columns: &[TableColumn], cards: &[Card]) -> Resu
     for (number, column) in columns.iter().enumerate().map(|(index, column)| (index + 1, column)) {
         header.set(&format!("TTYPE{number}"), &column.name.as_str().into(), &column.meaning);
         header.set(&format!("TFORM{number}"), &CardValue::Text(column.cells.form()), "");
+        if let Some(null) = column.cells.null() {
+            header.set(&format!("TNULL{number}"), &null.into(), "nothing known");
+        }
         if !column.unit.is_empty() {
             header.set(&format!("TUNIT{number}"), &column.unit.as_str().into(), "");
         }
@@ -202,9 +212,10 @@ pub(super) fn table(name: &str, columns: &[TableColumn], cards: &[Card]) -> Resu
     }
     header.extend(free_cards(cards));
     let mut data = Vec::with_capacity(rows * width);
+    let nulls: Vec<Option<i64>> = columns.iter().map(|column| column.cells.null()).collect();
     for row in 0..rows {
-        for column in columns {
-            column.cells.write(row, &mut data);
+        for (column, null) in columns.iter().zip(&nulls) {
+            column.cells.write(row, *null, &mut data);
         }
     }
     Ok(NewHdu { header, data })

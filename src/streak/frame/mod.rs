@@ -1,5 +1,6 @@
-//! Frames on file: `target_frame` (one that streaks are to be put into), `synthetic` (one made from nothing), `write` (a copy with streaks in it).
+//! Frames on file: `target_frame` (one that streaks are to be put into), `synthetic` (one made from nothing) with `star_trails`, `write` (a copy with streaks in it).
 
+mod star_trails;
 mod synthetic;
 mod target_frame;
 mod write;

@@ -6,10 +6,15 @@ use hifitime::{Epoch, TimeScale};
 use serde::Deserialize;
 use thiserror::Error;
 
+use super::super::chip::Chip;
+use super::super::count_scale::{CountScale, CountScaleError};
 use super::super::optics::{Optics, OpticsError};
+use super::super::render::PathError;
+use super::super::tracking::Tracking;
+use super::star_trails::{SkyStar, add_trails, draw_stars};
 use crate::camera::{
-    BackgroundError, Blur, BlurError, Card, CardValue, Detector, DetectorError, FrameError, ImageValues, NewImage,
-    Pixels, Plane, RadialProfile, RandomStars, Rice, Star, Wcs, WcsError, background, write_frame,
+    BackgroundError, Blur, BlurError, Card, CardValue, Detector, DetectorError, FrameError, ImageValues, LightArea,
+    NewImage, Pixels, Plane, RadialProfile, RandomStars, Rice, Star, Wcs, WcsError, background, flux_e, write_frame,
 };
 use crate::frames::{Direction, Gcrs, mjd_utc};
 use crate::table::format_utc;
@@ -83,6 +88,8 @@ pub struct SyntheticShot<'a> {
     pub exposure_s: f64,
     /// The frame's centre.
     pub centre: Direction<Gcrs>,
+    /// What the telescope follows; stars trail where it is not they.
+    pub tracking: Tracking,
     /// Air and telescope.
     pub optics: &'a Optics,
     /// Filter, for the header.
@@ -129,6 +136,12 @@ pub enum SyntheticError {
     /// The same.
     #[error("synthetic frame: {0}")]
     Blur(#[from] BlurError),
+    /// The ways of its stars.
+    #[error("synthetic frame: {0}")]
+    Path(#[from] PathError),
+    /// Its exposure.
+    #[error("synthetic frame: {0}")]
+    Scale(#[from] CountScaleError),
     /// Its sky or stars.
     #[error(transparent)]
     Background(#[from] BackgroundError),
@@ -181,26 +194,52 @@ impl SyntheticFrame {
         let profile = RadialProfile::of(&Blur::seeing(shot.optics.seeing(self.pixel_scale_arcsec)))?;
         // Of one electron in the whole exposure.
         let zero_point_mag = self.zero_point_1s_mag + 2.5 * shot.exposure_s.log10();
-        let mut stars = self.stars.map_or(Ok(Vec::new()), |field| {
-            let field = RandomStars {
-                per_megapixel: field.per_megapixel,
-                slope: field.slope,
-                brightest_mag: field.brightest_mag,
-                faintest_mag: field.faintest_mag,
-                zero_point_mag,
-            };
-            field.draw(self.rows, self.columns, profile.pixel_reach_pix().min(200.0), shot.seed)
-        })?;
-        if let Some(path) = &self.star_list {
-            stars.extend(listed_stars(path, &wcs, zero_point_mag)?);
-        }
+        let field = self.stars.map(|field| RandomStars {
+            per_megapixel: field.per_megapixel,
+            slope: field.slope,
+            brightest_mag: field.brightest_mag,
+            faintest_mag: field.faintest_mag,
+            zero_point_mag,
+        });
+        let listed = self.star_list.as_deref().map_or(Ok(Vec::new()), |path| listed_stars(path, zero_point_mag))?;
+        let reach_pix = profile.pixel_reach_pix().min(200.0);
         // Electrons a pixel: 10^(-0.4 (μ - ZP)) times its area.
         let area_arcsec2 = self.pixel_scale_arcsec * self.pixel_scale_arcsec;
         let sky_e = 10f64.powf(-0.4 * (self.sky_mag_arcsec2 - zero_point_mag)) * area_arcsec2;
-        let light = background(self.rows, self.columns, sky_e, &stars, &profile)?;
+        let light = match shot.tracking {
+            Tracking::Sidereal => {
+                let mut stars =
+                    field.map_or(Ok(Vec::new()), |field| field.draw(self.rows, self.columns, reach_pix, shot.seed))?;
+                let at = |star: &SkyStar| Some(Star { at: wcs.to_pixel(star.direction)?, flux_e: star.flux_e });
+                stars.extend(listed.iter().filter_map(at));
+                background(self.rows, self.columns, sky_e, &stars, &profile)?
+            }
+            Tracking::Rate { .. } => {
+                let mut light = background(self.rows, self.columns, sky_e, &[], &profile)?;
+                let chip = self.chip(wcs.clone(), shot.exposure_s)?;
+                let mut stars = field.map_or(Ok(Vec::new()), |field| draw_stars(&field, &chip, shot, reach_pix))?;
+                stars.extend(listed);
+                add_trails(&mut light, &stars, &chip, shot, &profile)?;
+                light
+            }
+        };
         // Stars and noise are drawn apart.
         let (counts, _) = self.detector.expose(&light, shot.seed.wrapping_add(1))?;
         Ok((counts, wcs))
+    }
+
+    /// Its pixels as a chip on which a star of magnitude 0 makes one electron.
+    fn chip(&self, wcs: Wcs, exposure_s: f64) -> Result<Chip, CountScaleError> {
+        Ok(Chip {
+            hdu: 0,
+            name: String::new(),
+            rows: self.rows,
+            columns: self.columns,
+            light_area: LightArea::whole(self.rows, self.columns),
+            wcs,
+            is_on_sky: true,
+            scale: CountScale::of_frame(0.0, exposure_s)?,
+        })
     }
 
     /// Writes the frame with the cards that [`crate::streak::TargetFrame`] reads: world coordinates, exposure, zero point, gain.
@@ -267,7 +306,10 @@ impl SyntheticFrame {
     }
 }
 
-fn listed_stars(path: &Path, wcs: &Wcs, zero_point_mag: f64) -> Result<Vec<Star>, SyntheticError> {
+/// The most electrons of a star.
+const BRIGHTEST_E: f64 = 1e12;
+
+fn listed_stars(path: &Path, zero_point_mag: f64) -> Result<Vec<SkyStar>, SyntheticError> {
     #[derive(Deserialize)]
     struct Row {
         ra_deg: f64,
@@ -283,12 +325,17 @@ fn listed_stars(path: &Path, wcs: &Wcs, zero_point_mag: f64) -> Result<Vec<Star>
     let mut stars = Vec::new();
     for row in reader.deserialize::<Row>() {
         let row = row.map_err(|error| failed(error.to_string()))?;
-        if !(row.ra_deg.is_finite() && row.dec_deg.abs() <= 90.0 && (-30.0..=60.0).contains(&row.magnitude)) {
+        let flux_e = flux_e(row.magnitude, zero_point_mag);
+        if !(flux_e <= BRIGHTEST_E
+            && row.ra_deg.is_finite()
+            && row.dec_deg.abs() <= 90.0
+            && (-30.0..=60.0).contains(&row.magnitude))
+        {
             let Row { ra_deg, dec_deg, magnitude } = row;
             return Err(failed(format!("star {}: ra {ra_deg}, dec {dec_deg}, magnitude {magnitude}", stars.len() + 1)));
         }
         let direction = Direction::from_lon_lat_rad(row.ra_deg.to_radians(), row.dec_deg.to_radians());
-        stars.extend(wcs.to_pixel(direction).map(|at| Star::of_magnitude(at, row.magnitude, zero_point_mag)));
+        stars.push(SkyStar { direction, flux_e });
     }
     Ok(stars)
 }

@@ -104,6 +104,8 @@ pub struct TargetChip {
     pub saturation: Option<f64>,
     /// Least and greatest count of a frame of whole numbers.
     pub whole_range: Option<(f64, f64)>,
+    /// HDU of the plane that holds the variance of each of its pixels, where the file is a masked image of Rubin's pipelines.
+    pub variance_hdu: Option<usize>,
 }
 
 /// An opened frame.
@@ -279,8 +281,21 @@ fn target_chip(
         chip: Chip { hdu, name, rows, columns, light_area, wcs, is_on_sky, scale },
         electrons_a_unit: gain_e_adu.map(|gain| if is_rate { gain * exposure_s } else { gain }),
         whole_range: info.format.whole_range(),
+        variance_hdu: variance_of(file, hdu)?,
         saturation: calibration.saturation_adu.map(|level| level.value).filter(|_| !is_flux && !is_rate),
     })
+}
+
+/// The plane of variances of a masked image as Rubin's pipelines write it: behind the planes IMAGE and MASK (EXTNAME, or EXTTYPE where tiles are compressed), of
+/// the image's size.
+fn variance_of(file: &FrameFile, hdu: usize) -> Result<Option<usize>, FrameError> {
+    let is_plane = |hdu: usize, name: &str| {
+        let header = file.header(hdu).ok();
+        let says = |keyword| header.and_then(|header| header.text(keyword)).is_some_and(|text| text == name);
+        file.image_size(hdu).is_ok() && (says("EXTNAME") || says("EXTTYPE"))
+    };
+    let are_planes = is_plane(hdu, "IMAGE") && is_plane(hdu + 1, "MASK") && is_plane(hdu + 2, "VARIANCE");
+    Ok((are_planes && file.image_size(hdu + 2)? == file.image_size(hdu)?).then_some(hdu + 2))
 }
 
 /// `MP_` keywords of any mask in the file.

@@ -5,11 +5,13 @@ use std::path::Path;
 use thiserror::Error;
 
 use super::super::drawn::DrawnStreak;
-use super::super::truth::{MaskPlanes, TruthRow, mask_spans, noise_of, points_table, truth_rows, truth_table};
+use super::super::truth::{
+    MaskPlanes, TruthRow, changed_spans, mask_spans, noise_of, points_table, truth_rows, truth_table,
+};
 use super::target_frame::{TargetChip, TargetFrame};
 use crate::camera::{
-    Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, HduKind, ImageValues,
-    Patch, Pixels, Quantisation, Saturation, TableColumn,
+    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, HduKind,
+    ImageValues, Patch, Pixels, Quantisation, Saturation, TableColumn,
 };
 use crate::table::{Column, Kind, Table, Value};
 
@@ -41,7 +43,7 @@ pub struct InjectOptions {
     pub seed: u64,
     /// Bits of the masks.
     pub planes: MaskPlanes,
-    /// Masks and tables of truth in the file.
+    /// Masks and tables of truth in the file, and the light's variance where the file has a plane of variances.
     pub tell: bool,
     /// Lines of HISTORY: what was injected, from what.
     pub history: Vec<String>,
@@ -59,6 +61,7 @@ pub struct Injected {
 /// Writes a copy of the frame with streaks in it: every card, extension and table that was there is still there, and what was not touched is the same to the
 /// last bit.
 ///
+/// Where a chip has a plane of variances ([`TargetChip::variance_hdu`]) and the light has noise, that plane gets the variance of the light.
 /// Behind the frame's own HDUs come, if they are wanted, one mask for each chip with streaks (`MASK`, or `MASK_<chip>` where there are several chips or a mask
 /// of that name is there already) and the tables `STREAKS` and `STREAK_POINTS`. Chips without streaks stay untouched. Streaks are those of
 /// [`crate::streak::draw_on_chip`], in any order.
@@ -84,15 +87,22 @@ pub fn inject(
             report.without_gain.push(target.chip.hdu);
         }
         let noise = if options.tell { noise_of_chip(frame, target)? } else { 0.0 };
-        match detector {
+        let has_noise = detector.as_ref().is_some_and(|detector| detector.shot_noise);
+        let added = match detector {
             Some(detector) => expose(&mut copy, frame, target, &own, &detector, options.seed)?,
-            None => add(&mut copy, target, &own)?,
-        }
+            None => {
+                add(&mut copy, target, &own)?;
+                Vec::new()
+            }
+        };
         for line in &options.history {
             copy.add_history(target.chip.hdu, line)?;
         }
+        if has_noise && options.tell {
+            add_variance(&mut copy, target, &added)?;
+        }
         if options.tell {
-            masks.extend(mask(&own, target, &options.planes, noise).map(|mask| (target, mask)));
+            masks.extend(mask(&own, &added, target, &options.planes, noise).map(|mask| (target, mask)));
         }
     }
     if options.tell {
@@ -102,8 +112,10 @@ pub fn inject(
         copy.append_table("STREAKS", &fits_columns(&truth_table(&rows)), &cards)?;
         copy.append_table("STREAK_POINTS", &fits_columns(&points_table(&rows)), &[])?;
     }
-    for changed in copy.finish()?.into_values() {
-        report.changed += changed;
+    for (hdu, changed) in copy.finish()? {
+        if frame.chips.iter().any(|target| target.chip.hdu == hdu) {
+            report.changed += changed;
+        }
     }
     Ok(report)
 }
@@ -154,7 +166,8 @@ fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, FrameE
     Ok(noise_of(&values))
 }
 
-/// Light through a detector: the whole chip is read, since full wells hold the sum of what was there and what is added.
+/// Light through a detector: the whole chip is read, since full wells hold the sum of what was there and what is added. What it made of the pixels that are lit,
+/// in their order.
 fn expose(
     copy: &mut FrameCopy<'_>,
     frame: &TargetFrame,
@@ -162,7 +175,7 @@ fn expose(
     streaks: &[&DrawnStreak<'_>],
     detector: &Detector,
     seed: u64,
-) -> Result<(), InjectError> {
+) -> Result<Vec<AddedLight>, InjectError> {
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
     let before = frame.file.read_plane(hdu)?;
     let electrons = |patch: &Patch| {
@@ -171,37 +184,51 @@ fn expose(
         patch
     };
     let patches: Vec<Patch> = streaks.iter().map(|streak| electrons(&streak.patch)).collect();
-    let mut after = before.clone();
     // Every chip has random numbers of its own.
     let seed = seed ^ (hdu as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    detector.add_light(&mut after, &patches, seed).map_err(|source| InjectError::Detector { hdu, source })?;
+    let failed = |source| InjectError::Detector { hdu, source };
+    let (mut added, _) = detector.light_on(&before, &patches, seed).map_err(failed)?;
     // Charge that bled out of what is lit went to the registers.
-    for row in lit.rows.clone() {
-        let (old, new) = (before.row(row), after.row(row));
-        // Not a number is not equal to itself, and stays.
-        let differs = |column: &usize| old[*column] != new[*column] && !old[*column].is_nan();
-        let Some(first) = lit.columns.clone().find(differs) else { continue };
-        let end = lit.columns.clone().rev().find(differs).map_or(first, |last| last) + 1;
-        // The difference: values of 32 bits and more have digits that single precision does not hold.
-        let added: Vec<f32> = old[first..end]
-            .iter()
-            .zip(&new[first..end])
-            .map(|(old, new)| if old.is_nan() { 0.0 } else { new - old })
-            .collect();
-        copy.add(hdu, row, first, added)?;
+    added.retain(|light| lit.rows.contains(&light.row) && lit.columns.contains(&light.column));
+    for of_row in added.chunk_by(|a, b| a.row == b.row) {
+        let first = of_row[0].column;
+        let mut values = vec![0.0; of_row[of_row.len() - 1].column + 1 - first];
+        of_row.iter().for_each(|light| values[light.column - first] = light.change_adu);
+        copy.add(hdu, of_row[0].row, first, values)?;
+    }
+    Ok(added)
+}
+
+/// Into the plane of variances, where there is one: light of n electrons has a variance of n, in the frame's unit n / gain². As in the pipelines that
+/// wrote the plane, n is what was counted and not what was expected.
+fn add_variance(copy: &mut FrameCopy<'_>, target: &TargetChip, added: &[AddedLight]) -> Result<(), FrameError> {
+    let (Some(hdu), Some(gain)) = (target.variance_hdu, target.electrons_a_unit) else { return Ok(()) };
+    for of_span in added.chunk_by(|a, b| (a.row, a.column + 1) == (b.row, b.column)) {
+        let variances: Vec<f32> = of_span.iter().map(|light| light.change_adu.max(0.0) / gain as f32).collect();
+        copy.add(hdu, of_span[0].row, of_span[0].column, variances)?;
+    }
+    if !added.is_empty() {
+        copy.add_history(hdu, "streakcast inject: variance of the added light, its counts divided by the gain")?;
     }
     Ok(())
 }
 
-fn mask(streaks: &[&DrawnStreak<'_>], target: &TargetChip, planes: &MaskPlanes, noise: f32) -> Option<ImageValues> {
+fn mask(
+    streaks: &[&DrawnStreak<'_>],
+    added: &[AddedLight],
+    target: &TargetChip,
+    planes: &MaskPlanes,
+    noise: f32,
+) -> Option<ImageValues> {
     let (rows, columns) = (target.chip.rows, target.chip.columns);
-    let spans = mask_spans(streaks, columns, planes, noise);
+    let mut spans = mask_spans(streaks, columns, planes, noise);
+    spans.extend(changed_spans(added, planes, noise));
     let pixels = if planes.streak_bit.max(planes.injected_bit) < 8 {
         let mut values = vec![0u8; rows * columns];
         for span in &spans {
             let start = span.row * columns + span.first_column;
             for (pixel, value) in values[start..].iter_mut().zip(&span.values) {
-                *pixel = *value as u8;
+                *pixel |= *value as u8;
             }
         }
         Pixels::U8(values)
@@ -209,7 +236,9 @@ fn mask(streaks: &[&DrawnStreak<'_>], target: &TargetChip, planes: &MaskPlanes, 
         let mut values = vec![0i32; rows * columns];
         for span in &spans {
             let start = span.row * columns + span.first_column;
-            values[start..start + span.values.len()].copy_from_slice(&span.values);
+            for (pixel, value) in values[start..].iter_mut().zip(&span.values) {
+                *pixel |= value;
+            }
         }
         Pixels::I32(values)
     };
@@ -237,7 +266,7 @@ fn append_masks(
     Ok(())
 }
 
-/// A table as columns of a FITS file. Whole numbers that are not known are -1, moments and lists are text.
+/// A table as columns of a FITS file; moments and lists are text.
 fn fits_columns(table: &Table) -> Vec<TableColumn> {
     let column = |(index, column): (usize, &Column)| {
         let cells = table.rows.iter().map(|row| &row[index]);
@@ -245,9 +274,9 @@ fn fits_columns(table: &Table) -> Vec<TableColumn> {
             Kind::Real { .. } => {
                 Cells::Real(cells.map(|cell| if let Value::Real(number) = cell { *number } else { f64::NAN }).collect())
             }
-            Kind::Integer => {
-                Cells::Integer(cells.map(|cell| if let Value::Integer(number) = cell { *number } else { -1 }).collect())
-            }
+            Kind::Integer => Cells::Integer(
+                cells.map(|cell| if let Value::Integer(number) = cell { Some(*number) } else { None }).collect(),
+            ),
             _ => Cells::Text(cells.map(|cell| column.text(cell)).collect()),
         };
         TableColumn {

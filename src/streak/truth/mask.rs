@@ -2,6 +2,7 @@
 
 use super::super::drawn::DrawnStreak;
 use super::mask_planes::MaskPlanes;
+use crate::camera::AddedLight;
 
 /// Fainter than this share of its brightest pixel a streak's light is not counted as injected: it is below anything that a frame can hold.
 const FAINTEST_SHARE: f32 = 1e-4;
@@ -22,8 +23,8 @@ pub struct MaskSpan {
 
 /// The masked stretches of a chip, those of several streaks in one row joined, in the order of rows; all else is 0.
 ///
-/// `INJECTED` are all pixels with more than 10⁻⁴ of the brightest pixel of a streak. `STREAK` are those on which the light of all streaks together is above
-/// `noise`, one sigma of the frame's own pixels; where that is 0, above a tenth of the streak's brightest pixel.
+/// `INJECTED` are all pixels with more than 10⁻⁴ of the brightest pixel of a streak. `STREAK` and `INJECTED` are those on which the light of all streaks
+/// together is above `noise`, one sigma of the frame's own pixels; where that is 0, above a tenth of the streak's brightest pixel.
 pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
     let peaks: Vec<f32> = streaks
         .iter()
@@ -42,11 +43,13 @@ pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPla
                 let span = streak.patch.row(row);
                 let threshold = if noise > 0.0 { f32::INFINITY } else { SHARE_WITHOUT_NOISE * peak };
                 for (column, &value) in (span.first_column..).zip(span.values) {
+                    light[column] += value;
                     if value > FAINTEST_SHARE * peak {
-                        light[column] += value;
                         values[column] |= planes.value(value > threshold);
-                        (first, end) = (first.min(column), end.max(column + 1));
                     }
+                }
+                if !span.values.is_empty() {
+                    (first, end) = (first.min(span.first_column), end.max(span.first_column + span.values.len()));
                 }
             }
             for column in first..end {
@@ -54,13 +57,33 @@ pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPla
                     values[column] = planes.value(true);
                 }
             }
-            let span =
-                (first < end).then(|| MaskSpan { row, first_column: first, values: values[first..end].to_vec() });
+            let masked = |column: &usize| values[*column] != 0;
+            let span = (first..end).find(masked).map(|from| {
+                let to = (from..end).rfind(masked).map_or(from, |last| last) + 1;
+                MaskSpan { row, first_column: from, values: values[from..to].to_vec() }
+            });
             if first < end {
                 light[first..end].fill(0.0);
                 values[first..end].fill(0);
             }
             span
+        })
+        .collect()
+}
+
+/// What a detector made of the light outside of the streaks, too: the bled columns and the ghosts are `INJECTED` where the signal is above `noise`, one sigma of the
+/// frame's own pixels; where that is 0, above 10⁻⁴ of the chip's strongest signal. `added` is in order; stretches of a row are in one span.
+///
+/// They are no `STREAK`: a detector of streaks is to find the line, and pipelines mask bleeding and ghosts by planes of their own.
+pub fn changed_spans(added: &[AddedLight], planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
+    let strongest = added.iter().map(|light| light.signal_adu.abs()).fold(0.0, f32::max);
+    let threshold = if noise > 0.0 { noise } else { FAINTEST_SHARE * strongest };
+    let seen: Vec<&AddedLight> = added.iter().filter(|light| light.signal_adu.abs() > threshold).collect();
+    seen.chunk_by(|a, b| (a.row, a.column + 1) == (b.row, b.column))
+        .map(|of_span| MaskSpan {
+            row: of_span[0].row,
+            first_column: of_span[0].column,
+            values: vec![planes.value(false); of_span.len()],
         })
         .collect()
 }
@@ -127,6 +150,17 @@ mod tests {
             }
         }
         assert!(mask_spans(&[], 60, &planes, 1.0).is_empty());
+    }
+
+    #[test]
+    fn verif_what_bled_is_injected_and_no_streak() {
+        let planes = MaskPlanes { streak_bit: 0, injected_bit: 1 };
+        let light = |row, column, signal_adu| AddedLight { row, column, signal_adu, change_adu: signal_adu };
+        let added = [light(2, 5, 40.0), light(2, 6, -30.0), light(2, 8, 9.0), light(3, 6, 20.0), light(3, 7, 0.001)];
+        let span = |row, first_column, pixels| MaskSpan { row, first_column, values: vec![2; pixels] };
+        assert_eq!(changed_spans(&added, &planes, 10.0), [span(2, 5, 2), span(3, 6, 1)]);
+        assert_eq!(changed_spans(&added, &planes, 0.0), [span(2, 5, 2), span(2, 8, 1), span(3, 6, 1)]);
+        assert!(changed_spans(&[], &planes, 0.0).is_empty());
     }
 
     #[test]

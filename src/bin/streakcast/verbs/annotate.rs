@@ -1,7 +1,7 @@
 //! `annotate`: the schedule file again, lossless, with flags and streaks.
 
 use streakcast::schedule::{Annotation, annotate, flag_table};
-use streakcast::table::check_target;
+use streakcast::table::AtomicFile;
 
 use super::judged::judge;
 use crate::arguments::AnnotateArguments;
@@ -11,7 +11,7 @@ use crate::output::cannot_write;
 pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let setup = typed.shared.setup(typed.rules.setup())?;
     // Before any work: that a file can be made there.
-    check_target(&typed.output).map_err(|error| cannot_write(&typed.output, &error))?;
+    AtomicFile::check(&typed.output).map_err(|error| cannot_write(&typed.output, &error))?;
     let judged = judge(&setup, &typed.schedule, typed.shard)?;
     let annotation = Annotation {
         flags: &flag_table(&judged.report.flags),

@@ -9,7 +9,7 @@ use streakcast::injection::{FrameDone, Injections};
 use streakcast::table::{Section, Table};
 
 use crate::inject_arguments::InjectArguments;
-use crate::output::{Answer, Format, Output, check};
+use crate::output::{Answer, Format, Output, check, check_whole};
 use crate::screen::Style;
 
 /// Every file that is to be written.
@@ -24,7 +24,7 @@ impl Outputs {
     /// Names of all outputs: that typed where there is one frame, else files of the frames' own names in the folder typed. `inputs` are files that are read.
     pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let frames = frames(typed)?;
-        frames.iter().try_for_each(|path| check(path))?;
+        frames.iter().try_for_each(|path| check_whole(path))?;
         let beside = |path: &Option<PathBuf>| -> anyhow::Result<Option<Output>> {
             path.as_ref().map(|path| Output::new(text_format(path)?, Some(path.clone()))).transpose()
         };
@@ -52,7 +52,8 @@ impl Outputs {
         if let Some(both) = all.iter().find(|path| path.canonicalize().is_ok_and(|path| read.contains(&path))) {
             return Err(anyhow!("{} is an input and would be overwritten; name another output", both.display()));
         }
-        let apart: BTreeSet<&PathBuf> = all.iter().copied().collect();
+        let apart: BTreeSet<PathBuf> =
+            all.iter().map(|path| path.canonicalize().unwrap_or(path.to_path_buf())).collect();
         if apart.len() < all.len() {
             return Err(anyhow!("two outputs have one name; frames, --truth, --trails and pictures must differ"));
         }

@@ -16,7 +16,7 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     let notices = super::super::judged::begin(&setup)?;
     let said = said(&typed);
     let outputs = Outputs::new(&typed, &inputs(&typed, &said, &setup))?;
-    refuse_field(&typed)?;
+    refuse_idle(&typed)?;
     let done = inject_frames(&said, &setup, None, &outputs.frames)?;
     for remark in &done.remarks {
         notices.say(remark);
@@ -77,18 +77,44 @@ fn inputs(typed: &InjectArguments, said: &InjectionSaid, setup: &Setup) -> Vec<P
     said.files().into_iter().chain(elements.iter().chain(one.into_iter().flatten()).cloned()).collect()
 }
 
-/// Refuses options of fields, which would do nothing.
-fn refuse_field(typed: &InjectArguments) -> anyhow::Result<()> {
-    let shared = &typed.shared;
+/// Refuses options that would do nothing: those of fields, and those of satellites where streaks are random. What a configuration file says for other verbs
+/// may stay in it.
+fn refuse_idle(typed: &InjectArguments) -> anyhow::Result<()> {
+    let (shared, place) = (&typed.shared, &typed.shared.place);
     let of_fields = [
         ("--fov", shared.fov.is_some()),
         ("--field", shared.field.is_some()),
         ("--rotation", shared.rotation.is_some()),
         ("--min-probability", shared.min_probability.is_some()),
     ];
-    match of_fields.iter().find(|(_, is_said)| *is_said) {
-        Some((option, _)) => Err(anyhow::anyhow!(
+    let of_satellites = [
+        ("--extinction", shared.extinction.is_some()),
+        ("--sun-distance", shared.sun_distance),
+        ("--no-earthshine", shared.magnitudes.no_earthshine),
+        ("--shadow", shared.shadow.is_some()),
+        ("--qs-mag", shared.qs_mag.is_some()),
+        ("--accept-bad-checksums", shared.accept_bad_checksums),
+        ("--eop", shared.eop.is_some()),
+        ("--site", place.site.is_some()),
+        ("--mpc", place.mpc.is_some()),
+        ("--lat", place.lat.is_some()),
+        ("--lon", place.lon.is_some()),
+        ("--height", place.height.is_some()),
+        ("--observer-elements", shared.observer_elements.is_some()),
+        ("--observer-norad", shared.observer_norad.is_some()),
+        ("--limb-height-km", shared.limb_height_km.is_some()),
+    ];
+    let is_random = typed.streaks.random_streaks.is_some() || typed.streaks.streak_density.is_some();
+    let typed_of =
+        |options: &[(&'static str, bool)]| options.iter().find(|(_, is_said)| *is_said).map(|(name, _)| *name);
+    if let Some(option) = typed_of(&of_fields) {
+        return Err(anyhow::anyhow!(
             "{option} is for verbs that ask about a field; the field of inject is the frame itself"
+        ));
+    }
+    match typed_of(&of_satellites).filter(|_| is_random) {
+        Some(option) => Err(anyhow::anyhow!(
+            "{option} is for satellites; random streaks have their magnitude and speed from the command line"
         )),
         None => Ok(()),
     }
