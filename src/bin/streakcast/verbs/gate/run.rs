@@ -28,7 +28,7 @@ const SAME_SITE_KM: f64 = 1.0;
 /// A file of elements written less than this ago may still be being written.
 const FRESH: Duration = Duration::from_secs(10);
 /// One that has stayed so long as it is, is meant to be so.
-const SETTLED: Duration = Duration::from_mins(10);
+const SETTLED: Duration = Duration::from_secs(600);
 /// How often, and how long apart, elements are read again that could not be read, seconds.
 const TRIES: usize = 4;
 const TRY_AGAIN_S: f64 = 0.3;
