@@ -17,6 +17,8 @@ pub(super) struct SkyStar {
     pub direction: Direction<Gcrs>,
     /// Its light in the exposure, electrons.
     pub flux_e: f64,
+    /// It may be over the frame from the first of these moments to the second, seconds after the shutter opened.
+    pub over_s: [f64; 2],
 }
 
 /// Stars are in focus; nothing asks how far they are.
@@ -60,7 +62,13 @@ pub(super) fn draw_stars(
         let place =
             PixelPosition { x: middle.x + u * along[0] - v * along[1], y: middle.y + u * along[1] + v * along[0] };
         let seen = chip.wcs.to_sky(place)?;
-        Some(SkyStar { direction: shot.tracking.stood(&seen, nearest_s, &shot.centre), flux_e: star.flux_e })
+        // Twice as long as the way over the strip's width: the ends are outside.
+        let half_s = if speed > 0.0 { width / speed } else { shot.exposure_s };
+        Some(SkyStar {
+            direction: shot.tracking.stood(&seen, nearest_s, &shot.centre),
+            flux_e: star.flux_e,
+            over_s: [(nearest_s - half_s).max(0.0), (nearest_s + half_s).min(shot.exposure_s)],
+        })
     };
     Ok(field.draw(rows, columns, 0.0, shot.seed)?.into_iter().filter_map(on_sky).collect())
 }
@@ -77,8 +85,9 @@ pub(super) fn add_trails(
     profile: &RadialProfile,
 ) -> Result<(), PathError> {
     let trail = |star: &SkyStar| -> Result<Vec<Patch>, PathError> {
+        let [first_s, last_s] = star.over_s;
         let point = |moment: u32| SkyPoint {
-            time_s: shot.exposure_s * f64::from(moment) / f64::from(MOMENTS),
+            time_s: first_s + (last_s - first_s) * f64::from(moment) / f64::from(MOMENTS),
             direction: star.direction,
             range_km: RANGE_KM,
             magnitude: (star.flux_e > 0.0).then(|| -2.5 * star.flux_e.log10()),

@@ -201,7 +201,10 @@ impl SyntheticFrame {
             faintest_mag: field.faintest_mag,
             zero_point_mag,
         });
-        let listed = self.star_list.as_deref().map_or(Ok(Vec::new()), |path| listed_stars(path, zero_point_mag))?;
+        let listed = self
+            .star_list
+            .as_deref()
+            .map_or(Ok(Vec::new()), |path| listed_stars(path, zero_point_mag, shot.exposure_s))?;
         let reach_pix = profile.pixel_reach_pix().min(200.0);
         // Electrons a pixel: 10^(-0.4 (μ - ZP)) times its area.
         let area_arcsec2 = self.pixel_scale_arcsec * self.pixel_scale_arcsec;
@@ -309,7 +312,7 @@ impl SyntheticFrame {
 /// The most electrons of a star.
 const BRIGHTEST_E: f64 = 1e12;
 
-fn listed_stars(path: &Path, zero_point_mag: f64) -> Result<Vec<SkyStar>, SyntheticError> {
+fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, SyntheticError> {
     #[derive(Deserialize)]
     struct Row {
         ra_deg: f64,
@@ -335,7 +338,7 @@ fn listed_stars(path: &Path, zero_point_mag: f64) -> Result<Vec<SkyStar>, Synthe
             return Err(failed(format!("star {}: ra {ra_deg}, dec {dec_deg}, magnitude {magnitude}", stars.len() + 1)));
         }
         let direction = Direction::from_lon_lat_rad(row.ra_deg.to_radians(), row.dec_deg.to_radians());
-        stars.push(SkyStar { direction, flux_e });
+        stars.push(SkyStar { direction, flux_e, over_s: [0.0, exposure_s] });
     }
     Ok(stars)
 }
