@@ -44,7 +44,10 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     }
     notices.warn(&prepared.warnings);
     let report = judged::flag_rows(&prepared, &schedule, first, &asked, &notices)?;
-    notices.warn(&judged::schedule_warnings(&schedule, &asked.policy, asked.telescope.as_ref()));
+    let of_schedule = judged::schedule_warnings(&schedule, &asked.policy, asked.telescope.as_ref());
+    notices.warn(&of_schedule);
+    let left_out = prepared.left_out_warning(&report.left_out, first)?;
+    let warnings = prepared.warnings.iter().cloned().chain(left_out).chain(of_schedule).collect();
     judged::summary(&notices, &report);
 
     let mut provenance = without_lists(&prepared.provenance);
@@ -62,7 +65,18 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     );
     let telescope = asked.telescope.as_ref().map(|telescope| telescope.name.clone());
     provenance.state("options", judged::options_json(&setup, &asked.policy, telescope.as_deref()));
-    let house = House::new(setup, prepared, provenance, asked, schedule, report.flags, typed.utc_offset)?;
+    let left_out_count = report.left_out.len();
+    let house = House::new(
+        setup,
+        prepared,
+        provenance,
+        asked,
+        schedule,
+        report.flags,
+        warnings,
+        left_out_count,
+        typed.utc_offset,
+    )?;
 
     let settings = Settings {
         rate: typed.rate,
