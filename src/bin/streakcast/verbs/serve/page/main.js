@@ -195,7 +195,7 @@ function answered({ document: said, ms }, asked) {
   const then = flag.next_clear_start_utc;
   const next =
     flag.verdict === "clear" ? "" : flag.delay_s != null ? ` · next clear start ${delay(flag.delay_s)} (${clock(moment(then), 0, 3)} UTC)` : " · no clear start in time";
-  const lacks = said.left_out_count ? `${said.left_out_count} of ${night.provenance.satellites} satellites left out: who knows whether they cross.` : "";
+  const lacks = said.left_out_count ? `${said.left_out_count} of ${night.provenance.satellites} satellites left out: nobody can say whether they cross.` : "";
   say(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "), lacks);
   $("answer").dataset.nextClearStartUtc = then ?? "";
   $("answer").dataset.startUtc = asked.start_utc;
