@@ -93,6 +93,12 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
 
     let elements = prepared.sky.elements();
     let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
+    // Before anything is written.
+    if let (Some(Document::TrackingData), Some(why)) = (document, &why_empty) {
+        return Err(anyhow!(
+            "no passes: {why}; a tracking data message holds one segment at least, and none is written; allowed: another --format, which holds an empty night"
+        ));
+    }
     if let Some(curves) = &curves {
         let table = light_curve_table(rows());
         curves.write(&Answer {
@@ -107,14 +113,7 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
             let empty = why_empty.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
             output.write_text(&calendar(rows(), &site, now()?, alarm_s, empty))?;
         }
-        Some(Document::TrackingData) => {
-            if let Some(why) = &why_empty {
-                return Err(anyhow!(
-                    "no passes: {why}; a tracking data message holds one segment at least, and none is written; allowed: another --format, which holds an empty night"
-                ));
-            }
-            output.write_text(&tdm(rows(), &site, now()?, angles, &prepared.provenance))?;
-        }
+        Some(Document::TrackingData) => output.write_text(&tdm(rows(), &site, now()?, angles, &prepared.provenance))?,
         Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry))?,
         None => {
             let readable = readable_table(rows(), offset_s.unwrap_or(0.0));
