@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use hifitime::Epoch;
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
+use streakcast::schedule::{ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, evening_mjd};
 use streakcast::setup::{Prepared, Setup};
 use streakcast::table::{Provenance, format_utc};
 
@@ -14,13 +14,12 @@ use super::super::judged::Asked;
 /// The schedule, its verdicts, and the sky they were made under.
 pub struct House {
     pub setup: Setup,
+    /// The sky of all answers; its warnings are those of the whole schedule.
     pub prepared: Prepared,
     pub asked: Asked,
     pub schedule: Schedule,
     /// One for each row.
     pub flags: Vec<ExposureFlag>,
-    /// What the user should know of the whole schedule, in the words of the command line.
-    pub warnings: Vec<String>,
     /// Satellites left out of some exposure of the schedule.
     pub left_out_count: usize,
     /// Without lists of rejected records, which may be long.
@@ -39,9 +38,7 @@ impl House {
         provenance: Provenance,
         asked: Asked,
         schedule: Schedule,
-        flags: Vec<ExposureFlag>,
-        warnings: Vec<String>,
-        left_out_count: usize,
+        report: FlagReport,
         utc_offset_h: Option<f64>,
     ) -> anyhow::Result<Self> {
         let library = setup.model_library()?;
@@ -62,9 +59,8 @@ impl House {
             prepared,
             asked,
             schedule,
-            flags,
-            warnings,
-            left_out_count,
+            flags: report.flags,
+            left_out_count: report.left_out.len(),
             provenance,
             library,
             nights,
