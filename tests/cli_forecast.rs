@@ -391,6 +391,11 @@ fn verif_an_empty_night_is_a_whole_calendar_and_no_message() {
         assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
     }
     assert!(calendar.contains("fainter than mag -8"), "{calendar}");
+    // Of passes none of which can be seen, too.
+    let unseen = ["forecast", "--start", "2026-08-15T04:00:00Z", "--end", "2026-08-15T04:00:10Z", "--include-dark"];
+    let calendar = done(&[&unseen, SKY, &["--format", "ics"]]);
+    assert!(calendar.matches("BEGIN:VEVENT").count() == 1 && calendar.contains("all passes are in the Earth's shadow"));
+    assert_eq!(run(&[&unseen, SKY, &["--format", "tdm"]]).0, 2);
     let (code, stdout, stderr) = run(&[NIGHT, SKY, FEW, empty, &["--format", "tdm"]]);
     assert!(code == 2 && stdout.is_empty(), "{stdout}");
     assert!(stderr.contains("fainter than mag -8") && stderr.contains("one segment at least"), "{stderr}");

@@ -93,10 +93,14 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
 
     let elements = prepared.sky.elements();
     let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
+    // Documents hold what can be seen alone.
+    let is_unseen = found.found.passes.iter().all(|pass| pass.visible.is_none());
+    let unseen = || is_unseen.then(|| "all passes are in the Earth's shadow or by daylight".to_owned());
+    let why_unseen = why_empty.clone().or_else(unseen);
     // Before anything is written.
-    if let (Some(Document::TrackingData), Some(why)) = (document, &why_empty) {
+    if let (Some(Document::TrackingData), Some(why)) = (document, &why_unseen) {
         return Err(anyhow!(
-            "no passes: {why}; a tracking data message holds one segment at least, and none is written; allowed: another --format, which holds an empty night"
+            "nothing to be seen: {why}; a tracking data message holds one segment at least, and none is written; allowed: another --format, which holds an empty night"
         ));
     }
     if let Some(curves) = &curves {
@@ -110,7 +114,7 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     }
     match document {
         Some(Document::Calendar) => {
-            let empty = why_empty.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
+            let empty = why_unseen.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
             output.write_text(&calendar(rows(), &site, now()?, alarm_s, empty))?;
         }
         Some(Document::TrackingData) => output.write_text(&tdm(rows(), &site, now()?, angles, &prepared.provenance))?,
