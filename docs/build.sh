@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
 # The documentation as a site: `docs/build.sh [FOLDER]`, in target/site without one. Needs cargo (or STREAKCAST_BIN), Python 3.11 or newer and a package index.
-# A link that leads nowhere, a verb without a section or a page that no list names fails.
+# A link that leads nowhere, a verb, or one below it, without a section or a page that no list names fails.
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 

@@ -54,12 +54,20 @@ class CommandHelp(SphinxDirective):
         return [block]
 
 
+def verbs_under(*words):
+    """The verbs that follow these words, and those that follow them, as far as flags."""
+    command = [os.environ["STREAKCAST_BIN"], *words, "--help"]
+    listed = subprocess.run(command, capture_output=True, text=True, check=True).stdout
+    _, _, commands = listed.partition("Commands:\n")
+    verbs = re.findall(r"^  ([a-z][a-z-]*)(?: |$)", commands.split("\n\n")[0], re.MULTILINE)
+    below = [verbs_under(*words, verb) for verb in verbs if verb != "help"]
+    return [verb for verbs in below for verb in verbs] or [" ".join(words)]
+
+
 def tell_missing_verbs(app, environment):
-    """Every verb has its section on the page of verbs."""
-    listed = subprocess.run([os.environ["STREAKCAST_BIN"], "--help"], capture_output=True, text=True, check=True).stdout
-    verbs = re.findall(r"^  ([a-z]+) ", listed.split("Commands:")[1].split("Options:")[0], re.MULTILINE)
+    """Every verb that takes flags has its section on the page of verbs, and so has every verb below a verb."""
     page = (ROOT / "docs/verbs.md").read_text()
-    missing = [verb for verb in verbs if verb != "help" and f"```{{command-help}} {verb}" not in page]
+    missing = [verb for verb in verbs_under() if f"```{{command-help}} {verb}\n" not in page]
     if missing:
         raise RuntimeError(f"docs/verbs.md has no section of: {', '.join(missing)}")
 

@@ -37,6 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // 2. Columns are all that charts know.
     let tracks: Vec<SkyTrack> = rows.map(|row| track(row.name(), &row.pass.samples)).collect();
     let over = sky_chart(&SkyChart {
+        local: None,
         title: "Bright passes over Rubin Observatory, 2026-08-14",
         caption: "Satellites are synthetic.",
         tracks: &tracks,

@@ -313,7 +313,7 @@ fn bad_input_is_one_line_that_says_what_is_allowed() {
         (&["--night", "2024-08-14", "--alarm", "5min"], &["--alarm is for calendars alone", "--format ics"]),
         (&["--night", "2024-08-14", "--alarm", "5min", "--format", "csv"], &["--alarm is for calendars alone"]),
         (&["--night", "2024-08-14", "--angle-type", "azel"], &["--angle-type is for tracking data", "--format tdm"]),
-        (&["--night", "2024-08-14", "--utc-offset", "CET"], &["utc-offset 'CET'", "+01:00"]),
+        (&["--night", "2024-08-14", "--utc-offset", "CET"], &["invalid value 'CET'", "--utc-offset", "+01:00"]),
         (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
         (&["--night", "2024-08-14", "--angle-type", "xyz"], &["angle-type 'xyz'", "radec, azel"]),
         (&["--night", "2024-08-14", "--format", "xlsx"], &["format 'xlsx'", "votable", ", ics, tdm, score"]),
@@ -323,6 +323,19 @@ fn bad_input_is_one_line_that_says_what_is_allowed() {
             &["'parquet' needs a build with the cargo feature parquet"],
         ),
         (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "nowhere"]),
+        (&["--night", "2024-08-14", "--light-curves", "lc.foo"], &["lc.foo ends in no format", ".ecsv, .json"]),
+        (
+            &["--night", "2024-08-14", "-o", "x.png"],
+            &["x.png ends in no format", ".vot", ".ics, .tdm, .score", "--format"],
+        ),
+        (&["--night", "2024-08-14", "--fov", "3deg"], &["--fov changes nothing of what passes over a site"]),
+        (&["--night", "2024-08-14", "--rotation", "3"], &["--rotation changes nothing"]),
+        (&["--night", "2024-08-14", "--telescope", "rubin"], &["--telescope changes nothing"]),
+        (&["--night", "2024-08-14", "--min-probability", "5"], &["--min-probability changes nothing"]),
+        (
+            &["--night", "2024-08-14", "--norad", "1", "99999"],
+            &["none of the 4408 satellites has NORAD number 1 or 99999"],
+        ),
         (&["--night", "1850-08-14"], &["1957 to 2099"]),
     ] {
         let (code, stdout, stderr) = run(&[&["forecast"], SKY, arguments]);
@@ -334,5 +347,64 @@ fn bad_input_is_one_line_that_says_what_is_allowed() {
         for part in parts {
             assert!(stderr.contains(part), "{arguments:?}: {stderr}");
         }
+    }
+}
+
+/// What is counted as in the shadow is up while it is dark, within the time asked about, and lit at no such moment.
+#[test]
+fn verif_shadow_counts_the_dark_alone() {
+    // Sunlit, and gone before it gets dark.
+    let evening = ["--start", "2026-08-14T22:10:00Z", "--end", "2026-08-14T22:45:00Z", "--norad", "900002031"];
+    let night = json(&[&["forecast"], SKY, &evening])["night"][0].clone();
+    assert_eq!(night["passes_in_shadow"], 0, "{night}");
+    let why = night["why_empty"].as_str().unwrap();
+    assert!(why.starts_with("the one satellite does not stand above 10.0 deg while it is dark"), "{why}");
+    assert!(!json(&[&["forecast"], SKY, &evening, &["--include-dark"]])["passes"].as_array().unwrap().is_empty());
+    // By brute force: every pass of a time that is all dark, less those that are seen. Ten seconds at midnight, and the last hours of a night.
+    for (start, end) in
+        [("2026-08-15T04:00:00Z", "2026-08-15T04:00:10Z"), ("2026-08-15T08:00:00Z", "2026-08-15T10:30:00Z")]
+    {
+        let time = ["--start", start, "--end", end, "--name", "S1"];
+        let answer = json(&[&["forecast"], SKY, &time]);
+        let all = json(&[&["forecast"], SKY, &time, &["--include-dark"]]);
+        let unseen = |pass: &&Value| pass["begin_utc"].is_null();
+        let expected = all["passes"].as_array().unwrap().iter().filter(unseen).count();
+        let counted = answer["night"][0]["passes_in_shadow"].as_u64().unwrap() as usize;
+        assert!(expected > 20 && counted == expected, "{start}: {counted} counted, {expected} there");
+    }
+}
+
+#[test]
+fn verif_a_number_that_nobody_has_is_named() {
+    let (code, _, stderr) =
+        run(&[NIGHT, &SKY[..4], &["--norad", "900000001", "99999", "--include-dark", "--format", "csv"]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("warning: none of the 4408 satellites has NORAD number 99999\n"), "{stderr}");
+}
+
+#[test]
+fn verif_an_empty_night_is_a_whole_calendar_and_no_message() {
+    let empty: &[&str] = &["--max-mag", "-8"];
+    let calendar = done(&[NIGHT, SKY, FEW, empty, &["--format", "ics", "--alarm", "5min"]]).replace("\r\n ", "");
+    assert_eq!((calendar.matches("BEGIN:VEVENT").count(), calendar.matches("BEGIN:VALARM").count()), (1, 0));
+    for line in ["SUMMARY:No satellite to be seen over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
+        assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
+    }
+    assert!(calendar.contains("fainter than mag -8"), "{calendar}");
+    // Of passes none of which can be seen, too.
+    let unseen = ["forecast", "--start", "2026-08-15T04:00:00Z", "--end", "2026-08-15T04:00:10Z", "--include-dark"];
+    let calendar = done(&[&unseen, SKY, &["--format", "ics"]]);
+    assert!(calendar.matches("BEGIN:VEVENT").count() == 1 && calendar.contains("all passes are in the Earth's shadow"));
+    assert_eq!(run(&[&unseen, SKY, &["--format", "tdm"]]).0, 2);
+    let (code, stdout, stderr) = run(&[NIGHT, SKY, FEW, empty, &["--format", "tdm"]]);
+    assert!(code == 2 && stdout.is_empty(), "{stdout}");
+    assert!(stderr.contains("fainter than mag -8") && stderr.contains("one segment at least"), "{stderr}");
+}
+
+#[test]
+fn help_names_every_format() {
+    let help = done(&[&["forecast", "--help"]]).split_whitespace().collect::<Vec<_>>().join(" ");
+    for format in ["votable;", "ics (calendar)", "tdm (CCSDS tracking data message)", "score (columns of SCORE)"] {
+        assert!(help.contains(format), "{format}: {help}");
     }
 }

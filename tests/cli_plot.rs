@@ -325,6 +325,10 @@ fn verif_residuals_are_observed_less_computed() {
     for plot in ["residuals", "histogram", "phase-curve"] {
         drawn(&folder, plot, &[&[plot, "--model", "starlink-v1.5", "--from", &file]], 0);
         let data = fs::read_to_string(path(&folder, &format!("{plot}-data.ecsv"))).unwrap();
+        let is_curve = plot == "phase-curve";
+        let said = words(&path(&folder, &format!("{plot}.svg")));
+        let title = if is_curve { "observed and computed" } else { "observed less computed" };
+        assert!(said.iter().any(|words| words == &format!("starlink-v1.5: {title}")), "{said:?}");
         let residuals = column(&data, "residual_mag");
         // The map has three decimals.
         assert!(
@@ -335,7 +339,10 @@ fn verif_residuals_are_observed_less_computed() {
         &[&["residuals", "--model", "nonesuch", "--from", &file, "-o", &path(&folder, "x.png")]],
         &["unknown model 'nonesuch'"],
     );
-    fails(&[&["corner", "--chains", &file, "-o", &path(&folder, "x.png")]], &["points.csv"]);
+    let what = ["points.csv: it is no .npz", "allowed: the chains that fit run --mcmc wrote"];
+    fails(&[&["corner", "--chains", &file, "-o", &path(&folder, "x.png")]], &what);
+    let (_, list, _) = run(&[&["plot", "--list"]]);
+    assert!(list.contains("a table of fit reduce") && !list.contains("fit photometry"), "{list}");
 }
 
 #[test]
@@ -383,7 +390,7 @@ fn verif_bad_input_is_one_line_and_writes_nothing() {
     fails(&[&["field", "--from", &table("norad_id\n1\n"), "-o", &out]], &["does not say which exposure"]);
     fails(
         &[&["light-curve", "--utc-offset", "30"], EXPOSURE, SKY, FIELD, &["-o", &out]],
-        &["utc-offset 30", "allowed: -14 to 14"],
+        &["invalid value '30'", "--utc-offset", "from -14:00 to +14:00"],
     );
     fails(&[&["light-curve", "--around", "2h"], EXPOSURE, SKY, FIELD, &["-o", &out]], &["around 2h", "at most 10min"]);
     fails(&[&["sky-rate"], SKY, FIELD, &["-o", &out]], &["the moment is missing", "--start"]);
@@ -411,6 +418,10 @@ fn verif_what_forecast_wrote_is_drawn() {
         drawn(&folder, "again", &[&["sky-chart", "--from", file]], 0);
         assert!(fs::read(path(&folder, "again.png")).unwrap() == picture, "{file}");
     }
+    drawn(&folder, "local", &[&["sky-chart", "--from", &curves, "--utc-offset", "-4"]], 0);
+    let local = words(&path(&folder, "local.svg"));
+    assert!(local.iter().any(|words| words == "from") && !local.iter().any(|words| words == "from UTC"), "{local:?}");
+    assert!(local.join(" ").contains("Times: local time (UTC−4)."), "{local:?}");
     // One pass has minutes along it, and its curve has the peak of the table.
     let document: serde_json::Value = serde_json::from_str(&fs::read_to_string(&json).unwrap()).unwrap();
     let passes = document["passes"].as_array().unwrap();
@@ -422,9 +433,15 @@ fn verif_what_forecast_wrote_is_drawn() {
     let clock = |name: &str| brightest[name].as_str().unwrap()[11..16].to_owned();
     let minutes = |words: &String| words.len() == 5 && (clock("rise_utc")..=clock("set_utc")).contains(words);
     assert!(one.iter().any(minutes) && !sky.iter().any(minutes), "{one:?}");
-    for file in [&curves, &json] {
-        drawn(&folder, "curve", &[&["light-curve", "--from", file, "--utc-offset", "-4"]], 0);
+    for (file, offset, clock) in [
+        (&curves, &["--utc-offset", "-04:00"][..], "local time (UTC−4), 2026-08-15"),
+        (&json, &[], "local mean solar time, 2026-08-15"),
+    ] {
+        drawn(&folder, "curve", &[&["light-curve", "--from", file], offset], 0);
         let said = words(&path(&folder, "curve.svg"));
+        assert!(said.iter().any(|words| words == clock), "{clock}: {said:?}");
+        assert!(said.iter().any(|words| words.contains(" (synthetic) (NORAD ")), "{said:?}");
+        assert!(said.join(" ").contains("Satellites of shells are synthetic."), "{said:?}");
         assert!(said.iter().any(|words| words.contains(&format!("(NORAD {id})"))), "{said:?}");
         assert!(
             said.iter().any(|words| words == "magnitude, ±1σ") && !said.iter().any(|words| words == "in the field")

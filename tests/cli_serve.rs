@@ -144,6 +144,61 @@ fn crossings_before_and_after_are_those_of_a_longer_exposure() {
     }
 }
 
+/// An element set that is two years old at the schedule's night.
+fn old(norad_id: u32, bstar_per_earth_radius: f64) -> String {
+    let now = common::elements::read(common::elements::pair(norad_id, "226.52426840").as_bytes()).unwrap();
+    let mut set = now.element_sets[0].clone();
+    set.epoch -= hifitime::Unit::Day * 730;
+    set.bstar_per_earth_radius = bstar_per_earth_radius;
+    streakcast::catalogue::format_tle(&set).unwrap().map(|line| line + "\n").concat()
+}
+
+/// A server of old elements: one set holds, SGP4 gives up another soon, and a third is broken.
+fn stale() -> (tempfile::TempDir, Server) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("old.tle").display().to_string();
+    let broken = old(90003, 0.0).replacen("1 90003", "1 90x03", 1);
+    std::fs::write(&path, old(90001, 0.0) + &old(90002, 0.05) + &broken).unwrap();
+    let asked = ["--elements", &path, "--mpc", "X05", "--fov", "3.5deg", "--quiet", "--utc-offset=-04:30"];
+    let server = Server::start(&[&asked, RULES].concat());
+    (folder, server)
+}
+
+#[test]
+fn what_the_command_line_warns_of_is_in_the_answers() {
+    let (folder, server) = stale();
+    let path = folder.path().join("old.tle").display().to_string();
+    let (_, _, stderr) = run(&[&["flag", "--elements", &path, "--mpc", "X05", "--fov", "3.5deg"], RULES]);
+    let warned: Vec<Value> =
+        stderr.lines().filter_map(|line| line.strip_prefix("warning: ")).map(Value::from).collect();
+    let night = server.json("/api/v1/night");
+    assert_eq!(night["warnings"], json!(warned));
+    assert_eq!((&night["left_out_count"], &night["utc_offset_h"]), (&json!(1), &json!(-4.5)));
+    assert!(warned.iter().any(|one| one.as_str().unwrap().contains("element sets are more than 14 days")), "{stderr}");
+    for (start, words) in [
+        ("2026-08-14T23:29:05Z", "(the farthest by 730."),
+        ("2030-08-14T00:10:00Z", "(the farthest by 2190."),
+        ("1990-08-14T00:10:00Z", "element sets are more than 14 days"),
+    ] {
+        let answer = server.json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", start)));
+        let warnings = answer["warnings"].as_array().unwrap();
+        let has = |words: &str| warnings.iter().any(|one| one.as_str().unwrap().contains(words));
+        assert!(has(words) && has("rejected"), "{start}: {warnings:?}");
+        let left_out = answer["left_out"].as_array().unwrap().len();
+        assert_eq!(
+            (answer["left_out_count"].as_u64(), has("left out")),
+            (Some(left_out as u64), left_out > 0),
+            "{start}"
+        );
+    }
+    // Shells stand where they stand on the day of the schedule: other days are told.
+    let answer = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
+    assert!(answer["warnings"].to_string().contains("the shells were made for 2026-08-14"), "{}", answer["warnings"]);
+    let answer = shared().json(&format!("/api/v1/exposure?{FIRST}"));
+    assert_eq!(answer["warnings"], shared().json("/api/v1/night")["warnings"]);
+    assert_eq!(answer["warnings"].as_array().unwrap().len(), 1);
+}
+
 #[test]
 fn a_field_below_the_horizon_is_told() {
     let server = shared();
@@ -273,6 +328,12 @@ fn satchecker_shapes_carry_magnitudes() {
         let problem = server.get(&format!("/fov/satellite-passes/?{query}"));
         assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some(parameter)), "{query}");
     }
+    let words = |target: &str| server.get(target).json()["detail"].as_str().unwrap().to_owned();
+    let both = "site=rubin&start_time_jd=2461267.4&mid_obs_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1";
+    let both = words(&format!("/fov/satellite-passes/?{both}"));
+    assert_eq!(both, "start_time_jd and mid_obs_time_jd are both said; allowed: one of them");
+    let twice = words("/api/v1/night?night=2026-08-14&night=2026-08-14");
+    assert_eq!(twice, "night is said more than once; allowed: once");
     let crowd = "site=rubin&start_time_jd=2461267.4785&duration=3600&ra=254&dec=-30&fov_radius=45";
     assert_eq!(server.get(&format!("/fov/satellite-passes/?{crowd}")).status, 400);
 }
@@ -429,7 +490,7 @@ fn what_cannot_be_served_is_refused_on_one_line() {
         (vec!["--bind", address.as_str()], "cannot listen at"),
         (vec!["--bind", "localhost"], "invalid value 'localhost'"),
         (vec!["--bind", "127.0.0.1:0", "--rate", "0"], "invalid value '0'"),
-        (vec!["--bind", "127.0.0.1:0", "--utc-offset", "40"], "allowed: -14 to 14 hours"),
+        (vec!["--bind", "127.0.0.1:0", "--utc-offset", "40"], "allowed: hours ahead of UTC from -14:00 to +14:00"),
         (vec!["--bind", "127.0.0.1:0", "--schedule", "no-such-file.csv"], "no-such-file.csv"),
     ] {
         let rules: &[&str] = if arguments.contains(&"--schedule") { &[] } else { RULES };

@@ -73,7 +73,8 @@ fn put<T: npyz::AutoSerialize + Copy>(
 pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
     let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
     let file = File::open(path).map_err(|error| failed(error.to_string()))?;
-    let mut archive = ZipArchive::new(file).map_err(|error| failed(error.to_string()))?;
+    let mut archive = ZipArchive::new(file)
+        .map_err(|_| failed("it is no .npz; allowed: the chains that fit run --mcmc wrote".to_owned()))?;
     let (places, shape) = get::<f64>(&mut archive, "chain").map_err(failed)?;
     let (log_probabilities, _) = get::<f64>(&mut archive, "log_prob").map_err(failed)?;
     let (accepted, _) = get::<u64>(&mut archive, "accepted").map_err(failed)?;

@@ -13,14 +13,27 @@ use crate::table::format_utc;
 /// Octets of a line, its end apart.
 const LINE: usize = 75;
 
+/// A night without a pass, and why.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct EmptyNight<'a> {
+    /// First moment asked about.
+    pub start: Epoch,
+    /// Last moment asked about.
+    pub end: Epoch,
+    /// In words, as [`Forecast::why_empty`](super::Forecast::why_empty).
+    pub why: &'a str,
+}
+
 /// The visible passes as a calendar; `made` is when, and `alarm_s` how long before an event an alarm goes off, where one is wanted.
 ///
-/// An event lasts from the whole second in which the visible part begins to the one after it ends.
+/// An event lasts from the whole second in which the visible part begins to the one after it ends. A calendar must hold one component at least (RFC
+/// 5545, section 3.6): of an `empty` night that is one event over all of the time, which takes none of it, with the reason in words.
 pub fn calendar<'a>(
     rows: impl IntoIterator<Item = PassRow<'a>>,
     site: &Site,
     made: Epoch,
     alarm_s: Option<f64>,
+    empty: Option<EmptyNight<'_>>,
 ) -> String {
     let mut text = String::new();
     let mut line = |content: String| fold(&mut text, &content);
@@ -60,6 +73,18 @@ pub fn calendar<'a>(
             line(format!("DESCRIPTION:{}", escaped(&row.name())));
             line("END:VALARM".into());
         }
+        line("END:VEVENT".into());
+    }
+    if let Some(EmptyNight { start, end, why }) = empty {
+        line("BEGIN:VEVENT".into());
+        line(format!("UID:none-{}-{}@streakcast", stamp(start), stamp(end)));
+        line(format!("DTSTAMP:{}", stamp(made)));
+        line(format!("DTSTART:{}", stamp(start)));
+        line(format!("DTEND:{}", stamp(crate::frames::seconds_after(end, 1.0))));
+        line(format!("SUMMARY:{}", escaped(&format!("No satellite to be seen over {}", site.name))));
+        line(format!("DESCRIPTION:{}", escaped(why)));
+        line(format!("LOCATION:{}", escaped(&site.name)));
+        line("TRANSP:TRANSPARENT".into());
         line("END:VEVENT".into());
     }
     line("END:VCALENDAR".into());

@@ -18,7 +18,7 @@ mod statistics;
 mod statistics_table;
 mod tdm;
 
-pub use calendar::calendar;
+pub use calendar::{EmptyNight, calendar};
 pub use error::ForecastError;
 pub use light_curve::light_curve_table;
 pub use night::Night;

@@ -15,7 +15,7 @@ const COLUMNS: [Column; 12] = [
     Column::new(
         "passes_in_shadow",
         Kind::Integer,
-        "Passes left out because the satellite is in the Earth's shadow or the sky bright.",
+        "Passes left out because the satellite is in the Earth's shadow whenever it is up while it is dark.",
     ),
     Column::new("passes_too_faint", Kind::Integer, "Passes left out because of the magnitude asked for."),
     Column::new("passes_too_low", Kind::Integer, "Passes left out because they culminate too low."),

@@ -77,11 +77,12 @@ impl Forecast {
         if reasons.is_empty() {
             let lowest_deg = request.min_altitude_rad.to_degrees();
             let of = if satellites == 1 {
-                "the one satellite never rises".to_owned()
+                "the one satellite does not stand".to_owned()
             } else {
-                format!("none of {satellites} satellites rises")
+                format!("none of {satellites} satellites stands")
             };
-            reasons.push(format!("{of} above {lowest_deg:.1} deg while it is dark at {site}"));
+            let when = if request.include_dark { String::new() } else { format!(" while it is dark at {site}") };
+            reasons.push(format!("{of} above {lowest_deg:.1} deg{when} within the time asked about"));
         }
         Some(reasons.join("; "))
     }

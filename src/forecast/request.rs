@@ -114,6 +114,15 @@ impl Selection {
             && (self.generations.is_empty() || self.generations.contains(&GenerationTable::embedded().of(elements)))
     }
 
+    /// In words, the catalogue numbers asked for that none of the satellites has; `None` where all are known.
+    pub fn unknown_warning(&self, elements: &[ElementSet]) -> Option<String> {
+        let is_unknown = |id: &&u32| !elements.iter().any(|set| set.norad_id.0 == **id);
+        let unknown: Vec<String> = self.norad_ids.iter().filter(is_unknown).map(ToString::to_string).collect();
+        let numbers = if unknown.len() == 1 { "number" } else { "numbers" };
+        (!unknown.is_empty())
+            .then(|| format!("none of the {} satellites has NORAD {numbers} {}", elements.len(), unknown.join(" or ")))
+    }
+
     /// What is asked, in words.
     pub fn words(&self) -> String {
         let list =

@@ -81,6 +81,17 @@ pub(super) struct Stretch {
     pub turning_rad_s: f64,
 }
 
+/// What becomes of a stretch above the limit, by a look at its samples.
+#[derive(Copy, Clone, PartialEq, Eq)]
+pub(super) enum Worth {
+    /// It is followed.
+    Following,
+    /// It is counted.
+    Counting,
+    /// It is not asked about.
+    Nothing,
+}
+
 /// How long a satellite that stands too far from a site is sure to stay too low.
 struct Near {
     /// Geocentric angle to the site within which it may stand above the limit, radians.
@@ -192,18 +203,18 @@ impl Follow<'_> {
         Ok((samples, step_s))
     }
 
-    /// Every stretch above an altitude between two moments, in order of time, of those that `is_wanted` by the samples from the last one below the
-    /// limit to the first one below it again; and how many were not.
+    /// Every stretch above an altitude between two moments, in order of time, of those that are worth it by the samples from the last one below the
+    /// limit to the first one below it again; and how many were worth counting alone. One that no sample shows above the limit is never just counted.
     pub(super) fn stretches(
         &self,
         (from_s, until_s): (f64, f64),
         min_altitude_rad: f64,
-        is_wanted: &dyn Fn(&[Sample]) -> bool,
+        worth: &dyn Fn(&[Sample]) -> Worth,
     ) -> Result<(Vec<Stretch>, usize), OrbitError> {
         let limit = min_altitude_rad.sin();
         let (samples, step_s) = self.samples(from_s, until_s, min_altitude_rad)?;
         let last = samples.len() - 1;
-        let (mut found, mut unwanted) = (Vec::new(), 0);
+        let (mut found, mut counted) = (Vec::new(), 0);
         // Where the last stretch above the limit was seen to end.
         let mut done_s = f64::NEG_INFINITY;
         for step in 0..=last {
@@ -223,12 +234,14 @@ impl Follow<'_> {
             let rise_step = (0..step).rev().find(|&at| below(&samples[at]));
             let set_step = (step + 1..=last).find(|&at| below(&samples[at]));
             let window = &samples[rise_step.unwrap_or(0)..=set_step.unwrap_or(last)];
-            if !is_wanted(window) {
-                // What only comes near the limit between two steps is not counted.
-                if sine >= limit {
-                    unwanted += 1;
-                    done_s = set_step.map_or(f64::INFINITY, |at| samples[at].time_s);
-                }
+            let worth = worth(window);
+            if worth == Worth::Nothing {
+                continue;
+            }
+            // What only comes near the limit between two steps has to be followed to be counted.
+            if worth == Worth::Counting && sine >= limit {
+                counted += 1;
+                done_s = set_step.map_or(f64::INFINITY, |at| samples[at].time_s);
                 continue;
             }
             let around = |step: usize| {
@@ -257,7 +270,7 @@ impl Follow<'_> {
             let turning_rad_s = window.iter().map(Sample::turning_rad_s).fold(0.0, f64::max);
             found.push(Stretch { rise_s, top_s, set_s, turning_rad_s });
         }
-        Ok((found, unwanted))
+        Ok((found, counted))
     }
 
     fn passes(
@@ -268,7 +281,7 @@ impl Follow<'_> {
         options: &PassOptions,
         passes: &mut Vec<HorizonPass>,
     ) -> Result<(), OrbitError> {
-        for stretch in self.stretches((0.0, span_s), min_altitude_rad, &|_| true)?.0 {
+        for stretch in self.stretches((0.0, span_s), min_altitude_rad, &|_| Worth::Following)?.0 {
             passes.extend(self.describe(element_index, stretch.rise_s, stretch.top_s, stretch.set_s, options)?);
         }
         Ok(())

@@ -1,12 +1,12 @@
 //! Passes that can be seen: above a site's horizon by night and in sunlight, with the Earth's shadow and the brightest moment.
 //!
-//! Stretches above the horizon come from the same search as [`HorizonPass`](super::HorizonPass). Of these, the ones in the shadow all along or by
-//! daylight cost a look at their samples; the others are interpolated, the borders of light closed to a millisecond, and the brightest moment is
+//! Stretches above the horizon come from the same search as [`HorizonPass`](super::HorizonPass). Of these, the ones by daylight and those in the
+//! shadow all along cost a look at their samples; the others are interpolated, the borders of light closed to a millisecond, and the brightest moment is
 //! looked for in steps of at most ten seconds and closed in on.
 
 use hifitime::Epoch;
 
-use super::horizon::{Follow, Sample, Stretch};
+use super::horizon::{Follow, Sample, Stretch, Worth};
 use super::look::Look;
 use super::scene::Scene;
 use super::sightline::{ObserverMotion, SightLine};
@@ -91,13 +91,14 @@ pub struct VisiblePass {
 /// Passes that were found and are not shown.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct NotShown {
-    /// In the Earth's shadow while the site is dark, or up by daylight alone.
+    /// Above the altitude wanted while the site is dark, and in the Earth's shadow at all such moments. Passes that end before it gets dark or begin
+    /// after are not counted.
     pub in_shadow: usize,
     /// Fainter than the limit, or without any magnitude.
     pub too_faint: usize,
     /// Of these, how many are so by a prior alone: nothing is known of the satellite's brightness.
     pub too_faint_by_prior: usize,
-    /// Culminating too low.
+    /// Above the altitude wanted while the site is dark, and culminating too low.
     pub too_low: usize,
 }
 
@@ -217,19 +218,28 @@ impl Search<'_> {
             motion: self.motion(span.from_s),
         };
         // The shadow is convex: a satellite that is dark where it comes up and where it goes down is dark in between, and one that stays up for hours
-        // shows its light at some sample.
-        let may_be_seen = |samples: &[Sample]| {
+        // shows its light at some sample. Whether one that comes up or goes down about dusk or dawn is up in the dark, its samples cannot tell.
+        let worth = |samples: &[Sample]| {
             let (first_s, last_s) = (samples[0].time_s, samples[samples.len() - 1].time_s);
-            self.request.include_dark
-                || span.dark_s.iter().any(|&(from_s, until_s)| first_s < until_s && last_s > from_s)
-                    && samples.iter().any(|sample| {
-                        let sun = self.scene.sun.at_s(sample.time_s).sun;
-                        self.sky.shadow().illumination(&sample.state.position, &sun) != Illumination::Umbra
-                    })
+            let is_in_umbra = |sample: &Sample| {
+                let sun = self.scene.sun.at_s(sample.time_s).sun;
+                self.sky.shadow().illumination(&sample.state.position, &sun) == Illumination::Umbra
+            };
+            if self.request.include_dark {
+                Worth::Following
+            } else if !span.dark_s.iter().any(|&(from_s, until_s)| first_s < until_s && last_s > from_s) {
+                Worth::Nothing
+            } else if span.dark_s.iter().any(|&(from_s, until_s)| first_s >= from_s && last_s <= until_s)
+                && samples.iter().all(is_in_umbra)
+            {
+                Worth::Counting
+            } else {
+                Worth::Following
+            }
         };
-        let (stretches, unseen) =
-            follow.stretches((span.from_s, span.until_s), self.request.min_altitude_rad, &may_be_seen)?;
-        kept.extend((0..unseen).map(|_| Kept::InShadow));
+        let (stretches, in_shadow) =
+            follow.stretches((span.from_s, span.until_s), self.request.min_altitude_rad, &worth)?;
+        kept.extend((0..in_shadow).map(|_| Kept::InShadow));
         for stretch in stretches {
             kept.extend(self.look_at(element_index, &follow, span, &stretch)?);
         }
@@ -243,7 +253,7 @@ impl Search<'_> {
         ObserverMotion::of_site(self.observer, &orientation, earth_velocity, time_s)
     }
 
-    /// One stretch above the horizon; `None` where observer and satellite coincide.
+    /// One stretch above the horizon; `None` where it ends before the dark or begins after, and where observer and satellite coincide.
     fn look_at(
         &self,
         element_index: usize,
@@ -252,6 +262,9 @@ impl Search<'_> {
         stretch: &Stretch,
     ) -> Result<Option<Kept>, OrbitError> {
         let (begin_s, end_s) = (stretch.rise_s.unwrap_or(span.from_s), stretch.set_s.unwrap_or(span.until_s));
+        if !self.request.include_dark && both(&[(begin_s, end_s)], &span.dark_s).is_empty() {
+            return Ok(None);
+        }
         let orientation = self.scene.orientation.at_s(stretch.top_s);
         let arc = Arc::over_pass(
             follow.propagator,

@@ -102,6 +102,21 @@ impl Axis {
         ticks
     }
 
+    /// The same, without the labels that reach more than `beyond` pixels past an end of the axis; all of them where none would be left.
+    pub fn ticks_within(&self, length: f64, across: bool, beyond: f64) -> Vec<(f64, String)> {
+        let ticks = self.ticks(length, across);
+        let is_within = |(value, label): &(f64, String)| {
+            let half = if across { width_of(label, TICK_SIZE) } else { TICK_SIZE } / 2.0;
+            let place = self.share(*value) * length;
+            place - half >= -beyond && place + half <= length + beyond
+        };
+        if !ticks.iter().any(|tick| !tick.1.is_empty() && is_within(tick)) {
+            return ticks;
+        }
+        let kept = |tick: (f64, String)| if is_within(&tick) { tick } else { (tick.0, String::new()) };
+        ticks.into_iter().map(kept).collect()
+    }
+
     fn multiples(&self, most: usize) -> Vec<(f64, String)> {
         let (low, high) = (self.from.min(self.to), self.from.max(self.to));
         let rough = (high - low) / most as f64;
@@ -144,16 +159,21 @@ impl Frame {
     }
 
     /// Border and ticks, with labels below and at the left where wanted.
-    pub fn draw(&self, picture: &mut Picture, [has_x_labels, has_y_labels]: [bool; 2]) {
+    pub fn draw(&self, picture: &mut Picture, labels: [bool; 2]) {
+        self.draw_within(picture, labels, f64::INFINITY);
+    }
+
+    /// The same among other frames: no label reaches more than `beyond` pixels past the border.
+    pub fn draw_within(&self, picture: &mut Picture, [has_x_labels, has_y_labels]: [bool; 2], beyond: f64) {
         let [left, top, _, bottom] = self.sides;
-        for (value, label) in self.y.ticks(bottom - top, false) {
+        for (value, label) in self.y.ticks_within(bottom - top, false, beyond) {
             let (_, y) = self.at(self.x.from, value);
             picture.line(&[(left, y), (left + 5.0, y)], INK.to_rgba(), 1.2);
             if has_y_labels && !label.is_empty() {
                 picture.text(&label, (left - 8.0, y), TICK_SIZE, HPos::Right);
             }
         }
-        self.draw_without_y(picture, has_x_labels);
+        self.draw_without_y(picture, has_x_labels, beyond);
     }
 
     /// Border and ticks of the left side alone, with labels: for frames whose x axis is drawn otherwise.
@@ -170,9 +190,9 @@ impl Frame {
     }
 
     /// The same without anything at the left.
-    pub fn draw_without_y(&self, picture: &mut Picture, has_x_labels: bool) {
+    pub fn draw_without_y(&self, picture: &mut Picture, has_x_labels: bool, beyond: f64) {
         let [left, _, right, bottom] = self.sides;
-        for (value, label) in self.x.ticks(right - left, true) {
+        for (value, label) in self.x.ticks_within(right - left, true, beyond) {
             let (x, _) = self.at(value, self.y.from);
             picture.line(&[(x, bottom), (x, bottom - 5.0)], INK.to_rgba(), 1.2);
             if has_x_labels && !label.is_empty() {
@@ -227,6 +247,29 @@ mod tests {
         assert_eq!(words, ["0.0", "0.2", "0.4", "0.6", "0.8", "1.0"]);
         let words: Vec<String> = Axis::log(1.0, 3000.0).ticks(600.0, true).into_iter().map(|tick| tick.1).collect();
         assert_eq!(words, ["1", "10", "100", "1000"]);
+    }
+
+    #[test]
+    fn verif_labels_of_neighbours_do_not_meet() {
+        for (from, to) in [(0.0, 1.0), (0.0213, 0.0287), (-1.3, 1.0), (5e-7, 9e-7), (100.0, 1000.0)] {
+            for (length, beyond) in [(60.0, 4.0), (150.0, 4.0), (230.0, 4.0)] {
+                let axis = Axis::linear(from, to);
+                let ticks = axis.ticks_within(length, true, beyond);
+                assert_eq!(ticks.len(), axis.ticks(length, true).len());
+                let labels: Vec<_> = ticks.iter().filter(|tick| !tick.1.is_empty()).collect();
+                assert!(!labels.is_empty(), "{ticks:?}");
+                for (value, label) in labels {
+                    let (place, half) = (axis.share(*value) * length, width_of(label, TICK_SIZE) / 2.0);
+                    assert!(
+                        length < 100.0 || (place - half >= -beyond && place + half <= length + beyond),
+                        "{label} on {length}"
+                    );
+                }
+            }
+        }
+        let all: Vec<String> = Axis::linear(0.0, 1.0).ticks(150.0, true).into_iter().map(|tick| tick.1).collect();
+        let kept = Axis::linear(0.0, 1.0).ticks_within(150.0, true, 4.0);
+        assert!(all.iter().all(|label| !label.is_empty()) && kept[0].1.is_empty() && !kept[1].1.is_empty(), "{kept:?}");
     }
 
     #[test]

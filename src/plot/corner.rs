@@ -26,6 +26,8 @@ const LEGEND: &str = "Dashed: quantiles 0.16, 0.5 and 0.84. Lines: the densest 3
 const LEGEND_WITH_TRUTHS: &str =
     "Dashed: quantiles 0.16, 0.5 and 0.84. Lines: the densest 39.3 and 86.5 % of the samples. Orange: true values.";
 const GAP: f64 = 12.0;
+/// Labels reach so far past the border of their panel at most, pixels: those of two neighbours stand apart.
+const BEYOND_PANEL: f64 = 0.5 * GAP - 2.0;
 const BELOW: f64 = 66.0;
 const RIGHT: f64 = 22.0;
 /// The widest picture, and the widest panel, pixels.
@@ -188,7 +190,7 @@ fn diagonal(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, index: usi
         picture.line(&[frame.at(truths[index], 0.0), frame.at(truths[index], frame.y.to)], TRUTH.to_rgba(), 2.0);
     }
     // Counts have no labels: the bars' shape is what matters.
-    frame.draw_without_y(picture, is_below);
+    frame.draw_without_y(picture, is_below, BEYOND_PANEL);
 }
 
 fn together(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, [column, row]: [usize; 2], labels: [bool; 2]) {
@@ -211,5 +213,5 @@ fn together(picture: &mut Picture, input: &Corner<'_>, frame: &Frame, [column, r
         picture.line(&[frame.at(x, frame.y.from), frame.at(x, frame.y.to)], TRUTH.to_rgba(), 1.6);
         picture.line(&[frame.at(frame.x.from, y), frame.at(frame.x.to, y)], TRUTH.to_rgba(), 1.6);
     }
-    frame.draw(picture, labels);
+    frame.draw_within(picture, labels, BEYOND_PANEL);
 }

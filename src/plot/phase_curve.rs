@@ -79,14 +79,18 @@ pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
         let left = 92.0 + index as f64 * (width + 20.0);
         let frame = Frame { sides: [left, 84.0, left + width, 540.0], x, y };
         picture.paint(dots(&frame, &phase, magnitudes, mixed(*colour)));
-        let stretches = medians.iter().enumerate().flat_map(|(other, all)| all.iter().map(move |one| (other, one)));
-        for (other, stretch) in stretches {
-            let line: Vec<_> = stretch.iter().map(|(x, [_, median, _])| frame.at(*x, *median)).collect();
-            // A light line below keeps it apart from the points.
-            picture.line(&line, RGBColor(255, 255, 255).to_rgba(), 5.5);
-            match other {
-                0 => picture.line(&line, MEASURED.to_rgba(), 3.0),
-                _ => picture.dashed(&line, [10.0, 6.0], MODEL.to_rgba(), 3.0),
+        let lines: Vec<(usize, Vec<_>)> = medians
+            .iter()
+            .enumerate()
+            .flat_map(|(of, all)| all.iter().map(move |stretch| (of, stretch)))
+            .map(|(of, stretch)| (of, stretch.iter().map(|(x, [_, median, _])| frame.at(*x, *median)).collect()))
+            .collect();
+        // Light lines below keep them apart from the points; below all of them, that none breaks another.
+        lines.iter().for_each(|(_, line)| picture.line(line, RGBColor(255, 255, 255).to_rgba(), 5.5));
+        for (of, line) in &lines {
+            match of {
+                0 => picture.line(line, MEASURED.to_rgba(), 3.0),
+                _ => picture.dashed(line, [10.0, 6.0], MODEL.to_rgba(), 3.0),
             }
         }
         frame.draw(&mut picture, [true, index == 0]);

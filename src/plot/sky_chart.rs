@@ -12,6 +12,7 @@ use super::error::PlotError;
 use super::picture::{INK, Picture};
 use super::scale::{ColourScale, Quantity};
 use super::statistics::check;
+use super::time_axis::LocalClock;
 use super::tracks::{Listed, MOST_LISTED, arrow, by_brightness, list, numbers, time_of_day};
 
 const WIDTH: f64 = 1440.0;
@@ -42,6 +43,8 @@ pub struct SkyChart<'a> {
     pub caption: &'a str,
     /// The passes; the brightest of them are drawn, as many as the list beside has room for, in this order.
     pub tracks: &'a [SkyTrack],
+    /// The clock of all times; UTC where there is none.
+    pub local: Option<LocalClock<'a>>,
 }
 
 /// One pass: columns of one length, two points or more.
@@ -74,6 +77,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
     drawn.sort_unstable();
     let tracks: Vec<&SkyTrack> = drawn.into_iter().map(|number| &input.tracks[number]).collect();
     let lines: Vec<Vec<(f64, f64)>> = tracks.iter().map(|track| track.line()).collect();
+    let ahead_days = input.local.as_ref().map_or(0.0, |clock| clock.ahead_of_utc_h / 24.0);
     let mut picture = Picture::new(WIDTH as usize, HEIGHT);
     picture.text(input.title, (WIDTH / 2.0, 28.0), 22.0, HPos::Center);
     ground(&mut picture);
@@ -100,7 +104,7 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
         picture.note("no pass", at(180.0, 80.0));
     }
     if tracks.len() <= MOST_TIMED {
-        tracks.iter().for_each(|track| times_along(&mut picture, track));
+        tracks.iter().for_each(|track| times_along(&mut picture, track, ahead_days));
     }
     if tracks.len() > 1 {
         numbers(&mut picture, &lines);
@@ -116,18 +120,22 @@ pub fn sky_chart(input: &SkyChart<'_>) -> Result<Picture, PlotError> {
             let at = |column: &[f64]| brightest.map_or(f64::NAN, |point| column[point]);
             Listed {
                 name: track.name.clone(),
-                times: [0, track.time_mjd.len() - 1].map(|point| time_of_day(track.time_mjd[point], 0)),
+                times: [0, track.time_mjd.len() - 1].map(|point| time_of_day(track.time_mjd[point] + ahead_days, 0)),
                 magnitude: at(&track.magnitude),
                 sigma_mag: at(&track.sigma_mag),
                 colour: colour(at(&track.magnitude)),
             }
         })
         .collect();
-    list(&mut picture, [LIST_LEFT, WIDTH - 20.0], TOP, ["from UTC", "to UTC"], &rows);
+    let heads = if input.local.is_some() { ["from", "to"] } else { ["from UTC", "to UTC"] };
+    list(&mut picture, [LIST_LEFT, WIDTH - 20.0], TOP, heads, &rows);
     picture.set_scales(vec![scale]);
     let mut caption = "Zenith in the middle, horizon at the rim, north up, east left; grey where nothing is seen. Magnitudes in the list are the brightest of each pass. ".to_owned();
     if tracks.len() < input.tracks.len() {
         caption += &format!("The {} brightest of {} passes. ", tracks.len(), input.tracks.len());
+    }
+    if let Some(clock) = &input.local {
+        caption += &format!("Times: {}. ", clock.name);
     }
     caption += input.caption;
     picture.paragraph(caption.trim_end(), [48.0, WIDTH - 24.0], 804.0, 16.0);
@@ -203,8 +211,8 @@ fn ground(picture: &mut Picture) {
     }
 }
 
-/// A dot at every full minute of a pass, with the time where there is room.
-fn times_along(picture: &mut Picture, track: &SkyTrack) {
+/// A dot at every full minute of a pass, with the time, `ahead_days` of UTC, where there is room.
+fn times_along(picture: &mut Picture, track: &SkyTrack, ahead_days: f64) {
     let (first, last) = (track.time_mjd[0], track.time_mjd[track.time_mjd.len() - 1]);
     let line = track.line();
     let mut labelled: Option<(f64, f64)> = None;
@@ -221,7 +229,7 @@ fn times_along(picture: &mut Picture, track: &SkyTrack) {
             // Beside the track, away from it.
             let length = (x1 - x0).hypot(y1 - y0).max(1e-9);
             let (across, up) = ((y1 - y0) / length, -(x1 - x0) / length);
-            picture.note(&time_of_day(mjd, 0)[..5], (x + 34.0 * across, y + 22.0 * up));
+            picture.note(&time_of_day(mjd + ahead_days, 0)[..5], (x + 34.0 * across, y + 22.0 * up));
             labelled = Some((x, y));
         }
     }

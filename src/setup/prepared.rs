@@ -37,6 +37,12 @@ pub struct Prepared {
     pub provenance: Provenance,
     /// What the user should know, each counted.
     pub warnings: Vec<String>,
+    /// Of `warnings` those of files and shells, which hold whatever moment is asked about.
+    of_files: Vec<String>,
+    /// How many of the sky's satellites, the first of them, came from files.
+    from_files: usize,
+    /// The day that synthetic satellites were made for; `None` without any.
+    shells_made_for: Option<Epoch>,
 }
 
 /// All that a setup names, read once: skies for any times come out of it, and no file is asked again (but that of a telescope in orbit).
@@ -139,34 +145,34 @@ impl Stock {
     pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<Prepared, SetupError> {
         let middle = middle_of(first, last);
         let viewpoint = self.setup.viewpoint(middle)?;
-        let mut warnings = Vec::new();
+        let mut of_files = Vec::new();
         let mut provenance = Provenance::new();
         let mut elements: Vec<ElementSet> = Vec::new();
         if let Some(catalogue) = &self.catalogue {
             provenance.state("elements", catalogue.sources.iter().map(source_json).collect::<Vec<_>>());
-            warnings.extend(catalogue_warnings(catalogue));
+            of_files.extend(catalogue_warnings(catalogue));
             provenance.attach("rejected_count", catalogue.rejected.len());
             provenance
                 .attach("rejected", catalogue.rejected.iter().take(LISTED).map(rejected_json).collect::<Vec<_>>());
             provenance.attach("cut_short", cut_short(catalogue).collect::<Vec<_>>());
             elements = catalogue.at(middle);
-            warnings.extend(age_warning(&elements, first, last));
         }
-        if !self.constellations.is_empty() {
+        let from_files = elements.len();
+        let shells_made_for = (!self.constellations.is_empty()).then(|| start_of_utc_day(first));
+        if let Some(day) = shells_made_for {
             let stated: Vec<_> = self.constellations.iter().map(constellation_json).collect();
             provenance.state("shells", stated);
             // One epoch for all questions of a day, so that a schedule and a single exposure of it see the same satellites.
-            let satellites = synthetic(&self.constellations, start_of_utc_day(first));
+            let satellites = synthetic(&self.constellations, day);
             let names: Vec<&str> =
                 self.constellations.iter().map(|constellation| constellation.name.as_str()).collect();
-            warnings.push(format!(
+            of_files.push(format!(
                 "{} satellites are synthetic (shells {}): none of them is claimed to be there",
                 satellites.len(),
                 names.join(", ")
             ));
             elements.extend(satellites);
         }
-        warnings.extend(eop_warning(&self.eop, first, last));
         provenance.state("satellites", elements.len());
         provenance.state("earth_orientation", self.eop.describe());
         match &viewpoint {
@@ -177,7 +183,6 @@ impl Stock {
             Viewpoint::Orbit(observer) => {
                 provenance.state("observer", self.setup.observer_json(observer));
                 provenance.state("frame", "ICRS astrometric, from the observer's orbit");
-                warnings.extend(observer_warning(observer, first, last));
             }
         }
         provenance.state("shadow", self.shadow.name());
@@ -190,11 +195,28 @@ impl Stock {
         let models: BTreeSet<String> =
             (0..sky.elements().len()).map(|index| sky.model(index).source().to_string()).collect();
         provenance.state("models", models.into_iter().collect::<Vec<_>>());
-        Ok(Prepared { sky, eop, provenance, warnings })
+        let warnings = Vec::new();
+        let mut prepared = Prepared { sky, eop, provenance, warnings, of_files, from_files, shells_made_for };
+        prepared.warnings = prepared.warnings_at(first, last);
+        Ok(prepared)
     }
 }
 
 impl Prepared {
+    /// What the user should know of a question from `first` to `last`, each counted: of the files, and how far the question is from the elements.
+    ///
+    /// For the times that all was prepared for they are `warnings`; a sky that is kept may be asked about others.
+    pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
+        let mut warnings = self.of_files.clone();
+        warnings.extend(age_warning(&self.sky.elements()[..self.from_files], first, last));
+        warnings.extend(self.shells_made_for.and_then(|day| shells_warning(day, first, last)));
+        warnings.extend(eop_warning(&self.eop, first, last));
+        if let Viewpoint::Orbit(observer) = self.sky.viewpoint() {
+            warnings.extend(observer_warning(observer, first, last));
+        }
+        warnings
+    }
+
     /// A warning that names satellites left out, where there are any.
     ///
     /// # Errors
@@ -323,6 +345,18 @@ fn age_warning(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<Str
     ))
 }
 
+/// Synthetic satellites made for a day further than two weeks from the time asked about, either way.
+fn shells_warning(made_for: Epoch, first: Epoch, last: Epoch) -> Option<String> {
+    let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
+    let age_days = days(made_for, first).max(days(last, made_for));
+    (age_days > OLD_ELEMENTS_DAYS).then(|| {
+        format!(
+            "the shells were made for {}, {age_days:.1} days from the exposures: nobody can say where they would stand then",
+            day(made_for)
+        )
+    })
+}
+
 /// The telescope's own place from elements that are days old.
 fn observer_warning(observer: &OrbitingObserver, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
@@ -381,6 +415,22 @@ mod tests {
         let shells = prepared.provenance.get("shells").unwrap();
         assert_eq!(shells[0]["synthetic"], true);
         assert_eq!(prepared.provenance.get("site").unwrap()["mpc_code"], "X05");
+    }
+
+    #[test]
+    fn a_sky_that_is_kept_is_warned_of_at_other_times() {
+        let start = utc("2026-07-08T20:00:00Z");
+        let (_folder, mut setup) = with_bad_checksums(1);
+        setup.shells = shells("").shells;
+        let prepared = setup.prepare(start, start).unwrap();
+        assert_eq!(prepared.warnings_at(start, start), prepared.warnings);
+        let count = prepared.warnings.len();
+        assert!(!prepared.warnings.iter().any(|warning| warning.contains("days")), "{:?}", prepared.warnings);
+        let later = utc("2026-08-08T20:00:00Z");
+        let warnings = prepared.warnings_at(later, later);
+        assert_eq!(warnings[..count], prepared.warnings[..]);
+        assert!(warnings[count].starts_with("1 of 1 element sets are more than 14 days"), "{warnings:?}");
+        assert!(warnings[count + 1].starts_with("the shells were made for 2026-07-08, 31.8 days"), "{warnings:?}");
     }
 
     #[test]

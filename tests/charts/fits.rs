@@ -160,6 +160,13 @@ fn verif_points_stand_beside_their_model_and_over_their_angles() {
     assert!(!words(&alone).contains(&"model".to_owned()) && alone.size().0 < both.size().0);
     pixels(&both);
     pixels(&alone);
+    // Where the two medians are the same line, the dashes of one have the other in their gaps.
+    let same = pixels(&phase_curve(&PhaseCurve { measured_mag: &model, ..curve.clone() }).unwrap());
+    let blue = (672..1232)
+        .flat_map(|x| (84..540).map(move |y| (x, y)))
+        .filter(|&(x, y)| same.get_pixel(x, y).0 == [0, 114, 178])
+        .count();
+    assert!(blue > 100, "{blue} pixels of the line below the dashes");
     let one = PhaseCurve { phase_angle_rad: &[1.0], measured_mag: &[6.0], model_mag: &[6.0], ..curve.clone() };
     pixels(&phase_curve(&one).unwrap());
     // One of 300 magnitudes lies far off, and then two of them.

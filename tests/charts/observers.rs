@@ -281,7 +281,8 @@ fn pass(name: &str) -> SkyTrack {
 #[test]
 fn verif_a_sky_chart_says_who_when_and_how_bright() {
     let one = [pass("SAMPLE 1")];
-    let drawn = |tracks: &[SkyTrack]| sky_chart(&SkyChart { title: "A night", caption: "Invented.", tracks });
+    let drawn =
+        |tracks: &[SkyTrack]| sky_chart(&SkyChart { title: "A night", caption: "Invented.", tracks, local: None });
     let picture = drawn(&one).unwrap();
     // Minutes along a pass that is alone; the ends to a second; the brightest magnitude.
     has(&picture, &["A night", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"]);
@@ -310,7 +311,10 @@ fn verif_a_sky_chart_says_who_when_and_how_bright() {
 fn verif_a_sky_chart_refuses_what_it_cannot_draw() {
     let said = |track: SkyTrack| {
         let tracks = [track];
-        sky_chart(&SkyChart { title: "", caption: "", tracks: &tracks }).map(|_| ()).unwrap_err().to_string()
+        sky_chart(&SkyChart { title: "", caption: "", tracks: &tracks, local: None })
+            .map(|_| ())
+            .unwrap_err()
+            .to_string()
     };
     assert!(said(SkyTrack { sigma_mag: vec![0.4], ..pass("A") }).contains("sigmas of A: 1 values"));
     assert!(said(SkyTrack { altitude_deg: vec![-5.0; 41], ..pass("A") }).contains("allowed: 0 to 90 deg"));

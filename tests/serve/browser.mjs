@@ -115,6 +115,9 @@ try {
     assert.equal(await page.textContent("#night-counts"), `${count("clear")} clear · ${count("streaked")} streaked · ${count("avoid")} avoid`);
     const expected = await agrees(page);
     assert.equal(expected.verdict, "avoid");
+    // What the command line warns of stands above all else.
+    assert.match(await page.textContent("#warnings li"), /^Warning: 4408 satellites are synthetic \(shells starlink-gen1\)/);
+    assert.ok(await page.isVisible("#warnings"));
     assert.equal(await page.getAttribute("#night", "aria-valuetext"), "night-01, 1 of 21, avoid, 23:29 UTC");
     await page.close();
   });

@@ -80,7 +80,8 @@ impl Nights {
         self.nights.columns = night_row.columns;
         self.nights.rows.extend(night_row.rows);
         let left_out = prepared.left_out_warning(&found.found.left_out, request.start).map_err(failure::setup)?;
-        let told = [left_out, found.prior_warning(sky, request.max_magnitude)].into_iter().flatten();
+        let unknown = selection.unknown_warning(sky.elements());
+        let told = [left_out, unknown, found.prior_warning(sky, request.max_magnitude)].into_iter().flatten();
         self.warnings.extend(told.map(|warning| failure::as_arguments(&warning)));
         Ok(self)
     }

@@ -215,7 +215,7 @@ pub fn draw(chart: &str, words: Words, columns: Bound<'_, PyAny>) -> PyResult<Pi
                 sigma_mag,
             };
             let tracks: Vec<SkyTrack> = tracks.into_iter().map(track).collect();
-            sky_chart(&SkyChart { title, caption, tracks: &tracks })
+            sky_chart(&SkyChart { title, caption, tracks: &tracks, local: None })
         }
         "sky_rate" => {
             let Rates { nside, cells, rate, sun_azimuth_deg, subtitle } = columns.extract()?;

@@ -4,9 +4,14 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::shared_arguments::{OutputArguments, SharedArguments, norad_id};
+use crate::shared_arguments::{OutputArguments, SharedArguments, norad_id, utc_offset_h};
+
+/// Its own formats beside those of every verb.
+const FORMAT_HELP: &str = "table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable; parquet in builds that have it; \
+     ics (calendar), tdm (CCSDS tracking data message), score (columns of SCORE)";
 
 #[derive(Args)]
+#[command(mut_arg("format", |format| format.help(FORMAT_HELP)))]
 pub struct ForecastArguments {
     /// The night that begins on this evening, local date of the site, as 2024-08-14
     #[arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"])]
@@ -47,9 +52,9 @@ pub struct ForecastArguments {
     /// File of light curves beside, one row a point; its name says the format (csv, ecsv, json, jsonl, vot)
     #[arg(long, value_name = "FILE", help_heading = "Output")]
     pub light_curves: Option<PathBuf>,
-    /// Times of the table for eyes on a clock so far from UTC, as +01:00
-    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, help_heading = "Output")]
-    pub utc_offset: Option<String>,
+    /// Times of the table for eyes on a clock so far ahead of UTC, as +01:00
+    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Output")]
+    pub utc_offset: Option<f64>,
     /// In a calendar, an alarm so long before each pass, as 5min
     #[arg(long, value_name = "TIME", help_heading = "Output")]
     pub alarm: Option<String>,

@@ -35,7 +35,32 @@ pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable";
 #[cfg(feature = "parquet")]
 pub const FORMATS: &str = "table, csv, ecsv, json, jsonl, votable, parquet";
 
+/// Ends of files' names that say a format.
+#[cfg(not(feature = "parquet"))]
+pub const ENDS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable";
+/// Ends of files' names that say a format.
+#[cfg(feature = "parquet")]
+pub const ENDS: &str = ".csv, .ecsv, .json, .jsonl, .vot, .votable, .parquet";
+
 impl Format {
+    /// By the end of a file's name; CSV where it has none.
+    fn by_end(path: &Path) -> anyhow::Result<Self> {
+        match extension(path).as_str() {
+            "" => Ok(Format::Csv),
+            // Nobody who asks for this wants lines of text in its place.
+            "parquet" => Self::said("parquet"),
+            end => Self::by_name(end)
+                .ok_or_else(|| anyhow!("the name {} ends in no format; allowed: {ENDS}", path.display())),
+        }
+    }
+
+    fn said(name: &str) -> anyhow::Result<Self> {
+        Self::by_name(name).ok_or_else(|| match name {
+            "parquet" => anyhow!("format 'parquet' needs a build with the cargo feature parquet; allowed: {FORMATS}"),
+            name => anyhow!("format '{name}' is not known; allowed: {FORMATS}"),
+        })
+    }
+
     pub fn by_name(name: &str) -> Option<Self> {
         match name {
             "table" => Some(Format::Table),
@@ -80,23 +105,24 @@ impl Output {
     /// That a file can be made there is checked now, before any work. A path of `-` is standard output.
     pub fn new(format: Option<&str>, path: Option<PathBuf>) -> anyhow::Result<Self> {
         let path = path.filter(|path| path != Path::new(STANDARD_OUTPUT));
-        let unknown = |name| match name {
-            "parquet" => anyhow!("format 'parquet' needs a build with the cargo feature parquet; allowed: {FORMATS}"),
-            name => anyhow!("format '{name}' is not known; allowed: {FORMATS}"),
-        };
-        let by_name = |name| Format::by_name(name).ok_or_else(|| unknown(name));
         let unsaid = || match &path {
-            // Nobody who asks for this wants lines of text in its place.
-            Some(path) if extension(path) == "parquet" => by_name("parquet"),
-            Some(path) => Ok(Format::by_name(&extension(path)).unwrap_or(Format::Csv)),
+            Some(path) => {
+                Format::by_end(path).map_err(|error| anyhow!("{error}, none of them for csv, or any with --format"))
+            }
             None if stdout().is_terminal() => Ok(Format::Table),
             None => Ok(Format::Csv),
         };
-        let format = format.map_or_else(unsaid, by_name)?;
+        let format = format.map_or_else(unsaid, Format::said)?;
         if let Some(path) = &path {
             check(path)?;
         }
         Ok(Self { format, path })
+    }
+
+    /// A table in a file beside the answer: its name alone says the format.
+    pub fn beside(path: PathBuf) -> anyhow::Result<Self> {
+        check(&path)?;
+        Ok(Self { format: Format::by_end(&path)?, path: Some(path) })
     }
 
     /// True where the rows may hold rows.

@@ -5,7 +5,9 @@ use std::path::PathBuf;
 use clap::{Args, Subcommand};
 
 use crate::map_arguments::{BodyViewArguments, SkyViewArguments};
-use crate::shared_arguments::{ExposureArguments, MagnitudeArguments, RulesArguments, SharedArguments, norad_id};
+use crate::shared_arguments::{
+    ExposureArguments, MagnitudeArguments, RulesArguments, SharedArguments, norad_id, utc_offset_h,
+};
 
 #[derive(Args)]
 #[command(arg_required_else_help = true, args_conflicts_with_subcommands = true)]
@@ -70,8 +72,8 @@ pub struct TitleArguments {
 /// The clock of the upper side.
 #[derive(Args)]
 pub struct ClockArguments {
-    /// Local clock of the upper side: hours ahead of UTC, as -4; local mean solar time of the site where unsaid
-    #[arg(long, value_name = "HOURS", allow_hyphen_values = true, help_heading = "Picture")]
+    /// Local clock: so far ahead of UTC, as -4 or +05:45; local mean solar time of the site where unsaid
+    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture")]
     pub utc_offset: Option<f64>,
 }
 
@@ -150,6 +152,9 @@ pub struct PlotSkyChartArguments {
     /// Passes of these satellites alone; else the 22 brightest
     #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)]
     pub norad: Vec<u32>,
+    /// Times on a clock so far ahead of UTC, as -4 or +05:45; UTC where unsaid
+    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture")]
+    pub utc_offset: Option<f64>,
     #[command(flatten)]
     pub title: TitleArguments,
     #[command(flatten)]
@@ -276,7 +281,7 @@ pub struct PlotCornerArguments {
 
 #[derive(Args)]
 pub struct PlotResidualsArguments {
-    /// Measurements or pixels: a table that fit photometry or fit reduce wrote (CSV, ECSV or JSON)
+    /// Measurements or pixels: a table that fit reduce wrote, with --raw-points or without (CSV, ECSV or JSON)
     #[arg(long, value_name = "FILE")]
     pub from: PathBuf,
     /// Brightness model by name (streakcast model list), or a model file

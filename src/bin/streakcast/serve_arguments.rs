@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use clap::Args;
 
-use crate::shared_arguments::{RulesArguments, SharedArguments};
+use crate::shared_arguments::{RulesArguments, SharedArguments, utc_offset_h};
 
 #[derive(Args)]
 pub struct ServeArguments {
@@ -24,18 +24,13 @@ pub struct ServeArguments {
     /// Requests a second that one address may make, 1 to 100000
     #[arg(long, value_name = "N", default_value_t = 2000, value_parser = clap::value_parser!(u32).range(1..=100_000), help_heading = "Service")]
     pub rate: u32,
-    /// Local time of the page less UTC, hours; by the site's longitude where unsaid
-    #[arg(long, value_name = "HOURS", allow_hyphen_values = true, value_parser = offset, help_heading = "Service")]
+    /// Clock of the page: so far ahead of UTC, as +01:00; by the site's longitude where unsaid
+    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Service")]
     pub utc_offset: Option<f64>,
     #[command(flatten)]
     pub rules: RulesArguments,
     #[command(flatten)]
     pub shared: SharedArguments,
-}
-
-fn offset(text: &str) -> Result<f64, String> {
-    let hours: Option<f64> = text.parse().ok();
-    hours.filter(|hours| (-14.0..=14.0).contains(hours)).ok_or_else(|| "allowed: -14 to 14 hours".to_owned())
 }
 
 fn address(text: &str) -> Result<SocketAddr, String> {

@@ -2,11 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use anyhow::anyhow;
 use clap::Args;
 use streakcast::schedule::MagnitudeLimit;
 use streakcast::setup::{FieldSetup, OneOrMany, PolicySetup, Quantity, Setup, SiteSetup, TelescopeSetup};
 
 use crate::output::Output;
+
+/// No clock is farther from UTC, hours.
+const FARTHEST_CLOCK_H: f64 = 14.0;
 
 /// Catalogue numbers have nine digits at most.
 const MOST_NORAD: u32 = 999_999_999;
@@ -169,6 +173,24 @@ pub struct RulesArguments {
 }
 
 impl SharedArguments {
+    /// Flags of a camera say nothing where there is none; that is better said than passed over. `of_what` they change nothing, for the message.
+    ///
+    /// # Errors
+    /// One of them was typed.
+    pub fn no_camera(&self, of_what: &str) -> anyhow::Result<()> {
+        let said = [
+            ("--fov", self.fov.is_some()),
+            ("--field", self.field.is_some()),
+            ("--rotation", self.rotation.is_some()),
+            ("--telescope", self.telescope.is_some()),
+            ("--min-probability", self.min_probability.is_some()),
+        ];
+        match said.iter().find(|(_, is_said)| *is_said) {
+            Some((flag, _)) => Err(anyhow!("{flag} changes nothing of {of_what}; leave it out")),
+            None => Ok(()),
+        }
+    }
+
     /// What was typed, over what the configuration file says.
     pub fn setup(&self, typed: Setup) -> anyhow::Result<Setup> {
         let many = |paths: &[PathBuf]| (!paths.is_empty()).then(|| OneOrMany::Many(paths.to_vec()));
@@ -220,6 +242,30 @@ pub fn norad_id(text: &str) -> Result<u32, String> {
     number.ok_or_else(|| format!("allowed: NORAD catalogue numbers, 1 to {MOST_NORAD}, as 25544"))
 }
 
+/// Hours ahead of UTC: `+01:00`, `-4:30`, `+5`, `5.75`, `Z`.
+pub fn utc_offset_h(text: &str) -> Result<f64, String> {
+    let hours = if text.eq_ignore_ascii_case("z") { Some(0.0) } else { signed_hours(text) };
+    hours
+        .filter(|hours| (-FARTHEST_CLOCK_H..=FARTHEST_CLOCK_H).contains(hours))
+        .ok_or_else(|| "allowed: hours ahead of UTC from -14:00 to +14:00, as +01:00 or -4.5".to_owned())
+}
+
+fn signed_hours(text: &str) -> Option<f64> {
+    let (sign, rest) = match (text.strip_prefix('+'), text.strip_prefix(['-', '\u{2212}'])) {
+        (Some(rest), _) => (1.0, rest),
+        (_, Some(rest)) => (-1.0, rest),
+        _ => (1.0, text),
+    };
+    let (hours, minutes) = rest.split_once(':').unwrap_or((rest, "0"));
+    let whole = |text: &str| text.parse::<u8>().ok().filter(|_| text.bytes().all(|byte| byte.is_ascii_digit()));
+    if let Some(hours) = whole(hours) {
+        return Some(sign * (f64::from(hours) + f64::from(whole(minutes).filter(|minutes| *minutes < 60)?) / 60.0));
+    }
+    // With a part of an hour after the point, no minutes.
+    let is_decimal = rest.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    rest.parse::<f64>().ok().filter(|_| is_decimal).map(|hours| sign * hours)
+}
+
 /// A configuration file, or nothing said.
 pub fn setup_of(config: Option<&Path>) -> anyhow::Result<Setup> {
     Ok(config.map(Setup::read).transpose()?.unwrap_or_default())
@@ -255,6 +301,29 @@ impl PlaceArguments {
             lon: self.lon,
             height: self.height,
             ..Setup::default()
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn offsets_of_clocks() {
+        for (text, hours) in [
+            ("+01:00", 1.0),
+            ("-4", -4.0),
+            ("5:45", 5.75),
+            ("Z", 0.0),
+            ("-03:30", -3.5),
+            ("+14:00", 14.0),
+            ("-4.5", -4.5),
+        ] {
+            assert_eq!(utc_offset_h(text), Ok(hours), "{text}");
+        }
+        for text in ["", "+", "CET", "+15:00", "+1:60", "1:2:3", "+-1", "1.5:30", "inf", "1e0", "14.1"] {
+            assert!(utc_offset_h(text).is_err(), "{text}");
         }
     }
 }

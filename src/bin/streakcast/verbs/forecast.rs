@@ -4,8 +4,8 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::json;
 use streakcast::forecast::{
-    AngleType, Forecast, ForecastRequest, PassRow, calendar, forecast, light_curve_table, night_table, pass_table,
-    readable_table, score_report, tdm,
+    AngleType, EmptyNight, Forecast, ForecastRequest, PassRow, calendar, forecast, light_curve_table, night_table,
+    pass_table, readable_table, score_report, tdm,
 };
 use streakcast::geometry::Site;
 use streakcast::passes::SkyError;
@@ -17,13 +17,11 @@ use super::judged::{begin, state_scales};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::forecast_arguments::ForecastArguments;
-use crate::output::{Answer, FORMATS, Output};
+use crate::output::{Answer, ENDS, FORMATS, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 
 /// Points of a light curve where nothing else is said.
 const LIGHT_CURVE_SAMPLES: usize = 61;
-/// No clock is farther from UTC, seconds.
-const FARTHEST_CLOCK_S: f64 = 14.0 * 3600.0;
 
 const BY_UTC: &[Shown] = &on_screen("start (UTC)", "highest (UTC)", "end (UTC)");
 const BY_LOCAL_TIME: &[Shown] = &on_screen("start (local)", "highest (local)", "end (local)");
@@ -69,11 +67,12 @@ impl Document {
 }
 
 pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
+    typed.shared.no_camera("what passes over a site")?;
     let setup = typed.shared.setup(Setup::default())?;
     let (output, document) = open(&typed, &setup)?;
-    let curves = typed.light_curves.clone().map(|path| Output::new(None, Some(path))).transpose()?;
+    let curves = typed.light_curves.clone().map(Output::beside).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
-    let offset_s = typed.utc_offset.as_deref().map(parse_offset_s).transpose()?;
+    let offset_s = typed.utc_offset.map(|hours| hours * 3600.0);
     let angles = angles(typed.angle_type.as_deref())?;
     says_something(&typed, document)?;
     let said = typed.said();
@@ -86,6 +85,7 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     notices.warn(&prepared.warnings);
     let found = forecast(&prepared.sky, &request, &selection)?;
     notices.warn(&prepared.left_out_warning(&found.found.left_out, from)?);
+    notices.warn(&selection.unknown_warning(prepared.sky.elements()));
     notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
     state(&mut prepared, &setup, &typed, &request);
     let site = site_of(&prepared)?;
@@ -93,6 +93,16 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
 
     let elements = prepared.sky.elements();
     let rows = || found.found.passes.iter().map(|pass| PassRow { pass, elements: &elements[pass.element_index] });
+    // Documents hold what can be seen alone.
+    let is_unseen = found.found.passes.iter().all(|pass| pass.visible.is_none());
+    let unseen = || is_unseen.then(|| "all passes are in the Earth's shadow or by daylight".to_owned());
+    let why_unseen = why_empty.clone().or_else(unseen);
+    // Before anything is written.
+    if let (Some(Document::TrackingData), Some(why)) = (document, &why_unseen) {
+        return Err(anyhow!(
+            "nothing to be seen: {why}; a tracking data message holds one segment at least, and none is written; allowed: another --format, which holds an empty night"
+        ));
+    }
     if let Some(curves) = &curves {
         let table = light_curve_table(rows());
         curves.write(&Answer {
@@ -103,7 +113,10 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
         })?;
     }
     match document {
-        Some(Document::Calendar) => output.write_text(&calendar(rows(), &site, now()?, alarm_s))?,
+        Some(Document::Calendar) => {
+            let empty = why_unseen.as_deref().map(|why| EmptyNight { start: request.start, end: request.end, why });
+            output.write_text(&calendar(rows(), &site, now()?, alarm_s, empty))?;
+        }
         Some(Document::TrackingData) => output.write_text(&tdm(rows(), &site, now()?, angles, &prepared.provenance))?,
         Some(Document::Score) => output.write_text(&score_report(rows(), &site, &request.photometry))?,
         None => {
@@ -138,7 +151,8 @@ fn open(typed: &ForecastArguments, setup: &Setup) -> anyhow::Result<(Output, Opt
         Some(document) => Ok((Output::new(Some("json"), path)?, Some(document))),
         None => {
             let output = Output::new(said, path).map_err(|error| {
-                anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, ics, tdm, score")))
+                let words = error.to_string().replace(FORMATS, &format!("{FORMATS}, ics, tdm, score"));
+                anyhow!("{}", words.replace(ENDS, &format!("{ENDS}, .ics, .tdm, .score")))
             })?;
             Ok((output, None))
         }
@@ -182,26 +196,6 @@ impl ForecastArguments {
             samples: self.samples,
         }
     }
-}
-
-/// `+01:00`, `-4:30`, `+5`, `Z`: seconds ahead of UTC.
-fn parse_offset_s(text: &str) -> anyhow::Result<f64> {
-    let bad =
-        || anyhow!("utc-offset '{text}'; allowed: hours and minutes ahead of UTC from -14:00 to +14:00, as +01:00");
-    if text.eq_ignore_ascii_case("z") {
-        return Ok(0.0);
-    }
-    let (sign, rest) = match (text.strip_prefix('+'), text.strip_prefix(['-', '\u{2212}'])) {
-        (Some(rest), _) => (1.0, rest),
-        (_, Some(rest)) => (-1.0, rest),
-        _ => (1.0, text),
-    };
-    let (hours, minutes) = rest.split_once(':').unwrap_or((rest, "0"));
-    let whole = |text: &str| text.parse::<u8>().ok().filter(|_| text.bytes().all(|byte| byte.is_ascii_digit()));
-    let (hours, minutes) =
-        (whole(hours).ok_or_else(bad)?, whole(minutes).filter(|minutes| *minutes < 60).ok_or_else(bad)?);
-    let seconds = f64::from(hours) * 3600.0 + f64::from(minutes) * 60.0;
-    if seconds <= FARTHEST_CLOCK_S { Ok(sign * seconds) } else { Err(bad()) }
 }
 
 fn site_of(prepared: &Prepared) -> anyhow::Result<Site> {
@@ -249,26 +243,4 @@ fn summary(found: &Forecast) -> String {
     let satellites: std::collections::BTreeSet<_> = passes.iter().map(|pass| pass.element_index).collect();
     let passes = counted(passes.len(), "pass", "passes");
     format!("{passes} of {}", counted(satellites.len(), "satellite", "satellites"))
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn offsets_of_clocks() {
-        for (text, seconds) in [
-            ("+01:00", 3600.0),
-            ("-4", -14_400.0),
-            ("5:45", 20_700.0),
-            ("Z", 0.0),
-            ("-03:30", -12_600.0),
-            ("+14:00", 50_400.0),
-        ] {
-            assert_eq!(parse_offset_s(text).unwrap(), seconds, "{text}");
-        }
-        for text in ["", "+", "CET", "+15:00", "+1:60", "1:2:3", "+-1", "1.5"] {
-            assert!(parse_offset_s(text).is_err(), "{text}");
-        }
-    }
 }

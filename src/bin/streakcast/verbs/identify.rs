@@ -15,7 +15,6 @@ use crate::identify_arguments::IdentifyArguments;
 use crate::notices::Notices;
 use crate::output::Answer;
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::shared_arguments::SharedArguments;
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),
@@ -39,7 +38,7 @@ const ON_SCREEN: &[Shown] = &[
 const LIKELY: f64 = 0.5;
 
 pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
-    no_camera(&typed.shared)?;
+    typed.shared.no_camera("what a streak is of")?;
     if typed.top == 0 {
         return Err(anyhow!("top 0; allowed: 1 or more"));
     }
@@ -119,21 +118,6 @@ impl IdentifyArguments {
             said.hdu = streak.hdu;
         }
         said
-    }
-}
-
-/// Flags of a camera say nothing here; that is better said than passed over.
-fn no_camera(shared: &SharedArguments) -> anyhow::Result<()> {
-    let said = [
-        ("--fov", shared.fov.is_some()),
-        ("--field", shared.field.is_some()),
-        ("--rotation", shared.rotation.is_some()),
-        ("--telescope", shared.telescope.is_some()),
-        ("--min-probability", shared.min_probability.is_some()),
-    ];
-    match said.iter().find(|(_, is_said)| *is_said) {
-        Some((flag, _)) => Err(anyhow!("{flag} changes nothing of what a streak is of; leave it out")),
-        None => Ok(()),
     }
 }
 

@@ -1,6 +1,5 @@
 //! The clock where the telescope stands, and the Sun over it.
 
-use anyhow::bail;
 use hifitime::Epoch;
 use streakcast::frames::{EopTable, Orientation};
 use streakcast::geometry::{Observer, Site};
@@ -17,23 +16,20 @@ pub struct Clock {
 
 impl Clock {
     /// The one said, else that of the site's longitude, else none.
-    pub fn new(offset_h: Option<f64>, site: Option<&Site>) -> anyhow::Result<Option<Self>> {
+    pub fn new(offset_h: Option<f64>, site: Option<&Site>) -> Option<Self> {
         match (offset_h, site) {
-            (Some(hours), _) if !(-14.0..=14.0).contains(&hours) => {
-                bail!("utc-offset {hours}; allowed: -14 to 14 hours ahead of UTC")
-            }
             (Some(hours), _) => {
                 let sign = if hours < 0.0 { '−' } else { '+' };
                 let minutes = (hours.abs() * 60.0).round() as u32;
                 let rest = if minutes.is_multiple_of(60) { String::new() } else { format!(":{:02}", minutes % 60) };
-                Ok(Some(Self { ahead_of_utc_h: hours, name: format!("local time (UTC{sign}{}{rest})", minutes / 60) }))
+                Some(Self { ahead_of_utc_h: hours, name: format!("local time (UTC{sign}{}{rest})", minutes / 60) })
             }
             // The mean Sun goes 15° an hour.
-            (None, Some(site)) => Ok(Some(Self {
+            (None, Some(site)) => Some(Self {
                 ahead_of_utc_h: site.longitude_rad.to_degrees() / 15.0,
                 name: "local mean solar time".to_owned(),
-            })),
-            (None, None) => Ok(None),
+            }),
+            (None, None) => None,
         }
     }
 

@@ -22,6 +22,8 @@ pub const SECTIONS: &[&str] = &["light_curves", "passes"];
 /// One pass with its points.
 pub struct Curve {
     pub norad_id: String,
+    /// Of a shell.
+    pub is_synthetic: bool,
     /// With the distances of its first and last point, km.
     pub range_km: [f64; 2],
     pub track: SkyTrack,
@@ -81,6 +83,7 @@ fn of_rows(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
         let of = |column: &[f64]| column[first..=last].to_vec();
         Curve {
             norad_id: ids[first].to_owned(),
+            is_synthetic: names[first].ends_with(SYNTHETIC),
             range_km: [range[first], range[last]],
             track: SkyTrack {
                 name: called(names[first], ids[first]),
@@ -115,6 +118,7 @@ fn of_samples(columns: &Columns) -> anyhow::Result<Vec<Curve>> {
         let ends = [range.first(), range.last()].map(|end| end.copied().unwrap_or(f64::NAN));
         Ok(Curve {
             norad_id: (*id).to_owned(),
+            is_synthetic: name.ends_with(SYNTHETIC),
             range_km: ends,
             track: SkyTrack {
                 name: called(name, id),

@@ -90,7 +90,11 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
     if found.dark > 0 {
         notices.say(&format!("warning: {} points left out, for which the model sees no light", found.dark));
     }
-    let words = format!("{}: observed less computed", typed.model);
+    let of = match chart {
+        Chart::Panels | Chart::Histogram => "observed less computed",
+        Chart::PhaseCurve => "observed and computed",
+    };
+    let words = format!("{}: {of}", typed.model);
     let title = typed.title.title.as_deref().unwrap_or(&words);
     let picture = found.picture(chart, title)?;
     let mut provenance = Provenance::new();

@@ -17,7 +17,7 @@ use crate::verbs::passes::{Asked, ask};
 
 use super::clock::Clock;
 use super::columns::Columns;
-use super::curves::{Curve, SECTIONS, curves};
+use super::curves::{Curve, SECTIONS, SYNTHETIC, curves, shells_caption};
 use super::target::Target;
 
 /// Points along a track.
@@ -42,12 +42,12 @@ const COLUMNS: [Column; 10] = [
 pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     let setup = typed.shared.setup(typed.exposure.setup())?;
     let site = site_of(&setup)?;
-    let clock = Clock::new(typed.clock.utc_offset, site.as_ref())?;
     let title = typed.title.title.as_deref();
     if let Some(path) = &typed.from {
         begin(&setup)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read_first(path, &[&["track"], SECTIONS].concat())?;
+        let clock = Clock::new(typed.clock.utc_offset, site.or_else(|| columns.site()).as_ref());
         let picture = if columns.has("in_field") {
             if let Some(id) = typed.norad {
                 bail!("norad {id}: table {} is of one pass alone; leave it out", path.display());
@@ -59,6 +59,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&picture)?;
         return Ok(Outcome::Done);
     }
+    let clock = Clock::new(typed.clock.utc_offset, site.as_ref());
     let target = Target::new(&typed.picture)?;
     let around_s = parse_duration_s("around", &typed.around)?;
     if around_s > MOST_AROUND_S {
@@ -156,17 +157,20 @@ fn of_forecast(
     let found = curves(columns, norad.as_slice())?;
     // Not a number sorts behind all numbers.
     let brightest = found.into_iter().min_by(|a, b| a.brightest().total_cmp(&b.brightest()));
-    let Curve { norad_id, range_km: [from_km, to_km], track } =
+    let Curve { norad_id, is_synthetic, range_km: [from_km, to_km], track } =
         brightest.ok_or_else(|| anyhow!("table {}: it has no pass; allowed: one or more", columns.origin()))?;
     let highest = track.altitude_deg.iter().copied().fold(f64::NAN, f64::max);
+    let synthetic = if is_synthetic { SYNTHETIC } else { "" };
+    let name = format!("{}{synthetic}", track.name);
     let caption = format!(
-        "The whole pass, up to {highest:.0}° high: range {from_km:.0} km where it begins, {to_km:.0} km where it ends."
+        "The whole pass, up to {highest:.0}° high: range {from_km:.0} km where it begins, {to_km:.0} km where it ends. {}",
+        shells_caption(&[&name])
     );
     let known = format!("NORAD {norad_id}");
-    let words = if track.name == known { known } else { format!("{} ({known})", track.name) };
+    let words = if track.name == known { known } else { format!("{name} ({known})") };
     Ok(light_curve(&LightCurve {
         title: title.unwrap_or(&format!("Light curve of {words}")),
-        caption: &caption,
+        caption: caption.trim_end(),
         time_mjd: &track.time_mjd,
         magnitude: &track.magnitude,
         sigma_mag: &track.sigma_mag,
@@ -218,7 +222,7 @@ fn picture(
     }
     Ok(light_curve(&LightCurve {
         title: title.unwrap_or(&format!("Light curve of {}", words.trim_start())),
-        caption: &format!("{caption}."),
+        caption: format!("{caption}. {}", shells_caption(&[&name])).trim_end(),
         time_mjd: &time_mjd,
         magnitude: &magnitude,
         sigma_mag: &sigma_mag,

@@ -36,13 +36,9 @@ const PLOTS: &[[&str; 3]] = &[
     ["sky", "magnitudes over a site's sky", "--model --sun-altitude-deg"],
     ["body", "magnitudes over a satellite's own sky", "--model --sun-latitude-deg"],
     ["corner", "posterior of a fit", "--chains of fit run --mcmc"],
-    ["residuals", "O-C against the geometry", "--from a table of fit photometry or fit reduce, and --model"],
-    ["histogram", "O-C as a histogram", "--from a table of fit photometry or fit reduce, and --model"],
-    [
-        "phase-curve",
-        "magnitudes against the phase angle",
-        "--from a table of fit photometry or fit reduce, and --model",
-    ],
+    ["residuals", "O-C against the geometry", "--from a table of fit reduce, and --model"],
+    ["histogram", "O-C as a histogram", "--from a table of fit reduce, and --model"],
+    ["phase-curve", "magnitudes against the phase angle", "--from a table of fit reduce, and --model"],
 ];
 
 pub fn list() -> anyhow::Result<Outcome> {

@@ -44,7 +44,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
         notices.warn(&["no site was said, and the table names none: no twilight and no local clock are drawn; allowed: --site, --mpc, or --lat and --lon"
             .to_owned()]);
     }
-    let clock = Clock::new(typed.clock.utc_offset, site.as_ref())?;
+    let clock = Clock::new(typed.clock.utc_offset, site.as_ref());
     let longitude_deg = site.as_ref().map_or(0.0, |site| site.longitude_rad.to_degrees());
     let nights = Nights::of(&columns, longitude_deg)?;
     let night = nights.choose(typed.night.as_deref())?;

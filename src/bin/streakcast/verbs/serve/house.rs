@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 use hifitime::Epoch;
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
+use streakcast::schedule::{ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, evening_mjd};
 use streakcast::setup::{Prepared, Setup};
 use streakcast::table::{Provenance, format_utc};
 
@@ -14,11 +14,14 @@ use super::super::judged::Asked;
 /// The schedule, its verdicts, and the sky they were made under.
 pub struct House {
     pub setup: Setup,
-    pub sky: Sky,
+    /// The sky of all answers; its warnings are those of the whole schedule.
+    pub prepared: Prepared,
     pub asked: Asked,
     pub schedule: Schedule,
     /// One for each row.
     pub flags: Vec<ExposureFlag>,
+    /// Satellites left out of some exposure of the schedule.
+    pub left_out_count: usize,
     /// Without lists of rejected records, which may be long.
     pub provenance: Provenance,
     pub library: ModelLibrary,
@@ -35,12 +38,11 @@ impl House {
         provenance: Provenance,
         asked: Asked,
         schedule: Schedule,
-        flags: Vec<ExposureFlag>,
+        report: FlagReport,
         utc_offset_h: Option<f64>,
     ) -> anyhow::Result<Self> {
         let library = setup.model_library()?;
-        let sky = prepared.sky;
-        let longitude_rad = sky.viewpoint().site().map_or(0.0, |observer| observer.site().longitude_rad);
+        let longitude_rad = prepared.sky.viewpoint().site().map_or(0.0, |observer| observer.site().longitude_rad);
         let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
         for (row, exposure) in schedule.judged() {
             nights.entry(evening_mjd(exposure.start, longitude_rad)).or_default().push(row);
@@ -52,13 +54,29 @@ impl House {
         }
         // The zone in which the Sun culminates nearest to 12 h.
         let utc_offset_h = utc_offset_h.unwrap_or_else(|| (longitude_rad.to_degrees() / 15.0).round());
-        Ok(Self { setup, sky, asked, schedule, flags, provenance, library, nights, utc_offset_h })
+        Ok(Self {
+            setup,
+            prepared,
+            asked,
+            schedule,
+            flags: report.flags,
+            left_out_count: report.left_out.len(),
+            provenance,
+            library,
+            nights,
+            utc_offset_h,
+        })
+    }
+
+    /// The sky that every answer asks.
+    pub fn sky(&self) -> &Sky {
+        &self.prepared.sky
     }
 
     /// What exposures are judged against, with another policy than the server's own or with that.
     pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
         FlagRequest {
-            sky: &self.sky,
+            sky: self.sky(),
             field: &self.asked.field,
             policy,
             telescope: self.asked.telescope.as_ref(),

@@ -135,7 +135,7 @@ impl Question {
                 return Err(Problem::parameter(parameter.name, &value, &parameter.kind.allowed()));
             }
             if said.insert(parameter.name, value.into_owned()).is_some() {
-                return Err(Problem::parameter(parameter.name, "twice", "once"));
+                return Err(Problem::twice(parameter.name));
             }
         }
         if let Some(missing) = parameters.iter().find(|one| one.required && !said.contains_key(one.name)) {

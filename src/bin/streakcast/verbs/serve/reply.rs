@@ -55,6 +55,20 @@ impl Problem {
         Self { parameter: Some(name.to_owned()), ..Self::new(400, format!("no {name}; allowed: {allowed}")) }
     }
 
+    /// 400: two parameters of which each excludes the other.
+    pub fn both(name: &str, other: &str) -> Self {
+        let detail = format!("{name} and {other} are both said; allowed: one of them");
+        Self { parameter: Some(name.to_owned()), ..Self::new(400, detail) }
+    }
+
+    /// 400: said more than once.
+    pub fn twice(name: &str) -> Self {
+        Self {
+            parameter: Some(name.to_owned()),
+            ..Self::new(400, format!("{name} is said more than once; allowed: once"))
+        }
+    }
+
     /// With a header that belongs to the status.
     pub fn with(self, name: &'static str, value: impl Into<String>) -> Self {
         Self { header: Some((name, value.into())), ..self }

@@ -35,7 +35,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     }
     let (first, last) =
         judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &typed.schedule)))?;
-    let prepared = setup.prepare(first, last)?;
+    let mut prepared = setup.prepare(first, last)?;
     if let Viewpoint::Orbit(observer) = prepared.sky.viewpoint() {
         let name = observer.name();
         return Err(anyhow!(
@@ -44,7 +44,10 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     }
     notices.warn(&prepared.warnings);
     let report = judged::flag_rows(&prepared, &schedule, first, &asked, &notices)?;
-    notices.warn(&judged::schedule_warnings(&schedule, &asked.policy, asked.telescope.as_ref()));
+    let of_schedule = judged::schedule_warnings(&schedule, &asked.policy, asked.telescope.as_ref());
+    notices.warn(&of_schedule);
+    let left_out = prepared.left_out_warning(&report.left_out, first)?;
+    prepared.warnings.extend(left_out.into_iter().chain(of_schedule));
     judged::summary(&notices, &report);
 
     let mut provenance = without_lists(&prepared.provenance);
@@ -62,7 +65,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     );
     let telescope = asked.telescope.as_ref().map(|telescope| telescope.name.clone());
     provenance.state("options", judged::options_json(&setup, &asked.policy, telescope.as_deref()));
-    let house = House::new(setup, prepared, provenance, asked, schedule, report.flags, typed.utc_offset)?;
+    let house = House::new(setup, prepared, provenance, asked, schedule, report, typed.utc_offset)?;
 
     let settings = Settings {
         rate: typed.rate,

@@ -28,6 +28,12 @@ impl Document {
         self.raw(name, &value.into().to_string());
     }
 
+    /// What the user should know, and how many satellites the answer does without.
+    pub fn caveats(&mut self, warnings: &[String], left_out_count: usize) {
+        self.value("warnings", warnings);
+        self.value("left_out_count", left_out_count);
+    }
+
     /// An array of objects.
     pub fn table(&mut self, name: &str, table: &Table) {
         self.raw(name, &json_rows(&table.columns, &table.rows));
@@ -68,6 +74,20 @@ pub fn object_schema(members: &[(&str, Value)]) -> Value {
 /// What an answer rests on: statements by name.
 pub fn provenance_schema() -> Value {
     json!({"type": "object", "description": "What the answer rests on: version, elements with hash and epochs, models, time scale, options."})
+}
+
+/// What the user should know: warnings in words.
+pub fn warnings_schema() -> Value {
+    json!({
+        "type": "array",
+        "items": {"type": "string"},
+        "description": "What the user should know, in the words of the command line: age of the elements, satellites left out, broken records.",
+    })
+}
+
+/// How many satellites the answer does without.
+pub fn left_out_count_schema() -> Value {
+    json!({"type": "integer", "minimum": 0, "description": "How many satellites have no place at the time asked about, and are missing from the answer."})
 }
 
 fn cell_schema(column: &Column) -> Value {

@@ -44,15 +44,15 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let name = question.text("model").unwrap_or(DEFAULT_MODEL);
     let known = || house.library.names().collect::<Vec<_>>().join(", ");
     let model = house.library.get(name).ok_or_else(|| Problem::parameter("model", name, &known()))?;
-    let Some(observer) = house.sky.viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
+    let Some(observer) = house.sky().viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
 
     let mid = seconds_after(start, 0.5 * duration_s);
-    let sun = house.sky.sun_over_site(mid).map_err(|error| of_sky(&error))?;
+    let sun = house.sky().sun_over_site(mid).map_err(|error| of_sky(&error))?;
     let earth = Earth::Ellipsoid(observer.site().clone());
     let photometry = house.asked.photometry;
     let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)
         .map_err(|error| Problem::new(400, error.to_string()))?
-        .with_shadow(house.sky.shadow());
+        .with_shadow(house.sky().shadow());
     let grid = Grid::regular(STEP_DEG).map_err(|error| Problem::new(500, error.to_string()))?;
     let points = view.map(grid).points;
     let row_length = (360.0 / STEP_DEG) as usize;
@@ -70,7 +70,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let moments = if duration_s > 0.0 { TRACK_POINTS } else { 1 };
     let options = house.pass_options(0);
     let (overhead, _) =
-        house.sky.overhead(start, duration_s, moments, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
+        house.sky().overhead(start, duration_s, moments, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
     let satellites: Vec<Value> = overhead.iter().map(|one| satellite(house, one)).collect();
 
     let (sun_altitude_deg, sun_azimuth_deg) = degrees(&sun);
@@ -94,7 +94,7 @@ fn satellite(house: &House, overhead: &Overhead) -> Value {
     let brightest = brightness.min_by(|a, b| a.magnitude.0.total_cmp(&b.magnitude.0));
     json!({
         "norad_id": overhead.norad_id.0,
-        "name": house.sky.elements()[overhead.element_index].name.as_ref(),
+        "name": house.sky().elements()[overhead.element_index].name.as_ref(),
         "magnitude": brightest.map(|brightness| rounded(brightness.magnitude.0, 2)),
         "magnitude_sigma": brightest.map(|brightness| rounded(brightness.sigma_mag, 2)),
         "track_deg": track,

@@ -13,7 +13,9 @@ use super::super::house::House;
 use super::super::question::{Kind, Parameter, Question, needed, number, optional};
 use super::super::reply::{Problem, Reply};
 use super::columns::{AROUND, POINTING};
-use super::document::{Document, object_schema, provenance_schema, rows_schema};
+use super::document::{
+    Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
+};
 use super::horizontal::degrees;
 
 pub const PARAMETERS: &[Parameter] = &[
@@ -61,6 +63,10 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         exposure: Ok(exposure.clone()),
     };
     let report = flag_exposures(&[&row], &house.request(&policy)).map_err(|error| of_sky(&error))?;
+    let mut warnings = house.prepared.warnings_at(start, seconds_after(start, exposure.duration_s));
+    // Where all are left out there is no answer: a sky that nobody can tell of is not clear.
+    let left_out = house.prepared.left_out_warning(&report.left_out, start);
+    warnings.extend(left_out.map_err(|error| Problem::new(400, error.to_string()))?);
     // What is below the horizon is crossed by nobody that can be seen.
     let is_up = report.flags.iter().all(|flag| flag.verdict != Verdict::Invalid);
     let samples = question.count("samples").unwrap_or_default();
@@ -68,7 +74,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let ask = |exposure: &Exposure, samples: usize| {
         let options = streakcast::passes::PassOptions { samples, ..options.clone() };
         let asked = if is_up { std::slice::from_ref(exposure) } else { &[] };
-        house.sky.field_passes(asked, &house.asked.field, &options).map_err(|error| of_sky(&error))
+        house.sky().field_passes(asked, &house.asked.field, &options).map_err(|error| of_sky(&error))
     };
     let answer = ask(&exposure, samples)?;
     let passes = answer.by_exposure.into_iter().next().unwrap_or_default();
@@ -76,8 +82,8 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         passes.iter().map(|pass| StreakRow {
             exposure: &exposure,
             pass,
-            elements: &house.sky.elements()[pass.element_index],
-            satellite_size_m: house.sky.model(pass.element_index).size_m(),
+            elements: &house.sky().elements()[pass.element_index],
+            satellite_size_m: house.sky().model(pass.element_index).size_m(),
             telescope: house.asked.telescope.as_ref(),
             photometry: &house.asked.photometry,
         }),
@@ -95,6 +101,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         around.rows = found.by_exposure.iter().flatten().map(|pass| around_row(house, pass, &exposure)).collect();
     }
     let mut document = Document::resting_on(&house.provenance);
+    document.caveats(&warnings, report.left_out.len());
     document.table("exposures", &exposure_table([&exposure]));
     document.table("flags", &flag_table(&report.flags));
     document.table("passes", &streaks);
@@ -114,7 +121,7 @@ fn around_row(house: &House, pass: &FieldPass, exposure: &Exposure) -> Vec<Cell>
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     vec![
         i64::from(pass.norad_id.0).into(),
-        house.sky.elements()[pass.element_index].name.as_ref().into(),
+        house.sky().elements()[pass.element_index].name.as_ref().into(),
         after_s(pass.enter.epoch).into(),
         after_s(pass.exit.epoch).into(),
         peak.map(|brightness| brightness.magnitude.0).into(),
@@ -126,8 +133,8 @@ fn around_row(house: &House, pass: &FieldPass, exposure: &Exposure) -> Vec<Cell>
 fn pointing(house: &House, exposure: &Exposure) -> Result<Table, Problem> {
     let ends = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
     let row = |epoch| -> Result<Vec<Cell>, SkyError> {
-        let (altitude_deg, azimuth_deg) = degrees(&house.sky.pointing_over_site(&exposure.pointing, epoch)?);
-        let (sun_altitude_deg, sun_azimuth_deg) = degrees(&house.sky.sun_over_site(epoch)?);
+        let (altitude_deg, azimuth_deg) = degrees(&house.sky().pointing_over_site(&exposure.pointing, epoch)?);
+        let (sun_altitude_deg, sun_azimuth_deg) = degrees(&house.sky().sun_over_site(epoch)?);
         Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into(), sun_altitude_deg.into(), sun_azimuth_deg.into()])
     };
     let rows = ends.into_iter().map(row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
@@ -143,6 +150,8 @@ pub fn schema() -> Value {
     }
     object_schema(&[
         ("provenance", provenance_schema()),
+        ("warnings", warnings_schema()),
+        ("left_out_count", left_out_count_schema()),
         ("exposures", rows_schema(&exposure_table([]).columns)),
         ("flags", rows_schema(&flag_table(&[]).columns)),
         ("passes", passes),

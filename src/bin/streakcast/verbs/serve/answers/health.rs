@@ -11,7 +11,7 @@ pub fn answer(house: &House, _: &Question) -> Result<Reply, Problem> {
     let document = json!({
         "status": "ok",
         "version": env!("CARGO_PKG_VERSION"),
-        "satellites": house.sky.elements().len(),
+        "satellites": house.sky().elements().len(),
         "exposures": house.schedule.exposures.len(),
     });
     Ok(Reply::json(format!("{document}\n")))

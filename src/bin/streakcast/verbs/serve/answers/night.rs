@@ -10,7 +10,9 @@ use super::super::house::{House, date_of};
 use super::super::question::{Kind, Parameter, Question, optional};
 use super::super::reply::{Problem, Reply};
 use super::columns::{NIGHTS, SCHEDULED, SITE, SUN};
-use super::document::{Document, object_schema, provenance_schema, row_schema, rows_schema};
+use super::document::{
+    Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
+};
 use super::exposure::of_sky;
 use super::horizontal::degrees;
 
@@ -31,7 +33,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         }
     };
     let rows = house.nights.get(&night).ok_or_else(|| Problem::parameter("night", &date_of(night), &known()))?;
-    let Some(observer) = house.sky.viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
+    let Some(observer) = house.sky().viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
     let site = observer.site();
 
     let (from, to) = night_of(
@@ -42,7 +44,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let count = (seconds_between(from, to) / SUN_EVERY_S) as usize + 1;
     let sun_row = |step: usize| -> Result<Vec<Cell>, SkyError> {
         let epoch = seconds_after(from, SUN_EVERY_S * step as f64);
-        let (altitude_deg, azimuth_deg) = degrees(&house.sky.sun_over_site(epoch)?);
+        let (altitude_deg, azimuth_deg) = degrees(&house.sky().sun_over_site(epoch)?);
         Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into()])
     };
     let places = (0..count).map(sun_row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
@@ -70,6 +72,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let policy = &house.asked.policy;
     let photometry = &house.asked.photometry;
     let mut document = Document::resting_on(&house.provenance);
+    document.caveats(&house.prepared.warnings, house.left_out_count);
     document.value("night", date_of(night));
     document.table("nights", &nights);
     document.value("from_utc", format_utc(from, 0));
@@ -116,6 +119,8 @@ pub fn schema() -> Value {
         object_schema(&[("outlines_deg", json!({"type": "array", "items": outline})), ("radius_deg", number.clone())]);
     object_schema(&[
         ("provenance", provenance_schema()),
+        ("warnings", warnings_schema()),
+        ("left_out_count", left_out_count_schema()),
         ("night", text.clone()),
         ("nights", rows_schema(&NIGHTS)),
         ("from_utc", text.clone()),

@@ -81,7 +81,10 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
     let start = match (question.number("start_time_jd"), question.number("mid_obs_time_jd")) {
         (Some(jd), None) => moment(jd)?,
         (None, Some(jd)) => seconds_after(moment(jd)?, -0.5 * duration_s),
-        _ => return Err(Problem::missing("start_time_jd", "start_time_jd or mid_obs_time_jd, one of them")),
+        (None, None) => return Err(Problem::missing("start_time_jd", "start_time_jd or mid_obs_time_jd, one of them")),
+        (Some(_), Some(_)) => {
+            return Err(Problem::both("start_time_jd", "mid_obs_time_jd"));
+        }
     };
     let exposure = Exposure {
         id: "fov".to_owned(),
@@ -227,7 +230,7 @@ fn sky(house: &House, question: &Question) -> Result<Sky, Problem> {
         }
         _ => return Err(Problem::missing("site", "site, or latitude, longitude and elevation")),
     };
-    Ok(house.sky.seen_from(Observer::new(site)))
+    Ok(house.sky().seen_from(Observer::new(site)))
 }
 
 fn moment(jd: f64) -> Result<Epoch, Problem> {

@@ -95,7 +95,20 @@ function describe() {
   const files = (rests.elements ?? []).map((file) => `${file.file.split("/").pop()} (sha256 ${file.sha256.slice(0, 12)}…, epochs to ${file.last_epoch_utc.slice(0, 10)})`);
   const shells = (rests.shells ?? []).map((shell) => `${shell.name} (synthetic)`);
   $("rests").textContent = `streakcast ${rests.version} · ${[...files, ...shells].join(", ")} · ${rests.frame}`;
+  warn(night.warnings);
   legend($("scale"), $("bands"));
+}
+
+/** What the whole schedule's verdicts suffer from, a line each. */
+function warn(warnings) {
+  $("warnings").hidden = !warnings.length;
+  $("warnings").replaceChildren(
+    ...warnings.map((text) => {
+      const line = document.createElement("li");
+      line.textContent = `Warning: ${text}`;
+      return line;
+    }),
+  );
 }
 
 /** Another exposure of the night; `isRestored` keeps what the address says of it. */
@@ -182,7 +195,8 @@ function answered({ document: said, ms }, asked) {
   const then = flag.next_clear_start_utc;
   const next =
     flag.verdict === "clear" ? "" : flag.delay_s != null ? ` · next clear start ${delay(flag.delay_s)} (${clock(moment(then), 0, 3)} UTC)` : " · no clear start in time";
-  say(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "));
+  const lacks = said.left_out_count ? `${said.left_out_count} of ${night.provenance.satellites} satellites left out: nobody can say whether they cross.` : "";
+  say(flag.verdict, `${streaks}${next}`, flag.reasons.join("; "), lacks);
   $("answer").dataset.nextClearStartUtc = then ?? "";
   $("answer").dataset.startUtc = asked.start_utc;
   $("go").hidden = !(flag.delay_s > 0);
@@ -198,14 +212,17 @@ function answered({ document: said, ms }, asked) {
 
 const brightest = (passes) => passes.reduce((best, pass) => ((pass.magnitude_peak ?? 99) < (best?.magnitude_peak ?? 100) ? pass : best), null);
 
-function say(verdict, words, why = "") {
+function say(verdict, words, why = "", lacks = "") {
   const strong = document.createElement("strong");
   strong.className = verdict;
   strong.textContent = verdict;
   const small = document.createElement("span");
   small.className = "why";
   small.textContent = why;
-  $("answer").replaceChildren(strong, document.createTextNode(`: ${words}`), small);
+  const missing = document.createElement("span");
+  missing.className = "lacks";
+  missing.textContent = lacks;
+  $("answer").replaceChildren(strong, document.createTextNode(`: ${words}`), small, missing);
 }
 
 function select(norad) {
