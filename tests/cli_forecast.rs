@@ -391,6 +391,11 @@ fn verif_an_empty_night_is_a_whole_calendar_and_no_message() {
         assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
     }
     assert!(calendar.contains("fainter than mag -8"), "{calendar}");
+    // By its name, however that is written.
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "NIGHT.ICS");
+    done(&[NIGHT, SKY, FEW, empty, &["-o", &file]]);
+    assert!(fs::read_to_string(&file).unwrap().starts_with("BEGIN:VCALENDAR"));
     // Of passes none of which can be seen, too.
     let unseen = ["forecast", "--start", "2026-08-15T04:00:00Z", "--end", "2026-08-15T04:00:10Z", "--include-dark"];
     let calendar = done(&[&unseen, SKY, &["--format", "ics"]]);

@@ -254,6 +254,26 @@ fn verif_stars_trail_where_the_telescope_follows_something_else() {
         let trailed = total(take("trails.fits", &[rate]));
         assert!((trailed / still - 1.0).abs() < 0.4, "{rate}: {trailed} {still}");
     }
+
+    // More trails than anybody waits for are refused; so is a star that is too bright, where it is over the frame.
+    let refused = |more: &[&str]| {
+        let output = path(&folder, "none.fits");
+        let centre = ["--ra", "40", "--dec", "10", "--random-streaks", "0", "--magnitude", "5", "--exposure", "30s"];
+        let (code, _, stderr) =
+            run(&[&["inject", "--synthetic", &description, "-o", &output, "--seeing", "2arcsec"], &centre, more]);
+        assert!(code == 2 && !Path::new(&output).exists(), "{stderr}");
+        stderr
+    };
+    assert!(refused(&["--track-rate=1e7,0"]).contains("stars that trail over the frame is"));
+    fs::write(&description, sky).unwrap();
+    fs::write(&list, "ra_deg,dec_deg,magnitude\n40,10,12\n220,-10,-26\n").unwrap();
+    for more in [&[][..], &["--track-rate=2,1"]] {
+        assert!((total(take("two.fits", more)) / moments(&take("still.fits", &[]))[0] - 1.0).abs() < 1e-3);
+    }
+    fs::write(&list, "ra_deg,dec_deg,magnitude\n40,10,-10\n").unwrap();
+    for more in [&[][..], &["--track-rate=2,1"]] {
+        assert!(refused(more).contains("flux_e is"), "{more:?}");
+    }
 }
 
 #[test]

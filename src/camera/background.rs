@@ -27,6 +27,18 @@ pub enum BackgroundError {
     },
 }
 
+impl BackgroundError {
+    pub(crate) fn hold(key: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), Self> {
+        if (least..=greatest).contains(&given) {
+            return Ok(());
+        }
+        Err(Self::OutOfRange { key, given, least, greatest })
+    }
+}
+
+/// The most electrons of a star.
+pub(crate) const BRIGHTEST_E: f64 = 1e12;
+
 /// A star.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Star {
@@ -70,12 +82,12 @@ impl RandomStars {
     /// # Errors
     /// [`BackgroundError::OutOfRange`].
     pub fn draw(&self, rows: usize, columns: usize, margin_pix: f64, seed: u64) -> Result<Vec<Star>, BackgroundError> {
-        hold("per_megapixel", self.per_megapixel, 0.0, 1e5)?;
-        hold("slope", self.slope, 0.05, 2.0)?;
-        hold("brightest_mag", self.brightest_mag, -30.0, 60.0)?;
-        hold("faintest_mag", self.faintest_mag, self.brightest_mag, 60.0)?;
-        hold("zero_point_mag", self.zero_point_mag, -30.0, 60.0)?;
-        hold("margin_pix", margin_pix, 0.0, 1e5)?;
+        BackgroundError::hold("per_megapixel", self.per_megapixel, 0.0, 1e5)?;
+        BackgroundError::hold("slope", self.slope, 0.05, 2.0)?;
+        BackgroundError::hold("brightest_mag", self.brightest_mag, -30.0, 60.0)?;
+        BackgroundError::hold("faintest_mag", self.faintest_mag, self.brightest_mag, 60.0)?;
+        BackgroundError::hold("zero_point_mag", self.zero_point_mag, -30.0, 60.0)?;
+        BackgroundError::hold("margin_pix", margin_pix, 0.0, 1e5)?;
         let (width, height) = (columns as f64 + 2.0 * margin_pix, rows as f64 + 2.0 * margin_pix);
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mean = self.per_megapixel * width * height * 1e-6;
@@ -105,19 +117,12 @@ pub fn background(
     stars: &[Star],
     profile: &RadialProfile,
 ) -> Result<Plane, BackgroundError> {
-    hold("sky_e", sky_e, 0.0, 1e9)?;
+    BackgroundError::hold("sky_e", sky_e, 0.0, 1e9)?;
     let mut plane = Plane::zeros(rows, columns);
     plane.values_mut().fill(sky_e as f32);
     for star in stars {
-        hold("flux_e", star.flux_e, 0.0, 1e12)?;
+        BackgroundError::hold("flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
         draw_point(profile, star.at, star.flux_e, rows, columns).add_to(&mut plane);
     }
     Ok(plane)
-}
-
-fn hold(key: &'static str, given: f64, least: f64, greatest: f64) -> Result<(), BackgroundError> {
-    if (least..=greatest).contains(&given) {
-        return Ok(());
-    }
-    Err(BackgroundError::OutOfRange { key, given, least, greatest })
 }

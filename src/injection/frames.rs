@@ -61,7 +61,9 @@ impl<'a> Frames<'a> {
             filter: setup.photometry()?.band.name(),
             scratch: ScratchFolder::new(folder.unwrap_or(Path::new(".")))?,
         };
-        let first = maker.make(0, 0)?;
+        // Asked for its header alone: the sky without stars is made sooner.
+        let starless = SyntheticFrame { stars: None, star_list: None, ..synthetic.clone() };
+        let first = maker.make(&starless, 0, 0)?;
         Ok(Self { known: vec![first], maker: Some(maker) })
     }
 
@@ -97,7 +99,7 @@ impl<'a> Frames<'a> {
         match &self.maker {
             None => work(self.known.get(index).ok_or_else(|| InjectionError::said("no frame {index}"))?),
             Some(maker) => {
-                let frame = maker.make(index + 1, seed)?;
+                let frame = maker.make(maker.synthetic, index + 1, seed)?;
                 let answer = work(&frame);
                 // Its streaks are in a copy; the scratch folder goes away with whatever cannot be removed now.
                 let _ = std::fs::remove_file(frame.file.path());
@@ -108,7 +110,7 @@ impl<'a> Frames<'a> {
 }
 
 impl Maker<'_> {
-    fn make(&self, number: usize, seed: u64) -> Result<TargetFrame, InjectionError> {
+    fn make(&self, synthetic: &SyntheticFrame, number: usize, seed: u64) -> Result<TargetFrame, InjectionError> {
         let path = self.scratch.path().join(format!("{number}.fits"));
         let shot = SyntheticShot {
             opened: self.opened,
@@ -119,7 +121,7 @@ impl Maker<'_> {
             filter: self.filter,
             seed,
         };
-        self.synthetic.write(&shot, &path)?;
+        synthetic.write(&shot, &path)?;
         Ok(TargetFrame::open(&path, &self.said)?)
     }
 }

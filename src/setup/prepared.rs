@@ -328,15 +328,11 @@ fn catalogue_warnings(catalogue: &Catalogue) -> Vec<String> {
 /// Element sets further than two weeks from the time asked about, either way.
 fn age_warning(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    let old: Vec<f64> = elements
-        .iter()
-        .filter_map(|set| {
-            // Within the time asked about: no age at all.
-            let age_days = days(set.epoch, first).max(days(last, set.epoch)).max(0.0);
-            (age_days > OLD_ELEMENTS_DAYS).then_some(age_days)
-        })
-        .collect();
-    let farthest = old.iter().copied().max_by(f64::total_cmp)?;
+    // All epochs are UTC: comparing what they hold spares the leap seconds, and a server asks this with each answer.
+    let days_after = |epoch: Epoch, days: f64| (epoch.to_time_scale(TimeScale::UTC) + days * Unit::Day).duration;
+    let near = days_after(first, -OLD_ELEMENTS_DAYS)..=days_after(last, OLD_ELEMENTS_DAYS);
+    let old: Vec<&ElementSet> = elements.iter().filter(|set| !near.contains(&set.epoch.duration)).collect();
+    let farthest = old.iter().map(|set| days(set.epoch, first).max(days(last, set.epoch))).max_by(f64::total_cmp)?;
     Some(format!(
         "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
          places and probabilities are uncertain to match",

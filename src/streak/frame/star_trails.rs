@@ -4,10 +4,10 @@ use rayon::prelude::*;
 
 use super::super::chip::Chip;
 use super::super::light::{SkyPoint, SkyTrack};
-use super::super::render::{PathError, draw};
+use super::super::render::draw;
 use super::super::tracking::Tracking;
-use super::synthetic::SyntheticShot;
-use crate::camera::{BackgroundError, Patch, PixelPosition, Plane, RadialProfile, RandomStars, Star};
+use super::synthetic::{SyntheticError, SyntheticShot};
+use crate::camera::{BRIGHTEST_E, BackgroundError, Patch, PixelPosition, Plane, RadialProfile, RandomStars, Star};
 use crate::frames::{Direction, Gcrs};
 
 /// A star among the stars.
@@ -27,6 +27,9 @@ const RANGE_KM: f64 = 1e15;
 /// Moments of a trail, enough for a cubic through four of them where the telescope turns by tens of degrees.
 const MOMENTS: u32 = 16;
 
+/// Stars that trail over a frame, on the average at most.
+const MOST: f64 = 1e6;
+
 /// Trails that are kept at once.
 const AT_ONCE: usize = 256;
 
@@ -36,7 +39,7 @@ const AT_ONCE: usize = 256;
 /// is nearest to the chip's middle.
 ///
 /// # Errors
-/// As [`RandomStars::draw`].
+/// As [`RandomStars::draw`]; [`BackgroundError::OutOfRange`] where more than a million are to be expected.
 pub(super) fn draw_stars(
     field: &RandomStars,
     chip: &Chip,
@@ -53,6 +56,8 @@ pub(super) fn draw_stars(
     let along = if speed > 0.0 { motion.map(|part| part / speed) } else { [1.0, 0.0] };
     let width = (chip.rows as f64).hypot(chip.columns as f64) + 2.0 * reach_pix;
     let (rows, columns) = (width.ceil() as usize, (width + speed * shot.exposure_s).ceil() as usize);
+    let expected = field.per_megapixel * 1e-6 * rows as f64 * columns as f64;
+    BackgroundError::hold("stars that trail over the frame", expected, 0.0, MOST)?;
     let middle = chip.middle();
     let on_sky = |star: Star| {
         // Places in the strip when the world coordinates hold.
@@ -76,15 +81,15 @@ pub(super) fn draw_stars(
 /// Adds the trails of stars: the light of each lies evenly on its way over the exposure. `chip` counts electrons, a star of magnitude 0 one in the exposure.
 ///
 /// # Errors
-/// [`PathError`] where a number is none.
+/// A path where a number is none, or a star over the frame that is too bright.
 pub(super) fn add_trails(
     light: &mut Plane,
     stars: &[SkyStar],
     chip: &Chip,
     shot: &SyntheticShot<'_>,
     profile: &RadialProfile,
-) -> Result<(), PathError> {
-    let trail = |star: &SkyStar| -> Result<Vec<Patch>, PathError> {
+) -> Result<(), SyntheticError> {
+    let trail = |star: &SkyStar| -> Result<Vec<Patch>, SyntheticError> {
         let [first_s, last_s] = star.over_s;
         let point = |moment: u32| SkyPoint {
             time_s: first_s + (last_s - first_s) * f64::from(moment) / f64::from(MOMENTS),
@@ -94,11 +99,14 @@ pub(super) fn add_trails(
         };
         let track = SkyTrack { points: (0..=MOMENTS).map(point).collect() };
         let ways = chip.paths(&track, &shot.tracking, &shot.centre, profile.pixel_reach_pix())?;
+        if !ways.is_empty() {
+            BackgroundError::hold("flux_e", star.flux_e, 0.0, BRIGHTEST_E)?;
+        }
         Ok(ways.iter().map(|way| draw(&way.path, profile, chip.rows, chip.columns)).collect())
     };
     for some in stars.chunks(AT_ONCE) {
         // Drawn on all cores, added in order: sums do not depend on threads.
-        let trails = some.par_iter().map(trail).collect::<Result<Vec<_>, PathError>>()?;
+        let trails = some.par_iter().map(trail).collect::<Result<Vec<_>, SyntheticError>>()?;
         trails.iter().flatten().for_each(|patch| patch.add_to(light));
     }
     Ok(())

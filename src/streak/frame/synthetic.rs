@@ -309,9 +309,6 @@ impl SyntheticFrame {
     }
 }
 
-/// The most electrons of a star.
-const BRIGHTEST_E: f64 = 1e12;
-
 fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, SyntheticError> {
     #[derive(Deserialize)]
     struct Row {
@@ -329,11 +326,7 @@ fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec
     for row in reader.deserialize::<Row>() {
         let row = row.map_err(|error| failed(error.to_string()))?;
         let flux_e = flux_e(row.magnitude, zero_point_mag);
-        if !(flux_e <= BRIGHTEST_E
-            && row.ra_deg.is_finite()
-            && row.dec_deg.abs() <= 90.0
-            && (-30.0..=60.0).contains(&row.magnitude))
-        {
+        if !(row.ra_deg.is_finite() && row.dec_deg.abs() <= 90.0 && (-30.0..=60.0).contains(&row.magnitude)) {
             let Row { ra_deg, dec_deg, magnitude } = row;
             return Err(failed(format!("star {}: ra {ra_deg}, dec {dec_deg}, magnitude {magnitude}", stars.len() + 1)));
         }

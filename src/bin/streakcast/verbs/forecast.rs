@@ -145,8 +145,9 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
 fn open(typed: &ForecastArguments, setup: &Setup) -> anyhow::Result<(Output, Option<Document>)> {
     let path = typed.output.output.clone();
     let extension = path.as_ref().and_then(|path| path.extension()).and_then(|name| name.to_str());
+    let extension = extension.map(str::to_ascii_lowercase);
     let said = typed.output.format.as_deref().or(setup.format.as_deref());
-    match said.or(extension).and_then(Document::by_name) {
+    match said.or(extension.as_deref()).and_then(Document::by_name) {
         // A text of its own.
         Some(document) => Ok((Output::new(Some("json"), path)?, Some(document))),
         None => {

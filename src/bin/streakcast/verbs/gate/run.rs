@@ -285,7 +285,9 @@ fn prepare(
         let prepared = setup.prepare(now, seconds_after(now, request.max_wait_s));
         let is_done = match &prepared {
             Err(error) => !is_of_elements(error),
-            Ok(prepared) => rejected(prepared) == 0 || files.iter().all(|path| is_older(path, FRESH)),
+            Ok(prepared) => {
+                rejected(prepared) == 0 || files.iter().all(|path| age(path).is_none_or(|age| age >= FRESH))
+            }
         };
         if is_done || tries == TRIES {
             break prepared;
@@ -303,7 +305,7 @@ fn prepare(
     // Fewer than the last time, and not because somebody wanted it so.
     let cut_short = is_cut_short(&prepared);
     let least = |before: usize| if cut_short { before - before / 10 } else { before.div_ceil(2) };
-    let meant = files.is_empty() || !cut_short && files.iter().all(|path| is_older(path, SETTLED));
+    let meant = files.is_empty() || !cut_short && files.iter().all(|path| age(path).is_some_and(|age| age >= SETTLED));
     let shrank = satellites_before.filter(|before| satellites < least(*before) && !meant);
     if rejected > satellites || shrank.is_some() {
         let before = shrank.map_or_else(String::new, |before| format!(", {before} the last time"));
@@ -333,11 +335,10 @@ fn is_cut_short(prepared: &Prepared) -> bool {
     attached.and_then(|(_, names)| names.as_array()).is_some_and(|names| !names.is_empty())
 }
 
-/// Whether a file was changed longer ago; true of times to come, which are another machine's, and of files that nothing is known of.
-fn is_older(path: &Path, age: Duration) -> bool {
-    let changed = std::fs::metadata(path).and_then(|metadata| metadata.modified());
-    let since = changed.ok().and_then(|changed| SystemTime::now().duration_since(changed).ok());
-    since.is_none_or(|since| since >= age)
+/// How long ago a file was changed, by its date; not known of times to come, which are another machine's.
+fn age(path: &Path) -> Option<Duration> {
+    let changed = std::fs::metadata(path).and_then(|metadata| metadata.modified()).ok()?;
+    SystemTime::now().duration_since(changed).ok()
 }
 
 /// The passes that are waited for, in the status file.
