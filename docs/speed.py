@@ -47,7 +47,7 @@ def interpreter(requirements):
     try:
         subprocess.run([os.environ.get("PYTHON", sys.executable), "-m", "venv", "--clear", folder], check=True)
         # One file at a time without their own wishes where it says so: they name old releases of what is there.
-        flags = ["--no-deps"] if "# --no-deps" in wanted else []
+        flags = ["--no-deps"] if "--no-deps" in wanted else []
         subprocess.run([python, "-m", "pip", "install", "--quiet", *flags, "--requirement", ROOT / PEERS / requirements], check=True)
     except subprocess.CalledProcessError as error:
         print(f"*** LEFT OUT: pip cannot install {requirements}: {error} ***", file=sys.stderr)
