@@ -83,8 +83,10 @@ def test_verif_a_worker_killed_half_way_changes_nothing(visits, survey_model, tm
         written = {path: path.stat().st_mtime_ns for path in files}
         files[3].unlink()
         files[5].write_bytes(b"half of a file")
+        (tmp_path / f".{files[7].name}.killed").write_bytes(b"what a killed worker had begun")
         again = streakcast.dask.annotate(visits, survey_model, client, tmp_path)
         same(streakcast.dask.read(again), expected)
+        assert sorted(tmp_path.iterdir()) == sorted(files)
         assert {path for path in files if path.stat().st_mtime_ns != written[path]} == {files[3], files[5]}
         other = streakcast.dask.annotate(visits, survey_model.with_options(limit_mag=5), client, tmp_path)
         assert all(path.stat().st_mtime_ns != written[path] for path in other)

@@ -37,7 +37,7 @@ def annotate(
 
     Each night is one task. Its worker reads the model's files by their paths (a worker keeps what it has read), works on one thread,
     and puts the night's file into its place whole. Nights whose file is there for the same visits and the same model are left alone, so that a
-    run that was stopped goes on where it was. A task whose worker dies is given to another.
+    run that was stopped goes on where it was. A task whose worker dies is given to another, and the half file it had begun is cleared away.
 
     Parameters
     ----------
@@ -94,6 +94,10 @@ def annotate(
                 client.submit(_one_night, part, rows, model, str(path), key, retries=retries, key=f"night-{int(night)}-{key[:16]}")
             )
     client.gather(tasks)
+    for path in files:
+        # What workers that died had begun.
+        for half in place.glob(f"{_scratch_prefix(path)}*"):
+            half.unlink(missing_ok=True)
     return files
 
 
@@ -149,6 +153,10 @@ def _is_done(path: Path, key: str) -> bool:
     return bool(metadata.get(b"streakcast_visits") == key.encode())
 
 
+def _scratch_prefix(path: Path) -> str:
+    return f".{path.name}."
+
+
 def _one_night(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], model: StreakModel, path: str, key: str) -> int:
     """The task of a worker: how many visits it judged."""
     import pyarrow
@@ -167,7 +175,7 @@ def _one_night(part: dict[str, npt.NDArray[Any]], rows: npt.NDArray[np.int64], m
     table = pyarrow.table({"visit": rows, **{name: getattr(answer, name) for name in names}})
     table = table.replace_schema_metadata({"streakcast_visits": key, "streakcast_version": _core.__version__})
     target = Path(path)
-    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=f".{target.name}.", delete=False) as scratch:
+    with tempfile.NamedTemporaryFile(dir=target.parent, prefix=_scratch_prefix(target), delete=False) as scratch:
         try:
             pyarrow.parquet.write_table(table, scratch)
             scratch.flush()
