@@ -190,6 +190,29 @@ proptest! {
         prop_assert!(found < WAYS_TOLERANCE, "{found}");
     }
 
+    /// Long and nearly straight ones, read from lattices where they turn by less than these allow, at any angle to the rows.
+    #[test]
+    fn verif_long_streaks_agree_with_sums(
+        x in 0.0..260.0_f64, y in 0.0..200.0_f64, angle in 0.0..(2.0 * PI), is_shallow in any::<bool>(), log_bow in -4.0..1.0_f64,
+        log_ramp in -4.0..0.5_f64, fwhm_pix in 2.5..8.0_f64, is_ring in any::<bool>(),
+    ) {
+        let angle = if is_shallow { 0.02 * angle } else { angle };
+        let (length, bow, ramp) = (900.0, 10f64.powf(log_bow), 10f64.powf(log_ramp));
+        let nodes = (0..5).map(|i| {
+            let t = f64::from(i) / 2.0 - 1.0;
+            let (u, v) = (0.5 * length * t, bow * (t * t - 0.1));
+            let at = PixelPosition { x: x + u * angle.cos() - v * angle.sin(), y: y + u * angle.sin() + v * angle.cos() };
+            PathNode::new(t, at, 1.0 + ramp * (t + 1.0) * (t + 1.5))
+        });
+        let path = path(nodes.collect());
+        let seeing = Seeing::Gaussian { fwhm_pix };
+        let outer = if is_ring { 2.0 * fwhm_pix } else { 0.0 };
+        let blur = Blur { seeing, outer_radius_pix: outer, inner_radius_pix: 0.6 * outer, body_radius_pix: 0.1 * outer };
+        let profile = RadialProfile::of(&blur).expect("a profile");
+        let found = difference(&path, &profile, 200, 260);
+        prop_assert!(found < WAYS_TOLERANCE, "{found}");
+    }
+
     /// Light that lies on the frame is all there, and where it should be.
     #[test]
     fn verif_flux_and_centroid(

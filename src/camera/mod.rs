@@ -36,5 +36,5 @@ pub use pixel::PixelPosition;
 pub use plane::{Plane, PlaneError};
 #[cfg(feature = "plot")]
 pub use preview::{Overlay, PreviewError, preview_png};
-pub use psf::{Blur, BlurError, EdgeTable, Lanes, Parts, ProfileTables, RadialProfile, Seeing, draw_point};
+pub use psf::{Blur, BlurError, EdgeTable, Lanes, Lattice, Parts, ProfileTables, RadialProfile, Seeing, draw_point};
 pub use wcs::{Wcs, WcsError};

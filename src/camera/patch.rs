@@ -128,8 +128,9 @@ impl Patch {
     /// Adds it to a plane; what lies outside of the plane is left out.
     pub fn add_to(&self, plane: &mut Plane) {
         for span in self.iter() {
-            let row = plane.row_mut(span.row);
-            for (pixel, value) in row.iter_mut().skip(span.first_column).zip(span.values) {
+            // A slice, not an iterator that skips: many pixels at a time.
+            let Some(row) = plane.row_mut(span.row).get_mut(span.first_column..) else { continue };
+            for (pixel, value) in row.iter_mut().zip(span.values) {
                 *pixel += value;
             }
         }

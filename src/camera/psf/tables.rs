@@ -6,9 +6,10 @@ use super::blur::{Blur, BlurError, GREATEST_REACH_PIX};
 use super::curve::Curve;
 use super::disk::disk_mean;
 use super::edge::EdgeTable;
-use super::even::{EVEN_PIX, even_from};
+use super::even::EVEN_PIX;
 use super::integrals::{Grain, HARMONICS, Panels, along_line, angle, flux, harmonics, pixel_nodes};
 use super::lanes::Lanes;
+use super::lattice::Lattice;
 use super::radii::Radii;
 use super::wings::CutSeeing;
 
@@ -17,6 +18,9 @@ const HALF_DIAGONAL_PIX: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
 /// Angular harmonics below this share of the peak are left out.
 const NEGLIGIBLE: f64 = 1e-6;
+
+/// Pixels that must be drawn by each number of a lattice for it to be worth its making.
+const PIXELS_PER_NUMBER: f64 = 2.0;
 
 /// Wings that reach so much farther than pixels have corners are worth a table of half lines.
 const WINGS: f64 = 1.3;
@@ -34,9 +38,9 @@ pub struct ProfileTables {
     profile: Curve,
     pixel: [Curve; HARMONICS],
     pixel_lanes: [Lanes; HARMONICS],
+    felt_harmonics: usize,
     round_from_pix: f64,
     line: [Curve; HARMONICS],
-    line_even_from_pix: f64,
     line_second_moment: Lanes,
     edge: Option<EdgeTable>,
     half_light_pix: f64,
@@ -93,20 +97,18 @@ impl ProfileTables {
         });
         let (half_light_pix, fwhm_pix) = (half_light(&profile, grain, &panels), full_width(&profile));
         let variance_pix2 = PI * panels.integrate(0.0, reach, 0.5 * fwhm, |r| r.powi(3) * profile.at(r));
-        let round_from_pix = round_from(&pixel);
+        let (round_from_pix, felt_harmonics) = (felt_to(&pixel[1..], &pixel[0]), felt_count(&pixel));
         let edge = (averaged.end_pix() > WINGS * round_from_pix.max(1.0))
             .then(|| EdgeTable::of(&pixel[0], round_from_pix.max(1.0), line[0].values()[0]));
-        let line_even_from_pix =
-            even_from(averaged.end_pix(), line[0].values()[0], |nearest, x| [line[0].at(nearest + x)]);
         let pixel_lanes = pixel.each_ref().map(Lanes::of);
         Ok(Self {
             blur: *blur,
             profile,
             pixel,
             pixel_lanes,
+            felt_harmonics,
             round_from_pix,
             line,
-            line_even_from_pix,
             line_second_moment,
             edge,
             half_light_pix,
@@ -164,6 +166,28 @@ impl ProfileTables {
         self.line_sum(|m| (4.0 * m * angle_rad).cos())
     }
 
+    /// The same as a lattice over rows; none where the line hardly leaves them.
+    pub fn line_lattice(&self, angle_rad: f64) -> Option<Lattice> {
+        let (step_pix, phase_pix) = (angle_rad.sin().abs(), self.phase_pix());
+        (step_pix > phase_pix)
+            .then(|| Lattice::of(&self.line_lanes(angle_rad), self.pixel_reach_pix(), step_pix, phase_pix))
+    }
+
+    /// Length of a line from which on a lattice is worth its making, pixels.
+    pub fn lattice_from_pix(&self) -> f64 {
+        PIXELS_PER_NUMBER / self.phase_pix()
+    }
+
+    /// How far an angle may be from that of [`ProfileTables::line_lattice`], radians: half a phase over [`Lattice::COLUMNS`].
+    pub fn lattice_turn_rad(&self) -> f64 {
+        0.5 * self.phase_pix() / Lattice::COLUMNS as f64
+    }
+
+    /// Steps of distance in which a line's light is linear: h²/8 L'' is 6·10⁻⁶ of the peak, and six times as much half a step beyond.
+    fn phase_pix(&self) -> f64 {
+        self.blur.seeing.narrowest_fwhm_pix() / 350.0
+    }
+
     /// Its derivative by the angle, per radian.
     pub fn line_turned_lanes(&self, angle_rad: f64) -> Lanes {
         self.line_sum(|m| -4.0 * m * (4.0 * m * angle_rad).sin())
@@ -185,12 +209,6 @@ impl ProfileTables {
     fn line_harmonics(&self, weight: impl Fn(f64) -> f64) -> (f64, f64) {
         let greatest = |m: usize| self.line[m].values().iter().map(|value| value.abs()).fold(0.0, f64::max);
         (greatest(0), (1..HARMONICS).map(|m| weight(m as f64) * greatest(m)).sum())
-    }
-
-    /// Distance across from which on the light of a line is nearly a cubic over [`ProfileTables::EVEN_PIX`], to 2·10⁻⁶ of the peak, pixels;
-    /// infinite where it is nowhere.
-    pub fn line_even_from_pix(&self) -> f64 {
-        self.line_even_from_pix
     }
 
     /// By how much the angle of [`ProfileTables::line_lanes`] may be wrong for 2·10⁻⁵ of the peak, radians.
@@ -223,13 +241,25 @@ impl ProfileTables {
             r[lane] = (x2[lane] + y2[lane]).sqrt();
         }
         let mut share = round.at(&r);
-        if !is_round {
-            let (f4, f8, f12) = (fourth.at(&r), eighth.at(&r), twelfth.at(&r));
+        if is_round {
+            return share;
+        }
+        let mut c = [0.0_f32; N];
+        for lane in 0..N {
+            // cos 4φ = 1 - 8 x²y² / r⁴
+            let r2 = (x2[lane] + y2[lane]).max(1e-12);
+            c[lane] = 1.0 - 8.0 * (x2[lane] / r2) * (y2[lane] / r2);
+        }
+        let f4 = fourth.at(&r);
+        for lane in 0..N {
+            share[lane] += c[lane] * f4[lane];
+        }
+        // Pixels narrow against the seeing have no more.
+        if self.felt_harmonics > 2 {
+            let (f8, f12) = (eighth.at(&r), twelfth.at(&r));
             for lane in 0..N {
-                // cos 4φ = 1 - 8 x²y² / r⁴
-                let r2 = (x2[lane] + y2[lane]).max(1e-12);
-                let c = 1.0 - 8.0 * (x2[lane] / r2) * (y2[lane] / r2);
-                share[lane] += c * f4[lane] + (2.0 * c * c - 1.0) * f8[lane] + (4.0 * c * c - 3.0) * c * f12[lane];
+                let c = c[lane];
+                share[lane] += (2.0 * c * c - 1.0) * f8[lane] + (4.0 * c * c - 3.0) * c * f12[lane];
             }
         }
         share
@@ -299,13 +329,18 @@ fn in_harmonics(radii: Radii, function: impl Fn(f64, f64) -> f64) -> [Curve; HAR
     amplitudes.map(|column| Curve::from_values(radii, column))
 }
 
-/// The radius beyond which all harmonics but the first are negligible, pixels.
-fn round_from(pixel: &[Curve; HARMONICS]) -> f64 {
-    let least = NEGLIGIBLE * pixel[0].values()[0];
-    let radii = pixel[0].radii();
-    let is_felt = |node: &usize| pixel[1..].iter().any(|curve| curve.values()[*node].abs() > least);
+/// The radius beyond which all of some harmonics are negligible against the first, pixels.
+fn felt_to(harmonics: &[Curve], round: &Curve) -> f64 {
+    let least = NEGLIGIBLE * round.values()[0];
+    let radii = round.radii();
+    let is_felt = |node: &usize| harmonics.iter().any(|curve| curve.values()[*node].abs() > least);
     let last = (0..=radii.intervals()).rev().find(is_felt);
     last.map_or(0.0, |node| radii.radius((node + 1).min(radii.intervals())))
+}
+
+/// How many harmonics there are up to the last that is not negligible.
+fn felt_count(pixel: &[Curve; HARMONICS]) -> usize {
+    (1..HARMONICS).rev().find(|m| felt_to(&pixel[*m..=*m], &pixel[0]) > 0.0).map_or(1, |last| last + 1)
 }
 
 fn half_light(profile: &Curve, grain: Grain, panels: &Panels) -> f64 {

@@ -56,6 +56,11 @@ impl Chord {
         2.0 * self.bow
     }
 
+    /// Direction of the chord from the rows, radians.
+    pub fn angle_rad(&self) -> f64 {
+        self.along[1].atan2(self.along[0])
+    }
+
     /// Greatest angle between the path and its chord, radians.
     pub fn half_turn_rad(&self) -> f64 {
         self.curvature().abs() * self.half_pix

@@ -244,21 +244,42 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Ve
     let mut table_of = vec![0; marked.len()];
     let step_rad = profile.line_angle_step_rad();
     let mut last: Option<f64> = None;
-    for (number, (chord, is_summed)) in marked.iter().enumerate() {
+    let mut number = 0;
+    while let Some((chord, is_summed)) = marked.get(number) {
         if *is_summed {
+            number += 1;
             continue;
         }
-        let angle = chord.along[1].atan2(chord.along[0]);
+        let angle = chord.angle_rad();
+        let straight = straight_from(&marked[number..], angle, profile);
+        if let Some(lattice) = (straight > 0).then(|| profile.line_lattice(angle)).flatten() {
+            tables.push(Across { line: profile.line_lanes(angle), turned: None, lattice: Some(lattice) });
+            table_of[number..number + straight].fill(tables.len() - 1);
+            last = None;
+            number += straight;
+            continue;
+        }
         let turns = chord.half_turn_rad() > step_rad;
         let is_known = last.is_some_and(|last| (angle - last).abs() <= step_rad);
         if !is_known || (turns && tables.last().is_some_and(|table| table.turned.is_none())) {
             let turned = turns.then(|| profile.line_turned_lanes(angle));
-            tables.push(Across { line: profile.line_lanes(angle), turned });
+            tables.push(Across { line: profile.line_lanes(angle), turned, lattice: None });
             last = Some(angle);
         }
         table_of[number] = tables.len() - 1;
+        number += 1;
     }
     (tables, table_of)
+}
+
+/// How many chords from the first on may share a lattice at an angle; 0 where it is not worth its making.
+fn straight_from(marked: &[(Chord, bool)], angle_rad: f64, profile: &ProfileTables) -> usize {
+    let is_straight = |(chord, is_summed): &&(Chord, bool)| {
+        !is_summed && (chord.angle_rad() - angle_rad).abs() + chord.half_turn_rad() <= profile.lattice_turn_rad()
+    };
+    let lengths = marked.iter().take_while(is_straight).map(|(chord, _)| 2.0 * chord.half_pix);
+    let (count, length_pix) = lengths.fold((0, 0.0), |(count, sum), length| (count + 1, sum + length));
+    if length_pix >= profile.lattice_from_pix() { count } else { 0 }
 }
 
 fn draw_summed_by(cutter: &Cutter<'_>, profile: &ProfileTables, rows: usize, columns: usize) -> Patch {

@@ -4,13 +4,24 @@ use std::ops::Range;
 
 use pulp::{Arch, NullaryFnOnce};
 
-use crate::camera::{Lanes, Patch, ProfileTables};
+use crate::camera::{Lanes, Lattice, Patch, ProfileTables};
 
-use super::blocks::{EACH, FOUR, LANES, add, through};
+use super::blocks::{EACH, LANES, add};
 use super::chords::Chord;
 use super::ends::End;
 use super::panels::PanelTree;
 use super::runs::{Run, Source};
+
+/// Columns of the pixels that share a phase of a lattice.
+const COLUMNS: [f32; Lattice::COLUMNS] = {
+    let mut columns = [0.0; Lattice::COLUMNS];
+    let mut number = 0;
+    while number < Lattice::COLUMNS {
+        columns[number] = number as f32;
+        number += 1;
+    }
+    columns
+};
 
 /// λ''/2λ times the variance from which on it is felt.
 const LEAST_BEND: f64 = 2e-6;
@@ -21,6 +32,8 @@ pub(super) struct Across {
     pub line: Lanes,
     /// What a radian more makes of it; none for chords so straight that it is not felt.
     pub turned: Option<Lanes>,
+    /// The first one for rows of pixels; for long and straight chords.
+    pub lattice: Option<Lattice>,
 }
 
 /// All that the loops need.
@@ -106,17 +119,44 @@ fn summed(trees: &[PanelTree], profile: &ProfileTables, row: usize, first_column
 #[inline(always)]
 fn smooth(chord: &Chord, table: &Across, profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
     let stroke = Smooth::of(chord, table, profile);
+    if let Some(lattice) = &table.lattice
+        && stroke.second_moment.is_none()
+    {
+        return straight(chord, &stroke, lattice, row, first_column, pixels);
+    }
     let [ux, uy] = chord.along;
     let dy = row as f64 - chord.middle[1];
-    let even_from = profile.line_even_from_pix() as f32;
     for (block, out) in pixels.chunks_mut(LANES).enumerate() {
         let dx = (first_column + block * LANES) as f64 - chord.middle[0];
         let first = [(dx * ux + dy * uy) as f32, (dy * ux - dx * uy) as f32];
-        let four = stroke.feet(first, &FOUR);
-        let [from, .., to] = four.across;
-        let is_even = out.len() == LANES && from * to > 0.0 && from.abs().min(to.abs()) >= even_from;
-        let light = if is_even { through(stroke.light(&four)) } else { stroke.light(&stroke.feet(first, &EACH)) };
+        let light = stroke.light(&stroke.feet(first, &EACH));
         add(&light, out);
+    }
+}
+
+/// The same for long and straight chords, whose second orders in κ and g are not felt: light is read from a lattice.
+#[inline(always)]
+fn straight(chord: &Chord, stroke: &Smooth, lattice: &Lattice, row: usize, first_column: usize, pixels: &mut [f32]) {
+    let [ux, uy] = chord.along;
+    let dy = row as f64 - chord.middle[1];
+    // A line is the same from both sides: v is to grow with the columns.
+    let sign = if stroke.step[1] < 0.0 { -1.0 } else { 1.0 };
+    let ([step_a, step_b], bow, half2) = ([stroke.step[0], sign * stroke.step[1]], sign * stroke.bow, stroke.half2);
+    let [l0, l1, l2, l3] = stroke.light;
+    for (number, out) in pixels.chunks_mut(Lattice::COLUMNS).enumerate() {
+        let dx = (first_column + number * Lattice::COLUMNS) as f64 - chord.middle[0];
+        let (a, b) = ((dx * ux + dy * uy) as f32, sign * (dy * ux - dx * uy) as f32);
+        let Some(near) = lattice.columns(b - bow * (a * a - half2), out.len()) else { continue };
+        // Distances from those that the lattice has; and the twist from a to the foot, which needs no better ones than these.
+        let (b, step_b) = (b - near.known_pix, step_b - near.step_pix);
+        let (twist, twist_step) = (2.0 * bow * near.known_pix, 2.0 * bow * near.step_pix);
+        for (((pixel, before), after), column) in out.iter_mut().zip(near.before).zip(near.after).zip(&COLUMNS) {
+            let a = a + column * step_a;
+            let part = (b + column * step_b - bow * (a * a - half2)) * near.per_phase;
+            let foot = a + a * (twist + column * twist_step);
+            let brightness = l0 + foot * (l1 + foot * (l2 + foot * l3));
+            *pixel += brightness * (before + part * (after - before));
+        }
     }
 }
 
