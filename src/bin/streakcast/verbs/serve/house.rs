@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use hifitime::Epoch;
+use streakcast::orbit::LeftOut;
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, evening_mjd};
@@ -10,18 +11,19 @@ use streakcast::setup::{Prepared, Setup};
 use streakcast::table::{Provenance, format_utc};
 
 use super::super::judged::Asked;
+use super::reply::Problem;
 
 /// The schedule, its verdicts, and the sky they were made under.
 pub struct House {
     pub setup: Setup,
-    /// The sky of all answers; its warnings are those of the whole schedule.
+    /// The sky of all answers.
     pub prepared: Prepared,
     pub asked: Asked,
     pub schedule: Schedule,
     /// One for each row.
     pub flags: Vec<ExposureFlag>,
-    /// Satellites left out of some exposure of the schedule.
-    pub left_out_count: usize,
+    /// Those of the whole schedule.
+    pub caveats: Caveats,
     /// Without lists of rejected records, which may be long.
     pub provenance: Provenance,
     pub library: ModelLibrary,
@@ -29,6 +31,14 @@ pub struct House {
     pub nights: BTreeMap<i64, Vec<usize>>,
     /// Local time less UTC, hours.
     pub utc_offset_h: f64,
+}
+
+/// What to know of an answer.
+pub struct Caveats {
+    /// In the words of the command line.
+    pub warnings: Vec<String>,
+    /// How many satellites the answer does without.
+    pub left_out_count: usize,
 }
 
 impl House {
@@ -54,13 +64,14 @@ impl House {
         }
         // The zone in which the Sun culminates nearest to 12 h.
         let utc_offset_h = utc_offset_h.unwrap_or_else(|| (longitude_rad.to_degrees() / 15.0).round());
+        let caveats = Caveats { warnings: prepared.warnings.clone(), left_out_count: report.left_out.len() };
         Ok(Self {
             setup,
             prepared,
             asked,
             schedule,
             flags: report.flags,
-            left_out_count: report.left_out.len(),
+            caveats,
             provenance,
             library,
             nights,
@@ -71,6 +82,16 @@ impl House {
     /// The sky that every answer asks.
     pub fn sky(&self) -> &Sky {
         &self.prepared.sky
+    }
+
+    /// Those of an answer from `first` to `last` that does without these satellites.
+    ///
+    /// Where all are left out there is no answer: a sky that nobody can tell of is not empty.
+    pub fn caveats_at(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
+        let of_left_out = self.prepared.left_out_warning(left_out, first);
+        let mut warnings = self.prepared.warnings_at(first, last);
+        warnings.extend(of_left_out.map_err(|error| Problem::new(400, error.to_string()))?);
+        Ok(Caveats { warnings, left_out_count: left_out.len() })
     }
 
     /// What exposures are judged against, with another policy than the server's own or with that.

@@ -72,7 +72,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let policy = &house.asked.policy;
     let photometry = &house.asked.photometry;
     let mut document = Document::resting_on(&house.provenance);
-    document.caveats(&house.prepared.warnings, house.left_out_count);
+    document.caveats(&house.caveats);
     document.value("night", date_of(night));
     document.table("nights", &nights);
     document.value("from_utc", format_utc(from, 0));
