@@ -17,10 +17,12 @@ const SAMPLES = 41;
 
 /** What the address holds. */
 const state = { shift: 0, ...link.read() };
-/** What the server said last. */
+/** What the server said last; of the exposure null where it has no answer. */
 let night = null;
 let rows = [];
-let answer = null;
+let answer;
+/** What stands in the way, by the question that it stands in the way of. */
+const problems = new Map();
 
 const nightChart = new Night($("night"), (place) => choose(place));
 const strip = new Strip($("strip"), moved);
@@ -28,25 +30,36 @@ const fieldChart = new Field($("field"), (norad) => select(norad));
 const domeChart = new Dome($("dome"));
 const curveChart = new Curve($("curve"));
 
-const askExposure = line("/api/v1/exposure", answered, failed);
-const askDome = line("/api/v1/dome", ({ document }) => {
-  problem(null);
-  domeChart.show(document);
-  drawDome();
-}, failed);
+const askExposure = line("/api/v1/exposure", answered, (error, asked) => {
+  failed(error, "exposure");
+  // What was said of another start holds for this one no longer.
+  if (asked.place === state.place) nothing("unknown", "no answer");
+});
+const askDome = line("/api/v1/dome", ({ document }) => showDome(document), (error) => {
+  failed(error, "dome");
+  showDome(null);
+});
 
-function failed(error) {
+function failed(error, what) {
   if (error instanceof Locked) {
     $("unlock").hidden = false;
     $("main").hidden = true;
     $("token").focus();
   }
-  problem(error.message);
+  problem(what, error.message);
 }
 
-function problem(text) {
-  $("problem").hidden = !text;
-  $("problem").textContent = text ?? "";
+function problem(what, text) {
+  if (text) problems.set(what, text);
+  else problems.delete(what);
+  $("problem").hidden = !problems.size;
+  $("problem").textContent = [...new Set(problems.values())].join(" ");
+}
+
+function showDome(dome) {
+  if (dome) problem("dome", null);
+  domeChart.show(dome);
+  drawDome();
 }
 
 function toast(text) {
@@ -62,10 +75,10 @@ async function load(which) {
     const isKnown = !which || said.nights.some((one) => one.night === which);
     if (!isKnown) delete state.row;
     else if (which && which !== said.night) ({ document: said } = await ask("/api/v1/night", { night: which }));
-    problem(null);
+    problem("night", null);
     night = said;
   } catch (error) {
-    return failed(error);
+    return failed(error, "night");
   }
   $("unlock").hidden = true;
   $("main").hidden = false;
@@ -126,8 +139,8 @@ function choose(place, isRestored = false) {
   $("after").disabled = place === rows.length - 1;
   $("exposure-title").textContent = `Exposure ${row.id}`;
   if (row.start == null) {
-    answer = null;
-    say("invalid", row.flag.reasons.join("; "));
+    nothing("invalid", row.flag.reasons.join("; "));
+    showDome(null);
     nightChart.draw(place, null, limit());
     link.write(state);
     return;
@@ -182,7 +195,7 @@ function requestDome() {
 function answered({ document: said, ms }, asked) {
   // Somebody has gone on to another one meanwhile; its own answer comes.
   if (asked.place !== state.place) return;
-  problem(null);
+  problem("exposure", null);
   const row = rows[state.place];
   answer = said;
   const flag = said.flags[0];
@@ -210,6 +223,18 @@ function answered({ document: said, ms }, asked) {
   link.write(state);
 }
 
+/** There is no answer to what is asked: nothing that stands there may look like one. */
+function nothing(verdict, words) {
+  answer = null;
+  say(verdict, words);
+  delete $("answer").dataset.nextClearStartUtc;
+  delete $("answer").dataset.startUtc;
+  $("go").hidden = true;
+  $("timing").textContent = $("pointing").textContent = "";
+  strip.answer([], null, limit());
+  drawAnswer();
+}
+
 const brightest = (passes) => passes.reduce((best, pass) => ((pass.magnitude_peak ?? 99) < (best?.magnitude_peak ?? 100) ? pass : best), null);
 
 function say(verdict, words, why = "", lacks = "") {
@@ -232,23 +257,33 @@ function select(norad) {
 }
 
 function drawAnswer() {
-  if (!answer) return;
-  const { passes } = answer;
-  fieldChart.draw(night.field, answer.exposures[0], passes, { selected: state.satellite, corridors: state.sigma === "1" });
+  if (answer === undefined) return;
+  const passes = answer?.passes ?? [];
+  fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], passes, { selected: state.satellite, corridors: state.sigma === "1" });
   const chosen = passes.find((pass) => pass.norad_id === state.satellite);
   curveChart.draw(chosen, limit());
   $("curve-words").textContent = chosen ? `${chosen.name} · ${chosen.mag_source ?? "no model"} · elements ${fixed(chosen.element_age_days, 1)} d old` : "";
-  crossings.rows($("crossings"), passes, state.satellite, select);
+  crossings.rows($("crossings"), answer?.passes, state.satellite, select);
   drawDome();
+}
+
+/** Whether neither the night nor the exposure warns of it: the same words with other numbers are the same warning. */
+function isNew(warning) {
+  const words = (text) => text.replace(/[\d.]+/g, "");
+  return ![...night.warnings, ...(answer?.warnings ?? [])].some((known) => words(known) === words(warning));
 }
 
 function drawDome() {
   domeChart.draw({ pointing: answer?.pointing[0], selected: state.satellite, passes: answer?.passes, limit: limit() });
   const dome = domeChart.dome;
-  if (!dome) return;
+  if (!dome) {
+    $("dome-words").textContent = "";
+    return;
+  }
   const bright = dome.satellites.filter((one) => one.magnitude != null && limit() != null && one.magnitude < limit()).length;
   const few = limit() == null ? "" : `, ${bright} brighter than ${fixed(limit(), 1)} mag`;
   $("dome-words").textContent = `${dome.satellites.length} sunlit satellites up${few}. Behind them ${dome.map.model} at ${dome.map.height_km} km; dashed: edge of the Earth's shadow there. Sun at azimuth ${fixed(dome.sun.azimuth_deg, 0)}° (⊙).`;
+  $("dome-words").textContent += dome.warnings.filter(isNew).map((text) => ` Warning: ${text}.`).join("");
 }
 
 function drawAll() {
@@ -286,7 +321,7 @@ $("go").addEventListener("click", () => {
 });
 $("height").addEventListener("change", (event) => {
   const height = Number(event.target.value);
-  if (!event.target.checkValidity() || !height) return problem("Height: 160 to 40000 km, whole tens.");
+  if (!event.target.checkValidity() || !height) return problem("dome", "Height: 160 to 40000 km, whole tens.");
   state.height = height;
   requestDome();
   link.write(state);
