@@ -3,10 +3,11 @@
 use std::collections::BTreeMap;
 
 use hifitime::Epoch;
+use streakcast::geometry::Site;
 use streakcast::orbit::LeftOut;
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::{ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, evening_mjd};
+use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
 use streakcast::setup::{Prepared, Setup};
 use streakcast::table::{Provenance, format_utc};
 
@@ -18,6 +19,8 @@ pub struct House {
     pub setup: Setup,
     /// The sky of all answers.
     pub prepared: Prepared,
+    /// Where it is seen from, unless a question says another place.
+    pub site: Site,
     pub asked: Asked,
     pub schedule: Schedule,
     /// One for each row.
@@ -27,7 +30,7 @@ pub struct House {
     /// Without lists of rejected records, which may be long.
     pub provenance: Provenance,
     pub library: ModelLibrary,
-    /// Rows by the evening's date (MJD) of their night; those that cannot be judged are in the first.
+    /// Rows by the evening's date (MJD) of their night.
     pub nights: BTreeMap<i64, Vec<usize>>,
     /// Local time less UTC, hours.
     pub utc_offset_h: f64,
@@ -42,43 +45,6 @@ pub struct Caveats {
 }
 
 impl House {
-    pub fn new(
-        setup: Setup,
-        prepared: Prepared,
-        provenance: Provenance,
-        asked: Asked,
-        schedule: Schedule,
-        report: FlagReport,
-        utc_offset_h: Option<f64>,
-    ) -> anyhow::Result<Self> {
-        let library = setup.model_library()?;
-        let longitude_rad = prepared.sky.viewpoint().site().map_or(0.0, |observer| observer.site().longitude_rad);
-        let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
-        for (row, exposure) in schedule.judged() {
-            nights.entry(evening_mjd(exposure.start, longitude_rad)).or_default().push(row);
-        }
-        let invalid = schedule.exposures.iter().enumerate().filter(|(_, row)| row.exposure.is_err());
-        if let Some(mut first) = nights.first_entry() {
-            first.get_mut().extend(invalid.map(|(row, _)| row));
-            first.get_mut().sort_unstable();
-        }
-        // The zone in which the Sun culminates nearest to 12 h.
-        let utc_offset_h = utc_offset_h.unwrap_or_else(|| (longitude_rad.to_degrees() / 15.0).round());
-        let caveats = Caveats { warnings: prepared.warnings.clone(), left_out_count: report.left_out.len() };
-        Ok(Self {
-            setup,
-            prepared,
-            asked,
-            schedule,
-            flags: report.flags,
-            caveats,
-            provenance,
-            library,
-            nights,
-            utc_offset_h,
-        })
-    }
-
     /// The sky that every answer asks.
     pub fn sky(&self) -> &Sky {
         &self.prepared.sky
@@ -121,4 +87,23 @@ pub fn date_of(evening_mjd: i64) -> String {
     let mut text = format_utc(Epoch::from_mjd_utc(evening_mjd as f64), 0);
     text.truncate(10);
     text
+}
+
+/// Rows by their night's evening; those that cannot be judged are in the first.
+pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> {
+    let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+    for (row, exposure) in schedule.judged() {
+        nights.entry(evening_mjd(exposure.start, site.longitude_rad)).or_default().push(row);
+    }
+    let invalid = schedule.exposures.iter().enumerate().filter(|(_, row)| row.exposure.is_err());
+    if let Some(mut first) = nights.first_entry() {
+        first.get_mut().extend(invalid.map(|(row, _)| row));
+        first.get_mut().sort_unstable();
+    }
+    nights
+}
+
+/// The zone in which the Sun culminates nearest to 12 h, hours ahead of UTC.
+pub fn zone_h(site: &Site) -> f64 {
+    (site.longitude_rad.to_degrees() / 15.0).round()
 }

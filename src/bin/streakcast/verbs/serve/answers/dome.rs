@@ -44,11 +44,10 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let name = question.text("model").unwrap_or(DEFAULT_MODEL);
     let known = || house.library.names().collect::<Vec<_>>().join(", ");
     let model = house.library.get(name).ok_or_else(|| Problem::parameter("model", name, &known()))?;
-    let Some(observer) = house.sky().viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
 
     let mid = seconds_after(start, 0.5 * duration_s);
     let sun = house.sky().sun_over_site(mid).map_err(|error| of_sky(&error))?;
-    let earth = Earth::Ellipsoid(observer.site().clone());
+    let earth = Earth::Ellipsoid(house.site.clone());
     let photometry = house.asked.photometry;
     let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)
         .map_err(|error| Problem::new(400, error.to_string()))?

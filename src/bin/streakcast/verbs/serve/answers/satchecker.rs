@@ -83,9 +83,7 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
         (Some(jd), None) => moment(jd)?,
         (None, Some(jd)) => seconds_after(moment(jd)?, -0.5 * duration_s),
         (None, None) => return Err(Problem::missing("start_time_jd", "start_time_jd or mid_obs_time_jd, one of them")),
-        (Some(_), Some(_)) => {
-            return Err(Problem::both("start_time_jd", "mid_obs_time_jd"));
-        }
+        (Some(_), Some(_)) => return Err(Problem::both("start_time_jd", "mid_obs_time_jd")),
     };
     let exposure = Exposure {
         id: "fov".to_owned(),
@@ -138,8 +136,8 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
         value["angle"] = json!(super::horizontal::rounded(angle_rad.to_degrees(), 8));
         value
     };
-    let count: usize = found.iter().map(|pass| thinned(pass).len()).sum();
     let document = if by_satellite {
+        let count: usize = found.iter().map(|pass| thinned(pass).len()).sum();
         let mut satellites: BTreeMap<String, Value> = BTreeMap::new();
         for pass in &found {
             let elements = &sky.elements()[pass.element_index];

@@ -35,10 +35,15 @@ const askExposure = line("/api/v1/exposure", answered, (error, asked) => {
   // What was said of another start holds for this one no longer.
   if (asked.place === state.place) nothing("unknown", "no answer");
 });
-const askDome = line("/api/v1/dome", ({ document }) => showDome(document), (error) => {
+const askDome = line("/api/v1/dome", ({ document }, asked) => {
+  if (asked.place === state.place) showDome(document);
+}, (error, asked) => {
   failed(error, "dome");
-  showDome(null);
+  if (asked.place === state.place) showDome(null);
 });
+
+/** Which exposure a question is about is ours to know, and not sent. */
+const ofThis = (said) => Object.defineProperty(said, "place", { value: state.place });
 
 function failed(error, what) {
   if (error instanceof Locked) {
@@ -102,6 +107,7 @@ function describe() {
   const count = (verdict) => rows.filter((row) => row.flag.verdict === verdict).length;
   $("night-counts").textContent = ["clear", "streaked", "avoid", "invalid"].map((verdict) => [count(verdict), verdict]).filter(([number]) => number).map((one) => one.join(" ")).join(" · ");
   $("limit").value = state.limit ?? night.limit_mag ?? 14;
+  tellLimit();
   $("model").replaceChildren(...night.models.map((name) => new Option(name, name, false, name === (state.model ?? "starlink-v1.5"))));
   $("height").value = state.height ?? 550;
   $("sigma").checked = state.sigma === "1";
@@ -141,6 +147,7 @@ function choose(place, isRestored = false) {
   if (row.start == null) {
     nothing("invalid", row.flag.reasons.join("; "));
     showDome(null);
+    for (const what of ["exposure", "dome"]) problem(what, null);
     nightChart.draw(place, null, limit());
     link.write(state);
     return;
@@ -169,7 +176,7 @@ function opening() {
 function request() {
   const row = rows[state.place];
   if (row?.start == null) return;
-  const said = {
+  askExposure(ofThis({
     start_utc: opening(),
     duration_s: state.duration,
     ra_deg: row.ra_deg,
@@ -179,17 +186,14 @@ function request() {
     limit_mag: state.limit,
     samples: SAMPLES,
     around_s: strip.span(),
-  };
-  // Which exposure it is about is ours to know, and not sent.
-  Object.defineProperty(said, "place", { value: state.place });
-  askExposure(said);
+  }));
   nightChart.draw(state.place, row.start + state.shift * 1e3, limit());
   link.write(state);
 }
 
 function requestDome() {
   if (rows[state.place]?.start == null) return;
-  askDome({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
+  askDome(ofThis({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model }));
 }
 
 function answered({ document: said, ms }, asked) {
@@ -294,7 +298,6 @@ function drawAll() {
   drawAnswer();
 }
 
-$("limit-out").textContent = "";
 $("limit").addEventListener("input", (event) => {
   state.limit = Number(event.target.value);
   tellLimit();
@@ -357,16 +360,16 @@ $("csv").addEventListener("click", async () => {
 $("unlock").addEventListener("submit", (event) => {
   event.preventDefault();
   unlock($("token").value.trim());
-  load(state.night).then(tellLimit);
+  load(state.night);
 });
 window.addEventListener("hashchange", () => {
   for (const name of Object.keys(state)) delete state[name];
   Object.assign(state, { shift: 0, ...link.read() });
   showLight();
-  load(state.night).then(tellLimit);
+  load(state.night);
 });
 new ResizeObserver(() => requestAnimationFrame(drawAll)).observe(document.body);
 
 showLight();
 crossings.heads($("columns"));
-load(state.night).then(tellLimit);
+load(state.night);
