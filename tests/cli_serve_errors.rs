@@ -152,6 +152,8 @@ fn nothing_in_a_body_is_taken_for_a_request() {
         // The body that is read is one answer's, and JSON to its end.
         is_last_problem(&server.raw(&request(method, lines, hidden)), status, "");
     }
+    // A body that is none brings no second answer.
+    is_last_problem(&server.raw(&request("POST", "Transfer-Encoding: chunked\r\n", "ZZ\r\nabc")), 405, "");
     // Who is still sending hears the answer all the same.
     let large = "a".repeat(8 << 20);
     is_last_problem(&server.raw(&request("POST", &format!("Content-Length: {}\r\n", large.len()), &large)), 405, "");
