@@ -3,6 +3,7 @@
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
 use std::process::{Child, ChildStdout, Command, Stdio};
+use std::sync::{Arc, Mutex, PoisonError, Weak};
 use std::time::Duration;
 
 use serde_json::Value;
@@ -10,6 +11,10 @@ use serde_json::Value;
 /// Any answer that is not a stall.
 const PROMPT: Duration = Duration::from_secs(120);
 
+/// Sky, site and field of the servers of most tests.
+pub const SHARED: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--fov", "3.5deg", "--quiet"];
+/// Schedule and policy.
+pub const RULES: &[&str] = &["--schedule", "examples/night.csv", "--limit-mag", "7"];
 pub struct Server {
     pub child: Child,
     pub port: u16,
@@ -116,6 +121,21 @@ impl Drop for Server {
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
+}
+
+pub fn serve(more: &[&str]) -> Server {
+    Server::start(&[SHARED, RULES, &["--telescope", "rubin"], more].concat())
+}
+
+/// One server for all tests that only ask and run at the same time; it goes with the last that holds it.
+pub fn shared() -> Arc<Server> {
+    static SERVER: Mutex<Weak<Server>> = Mutex::new(Weak::new());
+    let mut known = SERVER.lock().unwrap_or_else(PoisonError::into_inner);
+    known.upgrade().unwrap_or_else(|| {
+        let server = Arc::new(serve(&["--rate", "100000"]));
+        *known = Arc::downgrade(&server);
+        server
+    })
 }
 
 /// Head and body of one response.

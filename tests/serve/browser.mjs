@@ -275,6 +275,47 @@ try {
     for (const one of [page, again, broken]) await one.close();
   });
 
+  await step("nothing of an exposure stays beside one that is refused", async () => {
+    const page = await open();
+    const known = faults.length;
+    const asked = /\/api\/v1\/(exposure|dome)/;
+    await page.route(asked, (route) => route.fulfill({ status: 400, contentType: "application/problem+json", body: '{"detail":"nobody has a place"}' }));
+    await page.click("#after");
+    await settled(page);
+    assert.equal(await page.textContent("#problem"), "nobody has a place");
+    const refused = await seen(page);
+    assert.equal(refused.text, "unknown: no answer");
+    assert.deepEqual([refused.norads, refused.start, refused.next], [[], undefined, undefined]);
+    assert.deepEqual([await page.textContent("#dome-words"), await page.textContent("#crossings")], ["", "Nothing is known of this exposure."]);
+    assert.ok((await page.isHidden("#go")) && (await page.evaluate(() => document.activeElement.id)) === "after");
+    await page.unroute(asked);
+    // The browser tells of every 400; nothing else went wrong.
+    assert.ok(faults.splice(known).every((fault) => fault.includes("400")));
+    await page.click("#before");
+    await settled(page);
+    assert.ok(await page.isHidden("#problem"));
+    await agrees(page);
+    await page.close();
+  });
+
+  await step("what only the sky's answer warns of stands under it, once", async () => {
+    const page = await open();
+    const before = await page.textContent("#dome-words");
+    assert.ok(!before.includes("Warning"), before);
+    await page.route(/\/api\/v1\/dome/, async (route) => {
+      const response = await route.fetch();
+      const json = await response.json();
+      json.warnings = [...json.warnings.map((text) => text.replace("4408", "4407")), "3 of 4408 satellites left out"];
+      await route.fulfill({ response, json });
+    });
+    await page.click("#after");
+    await settled(page);
+    const words = await page.textContent("#dome-words");
+    assert.equal(words.split("Warning: ").length, 2, words);
+    assert.ok(words.endsWith(" Warning: 3 of 4408 satellites left out."), words);
+    await page.close();
+  });
+
   for (const [width, height] of [[1280, 900], [390, 844]]) {
     for (const light of ["dark", "red"]) {
       await step(`${width} px, ${light}: drawn, and no wider than the screen`, async () => {

@@ -15,7 +15,7 @@ use super::routes::{self, Route};
 use super::token::Token;
 
 /// Longest path with its query, bytes.
-const LONGEST_TARGET: usize = 2000;
+pub const LONGEST_TARGET: usize = 2000;
 
 /// Names under which a loopback address is asked for; anything else is another site's name that was pointed here.
 const LOOPBACK_NAMES: [&str; 3] = ["localhost", "127.0.0.1", "[::1]"];
@@ -98,7 +98,8 @@ fn names_loopback(headers: &HeaderMap) -> bool {
     LOOPBACK_NAMES.iter().any(|known| name.eq_ignore_ascii_case(known))
 }
 
-fn has_body(headers: &HeaderMap) -> bool {
+/// Whether something follows the head.
+pub fn has_body(headers: &HeaderMap) -> bool {
     let length = headers.get(CONTENT_LENGTH).is_some_and(|length| length != "0");
     length || headers.contains_key(TRANSFER_ENCODING)
 }

@@ -3,74 +3,61 @@
 use std::collections::BTreeMap;
 
 use hifitime::Epoch;
+use streakcast::geometry::Site;
+use streakcast::orbit::LeftOut;
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::{ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, evening_mjd};
+use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
 use streakcast::setup::{Prepared, Setup};
 use streakcast::table::{Provenance, format_utc};
 
 use super::super::judged::Asked;
+use super::reply::Problem;
 
 /// The schedule, its verdicts, and the sky they were made under.
 pub struct House {
     pub setup: Setup,
-    /// The sky of all answers; its warnings are those of the whole schedule.
+    /// The sky of all answers.
     pub prepared: Prepared,
+    /// Where it is seen from, unless a question says another place.
+    pub site: Site,
     pub asked: Asked,
     pub schedule: Schedule,
     /// One for each row.
     pub flags: Vec<ExposureFlag>,
-    /// Satellites left out of some exposure of the schedule.
-    pub left_out_count: usize,
+    /// Those of the whole schedule.
+    pub caveats: Caveats,
     /// Without lists of rejected records, which may be long.
     pub provenance: Provenance,
     pub library: ModelLibrary,
-    /// Rows by the evening's date (MJD) of their night; those that cannot be judged are in the first.
+    /// Rows by the evening's date (MJD) of their night.
     pub nights: BTreeMap<i64, Vec<usize>>,
     /// Local time less UTC, hours.
     pub utc_offset_h: f64,
 }
 
-impl House {
-    pub fn new(
-        setup: Setup,
-        prepared: Prepared,
-        provenance: Provenance,
-        asked: Asked,
-        schedule: Schedule,
-        report: FlagReport,
-        utc_offset_h: Option<f64>,
-    ) -> anyhow::Result<Self> {
-        let library = setup.model_library()?;
-        let longitude_rad = prepared.sky.viewpoint().site().map_or(0.0, |observer| observer.site().longitude_rad);
-        let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
-        for (row, exposure) in schedule.judged() {
-            nights.entry(evening_mjd(exposure.start, longitude_rad)).or_default().push(row);
-        }
-        let invalid = schedule.exposures.iter().enumerate().filter(|(_, row)| row.exposure.is_err());
-        if let Some(mut first) = nights.first_entry() {
-            first.get_mut().extend(invalid.map(|(row, _)| row));
-            first.get_mut().sort_unstable();
-        }
-        // The zone in which the Sun culminates nearest to 12 h.
-        let utc_offset_h = utc_offset_h.unwrap_or_else(|| (longitude_rad.to_degrees() / 15.0).round());
-        Ok(Self {
-            setup,
-            prepared,
-            asked,
-            schedule,
-            flags: report.flags,
-            left_out_count: report.left_out.len(),
-            provenance,
-            library,
-            nights,
-            utc_offset_h,
-        })
-    }
+/// What to know of an answer.
+pub struct Caveats {
+    /// In the words of the command line.
+    pub warnings: Vec<String>,
+    /// How many satellites the answer does without.
+    pub left_out_count: usize,
+}
 
+impl House {
     /// The sky that every answer asks.
     pub fn sky(&self) -> &Sky {
         &self.prepared.sky
+    }
+
+    /// Those of an answer from `first` to `last` that does without these satellites.
+    ///
+    /// Where all are left out there is no answer: a sky that nobody can tell of is not empty.
+    pub fn caveats_at(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
+        let of_left_out = self.prepared.left_out_warning(left_out, first);
+        let mut warnings = self.prepared.warnings_at(first, last);
+        warnings.extend(of_left_out.map_err(|error| Problem::new(400, error.to_string()))?);
+        Ok(Caveats { warnings, left_out_count: left_out.len() })
     }
 
     /// What exposures are judged against, with another policy than the server's own or with that.
@@ -100,4 +87,23 @@ pub fn date_of(evening_mjd: i64) -> String {
     let mut text = format_utc(Epoch::from_mjd_utc(evening_mjd as f64), 0);
     text.truncate(10);
     text
+}
+
+/// Rows by their night's evening; those that cannot be judged are in the first.
+pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> {
+    let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
+    for (row, exposure) in schedule.judged() {
+        nights.entry(evening_mjd(exposure.start, site.longitude_rad)).or_default().push(row);
+    }
+    let invalid = schedule.exposures.iter().enumerate().filter(|(_, row)| row.exposure.is_err());
+    if let Some(mut first) = nights.first_entry() {
+        first.get_mut().extend(invalid.map(|(row, _)| row));
+        first.get_mut().sort_unstable();
+    }
+    nights
+}
+
+/// The zone in which the Sun culminates nearest to 12 h, hours ahead of UTC.
+pub fn zone_h(site: &Site) -> f64 {
+    (site.longitude_rad.to_degrees() / 15.0).round()
 }

@@ -85,10 +85,10 @@ fn problem_schema() -> Value {
             "title": {"type": "string"},
             "status": {"type": "integer"},
             "detail": {"type": "string", "description": "What was given, and what is allowed."},
-            "instance": {"type": "string"},
+            "instance": {"type": "string", "description": "The path; not where the request could not be read."},
             "parameter": {"type": "string", "description": "The parameter that is wrong."},
         },
-        "required": ["type", "title", "status", "detail", "instance"],
+        "required": ["type", "title", "status", "detail"],
         "additionalProperties": false,
     })
 }

@@ -1,12 +1,34 @@
 //! What goes back: a status, a body, and for errors a problem document (RFC 9457).
 
+use std::time::Instant;
+
+use hifitime::Epoch;
+use hifitime::efmt::Formatter;
+use hifitime::efmt::consts::RFC2822;
+use http_body_util::Full;
 use hyper::body::Bytes;
-use serde_json::{Value, json};
+use hyper::header::{CONTENT_LENGTH, CONTENT_TYPE, HeaderMap, HeaderName, HeaderValue};
+use hyper::{Response, StatusCode};
+use serde_json::json;
 
 /// JSON answers.
 pub const JSON: &str = "application/json";
 /// Errors.
 pub const PROBLEM_JSON: &str = "application/problem+json";
+
+/// Nothing but what this server itself gives may run, load or be asked by the page; and nobody may frame it.
+const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
+     connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
+
+/// Sent with everything.
+const HEADERS: [(&str, &str); 6] = [
+    ("content-security-policy", CONTENT_SECURITY_POLICY),
+    ("x-content-type-options", "nosniff"),
+    ("referrer-policy", "no-referrer"),
+    ("cross-origin-resource-policy", "same-origin"),
+    ("cross-origin-opener-policy", "same-origin"),
+    ("cache-control", "no-store"),
+];
 
 /// One answer, cheap to clone.
 #[derive(Clone, Debug)]
@@ -22,6 +44,51 @@ impl Reply {
     /// A JSON document.
     pub fn json(text: String) -> Self {
         Self { status: 200, content_type: JSON, body: text.into_bytes().into(), header: None }
+    }
+
+    /// As hyper sends it.
+    pub fn response(self, is_head: bool, began: Instant) -> Response<Full<Bytes>> {
+        let mut headers = self.headers();
+        let took_ms = began.elapsed().as_secs_f64() * 1e3;
+        if let Ok(timing) = HeaderValue::from_str(&format!("answer;dur={took_ms:.2}")) {
+            headers.insert("server-timing", timing);
+        }
+        let status = StatusCode::from_u16(self.status).unwrap_or_default();
+        let mut response = Response::new(Full::new(if is_head { Bytes::new() } else { self.body }));
+        *response.status_mut() = status;
+        *response.headers_mut() = headers;
+        response
+    }
+
+    /// Head and body as they go over the wire where hyper has no request to answer: the connection's last.
+    pub fn last_answer(&self) -> Vec<u8> {
+        let mut answer = format!("HTTP/1.1 {} {}\r\n", self.status, title(self.status)).into_bytes();
+        let mut line = |name: &str, value: &[u8]| {
+            answer.extend([name.as_bytes(), b": ", value, b"\r\n"].concat());
+        };
+        for (name, value) in &self.headers() {
+            line(name.as_str(), value.as_bytes());
+        }
+        line("connection", b"close");
+        if let Ok(now) = Epoch::now() {
+            line("date", format!("{} GMT", Formatter::new(now, RFC2822)).as_bytes());
+        }
+        answer.extend(b"\r\n");
+        answer.extend(&self.body);
+        answer
+    }
+
+    fn headers(&self) -> HeaderMap {
+        let fixed = |(name, value)| (HeaderName::from_static(name), HeaderValue::from_static(value));
+        let mut headers: HeaderMap = HEADERS.into_iter().map(fixed).collect();
+        headers.insert(CONTENT_TYPE, HeaderValue::from_static(self.content_type));
+        headers.insert(CONTENT_LENGTH, HeaderValue::from(self.body.len()));
+        if let Some((name, value)) = &self.header
+            && let (Ok(name), Ok(value)) = (name.parse::<HeaderName>(), HeaderValue::from_str(value))
+        {
+            headers.insert(name, value);
+        }
+        headers
     }
 }
 
@@ -74,16 +141,19 @@ impl Problem {
         Self { header: Some((name, value.into())), ..self }
     }
 
-    pub fn reply(&self, path: &str) -> Reply {
+    /// The document, with the path that was asked for where it is known.
+    pub fn reply<'a>(&self, path: impl Into<Option<&'a str>>) -> Reply {
         let mut document = json!({
             "type": "about:blank",
             "title": title(self.status),
             "status": self.status,
             "detail": self.detail,
-            "instance": path,
         });
-        if let (Some(parameter), Value::Object(members)) = (&self.parameter, &mut document) {
-            members.insert("parameter".to_owned(), json!(parameter));
+        if let Some(path) = path.into() {
+            document["instance"] = json!(path);
+        }
+        if let Some(parameter) = &self.parameter {
+            document["parameter"] = json!(parameter);
         }
         let body = document.to_string().into_bytes().into();
         Reply { status: self.status, content_type: PROBLEM_JSON, body, header: self.header.clone() }
@@ -92,14 +162,20 @@ impl Problem {
 
 /// The statuses that can come, with what they mean here.
 pub const STATUSES: &[(u16, &str, &str)] = &[
-    (400, "Bad Request", "A parameter is missing, unknown, said twice, of the wrong form or out of range."),
+    (
+        400,
+        "Bad Request",
+        "A parameter is missing, unknown, said twice, of the wrong form or out of range; or what came is no request.",
+    ),
     (401, "Unauthorized", "The server has a token, and the request does not carry it."),
     (403, "Forbidden", "The Host header names no loopback address, or the request comes from another site's page."),
     (404, "Not Found", "There is nothing at this path."),
     (405, "Method Not Allowed", "Something else than GET or HEAD: nothing here can be changed."),
+    (408, "Request Timeout", "The head of the request did not come within 10 s."),
     (413, "Content Too Large", "The request has a body: none is taken."),
     (414, "URI Too Long", "Path and query are longer than 2000 bytes."),
     (429, "Too Many Requests", "The address asks more often than it may; Retry-After tells when to come again."),
+    (431, "Request Header Fields Too Large", "The head of the request is above 16 kB or 64 lines."),
     (500, "Internal Server Error", "A fault of the program; the server goes on."),
     (503, "Service Unavailable", "Too much work waits, or this took too long; Retry-After tells when to come again."),
 ];
@@ -110,6 +186,8 @@ fn title(status: u16) -> &'static str {
 
 #[cfg(test)]
 mod tests {
+    use serde_json::Value;
+
     use super::*;
 
     #[test]

@@ -9,7 +9,7 @@ use streakcast::schedule::Schedule;
 use streakcast::table::{Provenance, format_utc};
 
 use super::super::judged::{self, Asked};
-use super::house::House;
+use super::house::{Caveats, House, nights_of, zone_h};
 use super::server::{self, Settings};
 use super::token::Token;
 use crate::failure::Outcome;
@@ -35,19 +35,22 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     }
     let (first, last) =
         judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &typed.schedule)))?;
-    let mut prepared = setup.prepare(first, last)?;
-    if let Viewpoint::Orbit(observer) = prepared.sky.viewpoint() {
-        let name = observer.name();
-        return Err(anyhow!(
-            "the observer {name} is in orbit: the page draws the sky of a site (--site, --mpc or --lat, --lon, --height)"
-        ));
-    }
+    let prepared = setup.prepare(first, last)?;
+    let site = match prepared.sky.viewpoint() {
+        Viewpoint::Site(observer) => observer.site().clone(),
+        Viewpoint::Orbit(observer) => {
+            let name = observer.name();
+            return Err(anyhow!(
+                "the observer {name} is in orbit: the page draws the sky of a site (--site, --mpc or --lat, --lon, --height)"
+            ));
+        }
+    };
     notices.warn(&prepared.warnings);
     let report = judged::flag_rows(&prepared, &schedule, first, &asked, &notices)?;
     let of_schedule = judged::schedule_warnings(&schedule, &asked.policy, asked.telescope.as_ref());
     notices.warn(&of_schedule);
     let left_out = prepared.left_out_warning(&report.left_out, first)?;
-    prepared.warnings.extend(left_out.into_iter().chain(of_schedule));
+    let warnings = prepared.warnings.iter().cloned().chain(left_out).chain(of_schedule).collect();
     judged::summary(&notices, &report);
 
     let mut provenance = without_lists(&prepared.provenance);
@@ -65,7 +68,19 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     );
     let telescope = asked.telescope.as_ref().map(|telescope| telescope.name.clone());
     provenance.state("options", judged::options_json(&setup, &asked.policy, telescope.as_deref()));
-    let house = House::new(setup, prepared, provenance, asked, schedule, report, typed.utc_offset)?;
+    let house = House {
+        library: setup.model_library()?,
+        caveats: Caveats { warnings, left_out_count: report.left_out.len() },
+        nights: nights_of(&schedule, &site),
+        utc_offset_h: typed.utc_offset.unwrap_or_else(|| zone_h(&site)),
+        flags: report.flags,
+        setup,
+        prepared,
+        site,
+        asked,
+        schedule,
+        provenance,
+    };
 
     let settings = Settings {
         rate: typed.rate,

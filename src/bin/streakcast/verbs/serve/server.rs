@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 use http_body_util::Full;
 use hyper::body::{Bytes, Incoming};
-use hyper::header::{HeaderName, HeaderValue};
+use hyper::header::{CONNECTION, HeaderValue};
 use hyper::server::conn::http1;
 use hyper::service::service_fn;
 use hyper::{Method, Request, Response};
@@ -20,38 +20,25 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
 use tokio::time::{sleep, timeout};
 
 use super::desk::Desk;
-use super::door::{Door, Wanted};
+use super::door::{Door, Wanted, has_body};
+use super::farewell::{self, Wire};
 use super::house::House;
-use super::reply::{Problem, Reply};
+use super::reply::Problem;
 use super::token::Token;
 
 /// Connections that are open at once; the next ones wait to be taken.
 const MOST_CONNECTIONS: usize = 512;
 /// A head must come within this, and so must the next request on an open connection.
-const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
+pub const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
 /// Bytes of a head, and its lines.
-const LONGEST_HEAD: usize = 16 << 10;
-const MOST_HEADERS: usize = 64;
+pub const LONGEST_HEAD: usize = 16 << 10;
+pub const MOST_HEADERS: usize = 64;
 /// A connection that is older closes after the answer that is under way, and is cut some time later.
 const OLDEST: Duration = Duration::from_secs(600);
 /// What is open at a stop may take this long to finish.
 const FINISH: Duration = Duration::from_secs(10);
 /// After a fault of accepting (no more file descriptors), seconds.
 const TRY_AGAIN: Duration = Duration::from_millis(100);
-
-/// Nothing but what this server itself gives may run, load or be asked by the page; and nobody may frame it.
-const CONTENT_SECURITY_POLICY: &str = "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self'; \
-     connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-
-/// Sent with everything.
-const HEADERS: [(&str, &str); 6] = [
-    ("content-security-policy", CONTENT_SECURITY_POLICY),
-    ("x-content-type-options", "nosniff"),
-    ("referrer-policy", "no-referrer"),
-    ("cross-origin-resource-policy", "same-origin"),
-    ("cross-origin-opener-policy", "same-origin"),
-    ("cache-control", "no-store"),
-];
 
 pub struct Settings {
     /// Requests a second and address.
@@ -113,7 +100,7 @@ async fn connection(
     stream: TcpStream,
     from: IpAddr,
     service: Arc<Service>,
-    mut stopped: watch::Receiver<bool>,
+    stopped: watch::Receiver<bool>,
     _place: OwnedSemaphorePermit,
 ) {
     let _ = stream.set_nodelay(true);
@@ -121,20 +108,34 @@ async fn connection(
         let service = Arc::clone(&service);
         async move { Ok::<_, Infallible>(service.answer(request, from).await) }
     });
-    let connection = http1::Builder::new()
+    let mut connection = http1::Builder::new()
         .timer(TokioTimer::new())
         .header_read_timeout(HEAD_TIMEOUT)
         .max_buf_size(LONGEST_HEAD)
         .max_headers(MOST_HEADERS)
-        .serve_connection(TokioIo::new(stream), answer);
-    let mut connection = pin!(connection);
-    let mut end = pin!(async {
-        let _ = timeout(OLDEST, stopped.wait_for(|stopped| *stopped)).await;
-    });
-    if let First::Right(()) = first(connection.as_mut(), end.as_mut()).await {
-        connection.as_mut().graceful_shutdown();
-        let _ = timeout(FINISH, connection).await;
+        .serve_connection(TokioIo::new(Wire(stream)), answer);
+    let old = timeout(OLDEST, told_to_stop(stopped.clone()));
+    let ended = match first(Pin::new(&mut connection), pin!(old)).await {
+        First::Left(ended) => ended,
+        First::Right(_) => {
+            Pin::new(&mut connection).graceful_shutdown();
+            match timeout(FINISH, &mut connection).await {
+                Ok(ended) => ended,
+                Err(_) => return,
+            }
+        }
+    };
+    let left = connection.into_parts();
+    let word = ended.err().and_then(|error| farewell::last_word(&error, &left.read_buf));
+    let Wire(mut stream) = left.io.into_inner();
+    if farewell::say(&mut stream, word).await.is_ok() {
+        // A stop waits for nobody who has been told all.
+        first(pin!(farewell::hear_out(stream)), pin!(told_to_stop(stopped))).await;
     }
+}
+
+async fn told_to_stop(mut stopped: watch::Receiver<bool>) {
+    let _ = stopped.wait_for(|stopped| *stopped).await;
 }
 
 impl Service {
@@ -150,29 +151,13 @@ impl Service {
             Err(problem) => Err(problem),
         };
         let reply = answer.unwrap_or_else(|problem: Problem| problem.reply(uri.path()));
-        respond(reply, request.method() == Method::HEAD, began)
-    }
-}
-
-fn respond(reply: Reply, is_head: bool, began: Instant) -> Response<Full<Bytes>> {
-    let length = reply.body.len();
-    let body = if is_head { Bytes::new() } else { reply.body };
-    let mut response = Response::new(Full::new(body));
-    *response.status_mut() = hyper::StatusCode::from_u16(reply.status).unwrap_or_default();
-    let headers = response.headers_mut();
-    for (name, value) in HEADERS {
-        headers.insert(HeaderName::from_static(name), HeaderValue::from_static(value));
-    }
-    headers.insert(hyper::header::CONTENT_TYPE, HeaderValue::from_static(reply.content_type));
-    headers.insert(hyper::header::CONTENT_LENGTH, HeaderValue::from(length));
-    let took_ms = began.elapsed().as_secs_f64() * 1e3;
-    let own = reply.header.into_iter().chain([("Server-Timing", format!("answer;dur={took_ms:.2}"))]);
-    for (name, value) in own {
-        if let (Ok(name), Ok(value)) = (name.parse::<HeaderName>(), HeaderValue::from_str(&value)) {
-            headers.insert(name, value);
+        let mut response = reply.response(request.method() == Method::HEAD, began);
+        if has_body(request.headers()) {
+            // It is not read, and nothing that stands in it may be taken for a request.
+            response.headers_mut().insert(CONNECTION, HeaderValue::from_static("close"));
         }
+        response
     }
-    response
 }
 
 /// Which of two came first.

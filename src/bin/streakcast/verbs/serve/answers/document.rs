@@ -3,6 +3,7 @@
 use serde_json::{Value, json};
 use streakcast::table::{Column, Kind, Provenance, Table, json_members, json_rows};
 
+use super::super::house::Caveats;
 use super::super::reply::Reply;
 
 /// An object that grows member by member.
@@ -28,10 +29,9 @@ impl Document {
         self.raw(name, &value.into().to_string());
     }
 
-    /// What the user should know, and how many satellites the answer does without.
-    pub fn caveats(&mut self, warnings: &[String], left_out_count: usize) {
-        self.value("warnings", warnings);
-        self.value("left_out_count", left_out_count);
+    pub fn caveats(&mut self, caveats: &Caveats) {
+        self.value("warnings", caveats.warnings.as_slice());
+        self.value("left_out_count", caveats.left_out_count);
     }
 
     /// An array of objects.

@@ -8,7 +8,7 @@ use streakcast::passes::Overhead;
 use super::super::house::House;
 use super::super::question::{Kind, Parameter, Question, needed, number, optional};
 use super::super::reply::{Problem, Reply};
-use super::document::{Document, object_schema, provenance_schema};
+use super::document::{Document, left_out_count_schema, object_schema, provenance_schema, warnings_schema};
 use super::exposure::of_sky;
 use super::horizontal::{degrees, rounded};
 
@@ -44,11 +44,10 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let name = question.text("model").unwrap_or(DEFAULT_MODEL);
     let known = || house.library.names().collect::<Vec<_>>().join(", ");
     let model = house.library.get(name).ok_or_else(|| Problem::parameter("model", name, &known()))?;
-    let Some(observer) = house.sky().viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
 
     let mid = seconds_after(start, 0.5 * duration_s);
     let sun = house.sky().sun_over_site(mid).map_err(|error| of_sky(&error))?;
-    let earth = Earth::Ellipsoid(observer.site().clone());
+    let earth = Earth::Ellipsoid(house.site.clone());
     let photometry = house.asked.photometry;
     let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)
         .map_err(|error| Problem::new(400, error.to_string()))?
@@ -69,12 +68,14 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let min_altitude_rad = question.number("min_altitude_deg").unwrap_or_default().to_radians();
     let moments = if duration_s > 0.0 { TRACK_POINTS } else { 1 };
     let options = house.pass_options(0);
-    let (overhead, _) =
+    let (overhead, left_out) =
         house.sky().overhead(start, duration_s, moments, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
+    let caveats = house.caveats_at(start, seconds_after(start, duration_s), &left_out)?;
     let satellites: Vec<Value> = overhead.iter().map(|one| satellite(house, one)).collect();
 
     let (sun_altitude_deg, sun_azimuth_deg) = degrees(&sun);
     let mut document = Document::resting_on(&house.provenance);
+    document.caveats(&caveats);
     document.value(
         "sun",
         json!({"altitude_deg": rounded(sun_altitude_deg, 4), "azimuth_deg": rounded(sun_azimuth_deg, 4)}),
@@ -130,6 +131,8 @@ pub fn schema() -> Value {
     ]);
     object_schema(&[
         ("provenance", provenance_schema()),
+        ("warnings", warnings_schema()),
+        ("left_out_count", left_out_count_schema()),
         ("sun", sun),
         ("map", map),
         ("shadow_edge_deg", places),

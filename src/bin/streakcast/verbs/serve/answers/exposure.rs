@@ -63,10 +63,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         exposure: Ok(exposure.clone()),
     };
     let report = flag_exposures(&[&row], &house.request(&policy)).map_err(|error| of_sky(&error))?;
-    let mut warnings = house.prepared.warnings_at(start, seconds_after(start, exposure.duration_s));
-    // Where all are left out there is no answer: a sky that nobody can tell of is not clear.
-    let left_out = house.prepared.left_out_warning(&report.left_out, start);
-    warnings.extend(left_out.map_err(|error| Problem::new(400, error.to_string()))?);
+    let caveats = house.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
     // What is below the horizon is crossed by nobody that can be seen.
     let is_up = report.flags.iter().all(|flag| flag.verdict != Verdict::Invalid);
     let samples = question.count("samples").unwrap_or_default();
@@ -101,7 +98,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         around.rows = found.by_exposure.iter().flatten().map(|pass| around_row(house, pass, &exposure)).collect();
     }
     let mut document = Document::resting_on(&house.provenance);
-    document.caveats(&warnings, report.left_out.len());
+    document.caveats(&caveats);
     document.table("exposures", &exposure_table([&exposure]));
     document.table("flags", &flag_table(&report.flags));
     document.table("passes", &streaks);

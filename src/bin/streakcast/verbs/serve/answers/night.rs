@@ -33,8 +33,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         }
     };
     let rows = house.nights.get(&night).ok_or_else(|| Problem::parameter("night", &date_of(night), &known()))?;
-    let Some(observer) = house.sky().viewpoint().site() else { return Err(Problem::new(404, "a sky of a site")) };
-    let site = observer.site();
+    let site = &house.site;
 
     let (from, to) = night_of(
         streakcast::frames::epoch_from_mjd(night as f64, hifitime::TimeScale::UTC)
@@ -72,7 +71,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let policy = &house.asked.policy;
     let photometry = &house.asked.photometry;
     let mut document = Document::resting_on(&house.provenance);
-    document.caveats(&house.prepared.warnings, house.left_out_count);
+    document.caveats(&house.caveats);
     document.value("night", date_of(night));
     document.table("nights", &nights);
     document.value("from_utc", format_utc(from, 0));

@@ -7,12 +7,13 @@ use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
 use streakcast::frames::{Direction, epoch_from_jd, seconds_after};
 use streakcast::geometry::{Observer, Site};
+use streakcast::orbit::LeftOut;
 use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, Sky};
 
-use super::super::house::House;
+use super::super::house::{Caveats, House};
 use super::super::question::{Kind, Parameter, Question, TRUTH, needed, number, optional};
 use super::super::reply::{Problem, Reply};
-use super::document::object_schema;
+use super::document::{left_out_count_schema, object_schema, warnings_schema};
 use super::exposure::of_sky;
 use super::satchecker_positions::{position, position_schema};
 
@@ -82,9 +83,7 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
         (Some(jd), None) => moment(jd)?,
         (None, Some(jd)) => seconds_after(moment(jd)?, -0.5 * duration_s),
         (None, None) => return Err(Problem::missing("start_time_jd", "start_time_jd or mid_obs_time_jd, one of them")),
-        (Some(_), Some(_)) => {
-            return Err(Problem::both("start_time_jd", "mid_obs_time_jd"));
-        }
+        (Some(_), Some(_)) => return Err(Problem::both("start_time_jd", "mid_obs_time_jd")),
     };
     let exposure = Exposure {
         id: "fov".to_owned(),
@@ -103,13 +102,16 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
             photometry: house.asked.photometry,
         };
         let answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
-        let found = answer.map_err(|error| of_sky(&error))?.by_exposure.into_iter().next().unwrap_or_default();
-        let wanted = found.into_iter().filter(|pass| is_of_constellation(&sky, pass.element_index, question));
-        Ok::<Vec<FieldPass>, Problem>(wanted.collect())
+        let answer = answer.map_err(|error| of_sky(&error))?;
+        let found = answer.by_exposure.into_iter().flatten();
+        let wanted = found.filter(|pass| is_of_constellation(&sky, pass.element_index, question));
+        Ok::<(Vec<FieldPass>, Vec<LeftOut>), Problem>((wanted.collect(), answer.left_out))
     };
     // Looked at once without points, to see how many there will be.
     let length_s = |pass: &FieldPass| streakcast::frames::seconds_between(pass.enter.epoch, pass.exit.epoch);
-    let lengths_s: Vec<f64> = ask(0)?.iter().map(length_s).collect();
+    let (found, left_out) = ask(0)?;
+    let caveats = house.caveats_at(start, seconds_after(start, duration_s), &left_out)?;
+    let lengths_s: Vec<f64> = found.iter().map(length_s).collect();
     let expected: f64 = lengths_s.iter().map(|length_s| length_s.ceil().min(MOST_SAMPLES as f64) + 1.0).sum();
     if expected > MOST_POSITIONS {
         let detail =
@@ -118,7 +120,7 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
     }
     let longest_s = lengths_s.iter().copied().fold(0.0, f64::max);
     let samples = (longest_s.ceil() as usize + 1).clamp(2, MOST_SAMPLES);
-    let found = ask(samples)?;
+    let (found, _) = ask(samples)?;
     let with_elements = question.truth("include_orbital_data").unwrap_or(false);
     let by_satellite = question.text("group_by") == Some("satellite");
     let thinned = |pass: &FieldPass| -> Vec<usize> {
@@ -134,8 +136,8 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
         value["angle"] = json!(super::horizontal::rounded(angle_rad.to_degrees(), 8));
         value
     };
-    let count: usize = found.iter().map(|pass| thinned(pass).len()).sum();
     let document = if by_satellite {
+        let count: usize = found.iter().map(|pass| thinned(pass).len()).sum();
         let mut satellites: BTreeMap<String, Value> = BTreeMap::new();
         for pass in &found {
             let elements = &sky.elements()[pass.element_index];
@@ -159,7 +161,7 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
         }
         let total = satellites.len();
         let data = json!({"satellites": satellites, "total_satellites": total, "total_position_results": count});
-        json!({"data": data, "source": SOURCE, "version": env!("CARGO_PKG_VERSION")})
+        json!({"data": data})
     } else {
         let mut positions: Vec<(Epoch, Value)> = found
             .iter()
@@ -177,9 +179,9 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
             .collect();
         positions.sort_by_key(|(epoch, _)| *epoch);
         let data: Vec<Value> = positions.into_iter().map(|(_, value)| value).collect();
-        json!({"data": data, "count": count, "total_position_results": count, "source": SOURCE, "version": env!("CARGO_PKG_VERSION")})
+        listed(data)
     };
-    Ok(Reply::json(document.to_string()))
+    Ok(signed(document, &caveats))
 }
 
 pub fn above(house: &House, question: &Question) -> Result<Reply, Problem> {
@@ -193,7 +195,8 @@ pub fn above(house: &House, question: &Question) -> Result<Reply, Problem> {
         photometry: house.asked.photometry,
     };
     let min_altitude_rad = said("min_altitude").unwrap_or_default().to_radians();
-    let (overhead, _) = sky.overhead(at, 0.0, 1, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
+    let (overhead, left_out) = sky.overhead(at, 0.0, 1, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
+    let caveats = house.caveats_at(at, at, &left_out)?;
     let ranges = said("min_range").unwrap_or(0.0)..=said("max_range").unwrap_or(1_500_000.0);
     let data: Vec<Value> = overhead
         .iter()
@@ -209,9 +212,21 @@ pub fn above(house: &House, question: &Question) -> Result<Reply, Problem> {
             Some(value)
         })
         .collect();
+    Ok(signed(listed(data), &caveats))
+}
+
+fn listed(data: Vec<Value>) -> Value {
     let count = data.len();
-    let document = json!({"data": data, "count": count, "total_position_results": count, "source": SOURCE, "version": env!("CARGO_PKG_VERSION")});
-    Ok(Reply::json(document.to_string()))
+    json!({"data": data, "count": count, "total_position_results": count})
+}
+
+/// With what SatChecker's answers end with, and what ours say beside that.
+fn signed(mut document: Value, caveats: &Caveats) -> Reply {
+    document["source"] = json!(SOURCE);
+    document["version"] = json!(env!("CARGO_PKG_VERSION"));
+    document["warnings"] = json!(caveats.warnings);
+    document["left_out_count"] = json!(caveats.left_out_count);
+    Reply::json(document.to_string())
 }
 
 /// The server's satellites over the site of the question.
@@ -294,8 +309,7 @@ pub fn passes_schema() -> Value {
     ]);
     let mut each = position_schema(&["angle", "name", "norad_id"]);
     each["properties"]["orbital_data"] = orbital;
-    let by_satellite = object_schema(&[("data", grouped), ("source", text.clone()), ("version", text)]);
-    json!({"oneOf": [by_satellite, listed_schema(each)]})
+    json!({"oneOf": [signed_schema(&[("data", grouped)]), listed_schema(each)]})
 }
 
 pub fn above_schema() -> Value {
@@ -303,12 +317,21 @@ pub fn above_schema() -> Value {
 }
 
 fn listed_schema(item: Value) -> Value {
-    let (count, text) = (json!({"type": "integer", "minimum": 0}), json!({"type": "string"}));
-    object_schema(&[
+    let count = json!({"type": "integer", "minimum": 0});
+    signed_schema(&[
         ("data", json!({"type": "array", "items": item})),
         ("count", count.clone()),
         ("total_position_results", count),
+    ])
+}
+
+fn signed_schema(members: &[(&str, Value)]) -> Value {
+    let text = json!({"type": "string"});
+    let ends = [
         ("source", text.clone()),
         ("version", text),
-    ])
+        ("warnings", warnings_schema()),
+        ("left_out_count", left_out_count_schema()),
+    ];
+    object_schema(&[members, &ends].concat())
 }

@@ -41,7 +41,7 @@ export function line(path, answered, failed) {
       try {
         answered(await ask(path, said), said);
       } catch (error) {
-        if (!waiting) failed(error);
+        if (!waiting) failed(error, said);
       }
     }
     busy = false;

@@ -62,12 +62,12 @@ export function heads(row) {
   );
 }
 
-/** Fills the table; the button in each row chooses its track. */
+/** Fills the table, or says why it is empty; the button in each row chooses its track. */
 export function rows(body, passes, selected, choose) {
-  if (!passes.length) {
+  if (!passes?.length) {
     const cell = document.createElement("td");
     cell.colSpan = COLUMNS.length;
-    cell.textContent = "No lit satellite crosses this exposure.";
+    cell.textContent = passes ? "No lit satellite crosses this exposure." : "Nothing is known of this exposure.";
     const row = document.createElement("tr");
     row.append(cell);
     body.replaceChildren(row);

@@ -32,9 +32,10 @@ export class Dome {
     this.backdrop = new Backdrop();
   }
 
-  /** A new answer of the server. */
+  /** A new answer of the server; null where it has none. */
   show(dome) {
     this.dome = dome;
+    if (!dome) return;
     // Azimuths go round: the first column stands behind the last once more.
     this.isZenithDark = dome.map.magnitudes.at(-1)[0] == null;
     this.values = filled(dome.map.magnitudes).map((row) => [...row, row[0]]);

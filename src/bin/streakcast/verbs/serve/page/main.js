@@ -17,10 +17,12 @@ const SAMPLES = 41;
 
 /** What the address holds. */
 const state = { shift: 0, ...link.read() };
-/** What the server said last. */
+/** What the server said last; of the exposure null where it has no answer. */
 let night = null;
 let rows = [];
-let answer = null;
+let answer;
+/** What stands in the way, by the question that it stands in the way of. */
+const problems = new Map();
 
 const nightChart = new Night($("night"), (place) => choose(place));
 const strip = new Strip($("strip"), moved);
@@ -28,25 +30,41 @@ const fieldChart = new Field($("field"), (norad) => select(norad));
 const domeChart = new Dome($("dome"));
 const curveChart = new Curve($("curve"));
 
-const askExposure = line("/api/v1/exposure", answered, failed);
-const askDome = line("/api/v1/dome", ({ document }) => {
-  problem(null);
-  domeChart.show(document);
-  drawDome();
-}, failed);
+const askExposure = line("/api/v1/exposure", answered, (error, asked) => {
+  failed(error, "exposure");
+  // What was said of another start holds for this one no longer.
+  if (asked.place === state.place) nothing("unknown", "no answer");
+});
+const askDome = line("/api/v1/dome", ({ document }, asked) => {
+  if (asked.place === state.place) showDome(document);
+}, (error, asked) => {
+  failed(error, "dome");
+  if (asked.place === state.place) showDome(null);
+});
 
-function failed(error) {
+/** Which exposure a question is about is ours to know, and not sent. */
+const ofThis = (said) => Object.defineProperty(said, "place", { value: state.place });
+
+function failed(error, what) {
   if (error instanceof Locked) {
     $("unlock").hidden = false;
     $("main").hidden = true;
     $("token").focus();
   }
-  problem(error.message);
+  problem(what, error.message);
 }
 
-function problem(text) {
-  $("problem").hidden = !text;
-  $("problem").textContent = text ?? "";
+function problem(what, text) {
+  if (text) problems.set(what, text);
+  else problems.delete(what);
+  $("problem").hidden = !problems.size;
+  $("problem").textContent = [...new Set(problems.values())].join(" ");
+}
+
+function showDome(dome) {
+  if (dome) problem("dome", null);
+  domeChart.show(dome);
+  drawDome();
 }
 
 function toast(text) {
@@ -62,10 +80,10 @@ async function load(which) {
     const isKnown = !which || said.nights.some((one) => one.night === which);
     if (!isKnown) delete state.row;
     else if (which && which !== said.night) ({ document: said } = await ask("/api/v1/night", { night: which }));
-    problem(null);
+    problem("night", null);
     night = said;
   } catch (error) {
-    return failed(error);
+    return failed(error, "night");
   }
   $("unlock").hidden = true;
   $("main").hidden = false;
@@ -89,6 +107,7 @@ function describe() {
   const count = (verdict) => rows.filter((row) => row.flag.verdict === verdict).length;
   $("night-counts").textContent = ["clear", "streaked", "avoid", "invalid"].map((verdict) => [count(verdict), verdict]).filter(([number]) => number).map((one) => one.join(" ")).join(" · ");
   $("limit").value = state.limit ?? night.limit_mag ?? 14;
+  tellLimit();
   $("model").replaceChildren(...night.models.map((name) => new Option(name, name, false, name === (state.model ?? "starlink-v1.5"))));
   $("height").value = state.height ?? 550;
   $("sigma").checked = state.sigma === "1";
@@ -126,8 +145,9 @@ function choose(place, isRestored = false) {
   $("after").disabled = place === rows.length - 1;
   $("exposure-title").textContent = `Exposure ${row.id}`;
   if (row.start == null) {
-    answer = null;
-    say("invalid", row.flag.reasons.join("; "));
+    nothing("invalid", row.flag.reasons.join("; "));
+    showDome(null);
+    for (const what of ["exposure", "dome"]) problem(what, null);
     nightChart.draw(place, null, limit());
     link.write(state);
     return;
@@ -156,7 +176,7 @@ function opening() {
 function request() {
   const row = rows[state.place];
   if (row?.start == null) return;
-  const said = {
+  askExposure(ofThis({
     start_utc: opening(),
     duration_s: state.duration,
     ra_deg: row.ra_deg,
@@ -166,23 +186,20 @@ function request() {
     limit_mag: state.limit,
     samples: SAMPLES,
     around_s: strip.span(),
-  };
-  // Which exposure it is about is ours to know, and not sent.
-  Object.defineProperty(said, "place", { value: state.place });
-  askExposure(said);
+  }));
   nightChart.draw(state.place, row.start + state.shift * 1e3, limit());
   link.write(state);
 }
 
 function requestDome() {
   if (rows[state.place]?.start == null) return;
-  askDome({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
+  askDome(ofThis({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model }));
 }
 
 function answered({ document: said, ms }, asked) {
   // Somebody has gone on to another one meanwhile; its own answer comes.
   if (asked.place !== state.place) return;
-  problem(null);
+  problem("exposure", null);
   const row = rows[state.place];
   answer = said;
   const flag = said.flags[0];
@@ -210,6 +227,18 @@ function answered({ document: said, ms }, asked) {
   link.write(state);
 }
 
+/** There is no answer to what is asked: nothing that stands there may look like one. */
+function nothing(verdict, words) {
+  answer = null;
+  say(verdict, words);
+  delete $("answer").dataset.nextClearStartUtc;
+  delete $("answer").dataset.startUtc;
+  $("go").hidden = true;
+  $("timing").textContent = $("pointing").textContent = "";
+  strip.answer([], null, limit());
+  drawAnswer();
+}
+
 const brightest = (passes) => passes.reduce((best, pass) => ((pass.magnitude_peak ?? 99) < (best?.magnitude_peak ?? 100) ? pass : best), null);
 
 function say(verdict, words, why = "", lacks = "") {
@@ -232,23 +261,33 @@ function select(norad) {
 }
 
 function drawAnswer() {
-  if (!answer) return;
-  const { passes } = answer;
-  fieldChart.draw(night.field, answer.exposures[0], passes, { selected: state.satellite, corridors: state.sigma === "1" });
+  if (answer === undefined) return;
+  const passes = answer?.passes ?? [];
+  fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], passes, { selected: state.satellite, corridors: state.sigma === "1" });
   const chosen = passes.find((pass) => pass.norad_id === state.satellite);
   curveChart.draw(chosen, limit());
   $("curve-words").textContent = chosen ? `${chosen.name} · ${chosen.mag_source ?? "no model"} · elements ${fixed(chosen.element_age_days, 1)} d old` : "";
-  crossings.rows($("crossings"), passes, state.satellite, select);
+  crossings.rows($("crossings"), answer?.passes, state.satellite, select);
   drawDome();
+}
+
+/** Whether neither the night nor the exposure warns of it: the same words with other numbers are the same warning. */
+function isNew(warning) {
+  const words = (text) => text.replace(/[\d.]+/g, "");
+  return ![...night.warnings, ...(answer?.warnings ?? [])].some((known) => words(known) === words(warning));
 }
 
 function drawDome() {
   domeChart.draw({ pointing: answer?.pointing[0], selected: state.satellite, passes: answer?.passes, limit: limit() });
   const dome = domeChart.dome;
-  if (!dome) return;
+  if (!dome) {
+    $("dome-words").textContent = "";
+    return;
+  }
   const bright = dome.satellites.filter((one) => one.magnitude != null && limit() != null && one.magnitude < limit()).length;
   const few = limit() == null ? "" : `, ${bright} brighter than ${fixed(limit(), 1)} mag`;
   $("dome-words").textContent = `${dome.satellites.length} sunlit satellites up${few}. Behind them ${dome.map.model} at ${dome.map.height_km} km; dashed: edge of the Earth's shadow there. Sun at azimuth ${fixed(dome.sun.azimuth_deg, 0)}° (⊙).`;
+  $("dome-words").textContent += dome.warnings.filter(isNew).map((text) => ` Warning: ${text}.`).join("");
 }
 
 function drawAll() {
@@ -259,7 +298,6 @@ function drawAll() {
   drawAnswer();
 }
 
-$("limit-out").textContent = "";
 $("limit").addEventListener("input", (event) => {
   state.limit = Number(event.target.value);
   tellLimit();
@@ -286,7 +324,7 @@ $("go").addEventListener("click", () => {
 });
 $("height").addEventListener("change", (event) => {
   const height = Number(event.target.value);
-  if (!event.target.checkValidity() || !height) return problem("Height: 160 to 40000 km, whole tens.");
+  if (!event.target.checkValidity() || !height) return problem("dome", "Height: 160 to 40000 km, whole tens.");
   state.height = height;
   requestDome();
   link.write(state);
@@ -322,16 +360,16 @@ $("csv").addEventListener("click", async () => {
 $("unlock").addEventListener("submit", (event) => {
   event.preventDefault();
   unlock($("token").value.trim());
-  load(state.night).then(tellLimit);
+  load(state.night);
 });
 window.addEventListener("hashchange", () => {
   for (const name of Object.keys(state)) delete state[name];
   Object.assign(state, { shift: 0, ...link.read() });
   showLight();
-  load(state.night).then(tellLimit);
+  load(state.night);
 });
 new ResizeObserver(() => requestAnimationFrame(drawAll)).observe(document.body);
 
 showLight();
 crossings.heads($("columns"));
-load(state.night).then(tellLimit);
+load(state.night);
