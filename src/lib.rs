@@ -43,3 +43,4 @@ pub mod setup;
 pub mod streak;
 pub mod table;
 pub mod telescope;
+mod vectors;

@@ -1,11 +1,15 @@
 //! Who may be inside a cone: the plane test over a whole window, a look at their side of the Earth, and the phase test for those that
 //! both leave.
 
+use nalgebra::Vector3;
+use pulp::NullaryFnOnce;
+
 use super::phase::{Inside, Phase, Question};
 use super::shade::Shade;
 use super::sight::Sight;
 use super::window::{CHUNK, Chunk, Cone, Window};
 use crate::frames::{Gcrs, Rotation, Teme};
+use crate::vectors::widest;
 
 /// Lanes of a chunk that are looked at together.
 const BLOCK: usize = 8;
@@ -66,7 +70,16 @@ impl Window {
             if of_parts.is_empty() {
                 candidates.push(candidate(cones.first, in_whole));
             }
-            let of_part = |(part, cone): (&Question<'_>, u32)| place(part).map(|inside| candidate(cone, inside));
+            // Whoever is inside a part is inside the whole then, however late.
+            let late_s = f64::from(phase.along_track_s);
+            let since_s = cones.whole.mid_s;
+            let is_then = |part: &Question<'_>| {
+                let [from_s, to_s] = part.asked_s().map(|time_s| time_s - since_s);
+                from_s <= in_whole.near_s[1] + late_s && to_s >= in_whole.near_s[0] - late_s
+            };
+            let of_part = |(part, cone): (&Question<'_>, u32)| {
+                is_then(part).then(|| place(part)).flatten().map(|inside| candidate(cone, inside))
+            };
             candidates.extend(of_parts.iter().zip(numbers.clone()).filter_map(of_part));
         });
     }
@@ -89,25 +102,13 @@ impl Window {
             let Some((near_km, far_km)) = sight.distances_km(chunk.lowest_km, chunk.highest_km, moved_km) else {
                 continue;
             };
-            // |n·O + ρ n·d| ≤ ρψ + slop at both ends of ρ, or a change of sign in between
             let (near, far) = (near_km as f32, far_km as f32);
             let limit = (moved_km + chunk.slop_km + 0.01) as f32;
             let near_limit = limit + near * radius_rad as f32;
             let far_limit = limit + far * radius_rad as f32;
+            let (ends, limits) = ([near, far], [near_limit, far_limit]);
+            let outside = widest(Planes { chunk, fraction: x, observer: &o, axis: &d, ends, limits });
             let mut cap = None;
-            let mut outside = [0.0_f32; CHUNK];
-            for (lane, outside) in outside.iter_mut().enumerate() {
-                let nx = chunk.normal[0][lane] + x * chunk.normal_change[0][lane];
-                let ny = chunk.normal[1][lane] + x * chunk.normal_change[1][lane];
-                let nz = chunk.normal[2][lane] + x * chunk.normal_change[2][lane];
-                let along_observer = nx * o.x + ny * o.y + nz * o.z;
-                let along_axis = nx * d.x + ny * d.y + nz * d.z;
-                let at_near = along_observer + near * along_axis;
-                let at_far = along_observer + far * along_axis;
-                let above = lesser(at_near - near_limit, at_far - far_limit);
-                let below = lesser(-at_near - near_limit, -at_far - far_limit);
-                *outside = if above > below { above } else { below };
-            }
             for (block, outside) in outside.chunks_exact(BLOCK).enumerate() {
                 // Mostly nobody of eight: one comparison for all of them.
                 if outside.iter().copied().fold(f32::INFINITY, lesser) > 0.0 {
@@ -128,7 +129,46 @@ impl Window {
     }
 }
 
+/// The planes of a chunk's satellites and a cone between two distances ρ.
+struct Planes<'a> {
+    chunk: &'a Chunk,
+    /// Where in the window, from 0 to 1.
+    fraction: f32,
+    observer: &'a Vector3<f32>,
+    axis: &'a Vector3<f32>,
+    /// Least and greatest ρ, km.
+    ends: [f32; 2],
+    /// How far the plane may be from the cone's axis there, km.
+    limits: [f32; 2],
+}
+
+impl NullaryFnOnce for Planes<'_> {
+    type Output = [f32; CHUNK];
+
+    /// How far each plane lies outside of the cone, km; at most 0 where it passes it.
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { chunk, fraction, observer: o, axis: d, ends: [near, far], limits: [near_limit, far_limit] } = self;
+        // |n·O + ρ n·d| ≤ ρψ + slop at both ends of ρ, or a change of sign in between
+        let mut outside = [0.0_f32; CHUNK];
+        for (lane, outside) in outside.iter_mut().enumerate() {
+            let nx = chunk.normal[0][lane] + fraction * chunk.normal_change[0][lane];
+            let ny = chunk.normal[1][lane] + fraction * chunk.normal_change[1][lane];
+            let nz = chunk.normal[2][lane] + fraction * chunk.normal_change[2][lane];
+            let along_observer = nx * o.x + ny * o.y + nz * o.z;
+            let along_axis = nx * d.x + ny * d.y + nz * d.z;
+            let at_near = along_observer + near * along_axis;
+            let at_far = along_observer + far * along_axis;
+            let above = lesser(at_near - near_limit, at_far - far_limit);
+            let below = lesser(-at_near - near_limit, -at_far - far_limit);
+            *outside = if above > below { above } else { below };
+        }
+        outside
+    }
+}
+
 /// The lesser of two numbers in one machine instruction: `f32::min` spends three on what is not a number.
+#[inline(always)]
 fn lesser(a: f32, b: f32) -> f32 {
     if a < b { a } else { b }
 }

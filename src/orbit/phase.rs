@@ -64,6 +64,11 @@ impl<'a> Question<'a> {
         self.fraction
     }
 
+    /// From when to when it is asked, seconds after the window's start.
+    pub fn asked_s(&self) -> [f64; 2] {
+        [self.cone.mid_s - self.cone.half_duration_s, self.cone.mid_s + self.cone.half_duration_s]
+    }
+
     /// How far the observer moves from the middle on.
     pub fn moved_km(&self) -> f64 {
         self.moved_km

@@ -1,8 +1,9 @@
 //! A point of light, drawn: a star, or a satellite that stands still.
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::NullaryFnOnce;
 
 use crate::camera::{Patch, PatchRows, PixelPosition};
+use crate::vectors::widest;
 
 use super::profile::RadialProfile;
 use super::tables::ProfileTables;
@@ -27,7 +28,7 @@ fn draw_on(profile: &ProfileTables, at: PixelPosition, flux: f64, rows: usize, c
         extents.add_disc(at, reach);
     }
     let mut patch = extents.into_patch();
-    dispatch(Point { profile, at, flux, patch: &mut patch });
+    widest(Point { profile, at, flux, patch: &mut patch });
     patch
 }
 
@@ -39,16 +40,6 @@ struct Point<'a> {
     at: PixelPosition,
     flux: f64,
     patch: &'a mut Patch,
-}
-
-fn dispatch(point: Point<'_>) {
-    match Arch::new() {
-        #[cfg(target_arch = "x86_64")]
-        Arch::V4(simd) => simd.vectorize(point),
-        #[cfg(target_arch = "x86_64")]
-        Arch::V3(simd) => simd.vectorize(point),
-        _ => point.call(),
-    }
 }
 
 impl NullaryFnOnce for Point<'_> {

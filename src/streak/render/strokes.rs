@@ -2,9 +2,10 @@
 
 use std::ops::Range;
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::NullaryFnOnce;
 
 use crate::camera::{Lanes, Lattice, Patch, ProfileTables};
+use crate::vectors::widest;
 
 use super::blocks::{EACH, LANES, add};
 use super::chords::Chord;
@@ -54,13 +55,7 @@ pub(super) struct Strokes<'a> {
 
 /// Draws all runs.
 pub(super) fn draw(strokes: Strokes<'_>) {
-    match Arch::new() {
-        #[cfg(target_arch = "x86_64")]
-        Arch::V4(simd) => simd.vectorize(strokes),
-        #[cfg(target_arch = "x86_64")]
-        Arch::V3(simd) => simd.vectorize(strokes),
-        _ => strokes.call(),
-    }
+    widest(strokes);
 }
 
 impl NullaryFnOnce for Strokes<'_> {
