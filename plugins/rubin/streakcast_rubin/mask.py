@@ -114,7 +114,7 @@ class StreakMaskBasisFunction(StreakMap):
         ValueError
             A survey without such fields, or one that turns them at each call, later than it asks for the mask.
         """
-        if getattr(survey, "fields", None) is None or np.shape(getattr(survey, "hp2fields", None)) != (CELLS,):
+        if getattr(survey, "fields", None) is None or np.shape(getattr(survey, "hp2fields", ())) != (CELLS,):
             raise ValueError(f"{type(survey).__name__} has no fields for the cells of nside {NSIDE}")
         if getattr(survey, "dither", None) == "call":
             raise ValueError("the survey turns its fields at each call (dither='call'), after it has asked for the mask")

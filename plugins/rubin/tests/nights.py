@@ -1,6 +1,6 @@
 """Whole nights with and without the hooks, judged by brute force: prints the tables of the README.
 
-`python tests/nights.py FOLDER [--only WORD ...]` keeps each run in FOLDER and goes on where it was stopped. All of it takes an hour or two
+`python tests/nights.py FOLDER [--only WORD ...]` keeps each run in FOLDER and goes on where it was stopped. All of it takes some two hours
 on one core. The real catalogue needs STREAKCAST_DATA; where that is missing its rows are left out, and said to be.
 """
 
