@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import OrderedDict
+from dataclasses import dataclass
 from functools import lru_cache
 from typing import Any, Generic, NamedTuple, TypeVar, Union
 
@@ -142,21 +143,55 @@ def _basis(at: FloatArray, own: FloatArray, one: FloatArray, two: FloatArray) ->
 
 
 @lru_cache(maxsize=4)
-def neighbours(nside: int, radius_deg: float) -> IntArray:
-    """For each cell (RING) all cells with centres within a radius of its own, filled up with -1, ``(12 nside², m)``."""
-    cells = 12 * nside * nside
-    centres = np.column_stack(hp.pix2vec(nside, np.arange(cells)))
-    lists = [hp.query_disc(nside, centre, np.radians(radius_deg)) for centre in centres]
-    table = np.full((cells, max(len(one) for one in lists)), -1, dtype=np.int64)
-    for row, one in zip(table, lists):
-        row[: len(one)] = one
-    return table
-
-
-@lru_cache(maxsize=4)
 def centres_of(nside: int) -> FloatArray:
     """Directions of the centres of all cells (RING), ``(12 nside², 3)``."""
     return np.column_stack(hp.pix2vec(nside, np.arange(12 * nside * nside)))
+
+
+@lru_cache(maxsize=4)
+def sectors(nside: int) -> IntArray:
+    """For each cell (RING) the part of the sky it is in, 192 parts of 15 degrees."""
+    return np.asarray(hp.ring2nest(nside, np.arange(12 * nside * nside)) // (nside // 4) ** 2, dtype=np.int64)
+
+
+@dataclass(frozen=True, eq=False)
+class Pointings:
+    """Where visits point, and which of them a satellite may cross: those of one night of a survey, or the cells themselves."""
+
+    #: Directions, ICRS, ``(n, 3)``.
+    centres: FloatArray
+    #: For each cell (RING) the pointing of a visit to it.
+    of_cell: IntArray
+    #: For each cell the pointings that a satellite in it may come close to, filled up with -1, ``(n_cells, m)``.
+    near: IntArray
+    #: How close counts, degrees.
+    radius_deg: float
+
+    @classmethod
+    def of(cls, nside: int, centres: FloatArray, of_cell: IntArray, radius_deg: float, more_deg: float) -> Pointings:
+        """The list is made for `more_deg` around the radius: where in its cell a satellite is, and how far it goes, is not known there."""
+        lists = [hp.query_disc(nside, centre, np.radians(radius_deg + more_deg)) for centre in centres]
+        cell, pointing = np.concatenate(lists), np.repeat(np.arange(len(lists)), [len(one) for one in lists])
+        order = np.argsort(cell, kind="stable")
+        cell, pointing = cell[order], pointing[order]
+        counts = np.bincount(cell, minlength=12 * nside * nside)
+        near = np.full((counts.size, counts.max()), -1, dtype=np.int64)
+        near[cell, np.arange(cell.size) - np.repeat(np.cumsum(counts) - counts, counts)] = pointing
+        return cls(centres, np.asarray(of_cell), near, radius_deg)
+
+
+@lru_cache(maxsize=4)
+def cells_as_pointings(nside: int, radius_deg: float, more_deg: float) -> Pointings:
+    """Each cell's own centre."""
+    centres = centres_of(nside)
+    return Pointings.of(nside, centres, np.arange(len(centres)), radius_deg, more_deg)
+
+
+@lru_cache(maxsize=4)
+def fields_as_pointings(nside: int, ra_rad: bytes, dec_rad: bytes, of_cell: bytes, radius_deg: float, more_deg: float) -> Pointings:
+    """The fields of a survey, and which of them a visit to a cell goes to; arrays as bytes, which can be looked up."""
+    ra, dec = np.frombuffer(ra_rad), np.frombuffer(dec_rad)
+    return Pointings.of(nside, _unit(np.degrees(ra), np.degrees(dec)), np.frombuffer(of_cell, dtype=np.int64), radius_deg, more_deg)
 
 
 def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) -> FloatArray:

@@ -8,16 +8,18 @@ import healpy as hp
 import numpy as np
 from streakcast import StreakModel
 
-from ._arrays import FloatArray
+from ._arrays import BoolArray, FloatArray
 from ._checks import above, at_least
 from ._maps import CELLS, NSIDE, StreakMap
 from ._questions import limit_of, see
-from ._tracks import SAMPLE_S, SLOT_S, Kept, Samples, brighter_than, centres_of, loss_of, neighbours
+from ._tracks import SAMPLE_S, SLOT_S, Kept, Pointings, Samples, brighter_than, cells_as_pointings, fields_as_pointings, loss_of, sectors
 
 #: Half the side of a cell of nside 32, degrees.
 HALF_CELL_DEG = 0.92
 #: The fastest that crosses a field (340 km, overhead) moves so far between two samples, degrees.
 FASTEST_STEP_DEG = 1.3 * SAMPLE_S
+#: How much further than the field's radius from a field's own centre is looked, degrees: tracks are good to some arcminutes.
+FIELD_PAD_DEG = 0.1
 #: Seconds after a slot's beginning at which satellites are looked at.
 STEPS_S = np.arange(0.0, SLOT_S, SAMPLE_S)
 
@@ -26,8 +28,9 @@ class StreakMaskBasisFunction(StreakMap):
     """A mask over the sky, nside 32, RING: NaN where satellites would cross, 0 elsewhere. Weight 0.
 
     For each cell the window is that of a visit which begins now: slew (the map of the conditions), exposure, and `jitter_s` on both
-    sides. A cell is masked where a lit satellite comes closer to its centre than the field's radius and half a cell. Where more than
-    `max_share` of the cells that the telescope can reach would be masked, only those that would lose most are.
+    sides. A cell is masked where a lit satellite comes closer to its centre than the field's radius and half a cell; after `follow`,
+    where one crosses the field of the survey that a visit to the cell goes to. Where more than `max_share` of the cells that the
+    telescope can reach would be masked, those are left open that lose least, in every part of the sky some.
 
     Parameters
     ----------
@@ -47,7 +50,7 @@ class StreakMaskBasisFunction(StreakMap):
     max_share : float
         The largest share of the reachable sky that is masked, (0, 1].
     pad_deg : float
-        How much further than the field's radius from a cell's centre is looked, degrees.
+        How much further than the field's radius from a cell's centre is looked, degrees; not from a field's, after `follow`.
     bandname : str, optional
         Band of the survey, for limits by band; the band that is in where left out.
     watch_s : float
@@ -76,7 +79,7 @@ class StreakMaskBasisFunction(StreakMap):
         damage: str = "light",
         exptime_s: float = 31.0,
         jitter_s: float = 3.0,
-        max_share: float = 0.5,
+        max_share: float = 0.9,
         pad_deg: float = HALF_CELL_DEG,
         bandname: Union[str, None] = None,
         watch_s: float = 60.0,
@@ -90,9 +93,44 @@ class StreakMaskBasisFunction(StreakMap):
         self.max_share = above("max_share", max_share, 0.0, most=1.0)
         self.pad_deg = at_least("pad_deg", pad_deg, 0.0, most=90.0)
         self._kept: Kept[FloatArray] = Kept()
+        self._survey: Any = None
 
     def __getstate__(self) -> dict[str, Any]:
         return {**super().__getstate__(), "_kept": Kept()}
+
+    def follow(self, survey: Any) -> None:
+        """Looks at the fields of a survey, to which a visit to a cell really goes, in place of the cells.
+
+        A field's centre may be 2 deg from the cell that was chosen. Known, it needs no margin: less sky is masked, and what is left open
+        is clear. Surveys with the same fields, dithers and seed can share one mask.
+
+        Parameters
+        ----------
+        survey : rubin_scheduler survey
+            One with `fields` and `hp2fields`, like `GreedySurvey`, that turns them once a night or never.
+
+        Raises
+        ------
+        ValueError
+            A survey without such fields, or one that turns them at each call, later than it asks for the mask.
+        """
+        if getattr(survey, "fields", None) is None or np.shape(getattr(survey, "hp2fields", ())) != (CELLS,):
+            raise ValueError(f"{type(survey).__name__} has no fields for the cells of nside {NSIDE}")
+        if getattr(survey, "dither", None) == "call":
+            raise ValueError("the survey turns its fields at each call (dither='call'), after it has asked for the mask")
+        self._survey = survey
+
+    def _pointings(self) -> Pointings:
+        """Where visits to the cells would point."""
+        # A cell's own centre may be a diagonal away from a satellite in it, and the satellite half a step from its sample.
+        more_deg = FASTEST_STEP_DEG / 2.0 + 1.5 * HALF_CELL_DEG
+        if self._survey is None:
+            return cells_as_pointings(NSIDE, self.radius_deg + self.pad_deg, more_deg)
+        # By what they hold: the host turns them once a night, in place, and copies of a scheduler share what is found here.
+        fields = self._survey.fields
+        places = (np.ascontiguousarray(fields[one], dtype=float).tobytes() for one in ("RA", "dec"))
+        of_cell = np.ascontiguousarray(self._survey.hp2fields, dtype=np.int64).tobytes()
+        return fields_as_pointings(NSIDE, *places, of_cell, self.radius_deg + FIELD_PAD_DEG, more_deg)
 
     def _map_of(self, model: StreakModel, conditions: Any) -> FloatArray:
         now = float(np.max(conditions.mjd))
@@ -105,46 +143,61 @@ class StreakMaskBasisFunction(StreakMap):
         zenith_deg = (float(np.max(conditions.lmst)) * 15.0 % 360.0, float(conditions.site.latitude))
         opens = np.where(reached, slew_s - self.jitter_s, np.inf)
         closes = np.where(reached, slew_s + self.exptime_s + self.jitter_s, -np.inf)
-        loss = np.zeros(CELLS)
+        loss, pointings = np.zeros(CELLS), self._pointings()
         sky, limit = self._sky_of(model), limit_of(self.limit_mag, self._band(conditions))
         for number, samples in sky.over(now + opens.min() / 86_400.0, now + closes.max() / 86_400.0, zenith_deg):
             # What is lost where and when is the same for every visit; only its window moves on.
-            by_step = self._kept.get((sky, limit), number)
+            by_step = self._kept.get((sky, limit, pointings), number)
             if by_step is None:
-                by_step = self._kept.put(number, self._losses(brighter_than(limit, samples)))
+                by_step = self._kept.put(number, self._losses(brighter_than(limit, samples), pointings))
             when = STEPS_S + (number * SLOT_S / 86_400.0 - now) * 86_400.0
             # Half a step on both sides: the track between the samples counts.
             inside = (when[:, None] + SAMPLE_S / 2.0 >= opens) & (when[:, None] - SAMPLE_S / 2.0 <= closes)
-            loss += np.einsum("ij,ij->j", by_step, inside)
+            loss += np.einsum("ij,ij->j", by_step[:, pointings.of_cell], inside)
         masked = loss > 0.0
         most = int(self.max_share * np.count_nonzero(reached))
         if np.count_nonzero(masked) > most:
             self.counts["capped"] += 1
-            worst = np.argsort(loss, kind="stable")[::-1][:most]
-            masked = np.zeros(CELLS, dtype=bool)
-            masked[worst] = True
+            masked = _worst(loss, reached, most)
         self.counts["masked"] += int(np.count_nonzero(masked))
         answer[masked] = np.nan
         return answer
 
-    def _losses(self, samples: Samples) -> FloatArray:
-        """What the satellites of one slot cost a visit to each cell at each of its steps: ``(n_steps, n_cells)``."""
+    def _losses(self, samples: Samples, pointings: Pointings) -> FloatArray:
+        """What the satellites of one slot cost a visit to each pointing at each of its steps: ``(n_steps, n_pointings)``."""
+        n = len(pointings.centres)
         if samples.second.size == 0:
-            return np.zeros((STEPS_S.size, CELLS))
-        radius_deg = self.radius_deg + self.pad_deg
-        # A cell's own centre may be a diagonal away from a satellite in it, and the satellite half a step from its sample.
-        table = neighbours(NSIDE, round(radius_deg + FASTEST_STEP_DEG / 2.0 + 1.5 * HALF_CELL_DEG, 3))
-        cells = table[hp.vec2pix(NSIDE, *samples.direction.T)]
-        who, column = np.nonzero(cells >= 0)
-        cell = cells[who, column]
-        cosine = np.einsum("ij,ij->i", samples.direction[who], centres_of(NSIDE)[cell])
+            return np.zeros((STEPS_S.size, n))
+        near_by = pointings.near[hp.vec2pix(NSIDE, *samples.direction.T)]
+        who, column = np.nonzero(near_by >= 0)
+        pointing = near_by[who, column]
+        cosine = np.einsum("ij,ij->i", samples.direction[who], pointings.centres[pointing])
         # Closest approach between the samples: d² ≤ r² + (step / 2)²
-        reach = np.sqrt(np.radians(radius_deg) ** 2 + np.radians(samples.rate_deg_s * SAMPLE_S / 2.0) ** 2)
+        reach = np.sqrt(np.radians(pointings.radius_deg) ** 2 + np.radians(samples.rate_deg_s * SAMPLE_S / 2.0) ** 2)
         near = cosine >= np.cos(np.minimum(reach, np.pi))[who]
         lost = loss_of(samples, SAMPLE_S, self.area_deg2, self.damage == "light")
         # Where no telescope tells a width, every satellite weighs the same.
         lost = np.where(lost > 0.0, lost, 1e-12)
-        who, cell = who[near], cell[near]
-        place = np.rint(samples.second / SAMPLE_S).astype(np.int64)[who] * CELLS + cell
-        summed = np.bincount(place, weights=lost[who], minlength=STEPS_S.size * CELLS)
-        return np.asarray(summed.reshape(STEPS_S.size, CELLS), dtype=float)
+        who, pointing = who[near], pointing[near]
+        place = np.rint(samples.second / SAMPLE_S).astype(np.int64)[who] * n + pointing
+        summed = np.bincount(place, weights=lost[who], minlength=STEPS_S.size * n)
+        return np.asarray(summed.reshape(STEPS_S.size, n), dtype=float)
+
+
+def _worst(loss: FloatArray, reached: BoolArray, most: int) -> BoolArray:
+    """The `most` of the crossed cells that are masked: what stays open is spread over the sky, the least loss of each part of it first.
+
+    Were it the least loss of the whole sky, all of it could lie where a survey never points.
+    """
+    cells = np.flatnonzero(reached)
+    sector = sectors(NSIDE)[cells]
+    order = np.lexsort((loss[cells], sector))
+    cells, sector = cells[order], sector[order]
+    _, first, size = np.unique(sector, return_index=True, return_counts=True)
+    # How much of its own part of the sky loses less than a cell.
+    share = (np.arange(cells.size) - np.repeat(first, size) + 0.5) / np.repeat(size, size)
+    crossed = loss[cells] > 0.0
+    cells, share = cells[crossed], share[crossed]
+    masked = np.zeros(loss.size, dtype=bool)
+    masked[cells[np.argsort(share, kind="stable")[::-1][:most]]] = True
+    return masked

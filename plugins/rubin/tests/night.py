@@ -56,8 +56,11 @@ def observatory_of(evening: str, folder: Path) -> ModelObservatory:
     return observatory
 
 
-def surveys_of(kind: str, noon: float, masks=(), rewards=()) -> list:
-    """Pairs in three bands, or greedy visits in one; `masks` and `rewards` ((function, weight)) come on top of the host's own."""
+def surveys_of(kind: str, noon: float, masks=(), rewards=(), follow=True) -> list:
+    """Pairs in three bands, or greedy visits in one; `masks` and `rewards` ((function, weight)) come on top of the host's own.
+
+    Masks look at the survey's fields where they `follow`.
+    """
     common = {"nside": NSIDE, "survey_start": noon, "footprints_hp": footprint()}
     if kind == "pairs":
         made = [
@@ -69,16 +72,20 @@ def surveys_of(kind: str, noon: float, masks=(), rewards=()) -> list:
     else:
         raise ValueError(kind)
     for survey in made:
+        for mask in masks if follow else ():
+            mask.follow(survey)
         for function, weight in rewards:
             survey.basis_functions.append(function)
             survey.basis_weights.append(weight)
     return made
 
 
-def run(evening: str, kind: str, folder: Path, *, queue_manager=None, masks=(), rewards=(), start_h=0.0, hours=10.0, **more) -> Night:
-    """A night from 12 degree twilight on, or `hours` of it; `start_h` hours later."""
+def run(
+    evening: str, kind: str, folder: Path, *, queue_manager=None, masks=(), rewards=(), start_h=0.0, hours=10.0, follow=True, **more
+) -> Night:
+    """A night from 12 degree twilight on, or `hours` of it; `start_h` hours later. Masks follow the survey."""
     observatory = observatory_of(evening, folder)
-    surveys = surveys_of(kind, almanac.noon_of(evening), masks, rewards)
+    surveys = surveys_of(kind, almanac.noon_of(evening), masks, rewards, follow)
     manager = queue_manager if queue_manager is not None else BaseQueueManager(detailers=[RotspUpdateDetailer()])
     scheduler = CoreScheduler(
         surveys,

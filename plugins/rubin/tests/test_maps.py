@@ -3,14 +3,18 @@
 import copy
 import pickle
 
+import almanac
+import healpy as hp
+import night
 import numpy as np
 import pytest
 import streakcast
+from conftest import EVENING
 from rubin_scheduler.scheduler.basis_functions import BaseBasisFunction
 from rubin_scheduler.utils import _hpid2_ra_dec
 from streakcast_rubin import StreakMaskBasisFunction, StreakRewardBasisFunction
 from streakcast_rubin._tracks import Samples, brighter_than
-from streakcast_rubin.mask import HALF_CELL_DEG
+from streakcast_rubin.mask import FIELD_PAD_DEG, HALF_CELL_DEG
 
 CELLS = 12_288
 #: Tracks are parabolas over 20 s, looked at every 2 s: cells at the very border of a disc may fall to either side.
@@ -20,6 +24,11 @@ BORDER_SHARE = 0.03
 @pytest.fixture(scope="module")
 def conditions(_ready):
     return _ready.observatory.return_conditions()
+
+
+@pytest.fixture
+def greedy(_ready):
+    return night.surveys_of("greedy", almanac.noon_of(EVENING))[0]
 
 
 @pytest.mark.parametrize("kind", [StreakMaskBasisFunction, StreakRewardBasisFunction])
@@ -51,6 +60,64 @@ def test_masked_cells_are_those_that_are_crossed(count, conditions, models):
     assert 0.05 * reached.size < crossed.sum()
     assert np.count_nonzero(masked != crossed) < BORDER_SHARE * reached.size
     assert set(np.unique(value[~np.isnan(value)])) == {0.0}
+
+
+def test_followed_fields_are_masked_as_they_are_crossed(conditions, models, greedy):
+    """Field by field, by the model's own crossings, before and after the survey has turned its fields."""
+    model = models[40768]
+    function, cellwise = (StreakMaskBasisFunction(model, max_share=1.0) for _ in range(2))
+    function.follow(greedy)
+    cells = np.flatnonzero(np.isfinite(conditions.slewtime) & (conditions.alt > np.radians(20.0)))[::7]
+    starts = conditions.mjd + (conditions.slewtime[cells] - 3.0) / 86_400.0
+    wide = model.with_options(fov=f"{2.0 * (model.field_radius_deg + FIELD_PAD_DEG)} deg")
+    seen = []
+    for _ in range(2):
+        function.recalc = True
+        masked = np.isnan(function(conditions))
+        fields = greedy.fields[greedy.hp2fields[cells]]
+        crossed = wide.assess((np.degrees(fields["RA"]), np.degrees(fields["dec"])), starts, 31.0 + 6.0).crosses
+        assert 0.05 * cells.size < crossed.sum() and np.count_nonzero(masked[cells] != crossed) < BORDER_SHARE * cells.size
+        seen.append(masked)
+        greedy._spin_fields(3)
+    assert np.count_nonzero(seen[0] != seen[1]) > 0.1 * np.count_nonzero(seen[0])
+    # Without a margin for what is not known less is masked.
+    assert seen[0].sum() < 0.95 * np.count_nonzero(np.isnan(cellwise(conditions)))
+    assert function.counts["failed"] == 0
+
+
+def test_copies_follow_the_survey_that_was_copied_with_them(conditions, models, greedy):
+    function = StreakMaskBasisFunction(models[40768])
+    function.follow(greedy)
+    greedy.basis_functions.append(function)
+    for other in (copy.deepcopy(greedy), pickle.loads(pickle.dumps(greedy))):
+        other._spin_fields(3)
+        value = other.basis_functions[-1](conditions)
+        alone = StreakMaskBasisFunction(models[40768])
+        alone.follow(other)
+        assert np.array_equal(value, alone(conditions), equal_nan=True)
+        assert not np.array_equal(value, function(conditions), equal_nan=True)
+
+
+def test_surveys_that_cannot_be_followed(models, greedy):
+    function = StreakMaskBasisFunction(models[4408])
+    greedy.dither = "call"
+    with pytest.raises(ValueError, match="turns its fields at each call"):
+        function.follow(greedy)
+    with pytest.raises(ValueError, match="object has no fields for the cells of nside 32"):
+        function.follow(object())
+
+
+def test_in_a_blocked_sky_every_part_keeps_something_open(conditions, models):
+    """A field of 60 degrees is hardly ever clear; the least loss of all lies on one side of the sky."""
+    function = StreakMaskBasisFunction(models[40768].with_options(fov="60deg"))
+    open_cells = ~np.isnan(function(conditions))
+    assert function.counts["capped"] == 1 and function.counts["failed"] == 0
+    reached = np.isfinite(conditions.slewtime)
+    part = hp.ring2nest(32, np.arange(CELLS)) // 64
+    for one in np.unique(part[reached]):
+        inside = reached & (part == one)
+        if inside.sum() >= 20:
+            assert 0.05 * inside.sum() <= np.count_nonzero(open_cells & inside) <= 0.2 * inside.sum()
 
 
 def test_the_share_is_capped_and_the_worst_kept(conditions, models):

@@ -68,9 +68,15 @@ def test_pairs_stay_pairs(pairs_evening, dodged_evening):
     assert exchanges[1] <= exchanges[0]
 
 
-def test_greedy_with_the_mask(folder, models, truths):
-    plain = night.run(EVENING, "greedy", folder, hours=0.7)
-    mask = StreakMaskBasisFunction(models[40768], max_share=0.9)
+@pytest.fixture(scope="module")
+def greedy_evening(folder):
+    return night.run(EVENING, "greedy", folder, hours=0.7)
+
+
+def test_greedy_with_the_mask(folder, models, truths, greedy_evening):
+    """In twilight, when more than half of the sky is crossed, with the options as they are."""
+    plain = greedy_evening
+    mask = StreakMaskBasisFunction(models[40768])
     dodged = night.run(EVENING, "greedy", folder, hours=0.7, masks=[mask])
     before = brute_force.streaked(truths[40768], plain.visits).sum()
     after = brute_force.streaked(truths[40768], dodged.visits).sum()
@@ -92,6 +98,15 @@ def test_a_wholly_blocked_sky_still_returns_visits(folder, models, pairs_evening
     assert len(done.visits) >= 0.85 * np.count_nonzero(same)
     assert manager.counts["given_up"] == len(done.visits)
     assert not [one for one in told if "rejected everything" in str(one.message)]
+
+
+def test_a_wholly_blocked_sky_still_returns_greedy_visits(folder, models, greedy_evening):
+    mask = StreakMaskBasisFunction(models[40768].with_options(fov="60deg"))
+    done = night.run(EVENING, "greedy", folder, hours=0.5, masks=[mask])
+    same = greedy_evening.visits["mjd"] <= done.visits["mjd"].max()
+    print(f"visits {np.count_nonzero(same)} -> {len(done.visits)}, {mask.counts}")
+    assert len(done.visits) >= 0.85 * np.count_nonzero(same)
+    assert mask.counts["capped"] == mask.counts["asked"] and mask.counts["failed"] == 0
 
 
 def test_rewards_are_recorded(folder, models):
