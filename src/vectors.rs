@@ -1,6 +1,7 @@
 //! Loops in the widest vectors of the machine.
 
-use pulp::{Arch, NullaryFnOnce};
+use pulp::Arch;
+pub use pulp::NullaryFnOnce;
 
 /// Runs what is compiled once for each kind of machine; all that it calls must be `#[inline(always)]` to be among that.
 pub fn widest<Work: NullaryFnOnce>(work: Work) -> Work::Output {

@@ -2,14 +2,13 @@
 //! both leave.
 
 use nalgebra::Vector3;
-use pulp::NullaryFnOnce;
 
 use super::phase::{Inside, Phase, Question};
 use super::shade::Shade;
 use super::sight::Sight;
 use super::window::{CHUNK, Chunk, Cone, Window};
 use crate::frames::{Gcrs, Rotation, Teme};
-use crate::vectors::widest;
+use crate::vectors::{NullaryFnOnce, widest};
 
 /// Lanes of a chunk that are looked at together.
 const BLOCK: usize = 8;

@@ -1,9 +1,7 @@
 //! A point of light, drawn: a star, or a satellite that stands still.
 
-use pulp::NullaryFnOnce;
-
 use crate::camera::{Patch, PatchRows, PixelPosition};
-use crate::vectors::widest;
+use crate::vectors::{NullaryFnOnce, widest};
 
 use super::profile::RadialProfile;
 use super::tables::ProfileTables;

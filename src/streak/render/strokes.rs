@@ -2,10 +2,8 @@
 
 use std::ops::Range;
 
-use pulp::NullaryFnOnce;
-
 use crate::camera::{Lanes, Lattice, Patch, ProfileTables};
-use crate::vectors::widest;
+use crate::vectors::{NullaryFnOnce, widest};
 
 use super::blocks::{EACH, LANES, add};
 use super::chords::Chord;
