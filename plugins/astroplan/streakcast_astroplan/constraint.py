@@ -15,6 +15,7 @@ from streakcast.hosts import Hook
 
 from ._samples import MEANINGS, Meaning, cells_s, meaning_of
 from .blocks import Exposures, Rules, icrs_deg, one_of, seconds, unix_s
+from .memory import ClearStarts
 
 FloatArray = npt.NDArray[np.float64]
 
@@ -119,10 +120,11 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
     def _begin(self) -> None:
         self._kept: OrderedDict[Any, Any] = OrderedDict()
         self._kept_of: Union[StreakModel, None] = None
+        self._clear_starts = ClearStarts()
         self._observer: Any = None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {key: value for key, value in self.__dict__.items() if key not in ("_kept", "_kept_of", "_observer")}
+        return {key: value for key, value in self.__dict__.items() if key not in ("_kept", "_kept_of", "_clear_starts", "_observer")}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
         self.__dict__.update(state)
@@ -212,7 +214,12 @@ class SatelliteStreakConstraint(Constraint):  # type: ignore[misc]
         if overlong_s:
             message = f"a block of {block_s:.0f} s is asked about, its exposures last {overlong_s:.0f} s; all of them are looked at"
             self.hook.note("block", message, kind="block")
-        share = self.rules.worth_of_block(model, ra_deg, dec_deg, float(starts_s[0]), block_s)
+        if len(ra_deg) == 1:
+            # SequentialScheduler weighs each target anew at every step of the night.
+            place = (float(ra_deg[0]), float(dec_deg[0]))
+            share = np.array([self._clear_starts.worth_of_block(model, self.rules, *place, float(starts_s[0]), block_s)])
+        else:
+            share = self.rules.worth_of_block(model, ra_deg, dec_deg, float(starts_s[0]), block_s)
         # SequentialScheduler multiplies over the times: (s^(1/n))^n = s
         whole = share == 1.0 if self.boolean_constraint else self._scored(share) ** (1.0 / len(starts_s))
         return np.repeat(whole[:, np.newaxis], len(starts_s), axis=1)
