@@ -107,21 +107,28 @@ impl Window {
             let far_limit = limit + far * radius_rad as f32;
             let (ends, limits) = ([near, far], [near_limit, far_limit]);
             let outside = widest(Planes { chunk, fraction: x, observer: &o, axis: &d, ends, limits });
-            let mut cap = None;
+            // Who passes the planes, without a branch for each; and who of these is on this side, whose phases are then read side by side.
+            let (mut left, mut count) = ([0_u8; CHUNK], 0);
             for (block, outside) in outside.chunks_exact(BLOCK).enumerate() {
                 // Mostly nobody of eight: one comparison for all of them.
                 if outside.iter().copied().fold(f32::INFINITY, lesser) > 0.0 {
                     continue;
                 }
-                let cap = *cap.get_or_insert_with(|| question.cap([near_km, far_km], chunk.lowest_km));
-                for (lane, phase) in (block * BLOCK..).zip(chunk.phases.iter().skip(block * BLOCK)).take(BLOCK) {
-                    if outside[lane % BLOCK] > 0.0 {
-                        continue;
-                    }
-                    let normal = chunk.normal_at(lane, question.fraction());
-                    if cap.is_none_or(|cap| question.may_be_over(&cap, phase, &normal)) {
-                        met(chunk, lane, phase);
-                    }
+                for (lane, outside) in outside.iter().enumerate() {
+                    left[count & (CHUNK - 1)] = (block * BLOCK + lane) as u8;
+                    // What is not a number stays.
+                    count += usize::from(*outside <= 0.0 || outside.is_nan());
+                }
+            }
+            if count == 0 {
+                continue;
+            }
+            let cap = question.cap([near_km, far_km], chunk.lowest_km);
+            for lane in left.iter().take(count).map(|lane| usize::from(*lane)) {
+                let Some(phase) = chunk.phases.get(lane) else { continue };
+                let normal = chunk.normal_at(lane, question.fraction());
+                if cap.is_none_or(|cap| question.may_be_over(&cap, phase, &normal)) {
+                    met(chunk, lane, phase);
                 }
             }
         }

@@ -1,5 +1,7 @@
 //! Slow variables of an orbit: plane, mean longitude, eccentricity vector; free of singularities for circular and equatorial orbits.
 
+use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
+
 use nalgebra::Vector3;
 
 use super::propagator::State;
@@ -62,7 +64,7 @@ impl SlowElements {
 pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_axis_km: f64) -> ([f64; 2], [f64; 2]) {
     // λ = F + h cos F - k sin F, by Newton. Sine and cosine of F follow small steps by rotation, which spares their evaluation.
     let mut f = mean_longitude_rad;
-    let (mut sin_f, mut cos_f) = f.sin_cos();
+    let (mut sin_f, mut cos_f) = sin_cos(f);
     for _ in 0..12 {
         let step = (mean_longitude_rad - f - h * cos_f + k * sin_f) / (1.0 - h * sin_f - k * cos_f);
         // Near e = 1 a full Newton step can overshoot.
@@ -74,7 +76,7 @@ pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_
             let cos = 1.0 - 0.5 * square * (1.0 - square / 12.0 * (1.0 - square / 30.0));
             (sin_f, cos_f) = (sin_f * cos + cos_f * sin, cos_f * cos - sin_f * sin);
         } else {
-            (sin_f, cos_f) = f.sin_cos();
+            (sin_f, cos_f) = sin_cos(f);
         }
         // Newton converges quadratically: what is left is below e/2 · 10⁻⁵.
         if step.abs() < 3e-3 {
@@ -93,10 +95,38 @@ pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_
     ([x, y], [u, v])
 }
 
+/// Sine and cosine to 4·10⁻⁷: the first terms that are left out are x⁹/9! and x¹⁰/10!, x being π/4 at most.
+#[inline(always)]
+pub(super) fn sin_cos(angle_rad: f64) -> (f64, f64) {
+    /// 1.5 · 2⁵²: a number added to it is rounded to an integer, which stands in the lowest bits.
+    const ROUND: f64 = 6_755_399_441_055_744.0;
+    let shifted = angle_rad * FRAC_2_PI + ROUND;
+    let quarters = shifted - ROUND;
+    let x = angle_rad - quarters * FRAC_PI_2;
+    let square = x * x;
+    let sin = x * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))));
+    let cos = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40_320.0))));
+    match shifted.to_bits() & 3 {
+        0 => (sin, cos),
+        1 => (cos, -sin),
+        2 => (-sin, -cos),
+        _ => (-cos, sin),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::frames::{Position, Velocity};
+
+    #[test]
+    fn verif_sine_and_cosine_are_within_their_error() {
+        for step in -40_000..40_000 {
+            let angle_rad = f64::from(step) * 1e-3;
+            let (sin, cos) = sin_cos(angle_rad);
+            assert!((sin - angle_rad.sin()).abs() < 4e-7 && (cos - angle_rad.cos()).abs() < 4e-7, "{angle_rad}");
+        }
+    }
 
     /// A state turned into slow elements and back is the same state, for circular, equatorial, retrograde and eccentric orbits.
     #[test]

@@ -1,9 +1,8 @@
 //! A first look at phases: on which side of the Earth a satellite is. Nine in ten whose plane fits are elsewhere, and need no Kepler's equation.
 
-use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
-
 use nalgebra::Vector3;
 
+use super::kepler::sin_cos;
 use super::phase::Phase;
 
 /// True and mean longitude differ by at most so many eccentricities, for eccentricities to 0.9: 2 e + 11/48 e³ + ... for small ones.
@@ -81,36 +80,11 @@ impl Cap {
     }
 }
 
-/// Sine and cosine to 4·10⁻⁷: the first terms that are left out are x⁹/9! and x¹⁰/10!, x being π/4 at most.
-#[inline(always)]
-fn sin_cos(angle_rad: f64) -> (f64, f64) {
-    let quarters = (angle_rad * FRAC_2_PI).round();
-    let x = angle_rad - quarters * FRAC_PI_2;
-    let square = x * x;
-    let sin = x * (1.0 - square * (1.0 / 6.0 - square * (1.0 / 120.0 - square * (1.0 / 5040.0))));
-    let cos = 1.0 - square * (0.5 - square * (1.0 / 24.0 - square * (1.0 / 720.0 - square * (1.0 / 40_320.0))));
-    match quarters as i64 & 3 {
-        0 => (sin, cos),
-        1 => (cos, -sin),
-        2 => (-sin, -cos),
-        _ => (-cos, sin),
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::orbit::kepler::plane_state;
     use proptest::prelude::*;
-
-    #[test]
-    fn verif_sine_and_cosine_are_within_their_error() {
-        for step in -40_000..40_000 {
-            let angle_rad = f64::from(step) * 1e-3;
-            let (sin, cos) = sin_cos(angle_rad);
-            assert!((sin - angle_rad.sin()).abs() < 4e-7 && (cos - angle_rad.cos()).abs() < 4e-7, "{angle_rad}");
-        }
-    }
 
     #[test]
     fn verif_longitudes_swing_no_farther_than_they_may() {
