@@ -194,7 +194,7 @@ proptest! {
     #[test]
     fn verif_long_streaks_agree_with_sums(
         x in 0.0..260.0_f64, y in 0.0..200.0_f64, angle in 0.0..(2.0 * PI), is_shallow in any::<bool>(), log_bow in -4.0..1.0_f64,
-        log_ramp in -4.0..0.5_f64, fwhm_pix in 2.5..8.0_f64, is_ring in any::<bool>(),
+        log_ramp in -4.0..0.5_f64, fwhm_pix in 2.5..16.0_f64, ring in 0.0..5.0_f64,
     ) {
         let angle = if is_shallow { 0.02 * angle } else { angle };
         let (length, bow, ramp) = (900.0, 10f64.powf(log_bow), 10f64.powf(log_ramp));
@@ -206,7 +206,7 @@ proptest! {
         });
         let path = path(nodes.collect());
         let seeing = Seeing::Gaussian { fwhm_pix };
-        let outer = if is_ring { 2.0 * fwhm_pix } else { 0.0 };
+        let outer = if ring > 1.0 { ring * fwhm_pix } else { 0.0 };
         let blur = Blur { seeing, outer_radius_pix: outer, inner_radius_pix: 0.6 * outer, body_radius_pix: 0.1 * outer };
         let profile = RadialProfile::of(&blur).expect("a profile");
         let found = difference(&path, &profile, 200, 260);

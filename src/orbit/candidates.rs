@@ -74,7 +74,8 @@ impl Window {
             let since_s = cones.whole.mid_s;
             let is_then = |part: &Question<'_>| {
                 let [from_s, to_s] = part.asked_s().map(|time_s| time_s - since_s);
-                from_s <= in_whole.near_s[1] + late_s && to_s >= in_whole.near_s[0] - late_s
+                let is_past = from_s > in_whole.near_s[1] + late_s || to_s < in_whole.near_s[0] - late_s;
+                !is_past
             };
             let of_part = |(part, cone): (&Question<'_>, u32)| {
                 is_then(part).then(|| place(part)).flatten().map(|inside| candidate(cone, inside))
@@ -111,7 +112,7 @@ impl Window {
             let (mut left, mut count) = ([0_u8; CHUNK], 0);
             for (block, outside) in outside.chunks_exact(BLOCK).enumerate() {
                 // Mostly nobody of eight: one comparison for all of them.
-                if outside.iter().copied().fold(f32::INFINITY, lesser) > 0.0 {
+                if outside.iter().fold(true, |all, outside| all & (*outside > 0.0)) {
                     continue;
                 }
                 for (lane, outside) in outside.iter().enumerate() {

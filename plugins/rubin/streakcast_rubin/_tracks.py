@@ -187,7 +187,7 @@ def cells_as_pointings(nside: int, radius_deg: float, more_deg: float) -> Pointi
     return Pointings.of(nside, centres, np.arange(len(centres)), radius_deg, more_deg)
 
 
-@lru_cache(maxsize=4)
+@lru_cache(maxsize=16)
 def fields_as_pointings(nside: int, ra_rad: bytes, dec_rad: bytes, of_cell: bytes, radius_deg: float, more_deg: float) -> Pointings:
     """The fields of a survey, and which of them a visit to a cell goes to; arrays as bytes, which can be looked up."""
     ra, dec = np.frombuffer(ra_rad), np.frombuffer(dec_rad)

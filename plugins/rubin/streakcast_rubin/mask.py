@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any, Union
 
 import healpy as hp
@@ -16,6 +17,8 @@ from ._tracks import SAMPLE_S, SLOT_S, Kept, Pointings, Samples, brighter_than, 
 
 #: Half the side of a cell of nside 32, degrees.
 HALF_CELL_DEG = 0.92
+#: Nothing in a cell is farther from its middle, degrees.
+CELL_REACH_DEG = float(hp.max_pixrad(NSIDE, degrees=True))
 #: The fastest that crosses a field (340 km, overhead) moves so far between two samples, degrees.
 FASTEST_STEP_DEG = 1.3 * SAMPLE_S
 #: How much further than the field's radius from a field's own centre is looked, degrees: tracks are good to some arcminutes.
@@ -94,15 +97,17 @@ class StreakMaskBasisFunction(StreakMap):
         self.pad_deg = at_least("pad_deg", pad_deg, 0.0, most=90.0)
         self._kept: Kept[FloatArray] = Kept()
         self._survey: Any = None
+        #: Tonight's fields of the survey, and which of them a visit to each cell goes to, where it has not turned them itself.
+        self._turned: Union[tuple[int, Any, Any], None] = None
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**super().__getstate__(), "_kept": Kept()}
+        return {**super().__getstate__(), "_kept": Kept(), "_turned": None}
 
     def follow(self, survey: Any) -> None:
         """Looks at the fields of a survey, to which a visit to a cell really goes, in place of the cells.
 
         A field's centre may be 2 deg from the cell that was chosen. Known, it needs no margin: less sky is masked, and what is left open
-        is clear. Surveys with the same fields, dithers and seed can share one mask.
+        is clear. Surveys with the same fields, dithers and seed can share one mask: each stands tonight where the others do.
 
         Parameters
         ----------
@@ -118,18 +123,31 @@ class StreakMaskBasisFunction(StreakMap):
             raise ValueError(f"{type(survey).__name__} has no fields for the cells of nside {NSIDE}")
         if getattr(survey, "dither", None) == "call":
             raise ValueError("the survey turns its fields at each call (dither='call'), after it has asked for the mask")
-        self._survey = survey
+        self._survey, self._turned = survey, None
 
-    def _pointings(self) -> Pointings:
-        """Where visits to the cells would point."""
-        # A cell's own centre may be a diagonal away from a satellite in it, and the satellite half a step from its sample.
-        more_deg = FASTEST_STEP_DEG / 2.0 + 1.5 * HALF_CELL_DEG
+    def _fields(self, night: int) -> tuple[Any, Any]:
+        """The survey's fields as they stand in a night, and which of them a visit to each cell goes to."""
+        survey = self._survey
+        if getattr(survey, "dither", None) != "night" or np.max(survey.night) == night:
+            return survey.fields, survey.hp2fields
+        if self._turned is None or self._turned[0] != night:
+            # The host turns a survey's fields when it is first chosen in a night, after it has asked for the mask.
+            tonight = copy.copy(survey)
+            tonight.fields = survey.fields_init.copy()
+            tonight._spin_fields(night)
+            self._turned = (night, tonight.fields, tonight.hp2fields)
+        return self._turned[1:]
+
+    def _pointings(self, night: int) -> Pointings:
+        """Where visits to the cells would point in a night."""
+        # A satellite may be as far from the middle of its cell, and half a step from its sample.
+        more_deg = FASTEST_STEP_DEG / 2.0 + CELL_REACH_DEG
         if self._survey is None:
             return cells_as_pointings(NSIDE, self.radius_deg + self.pad_deg, more_deg)
-        # By what they hold: the host turns them once a night, in place, and copies of a scheduler share what is found here.
-        fields = self._survey.fields
+        # By what they hold: copies of a scheduler share what is found here.
+        fields, of_cells = self._fields(night)
         places = (np.ascontiguousarray(fields[one], dtype=float).tobytes() for one in ("RA", "dec"))
-        of_cell = np.ascontiguousarray(self._survey.hp2fields, dtype=np.int64).tobytes()
+        of_cell = np.ascontiguousarray(of_cells, dtype=np.int64).tobytes()
         return fields_as_pointings(NSIDE, *places, of_cell, self.radius_deg + FIELD_PAD_DEG, more_deg)
 
     def _map_of(self, model: StreakModel, conditions: Any) -> FloatArray:
@@ -143,7 +161,7 @@ class StreakMaskBasisFunction(StreakMap):
         zenith_deg = (float(np.max(conditions.lmst)) * 15.0 % 360.0, float(conditions.site.latitude))
         opens = np.where(reached, slew_s - self.jitter_s, np.inf)
         closes = np.where(reached, slew_s + self.exptime_s + self.jitter_s, -np.inf)
-        loss, pointings = np.zeros(CELLS), self._pointings()
+        loss, pointings = np.zeros(CELLS), self._pointings(int(np.max(conditions.night)))
         sky, limit = self._sky_of(model), limit_of(self.limit_mag, self._band(conditions))
         for number, samples in sky.over(now + opens.min() / 86_400.0, now + closes.max() / 86_400.0, zenith_deg):
             # What is lost where and when is the same for every visit; only its window moves on.

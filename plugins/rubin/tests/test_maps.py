@@ -71,18 +71,35 @@ def test_followed_fields_are_masked_as_they_are_crossed(conditions, models, gree
     starts = conditions.mjd + (conditions.slewtime[cells] - 3.0) / 86_400.0
     wide = model.with_options(fov=f"{2.0 * (model.field_radius_deg + FIELD_PAD_DEG)} deg")
     seen = []
-    for _ in range(2):
+    for night in (conditions.night, 3):
+        # The host turns them so, and then says for which night it did.
+        greedy._spin_fields(night)
+        greedy.night = conditions.night
         function.recalc = True
         masked = np.isnan(function(conditions))
         fields = greedy.fields[greedy.hp2fields[cells]]
         crossed = wide.assess((np.degrees(fields["RA"]), np.degrees(fields["dec"])), starts, 31.0 + 6.0).crosses
         assert 0.05 * cells.size < crossed.sum() and np.count_nonzero(masked[cells] != crossed) < BORDER_SHARE * cells.size
         seen.append(masked)
-        greedy._spin_fields(3)
     assert np.count_nonzero(seen[0] != seen[1]) > 0.1 * np.count_nonzero(seen[0])
     # Without a margin for what is not known less is masked.
     assert seen[0].sum() < 0.95 * np.count_nonzero(np.isnan(cellwise(conditions)))
     assert function.counts["failed"] == 0
+
+
+def test_tonights_fields_are_looked_at_before_the_host_turns_them(conditions, models, greedy):
+    """And where it is another survey with the same fields that is chosen all night."""
+    function, told = (StreakMaskBasisFunction(models[40768]) for _ in range(2))
+    assert greedy.dither == "night" and greedy.night != conditions.night
+    before = greedy.fields.copy()
+    function.follow(greedy)
+    value = function(conditions)
+    assert np.array_equal(greedy.fields, before) and greedy.night != conditions.night
+    greedy._spin_fields(conditions.night)
+    greedy.night = conditions.night
+    assert not np.array_equal(greedy.fields, before)
+    told.follow(greedy)
+    assert np.array_equal(value, told(conditions), equal_nan=True) and function.counts["failed"] == 0
 
 
 def test_copies_follow_the_survey_that_was_copied_with_them(conditions, models, greedy):
@@ -91,6 +108,7 @@ def test_copies_follow_the_survey_that_was_copied_with_them(conditions, models, 
     greedy.basis_functions.append(function)
     for other in (copy.deepcopy(greedy), pickle.loads(pickle.dumps(greedy))):
         other._spin_fields(3)
+        other.night = conditions.night
         value = other.basis_functions[-1](conditions)
         alone = StreakMaskBasisFunction(models[40768])
         alone.follow(other)

@@ -14,6 +14,9 @@ const BOW_ERROR_PIX: f64 = 1.5e-5;
 /// How far light per pixel may lie from its cubic, of itself.
 const LIGHT_ERROR: f64 = 3e-6;
 
+/// λ''/2λ times the variance from which on it is felt.
+const LEAST_BEND: f64 = 2e-6;
+
 /// A place on a path, and where the path goes.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Border {
@@ -83,6 +86,11 @@ impl Chord {
         let [first, last] = [-self.half_pix, self.half_pix].map(|a| self.light_at(a)[2].abs());
         let most = first.max(last);
         if most == 0.0 { 0.0 } else { most / self.light[0].abs() }
+    }
+
+    /// Whether light bends by so much that its second moment is felt.
+    pub fn is_bent(&self, profile: &ProfileTables) -> bool {
+        self.bend() * profile.variance_pix2() > LEAST_BEND
     }
 
     /// Angle between the directions at both ends, radians.

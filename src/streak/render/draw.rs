@@ -275,7 +275,9 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Ve
 /// How many chords from the first on may share a lattice at an angle; 0 where it is not worth its making.
 fn straight_from(marked: &[(Chord, bool)], angle_rad: f64, profile: &ProfileTables) -> usize {
     let is_straight = |(chord, is_summed): &&(Chord, bool)| {
-        !is_summed && (chord.angle_rad() - angle_rad).abs() + chord.half_turn_rad() <= profile.lattice_turn_rad()
+        !is_summed
+            && !chord.is_bent(profile)
+            && (chord.angle_rad() - angle_rad).abs() + chord.half_turn_rad() <= profile.lattice_turn_rad()
     };
     let lengths = marked.iter().take_while(is_straight).map(|(chord, _)| 2.0 * chord.half_pix);
     let (count, length_pix) = lengths.fold((0, 0.0), |(count, sum), length| (count + 1, sum + length));

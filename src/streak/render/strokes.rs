@@ -22,9 +22,6 @@ const COLUMNS: [f32; Lattice::COLUMNS] = {
     columns
 };
 
-/// λ''/2λ times the variance from which on it is felt.
-const LEAST_BEND: f64 = 2e-6;
-
 /// The profile across a line.
 pub(super) struct Across {
     /// At the direction of a chord.
@@ -112,9 +109,7 @@ fn summed(trees: &[PanelTree], profile: &ProfileTables, row: usize, first_column
 #[inline(always)]
 fn smooth(chord: &Chord, table: &Across, profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
     let stroke = Smooth::of(chord, table, profile);
-    if let Some(lattice) = &table.lattice
-        && stroke.second_moment.is_none()
-    {
+    if let Some(lattice) = &table.lattice {
         return straight(chord, &stroke, lattice, row, first_column, pixels);
     }
     let [ux, uy] = chord.along;
@@ -127,7 +122,7 @@ fn smooth(chord: &Chord, table: &Across, profile: &ProfileTables, row: usize, fi
     }
 }
 
-/// The same for long and straight chords, whose second orders in κ and g are not felt: light is read from a lattice.
+/// The same for long and straight chords, of even light or nearly, where the second order in g is not felt: light is read from a lattice.
 #[inline(always)]
 fn straight(chord: &Chord, stroke: &Smooth, lattice: &Lattice, row: usize, first_column: usize, pixels: &mut [f32]) {
     let [ux, uy] = chord.along;
@@ -146,8 +141,11 @@ fn straight(chord: &Chord, stroke: &Smooth, lattice: &Lattice, row: usize, first
         for (((pixel, before), after), column) in out.iter_mut().zip(near.before).zip(near.after).zip(&COLUMNS) {
             let a = a + column * step_a;
             let part = (b + column * step_b - bow * (a * a - half2)) * near.per_phase;
-            let foot = a + a * (twist + column * twist_step);
-            let brightness = l0 + foot * (l1 + foot * (l2 + foot * l3));
+            let turn = twist + column * twist_step;
+            let foot = a + a * turn;
+            let light = l0 + foot * (l1 + foot * (l2 + foot * l3));
+            // κv is the twist.
+            let brightness = light * (1.0 + 0.5 * turn);
             *pixel += brightness * (before + part * (after - before));
         }
     }
@@ -174,10 +172,9 @@ struct Feet<const N: usize> {
 impl<'a> Smooth<'a> {
     #[inline(always)]
     fn of(chord: &Chord, table: &'a Across, profile: &'a ProfileTables) -> Self {
-        let is_bent = chord.bend().abs() * profile.variance_pix2() > LEAST_BEND;
         Self {
             table,
-            second_moment: is_bent.then(|| profile.line_second_moment()),
+            second_moment: chord.is_bent(profile).then(|| profile.line_second_moment()),
             step: [chord.along[0] as f32, -chord.along[1] as f32],
             bow: chord.bow as f32,
             half2: (chord.half_pix * chord.half_pix) as f32,

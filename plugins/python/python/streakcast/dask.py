@@ -6,6 +6,7 @@ import hashlib
 import json
 import os
 import tempfile
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Union
 
@@ -94,10 +95,11 @@ def annotate(
                 client.submit(_one_night, part, rows, model, str(path), key, retries=retries, key=f"night-{int(night)}-{key[:16]}")
             )
     client.gather(tasks)
-    for path in files:
-        # What workers that died had begun.
-        for half in place.glob(f"{_scratch_prefix(path)}*"):
-            half.unlink(missing_ok=True)
+    # What workers that died had begun; what cannot be cleared away is no fault of the answers.
+    begun = tuple(_scratch_prefix(path) for path in files)
+    for half in [path for path in place.glob(".night-*") if path.name.startswith(begun)]:
+        with suppress(OSError):
+            half.unlink()
     return files
 
 
