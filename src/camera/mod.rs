@@ -16,6 +16,7 @@ mod preview;
 mod psf;
 mod wcs;
 
+#[cfg(feature = "fits")]
 pub(crate) use background::BRIGHTEST_E;
 pub use background::{BackgroundError, RandomStars, Star, background, flux_e};
 pub use card::{CARD_LENGTH, Card, CardValue};
