@@ -5,7 +5,8 @@ use std::collections::BTreeSet;
 use hifitime::Epoch;
 use streakcast::frames::{Direction, seconds_after};
 use streakcast::geometry::{Observer, Site};
-use streakcast::passes::{Field, PassOptions, Sky};
+use streakcast::passes::{Field, PassOptions, Sky, SkyTrack, SkyTrackOptions};
+use streakcast::photometry::PhotometryOptions;
 use streakcast::setup::Setup;
 
 fn dusk() -> Epoch {
@@ -136,4 +137,98 @@ fn what_cannot_be_asked_is_told() {
     }
     let early: Epoch = "1900-01-01T00:00:00 UTC".parse().unwrap();
     assert!(sky.overhead(early, 0.0, 1, 0.0, &options(true)).is_err() && sky.sun_over_site(early).is_err());
+}
+
+/// Satellites at two heights, some of them in the shadow.
+fn mixed_sky() -> Sky {
+    let setup = Setup::from_toml("shells = ['oneweb', 'starlink-gen1']\nsite = 'rubin'\n", "t.toml").unwrap();
+    setup.prepare(dusk(), dusk()).unwrap().sky
+}
+
+/// Places alone are those of the full answer, moment by moment, for the same satellites.
+#[test]
+fn verif_sky_tracks_stand_where_the_full_answer_has_them() {
+    let sky = mixed_sky();
+    let stretches: [(f64, Vec<f64>, f64); 4] = [
+        (0.0, vec![0.0], 10.0),
+        (0.0, (0..20).map(|step| 2.0 * f64::from(step)).collect(), 18.0),
+        (3600.0, vec![100.0, 160.0, 1000.0, 1130.5], 0.0),
+        (7200.0, vec![0.0, 1800.0, 3600.0], 25.0),
+    ];
+    for include_dark in [false, true] {
+        for (later_s, moments_s, lowest_deg) in &stretches {
+            let (at, lowest_rad) = (seconds_after(dusk(), *later_s), lowest_deg.to_radians());
+            let photometry = PhotometryOptions::default();
+            let asked = SkyTrackOptions { min_altitude_rad: lowest_rad, include_dark, photometry: Some(photometry) };
+            let (tracks, left_out) = sky.sky_tracks(at, moments_s, &asked).unwrap();
+            assert!(left_out.is_empty());
+            assert!(tracks.is_sorted_by_key(|track| track.element_index));
+            let mut seen = 0;
+            for (number, moment_s) in moments_s.iter().enumerate() {
+                let (now, _) =
+                    sky.overhead(seconds_after(at, *moment_s), 0.0, 1, lowest_rad, &options(include_dark)).unwrap();
+                let place = |track: &SkyTrack| {
+                    track
+                        .places
+                        .iter()
+                        .find(|(of, _)| *of == number)
+                        .map(|(_, direction)| (track.element_index, *direction))
+                };
+                let places: Vec<_> = tracks.iter().filter_map(place).collect();
+                let there: Vec<usize> = now.iter().map(|one| one.element_index).collect();
+                assert_eq!(places.iter().map(|(index, _)| *index).collect::<Vec<_>>(), there);
+                for (one, (_, direction)) in now.iter().zip(&places) {
+                    // Interpolated orbits are good to millimetres, the site's turn to a millimetre over ten minutes.
+                    let apart_rad = one.points[0].direction.separation_rad(direction);
+                    assert!(apart_rad < 1e-7, "{apart_rad}");
+                }
+                for track in tracks.iter().filter(|track| track.places[track.places.len() / 2].0 == number) {
+                    let point = &now.iter().find(|one| one.element_index == track.element_index).unwrap().points[0];
+                    assert!((point.range_km - track.range_km).abs() < 1e-3);
+                    let magnitudes = [point.brightness.as_ref(), track.brightness.as_ref()]
+                        .map(|light| light.map(|light| light.magnitude.0));
+                    match magnitudes {
+                        [Some(full), Some(alone)] => assert!((full - alone).abs() < 1e-5, "{full} {alone}"),
+                        other => assert_eq!(other, [None, None]),
+                    }
+                }
+                seen += there.len();
+            }
+            assert!(seen > 20, "{seen} in {} moments", moments_s.len());
+        }
+    }
+}
+
+#[test]
+fn sky_tracks_move_as_fast_as_their_places_do() {
+    let (sky, moments_s) = (mixed_sky(), [0.0, 0.5, 1.0]);
+    let asked = SkyTrackOptions { min_altitude_rad: 0.3, include_dark: false, photometry: None };
+    let (tracks, _) = sky.sky_tracks(dusk(), &moments_s, &asked).unwrap();
+    let whole = tracks.iter().filter(|track| track.places.len() == 3);
+    for track in whole.clone() {
+        let moved_rad = track.places[0].1.separation_rad(&track.places[2].1);
+        // Over a second a track bends by some hundredths of its length at most.
+        assert!((moved_rad / track.angular_rate_rad_s - 1.0).abs() < 1e-3, "{moved_rad} {}", track.angular_rate_rad_s);
+        assert!(track.brightness.is_none());
+    }
+    assert!(whole.count() > 100);
+}
+
+#[test]
+fn sky_tracks_refuse_what_they_cannot_answer() {
+    let sky = sky();
+    let asked = |moments_s: &[f64], min_altitude_rad: f64| {
+        let options = SkyTrackOptions { min_altitude_rad, include_dark: false, photometry: None };
+        sky.sky_tracks(dusk(), moments_s, &options).unwrap_err().to_string()
+    };
+    for (moments_s, altitude_rad, words) in [
+        (vec![], 0.3, "0 moments (allowed: 1 to 10000)"),
+        (vec![0.0, 2.0, 2.0], 0.3, "not in the order of time"),
+        (vec![-1.0], 0.3, "-1 s after the start (allowed: 0 to 3600 s)"),
+        (vec![f64::NAN], 0.3, "NaN s after the start"),
+        (vec![0.0], -0.1, "allowed: 0 to 90 deg"),
+    ] {
+        let message = asked(&moments_s, altitude_rad);
+        assert!(message.contains(words), "{message}");
+    }
 }

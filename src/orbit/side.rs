@@ -26,9 +26,31 @@ pub(super) struct Cap {
 }
 
 impl Cap {
-    /// Of a cone about a unit vector, between two distances from the observer, in orbits no lower than `lowest_km` from the Earth's centre; `None` where the
-    /// cone is too wide there.
+    /// Of a cone about a unit vector, between two distances from the observer, in orbits no lower than `lowest_km` from the Earth's centre; `None` where that
+    /// may be anywhere.
     pub fn of(
+        observer: &Vector3<f64>,
+        axis: &Vector3<f64>,
+        radius_rad: f64,
+        distances_km: [f64; 2],
+        lowest_km: f64,
+    ) -> Option<Self> {
+        let along = Self::along(observer, axis, radius_rad, distances_km, lowest_km);
+        along.or_else(|| Self::about(observer, distances_km[1], lowest_km))
+    }
+
+    /// Of all that is no farther than `far_km` from the observer, for cones as wide as the sky.
+    fn about(observer: &Vector3<f64>, far_km: f64, lowest_km: f64) -> Option<Self> {
+        let height_km = observer.norm();
+        // cos ψ = (r² + R² - ρ²) / 2rR is least at the greatest ρ, and there at r = √(R² - ρ²) or the lowest above it.
+        let radius_km = lowest_km.max((height_km * height_km - far_km * far_km).max(0.0).sqrt());
+        let cosine = (radius_km * radius_km + height_km * height_km - far_km * far_km) / (2.0 * radius_km * height_km);
+        // What is no number holds nothing.
+        (cosine > -1.0).then(|| Self { centre: observer / height_km, radius_rad: cosine.min(1.0).acos(), lowest_km })
+    }
+
+    /// Of a cone about a unit vector; `None` where it is too wide.
+    fn along(
         observer: &Vector3<f64>,
         axis: &Vector3<f64>,
         radius_rad: f64,
@@ -106,7 +128,7 @@ mod tests {
         #[test]
         fn verif_caps_hold_what_cones_hold(
             zenith_rad in 0.0..1.6_f64,
-            radius_rad in 0.001..0.3_f64,
+            radius_rad in 0.001..1.5_f64,
             (first, second) in (0.0..1.0_f64, 0.0..1.0_f64),
             (depth, off, around) in (0.0..1.0_f64, 0.0..1.0_f64, 0.0..6.3_f64),
         ) {

@@ -4,11 +4,11 @@ use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use hifitime::Epoch;
-use numpy::IntoPyArray;
+use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::frames::seconds_after;
-use streakcast::passes::{Exposure, Field, FieldPass, PassOptions};
+use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, SkyTrack, SkyTrackOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict,
@@ -20,7 +20,7 @@ use streakcast::telescope::Telescope;
 
 use crate::columns::{columns, times};
 use crate::failure;
-use crate::questions::{Columns, rows, scale_name, within};
+use crate::questions::{Columns, rows, scale_name, start_of, within};
 use crate::skies::{Skies, setup_of};
 
 /// An answer and what the user should know of it.
@@ -240,9 +240,82 @@ impl Engine {
         answer.set_item("last_start", moments(|window| window.last))?;
         Ok((answer, warnings))
     }
+
+    /// Satellites above the site at moments, `seconds` after a first: one row a satellite and moment.
+    #[expect(clippy::too_many_arguments)]
+    fn overhead<'py>(
+        &self,
+        py: Python<'py>,
+        jd1: f64,
+        jd2: f64,
+        seconds: Vec<f64>,
+        min_altitude_deg: f64,
+        include_dark: bool,
+        light: bool,
+    ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
+        let start = start_of(0, jd1, jd2)?;
+        within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
+        let options = SkyTrackOptions {
+            min_altitude_rad: min_altitude_deg.to_radians(),
+            include_dark,
+            photometry: light.then_some(self.photometry),
+        };
+        let (rows, warnings) = failure::without_lock(py, || self.sky_rows(start, &seconds, &options))?;
+        let answer = PyDict::new(py);
+        let reals = |column: Vec<f64>| -> Bound<'py, PyArray1<f64>> { column.into_pyarray(py) };
+        answer.set_item("moment", rows.moment.into_pyarray(py))?;
+        answer.set_item("norad_id", rows.norad_id.into_pyarray(py))?;
+        answer.set_item("direction", reals(rows.direction).reshape([rows.range_km.len(), 3])?)?;
+        answer.set_item("range_km", reals(rows.range_km))?;
+        answer.set_item("angular_rate_deg_s", reals(rows.rate_deg_s))?;
+        answer.set_item("lost_width_arcsec", reals(rows.lost_width_arcsec))?;
+        answer.set_item("magnitude", reals(rows.magnitude))?;
+        Ok((answer, warnings))
+    }
+}
+
+/// Satellites over a site, a row a satellite and moment.
+#[derive(Default)]
+struct SkyRows {
+    moment: Vec<i64>,
+    norad_id: Vec<i64>,
+    /// Three numbers a row.
+    direction: Vec<f64>,
+    range_km: Vec<f64>,
+    rate_deg_s: Vec<f64>,
+    lost_width_arcsec: Vec<f64>,
+    magnitude: Vec<f64>,
 }
 
 impl Engine {
+    fn sky_rows(&self, start: Epoch, seconds: &[f64], options: &SkyTrackOptions) -> PyResult<WithWarnings<SkyRows>> {
+        let prepared = self.skies.get().of(start)?;
+        let sky = &prepared.sky;
+        let (tracks, failed) = sky.sky_tracks(start, seconds, options).map_err(failure::asked)?;
+        let warnings = left_out(&prepared, &failed, start)?.into_iter().collect();
+        let lost_width = |track: &SkyTrack| {
+            let width = |telescope: &Telescope| {
+                telescope.mask_widths * telescope.width_arcsec(track.range_km, sky.model(track.element_index).size_m())
+            };
+            self.telescope.as_ref().map_or(f64::NAN, width)
+        };
+        let mut rows = SkyRows::default();
+        for track in &tracks {
+            let lost_width_arcsec = lost_width(track);
+            let magnitude = track.brightness.as_ref().map_or(f64::NAN, |light| light.magnitude.0);
+            for (moment, direction) in &track.places {
+                rows.moment.push(*moment as i64);
+                rows.norad_id.push(i64::from(track.norad_id.0));
+                rows.direction.extend(direction.vector().iter());
+                rows.range_km.push(track.range_km);
+                rows.rate_deg_s.push(track.angular_rate_rad_s.to_degrees());
+                rows.lost_width_arcsec.push(lost_width_arcsec);
+                rows.magnitude.push(magnitude);
+            }
+        }
+        Ok((rows, warnings))
+    }
+
     fn pass_table(&self, exposures: &[Exposure], include_dark: bool, samples: usize) -> PyResult<WithWarnings<Table>> {
         let field = self.field()?;
         let options = PassOptions {

@@ -70,7 +70,7 @@ class StreakMap(BaseBasisFunction):
     def _sky_of(self, model: StreakModel) -> Sky:
         """The satellites of a model."""
         if self._sky is None or self._sky.model is not model:
-            self._sky = Sky(model, self.mjd_scale)
+            self._sky = Sky(model, self.mjd_scale, light=self.damage == "light" or self.limit_mag is not None)
         return self._sky
 
     def _band(self, conditions: Any) -> Union[str, None]:

@@ -1,4 +1,4 @@
-"""All lit satellites over a sky, second by second: asked once for everything above the horizon, kept in slots of 20 s."""
+"""All lit satellites over a sky, second by second: asked once for everything above the horizon, kept in slots of 40 s."""
 
 from __future__ import annotations
 
@@ -9,20 +9,19 @@ from typing import Any, Generic, NamedTuple, TypeVar, Union
 
 import healpy as hp
 import numpy as np
-from astropy.time import Time
 from streakcast import StreakModel
 
 from ._arrays import FloatArray, IntArray
 from ._questions import weight_of_light
 
-#: What is asked in one go, seconds: over so short a stretch a parabola through three points is good to some arcminutes.
-SLOT_S = 20.0
-#: Between two samples of a track a satellite moves by a degree or two; `Samples.step_deg` says by how much.
+#: What is asked in one go, seconds: about as long as from one visit to the next.
+SLOT_S = 40.0
+#: Between two samples of a track a satellite moves by a degree or two; `Samples.rate_deg_s` says by how much.
 SAMPLE_S = 2.0
-#: The sky down to 18 degrees of altitude, as one round field.
-SKY_DEG = 144.0
+#: How far down satellites are looked at, degrees of altitude.
+LOWEST_DEG = 18.0
 #: Slots that are kept: ten minutes.
-KEPT = 30
+KEPT = 15
 Value = TypeVar("Value")
 
 
@@ -37,7 +36,7 @@ class Samples(NamedTuple):
     rate_deg_s: FloatArray
     #: Width of what a streak makes useless, arcseconds, ``(n,)``.
     lost_width_arcsec: FloatArray
-    #: Peak magnitude, ``(n,)``; NaN where unknown.
+    #: Magnitude, ``(n,)``; NaN where unknown.
     magnitude: FloatArray
 
 
@@ -69,77 +68,33 @@ class Kept(Generic[Value]):
 class Sky:
     """The lit satellites of a model, by slots of time."""
 
-    def __init__(self, model: StreakModel, scale: str) -> None:
+    def __init__(self, model: StreakModel, scale: str, light: bool) -> None:
         self.model = model
-        self._wide = model.with_options(fov=f"{SKY_DEG} deg", field=None)
         self._scale = scale
+        self._light = light
         self._kept: Kept[Samples] = Kept()
 
-    def over(self, start_mjd: float, end_mjd: float, zenith_deg: tuple[float, float]) -> list[tuple[int, Samples]]:
-        """Slots that cover a stretch, each with its number: it begins ``number * SLOT_S`` after MJD 0.
+    def over(self, start_mjd: float, end_mjd: float) -> list[tuple[int, Samples]]:
+        """Slots that cover a stretch, in the host's scale, each with its number: it begins ``number * SLOT_S`` after MJD 0."""
+        found = []
+        for number in range(int(start_mjd * 86_400.0 // SLOT_S), int(end_mjd * 86_400.0 // SLOT_S) + 1):
+            samples = self._kept.get(self.model, number)
+            if samples is None:
+                samples = self._kept.put(number, self.ask(number * (SLOT_S / 86_400.0), SLOT_S))
+            found.append((number, samples))
+        return found
 
-        Parameters
-        ----------
-        start_mjd, end_mjd : float
-            The stretch, in the host's scale.
-        zenith_deg : pair
-            Right ascension and declination of the zenith, to a degree or so.
-        """
-        numbers = range(int(start_mjd * 86_400.0 // SLOT_S), int(end_mjd * 86_400.0 // SLOT_S) + 1)
-        known = {number: self._kept.get(self.model, number) for number in numbers}
-        missing = [number for number, samples in known.items() if samples is None]
-        if missing:
-            found = self.ask(np.array(missing) * (SLOT_S / 86_400.0), SLOT_S, zenith_deg)
-            known |= {number: self._kept.put(number, samples) for number, samples in zip(missing, found)}
-        return [(number, samples) for number, samples in known.items() if samples is not None]
-
-    def ask(self, starts_mjd: FloatArray, length_s: float, zenith_deg: tuple[float | FloatArray, float]) -> list[Samples]:
-        """What stands in the sky from each of several moments on, for some seconds; the zenith is one for all, or one for each."""
-        passes = self._wide.passes(zenith_deg, starts_mjd, length_s, scale=self._scale, output="dict")
-        begun = np.asarray(Time(starts_mjd, format="mjd", scale=self._scale).utc.datetime64, dtype="datetime64[ns]")
-        which = np.asarray(passes["exposure_id"], dtype=np.int64)
-        knots = ("enter", "mid", "exit")
-        seconds = [(np.asarray(passes[f"{one}_utc"]) - begun[which]) / np.timedelta64(1, "s") for one in knots]
-        places = [_unit(*(np.asarray(passes[f"{one}_{angle}_deg"], dtype=float) for angle in ("ra", "dec"))) for one in knots]
-        # share = length x width / area; 0 where no telescope says what is lost.
-        share, length_deg = (np.asarray(passes[one], dtype=float) for one in ("lost_pixel_fraction", "streak_length_deg"))
-        with np.errstate(divide="ignore", invalid="ignore"):
-            width = np.nan_to_num(share * (self._wide.field_area_deg2 or 0.0) * 3600.0 / length_deg, posinf=0.0)
-        rate, magnitude = np.asarray(passes["angular_rate_deg_s"], float), np.asarray(passes["magnitude_peak"], float)
-        answer = []
+    def ask(self, start_mjd: float, length_s: float) -> Samples:
+        """What stands in the sky from a moment on, for some seconds."""
         steps = np.arange(0.0, length_s, SAMPLE_S)
-        for one in range(starts_mjd.size):
-            row = np.flatnonzero(which == one)
-            enter, middle, leave = (second[row, None] for second in seconds)
-            inside = (steps >= enter - 1e-6) & (steps <= leave + 1e-6)
-            if length_s <= SAMPLE_S:
-                direction = places[1][row][:, None, :].repeat(steps.size, axis=1)
-            else:
-                direction = _parabola((enter, middle, leave), tuple(place[row] for place in places), steps)
-            who, when = np.nonzero(inside)
-            answer.append(Samples(direction[who, when], steps[when], rate[row][who], width[row][who], magnitude[row][who]))
-        return answer
+        found = self.model.overhead(start_mjd, steps, min_altitude=LOWEST_DEG, light=self._light, scale=self._scale)
+        # No width where no telescope says what is lost.
+        width = np.nan_to_num(found.lost_width_arcsec)
+        return Samples(found.direction, steps[found.moment], found.angular_rate_deg_s, width, found.magnitude)
 
 
-def _unit(ra_deg: FloatArray, dec_deg: FloatArray) -> FloatArray:
-    ra, dec = np.radians(ra_deg), np.radians(dec_deg)
-    return np.stack([np.cos(dec) * np.cos(ra), np.cos(dec) * np.sin(ra), np.sin(dec)], axis=-1)
-
-
-def _parabola(knots: tuple[FloatArray, FloatArray, FloatArray], places: tuple[FloatArray, ...], at: FloatArray) -> FloatArray:
-    """Lagrange's parabola through three places, put back on the sphere: ``(n_tracks, n_moments, 3)``."""
-    one, two, three = knots
-    weights = (_basis(at, one, two, three), _basis(at, two, one, three), _basis(at, three, one, two))
-    summed = np.zeros((one.shape[0], at.size, 3))
-    for weight, place in zip(weights, places):
-        # A track of no length has three equal knots, and stands still.
-        summed += np.where(np.isfinite(weight), weight, 1.0 / 3.0)[..., None] * place[:, None, :]
-    return np.asarray(summed / np.linalg.norm(summed, axis=-1, keepdims=True), dtype=float)
-
-
-def _basis(at: FloatArray, own: FloatArray, one: FloatArray, two: FloatArray) -> FloatArray:
-    with np.errstate(divide="ignore", invalid="ignore"):
-        return np.asarray((at - one) * (at - two) / ((own - one) * (own - two)), dtype=float)
+def _unit(ra_rad: FloatArray, dec_rad: FloatArray) -> FloatArray:
+    return np.stack([np.cos(dec_rad) * np.cos(ra_rad), np.cos(dec_rad) * np.sin(ra_rad), np.sin(dec_rad)], axis=-1)
 
 
 @lru_cache(maxsize=4)
@@ -175,7 +130,7 @@ class Pointings:
         order = np.argsort(cell, kind="stable")
         cell, pointing = cell[order], pointing[order]
         counts = np.bincount(cell, minlength=12 * nside * nside)
-        near = np.full((counts.size, counts.max()), -1, dtype=np.int64)
+        near = np.full((counts.size, counts.max()), -1, dtype=np.int32)
         near[cell, np.arange(cell.size) - np.repeat(np.cumsum(counts) - counts, counts)] = pointing
         return cls(centres, np.asarray(of_cell), near, radius_deg)
 
@@ -191,7 +146,7 @@ def cells_as_pointings(nside: int, radius_deg: float, more_deg: float) -> Pointi
 def fields_as_pointings(nside: int, ra_rad: bytes, dec_rad: bytes, of_cell: bytes, radius_deg: float, more_deg: float) -> Pointings:
     """The fields of a survey, and which of them a visit to a cell goes to; arrays as bytes, which can be looked up."""
     ra, dec = np.frombuffer(ra_rad), np.frombuffer(dec_rad)
-    return Pointings.of(nside, _unit(np.degrees(ra), np.degrees(dec)), np.frombuffer(of_cell, dtype=np.int64), radius_deg, more_deg)
+    return Pointings.of(nside, _unit(ra, dec), np.frombuffer(of_cell, dtype=np.int64), radius_deg, more_deg)
 
 
 def loss_of(samples: Samples, seconds: float, area_deg2: float, weighted: bool) -> FloatArray:

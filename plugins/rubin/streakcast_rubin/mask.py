@@ -23,8 +23,10 @@ CELL_REACH_DEG = float(hp.max_pixrad(NSIDE, degrees=True))
 FASTEST_STEP_DEG = 1.3 * SAMPLE_S
 #: How much further than the field's radius from a field's own centre is looked, degrees: tracks are good to some arcminutes.
 FIELD_PAD_DEG = 0.1
-#: Seconds after a slot's beginning at which satellites are looked at.
-STEPS_S = np.arange(0.0, SLOT_S, SAMPLE_S)
+#: Where all of a part of the sky is crossed, cells are masked that lose so many times as much as its best tenth.
+WORTH = 2.0
+#: How often satellites are looked at in a slot.
+STEPS = int(SLOT_S / SAMPLE_S)
 
 
 class StreakMaskBasisFunction(StreakMap):
@@ -33,7 +35,8 @@ class StreakMaskBasisFunction(StreakMap):
     For each cell the window is that of a visit which begins now: slew (the map of the conditions), exposure, and `jitter_s` on both
     sides. A cell is masked where a lit satellite comes closer to its centre than the field's radius and half a cell; after `follow`,
     where one crosses the field of the survey that a visit to the cell goes to. Where more than `max_share` of the cells that the
-    telescope can reach would be masked, those are left open that lose least, in every part of the sky some.
+    telescope can reach would be masked, those are left open that lose least, in every part of the sky some, and all that lose less than twice
+    as much as the best tenth of their part.
 
     Parameters
     ----------
@@ -158,64 +161,66 @@ class StreakMaskBasisFunction(StreakMap):
         answer = np.zeros(CELLS)
         if not reached.any():
             return answer
-        zenith_deg = (float(np.max(conditions.lmst)) * 15.0 % 360.0, float(conditions.site.latitude))
-        opens = np.where(reached, slew_s - self.jitter_s, np.inf)
-        closes = np.where(reached, slew_s + self.exptime_s + self.jitter_s, -np.inf)
-        loss, pointings = np.zeros(CELLS), self._pointings(int(np.max(conditions.night)))
+        opens, closes = slew_s[reached] - self.jitter_s, slew_s[reached] + self.exptime_s + self.jitter_s
+        pointings = self._pointings(int(np.max(conditions.night)))
+        of_cell, lost = pointings.of_cell[reached], np.zeros(opens.size)
         sky, limit = self._sky_of(model), limit_of(self.limit_mag, self._band(conditions))
-        for number, samples in sky.over(now + opens.min() / 86_400.0, now + closes.max() / 86_400.0, zenith_deg):
+        # Steps within the window, and half a step on both sides: the track between the samples counts.
+        now_s = now * 86_400.0
+        first = np.ceil((now_s + opens) / SAMPLE_S - 0.5).astype(np.int64)
+        end = np.maximum(np.floor((now_s + closes) / SAMPLE_S + 1.5).astype(np.int64), first)
+        for number, samples in sky.over(now + opens.min() / 86_400.0, now + closes.max() / 86_400.0):
             # What is lost where and when is the same for every visit; only its window moves on.
-            by_step = self._kept.get((sky, limit, pointings), number)
-            if by_step is None:
-                by_step = self._kept.put(number, self._losses(brighter_than(limit, samples), pointings))
-            when = STEPS_S + (number * SLOT_S / 86_400.0 - now) * 86_400.0
-            # Half a step on both sides: the track between the samples counts.
-            inside = (when[:, None] + SAMPLE_S / 2.0 >= opens) & (when[:, None] - SAMPLE_S / 2.0 <= closes)
-            loss += np.einsum("ij,ij->j", by_step[:, pointings.of_cell], inside)
+            before = self._kept.get((sky, limit, pointings), number)
+            if before is None:
+                before = self._kept.put(number, self._losses(brighter_than(limit, samples), pointings))
+            since, until = (np.clip(step - number * STEPS, 0, STEPS) for step in (first, end))
+            lost += before[until, of_cell] - before[since, of_cell]
+        loss = np.zeros(CELLS)
+        loss[reached] = lost
         masked = loss > 0.0
-        most = int(self.max_share * np.count_nonzero(reached))
-        if np.count_nonzero(masked) > most:
+        if np.count_nonzero(masked) > int(self.max_share * np.count_nonzero(reached)):
             self.counts["capped"] += 1
-            masked = _worst(loss, reached, most)
+            masked = _worst(loss, reached, self.max_share)
         self.counts["masked"] += int(np.count_nonzero(masked))
         answer[masked] = np.nan
         return answer
 
     def _losses(self, samples: Samples, pointings: Pointings) -> FloatArray:
-        """What the satellites of one slot cost a visit to each pointing at each of its steps: ``(n_steps, n_pointings)``."""
+        """What the satellites of one slot cost a visit to each pointing before each of its steps: ``(n_steps + 1, n_pointings)``."""
         n = len(pointings.centres)
-        if samples.second.size == 0:
-            return np.zeros((STEPS_S.size, n))
         near_by = pointings.near[hp.vec2pix(NSIDE, *samples.direction.T)]
-        who, column = np.nonzero(near_by >= 0)
-        pointing = near_by[who, column]
-        cosine = np.einsum("ij,ij->i", samples.direction[who], pointings.centres[pointing])
+        cosine = np.einsum("ij,ikj->ik", samples.direction, pointings.centres[near_by])
         # Closest approach between the samples: d² ≤ r² + (step / 2)²
         reach = np.sqrt(np.radians(pointings.radius_deg) ** 2 + np.radians(samples.rate_deg_s * SAMPLE_S / 2.0) ** 2)
-        near = cosine >= np.cos(np.minimum(reach, np.pi))[who]
+        who, column = np.nonzero((cosine >= np.cos(np.minimum(reach, np.pi))[:, None]) & (near_by >= 0))
         lost = loss_of(samples, SAMPLE_S, self.area_deg2, self.damage == "light")
         # Where no telescope tells a width, every satellite weighs the same.
         lost = np.where(lost > 0.0, lost, 1e-12)
-        who, pointing = who[near], pointing[near]
-        place = np.rint(samples.second / SAMPLE_S).astype(np.int64)[who] * n + pointing
-        summed = np.bincount(place, weights=lost[who], minlength=STEPS_S.size * n)
-        return np.asarray(summed.reshape(STEPS_S.size, n), dtype=float)
+        place = (np.rint(samples.second / SAMPLE_S).astype(np.int64)[who] + 1) * n + near_by[who, column]
+        before: FloatArray = np.bincount(place, weights=lost[who], minlength=(STEPS + 1) * n).reshape(STEPS + 1, n)
+        for step in range(STEPS):
+            before[step + 1] += before[step]
+        return before
 
 
-def _worst(loss: FloatArray, reached: BoolArray, most: int) -> BoolArray:
-    """The `most` of the crossed cells that are masked: what stays open is spread over the sky, the least loss of each part of it first.
+def _worst(loss: FloatArray, reached: BoolArray, max_share: float) -> BoolArray:
+    """The share of the reached cells that is masked at most, of those that are crossed.
 
-    Were it the least loss of the whole sky, all of it could lie where a survey never points.
+    What stays open is spread over the sky, the least loss of each part of it first: were it the least loss of the whole sky, all of it could
+    lie where a survey never points. With it stay those that lose less than `WORTH` times as much as the best tenth of their part of the sky:
+    from them a slew gains little.
     """
     cells = np.flatnonzero(reached)
     sector = sectors(NSIDE)[cells]
     order = np.lexsort((loss[cells], sector))
     cells, sector = cells[order], sector[order]
-    _, first, size = np.unique(sector, return_index=True, return_counts=True)
+    _, first, of_sector, size = np.unique(sector, return_index=True, return_inverse=True, return_counts=True)
     # How much of its own part of the sky loses less than a cell.
-    share = (np.arange(cells.size) - np.repeat(first, size) + 0.5) / np.repeat(size, size)
-    crossed = loss[cells] > 0.0
-    cells, share = cells[crossed], share[crossed]
+    share = (np.arange(cells.size) - first[of_sector] + 0.5) / size[of_sector]
+    best_tenth = loss[cells][first + size // 10]
+    worth = loss[cells] > WORTH * best_tenth[of_sector]
+    cells, share = cells[worth], share[worth]
     masked = np.zeros(loss.size, dtype=bool)
-    masked[cells[np.argsort(share, kind="stable")[::-1][:most]]] = True
+    masked[cells[np.argsort(share, kind="stable")[::-1][: int(max_share * np.count_nonzero(reached))]]] = True
     return masked

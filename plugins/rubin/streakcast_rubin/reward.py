@@ -108,9 +108,8 @@ class StreakRewardBasisFunction(StreakMap):
             return made[2]
         see(self.hook, conditions, self.mjd_scale)
         ahead_h = np.linspace(0.0, self.look_ahead_min / 60.0, self.samples)
-        # The sky turns by 15 degrees an hour.
-        zenith_deg = ((float(np.max(conditions.lmst)) + ahead_h) * 15.0 % 360.0, float(conditions.site.latitude))
-        seen = self._sky_of(model).ask(now + ahead_h / 24.0, SAMPLE_S, zenith_deg)
+        sky = self._sky_of(model)
+        seen = [sky.ask(now + later_h / 24.0, SAMPLE_S) for later_h in ahead_h]
         value = -self._lost_mpx([brighter_than(limit, one) for one in seen])
         self._made = (now, key, value)
         self.counts["made"] += 1

@@ -7,14 +7,15 @@
 True
 
 `StreakModel` holds satellites, site, field of view, brightness models and policy, and answers questions over arrays of exposures;
-`StreakModel.forecast` lists the visible passes of nights, `StreakModel.identify` says whose streak one is.
+`StreakModel.forecast` lists the visible passes of nights, `StreakModel.overhead` places all satellites above the site at a moment,
+`StreakModel.identify` says whose streak one is.
 `inject` puts streaks into frames and arrays. `body_map`, `sky_map`, `standard_magnitudes` and `sky_magnitudes` ask the brightness models alone.
 
 Times say their scale: an `astropy.time.Time`, a text that ends in ``Z``, or numbers with ``scale="utc"`` (or ``"tai"``, ``"tt"``).
 A bare number raises `TypeError`: TAI read as UTC is 37 s off, and a satellite crosses a field within seconds.
 """
 
-from ._answers import Assessment, ClearWindows, Forecast, Identification, Site
+from ._answers import Assessment, ClearWindows, Forecast, Identification, Overhead, Site
 from ._core import SetupError, StreakcastError, __version__
 from ._injection import Injected, inject
 from .errors import ChangedFileError, StreakcastWarning
@@ -28,6 +29,7 @@ __all__ = [
     "Forecast",
     "Identification",
     "Injected",
+    "Overhead",
     "SetupError",
     "Site",
     "StreakModel",

@@ -68,6 +68,25 @@ class ClearWindows(NamedTuple):
     length_s: FloatArray
 
 
+class Overhead(NamedTuple):
+    """Satellites above a site, a row a satellite and moment, in order of satellite and time; ``(n_rows,)`` where no other shape is said."""
+
+    #: Which of the moments, from 0.
+    moment: npt.NDArray[np.int64]
+    #: NORAD catalogue number.
+    norad_id: npt.NDArray[np.int64]
+    #: Direction as a unit vector, ICRS, astrometric topocentric, ``(n_rows, 3)``.
+    direction: FloatArray
+    #: Distance, km; this and all that follows stands for all of a satellite's rows, and is of the middle one of them.
+    range_km: FloatArray
+    #: Speed among the stars, degrees a second.
+    angular_rate_deg_s: FloatArray
+    #: Width of what its streak makes useless, arcseconds; NaN without a telescope.
+    lost_width_arcsec: FloatArray
+    #: Magnitude; NaN in the umbra, where a model sees nothing, and without ``light``.
+    magnitude: FloatArray
+
+
 class Forecast(NamedTuple):
     """The visible passes of one or several nights."""
 

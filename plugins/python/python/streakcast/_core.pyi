@@ -110,3 +110,12 @@ class Engine:
         blocking: str,
         max_sun_altitude_deg: Optional[float] = None,
     ) -> tuple[dict[str, Any], list[str]]: ...
+    def overhead(
+        self,
+        jd1: float,
+        jd2: float,
+        seconds: list[float],
+        min_altitude_deg: float,
+        include_dark: bool,
+        light: bool,
+    ) -> tuple[dict[str, Any], list[str]]: ...

@@ -10,8 +10,8 @@ from typing import Any, Union
 import numpy as np
 
 from . import _core
-from ._answers import Forecast, Identification
-from ._quantities import scalar
+from ._answers import Forecast, Identification, Overhead
+from ._quantities import number, scalar
 from ._state import ModelState
 from ._streak import streak
 from ._tables import TableLike, table_of
@@ -142,6 +142,57 @@ class Sights(ModelState):
             output=output,
         )  # fmt: skip
         return answer.passes
+
+    def overhead(
+        self,
+        start: TimeLike,
+        seconds: Numbers = 0.0,
+        *,
+        min_altitude: Numbers = 10.0,
+        include_dark: bool = False,
+        light: bool = True,
+        scale: Union[str, None] = None,
+    ) -> Overhead:
+        """Every satellite above the site at one or several moments: what maps of the sky are made of.
+
+        Parameters
+        ----------
+        start : time
+            The first moment.
+        seconds : float, array, ``(n_moments,)``, or `~astropy.units.Quantity`
+            The moments, seconds after ``start``: 0 to 3600, in the order of time.
+        min_altitude : float or `~astropy.units.Quantity`
+            Degrees, without refraction, 0 to 90.
+        include_dark : bool
+            Satellites in the Earth's shadow too.
+        light : bool
+            Whether magnitudes are asked for: most of the work.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of a bare number (MJD) in ``start``.
+
+        Returns
+        -------
+        Overhead
+
+        Raises
+        ------
+        StreakcastError
+            Moments or an altitude out of range, a telescope in orbit.
+        TypeError
+            A bare number of time without a scale.
+
+        Warns
+        -----
+        StreakcastWarning
+            Satellites were left out because they have no position at that time, or the elements are old.
+        """
+        jd1, jd2 = self._moment(start, scale)
+        moments = np.atleast_1d(number(seconds, "s", "seconds"))
+        lowest = scalar(min_altitude, "deg", "min_altitude")
+        skies, engine = self._open()
+        answer, told = engine.overhead(jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light))
+        self._tell(skies, told)
+        return Overhead(**answer)
 
     def identify(
         self,

@@ -14,6 +14,8 @@ import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./wo
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
 const SAMPLES = 41;
+/** While an exposure is dragged, answer, strip and field follow at once, and all else so often, ms. */
+const FOLLOW_MS = 250;
 
 /** What the address holds. */
 const state = { shift: 0, ...link.read() };
@@ -21,6 +23,9 @@ const state = { shift: 0, ...link.read() };
 let night = null;
 let rows = [];
 let answer;
+/** Whether an exposure is being dragged, and the timer of what follows it. */
+let isDragged = false;
+let following = 0;
 /** What stands in the way, by the question that it stands in the way of. */
 const problems = new Map();
 
@@ -159,6 +164,7 @@ function choose(place, isRestored = false) {
 }
 
 function moved(shift, duration, isDone) {
+  isDragged = !isDone;
   state.shift = shift;
   state.duration = duration;
   request();
@@ -187,7 +193,17 @@ function request() {
     samples: SAMPLES,
     around_s: strip.span(),
   }));
-  nightChart.draw(state.place, row.start + state.shift * 1e3, limit());
+  inTurn(showMove);
+}
+
+/** Draws at once, or in a while with all that follows a drag. */
+function inTurn(draw) {
+  if (!isDragged) draw();
+  else following ||= setTimeout(drawFollowers, FOLLOW_MS);
+}
+
+function showMove() {
+  nightChart.draw(state.place, rows[state.place].start + state.shift * 1e3, limit());
   link.write(state);
 }
 
@@ -223,8 +239,8 @@ function answered({ document: said, ms }, asked) {
   $("pointing").textContent = `opens ${clock(moment(opens.utc), 0, 1)} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
   const isThere = said.passes.some((pass) => pass.norad_id === state.satellite);
   if (!isThere) state.satellite = brightest(said.passes)?.norad_id;
-  drawAnswer();
-  link.write(state);
+  drawField();
+  inTurn(drawFollowers);
 }
 
 /** There is no answer to what is asked: nothing that stands there may look like one. */
@@ -262,8 +278,26 @@ function select(norad) {
 
 function drawAnswer() {
   if (answer === undefined) return;
+  drawField();
+  drawDetails();
+}
+
+function drawField() {
+  fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], answer?.passes ?? [], { selected: state.satellite, corridors: state.sigma === "1" });
+}
+
+/** What follows an answer that is being dragged. */
+function drawFollowers() {
+  clearTimeout(following);
+  following = 0;
+  // The night may have gone meanwhile, or the exposure.
+  if (rows[state.place]?.start == null) return;
+  drawDetails();
+  showMove();
+}
+
+function drawDetails() {
   const passes = answer?.passes ?? [];
-  fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], passes, { selected: state.satellite, corridors: state.sigma === "1" });
   const chosen = passes.find((pass) => pass.norad_id === state.satellite);
   curveChart.draw(chosen, limit());
   $("curve-words").textContent = chosen ? `${chosen.name} · ${chosen.mag_source ?? "no model"} · elements ${fixed(chosen.element_age_days, 1)} d old` : "";
