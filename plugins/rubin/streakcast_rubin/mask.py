@@ -198,7 +198,8 @@ class StreakMaskBasisFunction(StreakMap):
         # Where no telescope tells a width, every satellite weighs the same.
         lost = np.where(lost > 0.0, lost, 1e-12)
         place = (np.rint(samples.second / SAMPLE_S).astype(np.int64)[who] + 1) * n + near_by[who, column]
-        before: FloatArray = np.bincount(place, weights=lost[who], minlength=(STEPS + 1) * n).reshape(STEPS + 1, n)
+        lost_at = np.bincount(place, weights=lost[who], minlength=(STEPS + 1) * n)
+        before: FloatArray = np.asarray(lost_at, dtype=float).reshape(STEPS + 1, n)
         for step in range(STEPS):
             before[step + 1] += before[step]
         return before
