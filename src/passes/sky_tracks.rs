@@ -31,7 +31,7 @@ pub struct SkyTrackOptions {
     pub min_altitude_rad: f64,
     /// Satellites in the umbra too.
     pub include_dark: bool,
-    /// Which magnitude; `None` where light is not asked about, which is two thirds of the work.
+    /// Which magnitude; `None` where light is not asked about.
     pub photometry: Option<PhotometryOptions>,
 }
 

@@ -11,7 +11,7 @@ import healpy as hp
 import numpy as np
 from streakcast import StreakModel
 
-from ._arrays import FloatArray, IntArray
+from ._arrays import FloatArray, IntArray, SingleArray
 from ._questions import weight_of_light
 
 #: What is asked in one go, seconds: about as long as from one visit to the next.
@@ -113,8 +113,8 @@ def sectors(nside: int) -> IntArray:
 class Pointings:
     """Where visits point, and which of them a satellite may cross: those of one night of a survey, or the cells themselves."""
 
-    #: Directions, ICRS, ``(n, 3)``.
-    centres: FloatArray
+    #: Directions, ICRS, ``(n, 3)``; single precision is good to some arcseconds.
+    centres: SingleArray
     #: For each cell (RING) the pointing of a visit to it.
     of_cell: IntArray
     #: For each cell the pointings that a satellite in it may come close to, filled up with -1, ``(n_cells, m)``.
@@ -132,7 +132,7 @@ class Pointings:
         counts = np.bincount(cell, minlength=12 * nside * nside)
         near = np.full((counts.size, counts.max()), -1, dtype=np.int32)
         near[cell, np.arange(cell.size) - np.repeat(np.cumsum(counts) - counts, counts)] = pointing
-        return cls(centres, np.asarray(of_cell), near, radius_deg)
+        return cls(centres.astype(np.float32), np.asarray(of_cell), near, radius_deg)
 
 
 @lru_cache(maxsize=4)

@@ -163,7 +163,7 @@ class StreakMaskBasisFunction(StreakMap):
             return answer
         opens, closes = slew_s[reached] - self.jitter_s, slew_s[reached] + self.exptime_s + self.jitter_s
         pointings = self._pointings(int(np.max(conditions.night)))
-        of_cell, lost = pointings.of_cell[reached], np.zeros(opens.size)
+        of_cell, n, lost = pointings.of_cell[reached], len(pointings.centres), np.zeros(opens.size)
         sky, limit = self._sky_of(model), limit_of(self.limit_mag, self._band(conditions))
         # Steps within the window, and half a step on both sides: the track between the samples counts.
         now_s = now * 86_400.0
@@ -174,8 +174,8 @@ class StreakMaskBasisFunction(StreakMap):
             before = self._kept.get((sky, limit, pointings), number)
             if before is None:
                 before = self._kept.put(number, self._losses(brighter_than(limit, samples), pointings))
-            since, until = (np.clip(step - number * STEPS, 0, STEPS) for step in (first, end))
-            lost += before[until, of_cell] - before[since, of_cell]
+            since, until = (np.minimum(np.maximum(step - number * STEPS, 0), STEPS) for step in (first, end))
+            lost += before.take(until * n + of_cell) - before.take(since * n + of_cell)
         loss = np.zeros(CELLS)
         loss[reached] = lost
         masked = loss > 0.0
@@ -190,7 +190,7 @@ class StreakMaskBasisFunction(StreakMap):
         """What the satellites of one slot cost a visit to each pointing before each of its steps: ``(n_steps + 1, n_pointings)``."""
         n = len(pointings.centres)
         near_by = pointings.near[hp.vec2pix(NSIDE, *samples.direction.T)]
-        cosine = np.einsum("ij,ikj->ik", samples.direction, pointings.centres[near_by])
+        cosine = (pointings.centres[near_by] @ samples.direction.astype(np.float32)[:, :, None])[..., 0]
         # Closest approach between the samples: d² ≤ r² + (step / 2)²
         reach = np.sqrt(np.radians(pointings.radius_deg) ** 2 + np.radians(samples.rate_deg_s * SAMPLE_S / 2.0) ** 2)
         who, column = np.nonzero((cosine >= np.cos(np.minimum(reach, np.pi))[:, None]) & (near_by >= 0))

@@ -25,6 +25,16 @@ pub(super) struct Border {
     pub along: [f64; 2],
 }
 
+impl Border {
+    /// True where they differ by no more than their arithmetic does.
+    fn is_nearly(&self, other: &Self) -> bool {
+        const ROUNDING: f64 = 1e-9;
+        let near = |a: [f64; 2], b: [f64; 2], allowed: f64| (a[0] - b[0]).hypot(a[1] - b[1]) <= allowed;
+        let size = 1.0 + self.at[0].hypot(self.at[1]);
+        near(self.at, other.at, ROUNDING * size) && near(self.along, other.along, ROUNDING)
+    }
+}
+
 /// Part of a piece, seconds since the piece's start.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Stretch {
@@ -199,19 +209,29 @@ impl<'a> Cutter<'a> {
         Some([self.chord(first, [chord.way_pix[0], between])?, self.chord(second, [between, chord.way_pix[1]])?])
     }
 
-    fn border(&self, piece: &Piece, since_s: f64) -> Option<(Border, f64)> {
+    /// The normal at a moment of a piece, and the light there. Where one piece goes on as the next, both have the same normal to the last bit: else a pixel
+    /// that lies on it might be either's, or nobody's.
+    fn border(&self, number: usize, since_s: f64) -> Option<(Border, f64)> {
+        let piece = &self.pieces[number];
         let [u, v] = piece.motion(since_s);
         let speed = u.hypot(v);
         // A thousandth of a pixel within the piece is standing still.
-        (speed * piece.duration_s > 1e-3)
-            .then(|| (Border { at: piece.at(since_s), along: [u / speed, v / speed] }, piece.rate.at(since_s) / speed))
+        if speed * piece.duration_s <= 1e-3 {
+            return None;
+        }
+        let own = Border { at: piece.at(since_s), along: [u / speed, v / speed] };
+        let next = self.pieces.get(number + 1).filter(|_| since_s == piece.duration_s).and_then(|next| {
+            let [u, v] = next.motion(0.0);
+            let of_next = Border { at: next.at(0.0), along: [u, v].map(|one| one / u.hypot(v)) };
+            of_next.is_nearly(&own).then_some(of_next)
+        });
+        Some((next.unwrap_or(own), piece.rate.at(since_s) / speed))
     }
 
     fn chord(&self, stretch: Stretch, way_pix: [f64; 2]) -> Option<Chord> {
-        let piece = &self.pieces[stretch.piece];
         let time = |share: f64| stretch.from_s + share * (stretch.to_s - stretch.from_s);
-        let (start, first_light) = self.border(piece, stretch.from_s)?;
-        let (end, last_light) = self.border(piece, stretch.to_s)?;
+        let (start, first_light) = self.border(stretch.piece, stretch.from_s)?;
+        let (end, last_light) = self.border(stretch.piece, stretch.to_s)?;
         let [dx, dy] = [end.at[0] - start.at[0], end.at[1] - start.at[1]];
         let length = dx.hypot(dy);
         if length < 1e-6 {
@@ -221,7 +241,7 @@ impl<'a> Cutter<'a> {
         let half_pix = 0.5 * length;
         let middle = [0.5 * (start.at[0] + end.at[0]), 0.5 * (start.at[1] + end.at[1])];
         let placed = |share: f64| {
-            let (border, light) = self.border(piece, time(share))?;
+            let (border, light) = self.border(stretch.piece, time(share))?;
             let [x, y] = [border.at[0] - middle[0], border.at[1] - middle[1]];
             Some((x * along[0] + y * along[1], y * along[0] - x * along[1], light))
         };

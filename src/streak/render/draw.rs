@@ -165,7 +165,7 @@ fn draw_along(
     }
     // After the smooth light, which they correct, and each middle after all edges.
     for (number, end) in ends.iter().enumerate() {
-        around(end.at, end.from_pix, reach, [Source::Edge(number), Source::Middle(number)], &extents, &mut runs);
+        around(end, number, reach, &extents, &mut runs);
     }
     runs.sort_by_key(|run| matches!(run.source, Source::Middle(_)));
     for run in &runs {

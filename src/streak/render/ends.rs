@@ -3,7 +3,7 @@
 use crate::camera::{EdgeTable, ProfileTables};
 
 use super::blocks::{EACH, FOUR, LANES, add, through};
-use super::chords::Chord;
+use super::chords::{Border, Chord};
 
 /// What a path that is neither straight nor linearly bright may change in a pixel, of the peak.
 const TOLERANCE: f64 = 1e-5;
@@ -13,7 +13,10 @@ const CLEAR: f64 = 2.5;
 /// Where the path begins or ends.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct End {
-    pub at: [f64; 2],
+    /// The normal on which it lies, of its chord.
+    pub border: Border,
+    /// True where the path begins.
+    pub is_start: bool,
     /// Unit vector along the path, away from the end.
     inward: [f64; 2],
     /// Light per pixel of length at the end, and its change per pixel inward.
@@ -35,7 +38,8 @@ impl End {
             if is_start { (&own.start, 1.0, -own.half_pix) } else { (&own.end, -1.0, own.half_pix) };
         let [light, slope, square] = own.light_at(a);
         let end = Self {
-            at: border.at,
+            border: *border,
+            is_start,
             inward: border.along.map(|component| sign * component),
             light: [light, sign * slope],
             way_pix: own.way_pix[usize::from(!is_start)],
@@ -64,7 +68,7 @@ impl End {
                 let a = chord.half_pix * (f64::from(part) / 4.0 - 0.75);
                 let b = chord.bow * (a * a - chord.half_pix * chord.half_pix);
                 let ([ux, uy], [x, y]) = (chord.along, chord.middle);
-                let [x, y] = [x + a * ux - b * uy - self.at[0], y + a * uy + b * ux - self.at[1]];
+                let [x, y] = [x + a * ux - b * uy - self.border.at[0], y + a * uy + b * ux - self.border.at[1]];
                 let sigma = x * self.inward[0] + y * self.inward[1];
                 let length = 0.25 * chord.half_pix;
                 if sigma.abs() - length > reach {
@@ -92,25 +96,25 @@ impl End {
         hard.iter().all(|[from, to]| self.way_pix < from - margin || self.way_pix > to + margin)
     }
 
-    /// Light of the half line, added beyond the end and taken from what lies beside it.
+    /// Light of the half line, added beyond the end and taken from what lies beside the path: all of the pixels are one or the other.
     ///
     /// With the distance u of a pixel's foot from the end and light λ + λ' σ at a way σ from it, λ H + λ' (G - |u| H): see [`EdgeTable`]. Beside the path the loop for
     /// smooth light went on beyond the end: what it drew there goes the other way, with λ' of the other sign.
     #[inline(always)]
-    pub fn add_to(&self, table: &EdgeTable, row: usize, first_column: usize, pixels: &mut [f32]) {
-        let dy = row as f64 - self.at[1];
+    pub fn add_to(&self, table: &EdgeTable, is_beside: bool, row: usize, first_column: usize, pixels: &mut [f32]) {
+        let [x, y] = self.border.at;
+        let dy = row as f64 - y;
         let even_from = table.even_from_pix() as f32;
         for (block, out) in pixels.chunks_mut(LANES).enumerate() {
-            let dx = (first_column + block * LANES) as f64 - self.at[0];
+            let dx = (first_column + block * LANES) as f64 - x;
             let first = [dx as f32, dy as f32, (dx * self.inward[0] + dy * self.inward[1]) as f32];
             let four = self.seen(first, &FOUR);
-            // The nearest of the pixels, wherever in the row it is; and none on the other side of the end, where light goes the other way.
+            // The nearest of the pixels, wherever in the row it is.
             let nearest = first[1].hypot((-first[0]).clamp(FOUR[0], FOUR[3]) + first[0]);
-            let is_even = out.len() == LANES && nearest >= even_from && four.inward[0] * four.inward[3] > 0.0;
-            let light = if is_even {
-                through(self.light_of(table, &four))
+            let light = if out.len() == LANES && nearest >= even_from {
+                through(self.light_of(table, is_beside, &four))
             } else {
-                self.light_of(table, &self.seen(first, &EACH))
+                self.light_of(table, is_beside, &self.seen(first, &EACH))
             };
             add(&light, out);
         }
@@ -129,8 +133,9 @@ impl End {
     }
 
     #[inline(always)]
-    fn light_of<const N: usize>(&self, table: &EdgeTable, seen: &Seen<N>) -> [f32; N] {
+    fn light_of<const N: usize>(&self, table: &EdgeTable, is_beside: bool, seen: &Seen<N>) -> [f32; N] {
         let (light, slope) = (self.light[0] as f32, self.light[1] as f32);
+        let even = if is_beside { -light } else { light };
         let Seen { distance, inward } = seen;
         let mut cosine = [0.0; N];
         for lane in 0..N {
@@ -139,9 +144,7 @@ impl End {
         let (half, moment) = table.at(distance, &cosine);
         let mut added = [0.0; N];
         for lane in 0..N {
-            let further = slope * (moment[lane] - inward[lane].abs() * half[lane]);
-            let even = light * half[lane];
-            added[lane] = if inward[lane] > 0.0 { further - even } else { further + even };
+            added[lane] = even * half[lane] + slope * (moment[lane] - inward[lane].abs() * half[lane]);
         }
         added
     }

@@ -5,6 +5,7 @@ use std::ops::Range;
 use crate::camera::PatchRows;
 
 use super::chords::{Border, Chord};
+use super::ends::End;
 
 /// Where the light of some pixels comes from.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -13,8 +14,13 @@ pub(super) enum Source {
     Smooth(usize),
     /// All panels near the chord of this number, summed.
     Summed(usize),
-    /// What the end of this number changes in the light of smooth chords.
-    Edge(usize),
+    /// What an end changes in the light of smooth chords, beside the path or beyond it.
+    Edge {
+        /// Number of the end.
+        end: usize,
+        /// True for pixels that have their feet on the path, whose chord has drawn them.
+        is_beside: bool,
+    },
     /// All panels near the end of this number, summed, in place of what is there.
     Middle(usize),
 }
@@ -107,31 +113,34 @@ pub(super) fn beyond(
     }
 }
 
-/// Pixels within `reach_pix` of an end: those within `from_pix` of it apart from those farther out.
-pub(super) fn around(
-    at: [f64; 2],
-    from_pix: f64,
-    reach_pix: f64,
-    [edge, middle]: [Source; 2],
-    frame: &PatchRows,
-    runs: &mut Vec<Run>,
-) {
+/// Pixels within `reach_pix` of the end of this number: those that are summed apart from those farther out, and of these those beside the path from those
+/// beyond it, by the same normal as those of its chord.
+pub(super) fn around(end: &End, number: usize, reach_pix: f64, frame: &PatchRows, runs: &mut Vec<Run>) {
+    let (count, at) = (frame.columns(), end.border.at);
     for row in frame.rows_within(at[1] - reach_pix, at[1] + reach_pix) {
-        let dy = row as f64 - at[1];
+        let y = row as f64;
+        let dy = y - at[1];
         let disc = |radius: f64| {
             let half = (radius.powi(2) - dy.powi(2)).max(0.0).sqrt();
             if dy.abs() < radius { frame.columns_within(at[0] - half, at[0] + half) } else { 0..0 }
         };
-        let (outer, inner) = (disc(reach_pix), disc(from_pix));
-        let parts = if inner.is_empty() {
-            [(outer, edge), (0..0, edge), (0..0, middle)]
-        } else {
-            [(outer.start..inner.start, edge), (inner.end..outer.end, edge), (inner, middle)]
+        let (outer, inner) = (disc(reach_pix), disc(end.from_pix));
+        let mut push = |columns: Range<usize>, source| {
+            if !columns.is_empty() {
+                runs.push(Run { row, columns, source });
+            }
         };
-        runs.extend(parts.into_iter().filter(|(columns, _)| !columns.is_empty()).map(|(columns, source)| Run {
-            row,
-            columns,
-            source,
-        }));
+        let is_beside = if end.is_start { past(&end.border, y, count) } else { before(&end.border, y, count) };
+        let edges = if inner.is_empty() { [outer, 0..0] } else { [outer.start..inner.start, inner.end..outer.end] };
+        for edge in edges {
+            let beside = both(edge.clone(), is_beside.clone());
+            let beyond =
+                if beside.is_empty() { [edge, 0..0] } else { [edge.start..beside.start, beside.end..edge.end] };
+            push(beside, Source::Edge { end: number, is_beside: true });
+            for beyond in beyond {
+                push(beyond, Source::Edge { end: number, is_beside: false });
+            }
+        }
+        push(inner, Source::Middle(number));
     }
 }

@@ -70,9 +70,9 @@ impl NullaryFnOnce for Strokes<'_> {
                     let trees = &self.trees[self.trees_of[number].clone()];
                     summed(trees, self.profile, run.row, first_column, pixels);
                 }
-                Source::Edge(number) => {
+                Source::Edge { end, is_beside } => {
                     if let Some(table) = self.profile.edge() {
-                        self.ends[number].0.add_to(table, run.row, first_column, pixels);
+                        self.ends[end].0.add_to(table, is_beside, run.row, first_column, pixels);
                     }
                 }
                 Source::Middle(number) => {

@@ -166,7 +166,7 @@ class Sights(ModelState):
         include_dark : bool
             Satellites in the Earth's shadow too.
         light : bool
-            Whether magnitudes are asked for: most of the work.
+            Whether magnitudes are asked for; models of panels take some microseconds each.
         scale : {"utc", "tai", "tt"}, optional
             Scale of a bare number (MJD) in ``start``.
 
