@@ -163,19 +163,20 @@ fn difference_of_long(at: PixelPosition, angle: f64, bow: f64, ramp: f64, [fwhm_
 /// Nodes that lie on pixels, or on normals through them: each pixel gets its light from one side of them alone.
 #[test]
 fn verif_pixels_on_the_normal_of_a_node_have_their_light_once() {
-    let nodes_at = |place: &dyn Fn(f64) -> (f64, f64)| {
+    type Way = fn(f64) -> (f64, f64);
+    let nodes_at = |place: Way| {
         let node = |i: u32| {
             let (x, y) = place(f64::from(i));
             PathNode::new(0.3 * f64::from(i), PixelPosition { x, y }, 1.0)
         };
         path((0..8).map(node).collect())
     };
-    let ways: [(&str, &dyn Fn(f64) -> (f64, f64)); 5] = [
-        ("along a row", &|i| (10.0 + 30.0 * i, 50.0)),
-        ("along a column", &|i| (60.0, -40.0 + 30.0 * i)),
-        ("backwards", &|i| (240.0 - 30.0 * i, 50.0)),
-        ("diagonally", &|i| (-60.0 + 30.0 * i, -60.0 + 30.0 * i)),
-        ("bent", &|i| (10.0 + 30.0 * i, 50.0 + 0.01 * (i - 3.0) * (i - 4.0))),
+    let ways: [(&str, Way); 5] = [
+        ("along a row", |i| (10.0 + 30.0 * i, 50.0)),
+        ("along a column", |i| (60.0, -40.0 + 30.0 * i)),
+        ("backwards", |i| (240.0 - 30.0 * i, 50.0)),
+        ("diagonally", |i| (-60.0 + 30.0 * i, -60.0 + 30.0 * i)),
+        ("bent", |i| (10.0 + 30.0 * i, 50.0 + 0.01 * (i - 3.0) * (i - 4.0))),
     ];
     for (name, way) in ways {
         for profile in [gaussian(3.0), gaussian(12.0), ring()] {
