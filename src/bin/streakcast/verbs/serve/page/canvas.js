@@ -26,6 +26,7 @@ export class Backdrop {
     const { canvas } = context;
     const shown = [canvas.width, canvas.height, context.getTransform().a, ...of];
     if (!this.shown || shown.some((one, place) => one !== this.shown[place])) {
+      this.shown = null;
       this.picture = document.createElement("canvas");
       this.picture.width = canvas.width;
       this.picture.height = canvas.height;

@@ -46,6 +46,8 @@ export class Dome {
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();
     const radius = Math.min(width, height) / 2 - 26;
+    // A window of next to no width, or a page that is hidden.
+    if (radius <= 0) return;
     const [x0, y0] = [width / 2, height / 2];
     const at = (azimuth, altitude) => {
       const reach = ((90 - altitude) / 90) * radius;

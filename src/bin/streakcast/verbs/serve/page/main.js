@@ -14,8 +14,8 @@ import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./wo
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
 const SAMPLES = 41;
-/** While an exposure is dragged, answer, strip and field follow at once, and all else so often, ms. */
-const FOLLOW_MS = 250;
+/** While an exposure is dragged, answer, strip and field follow at once, and all else where the pointer has rested so long, ms. */
+const REST_MS = 150;
 
 /** What the address holds. */
 const state = { shift: 0, ...link.read() };
@@ -164,7 +164,8 @@ function choose(place, isRestored = false) {
 }
 
 function moved(shift, duration, isDone) {
-  isDragged = !isDone;
+  // Held, but still where it was, it is not dragged yet.
+  isDragged = !isDone && (shift !== state.shift || duration !== state.duration);
   state.shift = shift;
   state.duration = duration;
   request();
@@ -196,10 +197,12 @@ function request() {
   inTurn(showMove);
 }
 
-/** Draws at once, or in a while with all that follows a drag. */
+/** Draws at once, or where a drag rests, with all that waits for it. */
 function inTurn(draw) {
+  clearTimeout(following);
+  $("main").toggleAttribute("data-behind", isDragged);
   if (!isDragged) draw();
-  else following ||= setTimeout(drawFollowers, FOLLOW_MS);
+  else following = setTimeout(drawFollowers, REST_MS);
 }
 
 function showMove() {
@@ -288,8 +291,7 @@ function drawField() {
 
 /** What follows an answer that is being dragged. */
 function drawFollowers() {
-  clearTimeout(following);
-  following = 0;
+  $("main").removeAttribute("data-behind");
   // The night may have gone meanwhile, or the exposure.
   if (rows[state.place]?.start == null) return;
   drawDetails();
@@ -402,7 +404,9 @@ window.addEventListener("hashchange", () => {
   showLight();
   load(state.night);
 });
-new ResizeObserver(() => requestAnimationFrame(drawAll)).observe(document.body);
+// Charts of another size are drawn anew; a page that grows by a line of words is not.
+const sizes = new ResizeObserver(() => requestAnimationFrame(drawAll));
+for (const canvas of document.querySelectorAll("canvas")) sizes.observe(canvas);
 
 showLight();
 crossings.heads($("columns"));

@@ -10,7 +10,7 @@ const BOTTOM = 24;
 const LONGEST_S = 3600;
 
 export class Strip {
-  /** `change(shift_s, duration_s, isDone)` is told of every move; shifts count from the scheduled opening. */
+  /** `change(shift_s, duration_s, isDone)` is told of every hold and move; shifts count from the scheduled opening. */
   constructor(box, change) {
     this.box = box;
     this.canvas = box.querySelector("canvas");
@@ -69,6 +69,8 @@ export class Strip {
       element.focus({ preventScroll: true });
       element.setPointerCapture(event.pointerId);
       this.begun = { x: event.clientX, shift: this.shift, duration: this.duration };
+      // Asked already now, the first move does not wait for a connection or for code that has slept.
+      this.change(this.shift, this.duration, false);
     });
     element.addEventListener("pointermove", (event) => {
       if (!this.begun || !element.hasPointerCapture(event.pointerId)) return;
@@ -94,12 +96,17 @@ export class Strip {
 
   /** To whole seconds; a strip that no longer shows the bar follows it. */
   move(to, isDone) {
-    this.shift = "shift" in to ? Math.round(to.shift) : this.shift;
-    this.duration = "duration" in to ? Math.min(LONGEST_S, Math.max(1, Math.round(to.duration))) : this.duration;
+    const shift = "shift" in to ? Math.round(to.shift) : this.shift;
+    const duration = "duration" in to ? Math.min(LONGEST_S, Math.max(1, Math.round(to.duration))) : this.duration;
+    if (!isDone && shift === this.shift && duration === this.duration) return;
+    this.shift = shift;
+    this.duration = duration;
     const place = (this.shift - this.from) / this.span();
     if (isDone && (place < 0.05 || place + this.duration / this.span() > 0.95)) this.centre();
-    this.draw();
-    this.change(this.shift, this.duration, isDone);
+    this.change(shift, duration, isDone);
+    // Its answer brings the rest.
+    if (isDone) this.draw();
+    else this.place();
   }
 
   draw() {
@@ -139,7 +146,13 @@ export class Strip {
       context.strokeRect(at(this.next), top + 2, this.duration * scale, bottom - top - 4);
       context.setLineDash([]);
     }
-    const x = at(this.shift), end = at(this.shift + this.duration);
+    this.place();
+  }
+
+  /** Puts the bar where it stands. */
+  place() {
+    const scale = this.scale();
+    const x = (this.shift - this.from) * scale, end = x + this.duration * scale;
     this.bar.style.left = `${x}px`;
     this.bar.style.width = `${Math.max(4, end - x)}px`;
     this.handle.style.left = `${end}px`;
