@@ -282,8 +282,10 @@ impl PatchRows {
 
 /// Whole numbers from `least` to `greatest` among those below `count`; empty for what is not a number.
 fn whole_within(least: f64, greatest: f64, count: usize) -> Range<usize> {
-    // A cast of what is too large, too small or not a number ends at a border.
-    let (start, end) = (least.ceil().max(0.0) as usize, (greatest.floor() + 1.0).max(0.0) as usize);
+    // A cast ends at a border, and cuts what is behind the point: many machines are not trusted to have an instruction that rounds upwards.
+    let cut = least as usize;
+    let start = if (cut as f64) < least { cut.saturating_add(1) } else { cut };
+    let end = if greatest >= 0.0 { (greatest as usize).saturating_add(1) } else { 0 };
     start.min(count)..end.min(count)
 }
 

@@ -13,7 +13,7 @@ pub struct Lattice {
     phase_pix: f32,
     per_step: f32,
     per_phase: f32,
-    last_phase: u32,
+    last_phase: i32,
     columns: usize,
     /// All columns of the first phase, of the second, ... and of the first again, a column on.
     light: Vec<f32>,
@@ -42,7 +42,7 @@ impl Lattice {
             }
         }
         let [first_pix, step_pix, phase_pix] = [first, step_pix, phase_pix].map(|length| length as f32);
-        let last_phase = phases as u32 - 1;
+        let last_phase = phases as i32 - 1;
         Self {
             first_pix,
             step_pix,
@@ -55,36 +55,37 @@ impl Lattice {
         }
     }
 
-    /// What at most [`Lattice::COLUMNS`] neighbouring columns of a row have, of which the first lies at a distance from the line, with its sign, and the others each
-    /// nearly a step farther on; none where they lie beyond the lattice, in the dark.
-    #[inline(always)]
-    pub fn columns(&self, across_pix: f32, count: usize) -> Option<LatticeColumns<'_>> {
-        let since = across_pix - self.first_pix;
-        let column = (since * self.per_step) as u32;
-        let rest = since - column as f32 * self.step_pix;
-        let phase = ((rest * self.per_phase) as u32).min(self.last_phase);
-        let known_pix = self.first_pix + phase as f32 * self.phase_pix + column as f32 * self.step_pix;
-        let (column, phase) = (column as usize, phase as usize);
-        let at = phase * self.columns + column;
-        let before = self.light.get(at..at + count).filter(|_| column + count <= self.columns)?;
-        let after = self.light.get(at + self.columns..at + self.columns + count)?;
-        Some(LatticeColumns { before, after, known_pix, step_pix: self.step_pix, per_phase: self.per_phase })
-    }
-}
-
-/// Light of a line in neighbouring columns, at two phases.
-#[derive(Copy, Clone, Debug)]
-pub struct LatticeColumns<'a> {
-    /// At one.
-    pub before: &'a [f32],
-    /// At the next.
-    pub after: &'a [f32],
-    /// Distance of the first column at the first phase, pixels.
-    pub known_pix: f32,
     /// From one column to the next, pixels.
-    pub step_pix: f32,
+    #[inline(always)]
+    pub fn step_pix(&self) -> f32 {
+        self.step_pix
+    }
+
     /// Phases in a pixel of distance.
-    pub per_phase: f32,
+    #[inline(always)]
+    pub fn phases_per_pix(&self) -> f32 {
+        self.per_phase
+    }
+
+    /// Column and phase for a pixel at a distance from the line, with its sign, and the distance that these have, pixels.
+    #[inline(always)]
+    pub fn place(&self, across_pix: f32) -> ([i32; 2], f32) {
+        let since = across_pix - self.first_pix;
+        let column = (since * self.per_step) as i32;
+        let rest = since - column as f32 * self.step_pix;
+        let phase = ((rest * self.per_phase) as i32).clamp(0, self.last_phase);
+        ([column, phase], self.first_pix + phase as f32 * self.phase_pix + column as f32 * self.step_pix)
+    }
+
+    /// Light in at most [`Lattice::COLUMNS`] neighbouring columns of a row from a place on, each nearly a step farther from the line than the one before, at that phase
+    /// and the next; none where they lie beyond the lattice, in the dark.
+    #[inline(always)]
+    pub fn light(&self, [column, phase]: [i32; 2], count: usize) -> Option<[&[f32]; 2]> {
+        let column = usize::try_from(column).ok().filter(|column| column + count <= self.columns)?;
+        let at = phase as usize * self.columns + column;
+        let [first, second] = [at, at + self.columns].map(|at| self.light.get(at..at + count));
+        Some([first?, second?])
+    }
 }
 
 #[cfg(test)]
@@ -114,11 +115,12 @@ mod tests {
                 let turned = step + profile.lattice_turn_rad();
                 for number in 0..300 {
                     let first = -profile.pixel_reach_pix() * (1.0 - 2.0 * f64::from(number) / 300.0);
-                    let near = lattice.columns(first as f32, Lattice::COLUMNS).unwrap();
-                    for (column, (before, after)) in near.before.iter().zip(near.after).enumerate() {
+                    let (place, known_pix) = lattice.place(first as f32);
+                    let [before, after] = lattice.light(place, Lattice::COLUMNS).unwrap();
+                    for (column, (before, after)) in before.iter().zip(after).enumerate() {
                         let across = first + column as f64 * turned;
-                        let known = near.known_pix + column as f32 * near.step_pix;
-                        let found = before + (across as f32 - known) * near.per_phase * (after - before);
+                        let known = known_pix + column as f32 * lattice.step_pix();
+                        let found = before + (across as f32 - known) * lattice.phases_per_pix() * (after - before);
                         let error = f64::from(found) - profile.line(across, angle);
                         assert!(error.abs() < TOLERANCE * peak, "{blur:?} {angle} {across}: {}", error / peak);
                     }

@@ -1,5 +1,5 @@
 //! A path drawn: `path` (where a light is and how bright) on `spline`s; `chords` (stretches that are parabolas), `runs` (which pixel belongs to which),
-//! `strokes` (the vector loops) over `blocks` of pixels, `ends` (by tables of half lines), `panels` (jumps, tight curves and the middle of ends, summed over points); `draw` (all together).
+//! `strokes` (the vector loops) over `blocks` of pixels, `straight` (that for straight chords), `ends` (by tables of half lines), `panels` (jumps, tight curves and the middle of ends, summed over points); `draw` (all together).
 
 mod blocks;
 mod chords;
@@ -9,6 +9,7 @@ mod panels;
 mod path;
 mod runs;
 mod spline;
+mod straight;
 mod strokes;
 
 pub use draw::{draw, draw_summed};

@@ -33,20 +33,20 @@ pub(super) struct Run {
     pub source: Source,
 }
 
-/// Columns of a row that lie past a border, among `count`.
-fn past(border: &Border, row: f64, count: usize) -> Range<usize> {
+/// Columns of a row that lie past a border.
+fn past(border: &Border, row: f64, frame: &PatchRows) -> Range<usize> {
     let [tx, ty] = border.along;
     let dy = row - border.at[1];
     if tx.abs() < 1e-12 {
-        return if dy * ty >= 0.0 { 0..count } else { 0..0 };
+        return if dy * ty >= 0.0 { 0..frame.columns() } else { 0..0 };
     }
     let bound = border.at[0] - dy * ty / tx;
-    if tx > 0.0 { column(bound.ceil(), count)..count } else { 0..column(bound.floor() + 1.0, count) }
+    if tx > 0.0 { frame.columns_within(bound, f64::INFINITY) } else { frame.columns_within(f64::NEG_INFINITY, bound) }
 }
 
 /// All others.
-fn before(border: &Border, row: f64, count: usize) -> Range<usize> {
-    let past = past(border, row, count);
+fn before(border: &Border, row: f64, frame: &PatchRows) -> Range<usize> {
+    let (past, count) = (past(border, row, frame), frame.columns());
     if past.is_empty() {
         0..count
     } else if past.start > 0 {
@@ -56,11 +56,6 @@ fn before(border: &Border, row: f64, count: usize) -> Range<usize> {
     }
 }
 
-fn column(place: f64, count: usize) -> usize {
-    // A cast of what is too large or too small ends at a border.
-    (place.max(0.0) as usize).min(count)
-}
-
 fn both(a: Range<usize>, b: Range<usize>) -> Range<usize> {
     let start = a.start.max(b.start);
     start..a.end.min(b.end).max(start)
@@ -68,7 +63,6 @@ fn both(a: Range<usize>, b: Range<usize>) -> Range<usize> {
 
 /// Pixels between the normals at both ends of a chord, within `reach_pix` of it.
 pub(super) fn beside(chord: &Chord, reach_pix: f64, source: Source, frame: &PatchRows, runs: &mut Vec<Run>) {
-    let count = frame.columns();
     let [ux, uy] = chord.along;
     let sagitta = chord.sagitta_pix();
     let (lowest, highest) = (sagitta.min(0.0) - reach_pix, sagitta.max(0.0) + reach_pix);
@@ -76,7 +70,7 @@ pub(super) fn beside(chord: &Chord, reach_pix: f64, source: Source, frame: &Patc
     let (y0, y1) = (chord.start.at[1], chord.end.at[1]);
     for row in frame.rows_within(y0.min(y1) - margin, y0.max(y1) + margin) {
         let y = row as f64;
-        let mut columns = both(past(&chord.start, y, count), before(&chord.end, y, count));
+        let mut columns = both(past(&chord.start, y, frame), before(&chord.end, y, frame));
         // b = (y - y₀) u_x - (x - x₀) u_y lies from lowest to highest.
         let dy = (y - chord.middle[1]) * ux;
         if uy.abs() > 1e-9 {
@@ -100,12 +94,11 @@ pub(super) fn beyond(
     frame: &PatchRows,
     runs: &mut Vec<Run>,
 ) {
-    let count = frame.columns();
     for row in frame.rows_within(border.at[1] - reach_pix, border.at[1] + reach_pix) {
         let y = row as f64;
         let half = (reach_pix.powi(2) - (y - border.at[1]).powi(2)).max(0.0).sqrt();
         let disc = frame.columns_within(border.at[0] - half, border.at[0] + half);
-        let side = if is_start { before(border, y, count) } else { past(border, y, count) };
+        let side = if is_start { before(border, y, frame) } else { past(border, y, frame) };
         let columns = both(disc, side);
         if !columns.is_empty() {
             runs.push(Run { row, columns, source });
@@ -116,7 +109,7 @@ pub(super) fn beyond(
 /// Pixels within `reach_pix` of the end of this number: those that are summed apart from those farther out, and of these those beside the path from those
 /// beyond it, by the same normal as those of its chord.
 pub(super) fn around(end: &End, number: usize, reach_pix: f64, frame: &PatchRows, runs: &mut Vec<Run>) {
-    let (count, at) = (frame.columns(), end.border.at);
+    let at = end.border.at;
     for row in frame.rows_within(at[1] - reach_pix, at[1] + reach_pix) {
         let y = row as f64;
         let dy = y - at[1];
@@ -130,7 +123,7 @@ pub(super) fn around(end: &End, number: usize, reach_pix: f64, frame: &PatchRows
                 runs.push(Run { row, columns, source });
             }
         };
-        let is_beside = if end.is_start { past(&end.border, y, count) } else { before(&end.border, y, count) };
+        let is_beside = if end.is_start { past(&end.border, y, frame) } else { before(&end.border, y, frame) };
         let edges = if inner.is_empty() { [outer, 0..0] } else { [outer.start..inner.start, inner.end..outer.end] };
         for edge in edges {
             let beside = both(edge.clone(), is_beside.clone());

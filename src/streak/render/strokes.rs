@@ -10,17 +10,7 @@ use super::chords::Chord;
 use super::ends::End;
 use super::panels::PanelTree;
 use super::runs::{Run, Source};
-
-/// Columns of the pixels that share a phase of a lattice.
-const COLUMNS: [f32; Lattice::COLUMNS] = {
-    let mut columns = [0.0; Lattice::COLUMNS];
-    let mut number = 0;
-    while number < Lattice::COLUMNS {
-        columns[number] = number as f32;
-        number += 1;
-    }
-    columns
-};
+use super::straight::straight;
 
 /// The profile across a line.
 pub(super) struct Across {
@@ -108,10 +98,10 @@ fn summed(trees: &[PanelTree], profile: &ProfileTables, row: usize, first_column
 /// Pixels are squares: L depends on the path's direction at the foot too, L(v, φ + κa₀) = L(v, φ) + κa₀ dL/dφ.
 #[inline(always)]
 fn smooth(chord: &Chord, table: &Across, profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
-    let stroke = Smooth::of(chord, table, profile);
     if let Some(lattice) = &table.lattice {
-        return straight(chord, &stroke, lattice, row, first_column, pixels);
+        return straight(chord, lattice, row, first_column, pixels);
     }
+    let stroke = Smooth::of(chord, table, profile);
     let [ux, uy] = chord.along;
     let dy = row as f64 - chord.middle[1];
     for (block, out) in pixels.chunks_mut(LANES).enumerate() {
@@ -119,35 +109,6 @@ fn smooth(chord: &Chord, table: &Across, profile: &ProfileTables, row: usize, fi
         let first = [(dx * ux + dy * uy) as f32, (dy * ux - dx * uy) as f32];
         let light = stroke.light(&stroke.feet(first, &EACH));
         add(&light, out);
-    }
-}
-
-/// The same for long and straight chords, of even light or nearly, where the second order in g is not felt: light is read from a lattice.
-#[inline(always)]
-fn straight(chord: &Chord, stroke: &Smooth, lattice: &Lattice, row: usize, first_column: usize, pixels: &mut [f32]) {
-    let [ux, uy] = chord.along;
-    let dy = row as f64 - chord.middle[1];
-    // A line is the same from both sides: v is to grow with the columns.
-    let sign = if stroke.step[1] < 0.0 { -1.0 } else { 1.0 };
-    let ([step_a, step_b], bow, half2) = ([stroke.step[0], sign * stroke.step[1]], sign * stroke.bow, stroke.half2);
-    let [l0, l1, l2, l3] = stroke.light;
-    for (number, out) in pixels.chunks_mut(Lattice::COLUMNS).enumerate() {
-        let dx = (first_column + number * Lattice::COLUMNS) as f64 - chord.middle[0];
-        let (a, b) = ((dx * ux + dy * uy) as f32, sign * (dy * ux - dx * uy) as f32);
-        let Some(near) = lattice.columns(b - bow * (a * a - half2), out.len()) else { continue };
-        // Distances from those that the lattice has; and the twist from a to the foot, which needs no better ones than these.
-        let (b, step_b) = (b - near.known_pix, step_b - near.step_pix);
-        let (twist, twist_step) = (2.0 * bow * near.known_pix, 2.0 * bow * near.step_pix);
-        for (((pixel, before), after), column) in out.iter_mut().zip(near.before).zip(near.after).zip(&COLUMNS) {
-            let a = a + column * step_a;
-            let part = (b + column * step_b - bow * (a * a - half2)) * near.per_phase;
-            let turn = twist + column * twist_step;
-            let foot = a + a * turn;
-            let light = l0 + foot * (l1 + foot * (l2 + foot * l3));
-            // κv is the twist.
-            let brightness = light * (1.0 + 0.5 * turn);
-            *pixel += brightness * (before + part * (after - before));
-        }
     }
 }
 
