@@ -197,6 +197,27 @@ fn verif_wide_rings_on_lines_that_bend_a_little() {
     }
 }
 
+/// Wings that reach 84 pixels about an end, which far from it are cubics over squares: beyond the path, beside it, and on squares that lie on both sides of the normal.
+#[test]
+fn verif_wide_wings_about_an_end() {
+    // Of the peak: 8e-6 where points near the end are summed, 2e-6 of a cubic for each of both ways.
+    const TOLERANCE: f64 = 2e-5;
+    let profile = RadialProfile::of(&Blur::seeing(Seeing::Moffat { fwhm_pix: 3.5, beta: 2.5 })).expect("a profile");
+    for angle in [0.03, 0.6, 1.92, 4.0] {
+        for ramp in [0.0, 0.1] {
+            let node = |time_s: f64| {
+                let at = PixelPosition {
+                    x: 110.3 + 500.0 * time_s * f64::cos(angle),
+                    y: 119.6 + 500.0 * time_s * f64::sin(angle),
+                };
+                PathNode::new(time_s, at, 1.0 + ramp * time_s)
+            };
+            let found = difference(&path(vec![node(0.0), node(1.0)]), &profile, 230, 240);
+            assert!(found < TOLERANCE, "{angle} {ramp}: {found}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 

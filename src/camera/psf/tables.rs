@@ -132,8 +132,13 @@ impl ProfileTables {
     /// Light in a square pixel of a long straight line of unit light per pixel of its length, at `angle_rad` from the rows (or from the
     /// columns: it is the same), that passes the pixel's centre at a distance.
     pub fn line(&self, across_pix: f64, angle_rad: f64) -> f64 {
-        let v = across_pix.abs();
-        (0..HARMONICS).map(|m| (4.0 * m as f64 * angle_rad).cos() * self.line[m].at(v)).sum()
+        self.line_of(angle_rad)(across_pix)
+    }
+
+    /// [`ProfileTables::line`] at an angle, by the distance.
+    pub fn line_of(&self, angle_rad: f64) -> impl Fn(f64) -> f64 {
+        let shares: [f64; HARMONICS] = std::array::from_fn(|m| (4.0 * m as f64 * angle_rad).cos());
+        move |across_pix| shares.iter().zip(&self.line).map(|(share, line)| share * line.at(across_pix.abs())).sum()
     }
 
     /// Full width at half of the greatest brightness, pixels; of a ring, its outer edges'.

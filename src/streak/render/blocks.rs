@@ -1,6 +1,4 @@
-//! Sixteen neighbouring pixels of a row: light in each of them, or, far from a line, in four and along the cubic through these.
-
-use crate::camera::ProfileTables;
+//! Sixteen neighbouring pixels of a row: light in each of them, or in four and along the cubic through these.
 
 /// Pixels at a time.
 pub(super) const LANES: usize = 16;
@@ -18,7 +16,7 @@ pub(super) const EACH: [f32; LANES] = {
 
 /// Columns of four, evenly spaced, the first and the last among them.
 pub(super) const FOUR: [f32; 4] = [0.0, 5.0, 10.0, 15.0];
-const _: () = assert!(FOUR[3] as f64 == ProfileTables::EVEN_PIX && FOUR[3] == EACH[LANES - 1]);
+const _: () = assert!(FOUR[3] == EACH[LANES - 1]);
 
 /// Lagrange's weights of the four in each pixel: Π_(k≠j) (x - x_k) / (x_j - x_k).
 const WEIGHTS: [[f32; LANES]; 4] = {
@@ -49,6 +47,12 @@ pub(super) fn through(four: [f32; 4]) -> [f32; LANES] {
         }
     }
     light
+}
+
+/// What each of four evenly spaced rows has to do with one that lies so many rows after the first.
+#[inline(always)]
+pub(super) fn weights(place: usize) -> [f32; 4] {
+    WEIGHTS.map(|weights| weights[place])
 }
 
 /// Adds light to the pixels that there are, at most [`LANES`].

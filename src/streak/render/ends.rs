@@ -2,8 +2,9 @@
 
 use crate::camera::{EdgeTable, ProfileTables};
 
-use super::blocks::{EACH, FOUR, LANES, add, through};
+use super::blocks::{EACH, LANES, add};
 use super::chords::{Border, Chord};
+use super::wings::{SIDE, Wings};
 
 /// What a path that is neither straight nor linearly bright may change in a pixel, of the peak.
 const TOLERANCE: f64 = 1e-5;
@@ -101,57 +102,127 @@ impl End {
     /// With the distance u of a pixel's foot from the end and light λ + λ' σ at a way σ from it, λ H + λ' (G - |u| H): see [`EdgeTable`]. Beside the path the loop for
     /// smooth light went on beyond the end: what it drew there goes the other way, with λ' of the other sign.
     #[inline(always)]
-    pub fn add_to(&self, table: &EdgeTable, is_beside: bool, row: usize, first_column: usize, pixels: &mut [f32]) {
+    pub fn add_to(
+        &self,
+        table: &EdgeTable,
+        wings: Option<&Wings>,
+        is_beside: bool,
+        row: usize,
+        first_column: usize,
+        pixels: &mut [f32],
+    ) {
+        let Some(wings) = wings else { return self.add_each(table, is_beside, row, first_column, pixels) };
+        let (mut column, mut rest) = (first_column, pixels);
+        while !rest.is_empty() {
+            let (light, place) = wings.light(is_beside, row, column);
+            let (out, after) = rest.split_at_mut((SIDE - place).min(rest.len()));
+            column += out.len();
+            rest = after;
+            match (light, <&mut [f32; SIDE]>::try_from(&mut *out)) {
+                (Some(light), Ok(whole)) => whole.iter_mut().zip(light).for_each(|(pixel, light)| *pixel += light),
+                (Some(light), Err(_)) => {
+                    out.iter_mut().zip(&light[place..]).for_each(|(pixel, light)| *pixel += light);
+                }
+                (None, _) => self.add_each(table, is_beside, row, column - out.len(), out),
+            }
+        }
+    }
+
+    /// The same from the table for each pixel.
+    #[inline(always)]
+    fn add_each(&self, table: &EdgeTable, is_beside: bool, row: usize, first_column: usize, pixels: &mut [f32]) {
         let [x, y] = self.border.at;
-        let dy = row as f64 - y;
-        let even_from = table.even_from_pix() as f32;
         for (block, out) in pixels.chunks_mut(LANES).enumerate() {
-            let dx = (first_column + block * LANES) as f64 - x;
-            let first = [dx as f32, dy as f32, (dx * self.inward[0] + dy * self.inward[1]) as f32];
-            let four = self.seen(first, &FOUR);
-            // The nearest of the pixels, wherever in the row it is.
-            let nearest = first[1].hypot((-first[0]).clamp(FOUR[0], FOUR[3]) + first[0]);
-            let light = if out.len() == LANES && nearest >= even_from {
-                through(self.light_of(table, is_beside, &four))
-            } else {
-                self.light_of(table, is_beside, &self.seen(first, &EACH))
-            };
+            let Half { even, tilt, .. } =
+                self.half(table, [(first_column + block * LANES) as f64 - x, row as f64 - y], &EACH);
+            let sign = if is_beside { -1.0 } else { 1.0 };
+            let mut light = [0.0; LANES];
+            for lane in 0..LANES {
+                light[lane] = sign * even[lane] + tilt[lane];
+            }
             add(&light, out);
         }
     }
 
-    /// Pixels so many columns after the first, of which x, y and way inward are given.
+    /// Light at pixels so many columns after one at a place from the end.
     #[inline(always)]
-    fn seen<const N: usize>(&self, [x0, y0, u0]: [f32; 3], columns: &[f32; N]) -> Seen<N> {
-        let mut seen = Seen { distance: [0.0; N], inward: [0.0; N] };
+    fn half<const N: usize>(&self, table: &EdgeTable, [dx, dy]: [f64; 2], columns: &[f32; N]) -> Half<N> {
+        let (light, slope) = (self.light[0] as f32, self.light[1] as f32);
+        let [x0, y0, u0] = [dx as f32, dy as f32, (dx * self.inward[0] + dy * self.inward[1]) as f32];
+        let (mut distance, mut inward, mut cosine) = ([0.0; N], [0.0_f32; N], [0.0; N]);
         for (lane, column) in columns.iter().enumerate() {
             let x = x0 + column;
-            seen.distance[lane] = (x * x + y0 * y0).sqrt();
-            seen.inward[lane] = u0 + column * self.inward[0] as f32;
-        }
-        seen
-    }
-
-    #[inline(always)]
-    fn light_of<const N: usize>(&self, table: &EdgeTable, is_beside: bool, seen: &Seen<N>) -> [f32; N] {
-        let (light, slope) = (self.light[0] as f32, self.light[1] as f32);
-        let even = if is_beside { -light } else { light };
-        let Seen { distance, inward } = seen;
-        let mut cosine = [0.0; N];
-        for lane in 0..N {
+            distance[lane] = (x * x + y0 * y0).sqrt();
+            inward[lane] = u0 + column * self.inward[0] as f32;
             cosine[lane] = inward[lane].abs() / distance[lane];
         }
-        let (half, moment) = table.at(distance, &cosine);
-        let mut added = [0.0; N];
+        let (half, moment) = table.at(&distance, &cosine);
+        let (mut even, mut tilt) = ([0.0; N], [0.0; N]);
         for lane in 0..N {
-            added[lane] = even * half[lane] + slope * (moment[lane] - inward[lane].abs() * half[lane]);
+            even[lane] = light * half[lane];
+            tilt[lane] = slope * (moment[lane] - inward[lane].abs() * half[lane]);
         }
-        added
+        Half { even, tilt, inward }
+    }
+
+    /// What is added beyond the path and beside it, at pixels so many columns after one at a place from the end; each on the other's side of the normal too; `line` is the profile across
+    /// the whole line.
+    #[inline(always)]
+    pub fn nodes<const N: usize>(
+        &self,
+        [dx, dy]: [f64; 2],
+        columns: &[f32; N],
+        table: &EdgeTable,
+        line: impl Fn(f64) -> f64,
+    ) -> [[f32; N]; 2] {
+        let Half { even, tilt, inward } = self.half(table, [dx, dy], columns);
+        let (mut beyond, mut beside) = ([0.0; N], [0.0; N]);
+        for lane in 0..N {
+            (beyond[lane], beside[lane]) = (even[lane] + tilt[lane], tilt[lane] - even[lane]);
+            if f64::from(inward[lane].abs()) > FARTHEST_ACROSS * ProfileTables::EVEN_PIX {
+                continue;
+            }
+            let v = (dx + f64::from(columns[lane])) * self.inward[1] - dy * self.inward[0];
+            let whole = ((self.light[0] + f64::from(inward[lane]) * self.light[1]) * line(v)) as f32;
+            if inward[lane] < 0.0 {
+                beside[lane] = beyond[lane] - whole;
+            } else {
+                beyond[lane] = beside[lane] + whole;
+            }
+        }
+        [beyond, beside]
+    }
+
+    /// Angle of the path here, radians.
+    pub fn angle_rad(&self) -> f64 {
+        self.inward[1].atan2(self.inward[0])
+    }
+
+    /// Whether light beyond the path, or beside it, is a cubic between the corners of a square, of which `corners` are the places from the end.
+    pub fn is_even(&self, corners: &[[f64; 2]; 4], is_beside: bool, even_from_pix: f64) -> bool {
+        let along = corners.map(|[x, y]| x * self.inward[0] + y * self.inward[1]);
+        let across = corners.map(|[x, y]| y * self.inward[0] - x * self.inward[1]);
+        let least = |values: [f64; 4]| {
+            let (low, high) =
+                values.iter().fold((f64::MAX, f64::MIN), |(low, high), one| (low.min(*one), high.max(*one)));
+            low.max(-high).max(0.0)
+        };
+        // Where it lies on both sides of the normal, light is that of a line which may pass near by.
+        let is_own = along.iter().all(|along| (*along >= 0.0) == is_beside);
+        let [x, y] = [0, 1].map(|axis| least(corners.map(|corner| corner[axis])));
+        if is_own { x.hypot(y) >= even_from_pix } else { least(across) >= even_from_pix }
     }
 }
 
-/// Pixels as an end sees them: their distances, and the ways inward to their feet.
-struct Seen<const N: usize> {
-    distance: [f32; N],
+/// Greatest distance from the normal of corners of squares that lie on both sides of it, of their side.
+const FARTHEST_ACROSS: f64 = std::f64::consts::SQRT_2;
+
+/// Light of half a line in pixels.
+struct Half<const N: usize> {
+    /// Of the light at its end.
+    even: [f32; N],
+    /// Of what it becomes brighter by.
+    tilt: [f32; N],
+    /// Ways inward to the feet of the pixels.
     inward: [f32; N],
 }

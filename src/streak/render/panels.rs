@@ -60,7 +60,8 @@ impl PanelTree {
             count -= 1;
             let panel = &self.panels[open[count & 63] as usize];
             let across = ((panel.centre[0] - first[0] - half).abs() - half).max(0.0);
-            let distance = across.hypot(first[1] - panel.centre[1]) - panel.radius_pix;
+            let down = first[1] - panel.centre[1];
+            let distance = (across * across + down * down).sqrt() - panel.radius_pix;
             if distance > reach {
                 continue;
             }

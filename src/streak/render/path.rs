@@ -202,7 +202,7 @@ impl Piece {
     pub fn length_pix(&self, from_s: f64, to_s: f64, rule: &[(f64, f64)]) -> f64 {
         let speed = |(x, weight): &(f64, f64)| {
             let [u, v] = self.motion(from_s + x * (to_s - from_s));
-            weight * u.hypot(v)
+            weight * (u * u + v * v).sqrt()
         };
         (to_s - from_s) * rule.iter().map(speed).sum::<f64>()
     }

@@ -11,6 +11,7 @@ use super::ends::End;
 use super::panels::PanelTree;
 use super::runs::{Run, Source};
 use super::straight::straight;
+use super::wings::Wings;
 
 /// The profile across a line.
 pub(super) struct Across {
@@ -48,6 +49,14 @@ impl NullaryFnOnce for Strokes<'_> {
 
     #[inline(always)]
     fn call(self) {
+        let frame = [self.patch.columns(), self.patch.rows()];
+        let mut wings = Vec::with_capacity(self.ends.len());
+        for (end, _) in self.ends {
+            wings.push(self.profile.edge().and_then(
+                #[inline(always)]
+                |table| Wings::of(end, table, self.profile, frame),
+            ));
+        }
         for run in self.runs {
             let first_column = run.columns.start;
             let pixels = self.patch.stretch_mut(run.row, run.columns.clone());
@@ -62,7 +71,8 @@ impl NullaryFnOnce for Strokes<'_> {
                 }
                 Source::Edge { end, is_beside } => {
                     if let Some(table) = self.profile.edge() {
-                        self.ends[end].0.add_to(table, is_beside, run.row, first_column, pixels);
+                        let (end, wings) = (&self.ends[end].0, wings[end].as_ref());
+                        end.add_to(table, wings, is_beside, run.row, first_column, pixels);
                     }
                 }
                 Source::Middle(number) => {
