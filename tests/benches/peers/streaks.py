@@ -6,6 +6,9 @@
 
 Runs take turns, so that all meet the same machine, one thread each. GalSim draws with its default accuracy. Prints times, ratios, and how far GalSim
 and ours lie apart on the shortest streak, of its peak.
+
+SatSim names no licence, so nothing here asks for it; where `pip install satsim` has been run (with TensorFlow, 3 GB) it takes part: its points along the longest
+streak on a frame that is not oversampled, and then its convolution of the whole frame.
 """
 import argparse
 import math
@@ -18,6 +21,7 @@ import tempfile
 import time
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
+os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
 import galsim  # noqa: E402
 import numpy as np  # noqa: E402
 from scipy.special import erf  # noqa: E402
@@ -60,12 +64,43 @@ def of_numpy(length, frame):
     return (time.perf_counter() - began) * 1e3
 
 
+def satsim():
+    """Times of one streak and of the convolution after it, ms; none where SatSim is not installed."""
+    try:
+        import tensorflow as tf
+        from satsim.geometry.draw import gen_line_from_endpoints
+        from satsim.image.fpa import add_counts
+        from satsim.image.psf import gen_gaussian
+        from satsim.math import fftconv2p
+    except ImportError:
+        return None
+    tf.config.threading.set_intra_op_parallelism_threads(1)
+    tf.config.threading.set_inter_op_parallelism_threads(1)
+    psf = gen_gaussian(SIZE, SIZE, 3.5 / math.sqrt(8 * math.log(2)))
+
+    def drawn():
+        length = LENGTHS[-1]
+        frame = tf.zeros((SIZE, SIZE), tf.float32)
+        half_x, half_y = 0.5 * length * math.cos(ANGLE), 0.5 * length * math.sin(ANGLE)
+        began = time.perf_counter()
+        rows, columns, counts, _ = gen_line_from_endpoints(CENTRE[1] - half_y, CENTRE[0] - half_x, CENTRE[1] + half_y, CENTRE[0] + half_x, length, 0.0, 1.0)
+        lit = add_counts(frame, rows, columns, counts)
+        float(lit[0, 0])
+        between = time.perf_counter()
+        float(fftconv2p(lit, psf, pad=1)[0, 0])
+        return (between - began) * 1e3, (time.perf_counter() - between) * 1e3
+
+    drawn()
+    return drawn
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("--rounds", type=int, default=3)
     rounds = parser.parse_args().rounds
     profiles = {"gaussian": galsim.Gaussian(fwhm=3.5), "moffat3.5": galsim.Moffat(beta=3.5, fwhm=3.5)}
     found = {}
+    of_satsim, in_satsim = satsim(), []
     frame = np.zeros((SIZE, SIZE), np.float32)
     with tempfile.TemporaryDirectory() as folder:
         for _ in range(rounds):
@@ -75,9 +110,16 @@ def main():
                     image = galsim.ImageF(frame, xmin=0, ymin=0)
                     found.setdefault((name, length), []).append((mine[name, length], of_galsim(psf, length, image)))
                 found.setdefault(("numpy", length), []).append((mine["gaussian", length], of_numpy(length, frame)))
+            if of_satsim:
+                in_satsim.append((mine["gaussian", LENGTHS[-1]], *of_satsim()))
         for (name, length), times in sorted(found.items()):
             own, peer = (statistics.median(column) for column in zip(*times))
             print("%-10s %4d px: ours %7.3f ms, %s %8.1f ms, ratio %7.0f" % (name, length, own, "numpy " if name == "numpy" else "galsim", peer, peer / own))
+        if in_satsim:
+            own, points, convolution = (statistics.median(column) for column in zip(*in_satsim))
+            print("satsim     %4d px: ours %7.3f ms, satsim %8.1f ms for the points, ratio %7.0f; and %.0f ms for the frame" % (LENGTHS[-1], own, points, points / own, convolution))
+        else:
+            print("satsim is not installed and takes no part")
         image = galsim.ImageF(SIZE, SIZE, xmin=0, ymin=0)
         of_galsim(profiles["gaussian"], 500, image)
         light = np.fromfile(f"{folder}/pixels", "<f4").reshape(SIZE, SIZE)
