@@ -203,17 +203,18 @@ fn verif_wide_wings_about_an_end() {
     // Of the peak: 8e-6 where points near the end are summed, 2e-6 of a cubic for each of both ways.
     const TOLERANCE: f64 = 2e-5;
     let profile = RadialProfile::of(&Blur::seeing(Seeing::Moffat { fwhm_pix: 3.5, beta: 2.5 })).expect("a profile");
-    for angle in [0.03, 0.6, 1.92, 4.0] {
-        for ramp in [0.0, 0.1] {
-            let node = |time_s: f64| {
-                let at = PixelPosition {
-                    x: 110.3 + 500.0 * time_s * f64::cos(angle),
-                    y: 119.6 + 500.0 * time_s * f64::sin(angle),
+    // In the middle of the frame, and just outside of it.
+    for (x, y) in [(110.3, 119.6), (-9.2, 57.5)] {
+        for angle in [0.03, 0.6, 1.92, 4.0] {
+            for (ramp, is_start) in [(0.0, true), (0.1, true), (0.1, false)] {
+                let node = |time_s: f64| {
+                    let way = 500.0 * if is_start { time_s } else { 1.0 - time_s };
+                    let at = PixelPosition { x: x + way * f64::cos(angle), y: y + way * f64::sin(angle) };
+                    PathNode::new(time_s, at, 1.0 + ramp * time_s)
                 };
-                PathNode::new(time_s, at, 1.0 + ramp * time_s)
-            };
-            let found = difference(&path(vec![node(0.0), node(1.0)]), &profile, 230, 240);
-            assert!(found < TOLERANCE, "{angle} {ramp}: {found}");
+                let found = difference(&path(vec![node(0.0), node(1.0)]), &profile, 230, 240);
+                assert!(found < TOLERANCE, "{x} {angle} {ramp} {is_start}: {found}");
+            }
         }
     }
 }

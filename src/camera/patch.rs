@@ -280,7 +280,7 @@ impl PatchRows {
     }
 }
 
-/// Whole numbers from `least` to `greatest` among those below `count`; empty for what is not a number.
+/// Whole numbers from `least` to `greatest` among those below `count`; a bound that is not a number is 0 below and none above.
 fn whole_within(least: f64, greatest: f64, count: usize) -> Range<usize> {
     // A cast ends at a border, and cuts what is behind the point: many machines are not trusted to have an instruction that rounds upwards.
     let cut = least as usize;

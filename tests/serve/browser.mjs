@@ -168,31 +168,35 @@ try {
         requestAnimationFrame(() => setTimeout(() => window.drawn?.(performance.now() - from)));
       }).observe(document.querySelector("#answer"), { childList: true, characterData: true, subtree: true });
       new MutationObserver(() => (window.wasBehind = true)).observe(document.querySelector("#main"), { attributeFilter: ["data-behind"] });
-      window.nextDrawn = () => new Promise((resolve) => {
+      window.arm = () => {
         moved = null;
-        window.drawn = resolve;
-        setTimeout(resolve, 2000, null);
-      });
+        window.next = new Promise((resolve) => {
+          window.drawn = resolve;
+          setTimeout(resolve, 2000, null);
+        });
+      };
     });
     for (const name of ["drag", "stretch"]) {
       const box = await page.locator(name === "drag" ? "#bar" : "#stretch").boundingBox();
       const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
       await page.mouse.move(x, y);
       await page.mouse.down();
+      await settled(page);
       const taken = [];
       const asked = 60;
       await page.evaluate(() => (window.wasBehind = false));
       for (let k = 1; k <= asked; k += 1) {
-        const drawn = page.evaluate(() => window.nextDrawn());
+        await page.evaluate(() => window.arm());
         // Whole seconds are asked for: less than one is no move.
-        await page.mouse.move(x + 6 * (k <= 30 ? k : asked - k), y);
-        taken.push(await drawn);
+        await page.mouse.move(x + 6 * (k <= 30 ? k : asked + 5 - k), y);
+        taken.push(await page.evaluate(() => window.next));
       }
       assert.ok(await page.evaluate(() => window.wasBehind), "what lags behind a drag is shown as such");
-      // Where it rests, held or not, all else has followed.
-      await page.waitForFunction(() => !document.querySelector("#main").hasAttribute("data-behind"));
+      // Where it rests, held or not, all else follows, the sky with a question of its own.
+      await page.waitForFunction(() => !document.querySelector("#main").matches("[data-behind], [data-sky-behind]"));
       await settled(page);
-      await agrees(page);
+      const { start } = await agrees(page).then(() => seen(page));
+      assert.ok([...requests].some((url) => url.includes("/dome?") && decodeURIComponent(url).includes(start)), `no sky of ${start}`);
       await page.mouse.up();
       await settled(page);
       assert.ok(!taken.includes(null), `${taken.filter((one) => one === null).length} of ${asked} moves were not answered`);
@@ -211,6 +215,28 @@ try {
     await page.setViewportSize({ width: 1280, height: 900 });
     await settled(page);
     assert.deepEqual(await colours(page), before);
+    // A screen of finer pixels gets them.
+    const client = await page.context().newCDPSession(page);
+    await client.send("Emulation.setDeviceMetricsOverride", { width: 1280, height: 900, deviceScaleFactor: 2, mobile: false });
+    await settled(page);
+    const fine = await page.evaluate(() => [...document.querySelectorAll("section > canvas, #strip canvas")].map((canvas) => canvas.width / Math.round(canvas.getBoundingClientRect().width)));
+    assert.deepEqual(fine, [2, 2, 2, 2, 2]);
+    await page.close();
+  });
+
+  await step("a start between whole seconds is moved by whole seconds", async () => {
+    const page = await open();
+    await page.click("#go");
+    await settled(page);
+    const before = await seen(page);
+    assert.ok(Date.parse(before.start) % 1000, before.start);
+    const box = await page.locator("#bar").boundingBox();
+    await page.mouse.move(box.x + box.width / 2, box.y + box.height / 2);
+    await page.mouse.down();
+    await page.mouse.move(box.x + box.width / 2 + 1, box.y + box.height / 2);
+    await page.mouse.up();
+    await settled(page);
+    assert.equal((await seen(page)).start, before.start);
     await page.close();
   });
 

@@ -165,8 +165,8 @@ impl End {
         Half { even, tilt, inward }
     }
 
-    /// What is added beyond the path and beside it, at pixels so many columns after one at a place from the end; each on the other's side of the normal too; `line` is the profile across
-    /// the whole line.
+    /// What is added beyond the path and beside it, at pixels so many columns after one at a place from the end; each on the other's side of the normal too, as far
+    /// as squares reach that lie on both; `line` is the profile across the whole line.
     #[inline(always)]
     pub fn nodes<const N: usize>(
         &self,

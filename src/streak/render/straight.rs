@@ -82,6 +82,7 @@ impl<const N: usize> Ready<N> {
         }
         ready
     }
+
     /// Adds the light to pixels, of which the first is the first column.
     #[inline(always)]
     fn add_to(&self, lattice: &Lattice, pixels: &mut [f32]) {

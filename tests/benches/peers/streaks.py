@@ -19,6 +19,7 @@ import statistics
 import subprocess
 import tempfile
 import time
+from importlib.metadata import version
 
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 os.environ.setdefault("TF_CPP_MIN_LOG_LEVEL", "3")
@@ -117,7 +118,8 @@ def main():
             print("%-10s %4d px: ours %7.3f ms, %s %8.1f ms, ratio %7.0f" % (name, length, own, "numpy " if name == "numpy" else "galsim", peer, peer / own))
         if in_satsim:
             own, points, convolution = (statistics.median(column) for column in zip(*in_satsim))
-            print("satsim     %4d px: ours %7.3f ms, satsim %8.1f ms for the points, ratio %7.0f; and %.0f ms for the frame" % (LENGTHS[-1], own, points, points / own, convolution))
+            print("satsim     %4d px: ours %7.3f ms, satsim %8.1f ms for the points, ratio %7.0f; and %.0f ms for the frame (SatSim %s, TensorFlow %s)" % (
+                LENGTHS[-1], own, points, points / own, convolution, version("satsim"), version("tensorflow")))
         else:
             print("satsim is not installed and takes no part")
         image = galsim.ImageF(SIZE, SIZE, xmin=0, ymin=0)

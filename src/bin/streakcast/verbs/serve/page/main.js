@@ -14,7 +14,7 @@ import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./wo
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
 const SAMPLES = 41;
-/** While an exposure is dragged, answer, strip and field follow at once, and all else where the pointer has rested so long, ms. */
+/** While an exposure is dragged, answer, strip, field and the night's mark follow at once, and all else where the pointer has rested so long, ms. */
 const REST_MS = 150;
 
 /** What the address holds. */
@@ -23,9 +23,13 @@ const state = { shift: 0, ...link.read() };
 let night = null;
 let rows = [];
 let answer;
-/** Whether an exposure is being dragged, and the timer of what follows it. */
-let isDragged = false;
-let following = 0;
+/** The last questions: answers to others are of where the exposure was. */
+let question = null;
+let domeQuestion = null;
+/** Whether an exposure is being dragged and has not rested; the timer of its rest; whether the last question has its answer. */
+let isMoving = false;
+let resting = 0;
+let isAnswered = false;
 /** What stands in the way, by the question that it stands in the way of. */
 const problems = new Map();
 
@@ -41,7 +45,7 @@ const askExposure = line("/api/v1/exposure", answered, (error, asked) => {
   if (asked.place === state.place) nothing("unknown", "no answer");
 });
 const askDome = line("/api/v1/dome", ({ document }, asked) => {
-  if (asked.place === state.place) showDome(document);
+  if (asked.place === state.place) showDome(document, asked === domeQuestion);
 }, (error, asked) => {
   failed(error, "dome");
   if (asked.place === state.place) showDome(null);
@@ -66,8 +70,9 @@ function problem(what, text) {
   $("problem").textContent = [...new Set(problems.values())].join(" ");
 }
 
-function showDome(dome) {
+function showDome(dome, isLast = true) {
   if (dome) problem("dome", null);
+  if (isLast) $("main").removeAttribute("data-sky-behind");
   domeChart.show(dome);
   drawDome();
 }
@@ -164,12 +169,27 @@ function choose(place, isRestored = false) {
 }
 
 function moved(shift, duration, isDone) {
-  // Held, but still where it was, it is not dragged yet.
-  isDragged = !isDone && (shift !== state.shift || duration !== state.duration);
+  if (rows[state.place]?.start == null) return;
+  // Held, but still where it was, it does not move yet.
+  isMoving = !isDone && (shift !== state.shift || duration !== state.duration);
   state.shift = shift;
   state.duration = duration;
+  clearTimeout(resting);
+  if (isMoving) {
+    for (const what of ["data-behind", "data-sky-behind"]) $("main").setAttribute(what, "");
+    resting = setTimeout(rested, REST_MS);
+  }
   request();
   if (isDone) requestDome();
+}
+
+/** A drag stands still, held or not. */
+function rested() {
+  isMoving = false;
+  requestDome();
+  // The night may have gone meanwhile, or the exposure; an answer that is still to come draws the rest.
+  if (isAnswered && rows[state.place]?.start != null) drawDetails();
+  link.write(state);
 }
 
 const limit = () => state.limit ?? night?.limit_mag ?? null;
@@ -183,7 +203,8 @@ function opening() {
 function request() {
   const row = rows[state.place];
   if (row?.start == null) return;
-  askExposure(ofThis({
+  isAnswered = false;
+  question = ofThis({
     start_utc: opening(),
     duration_s: state.duration,
     ra_deg: row.ra_deg,
@@ -193,26 +214,16 @@ function request() {
     limit_mag: state.limit,
     samples: SAMPLES,
     around_s: strip.span(),
-  }));
-  inTurn(showMove);
-}
-
-/** Draws at once, or where a drag rests, with all that waits for it. */
-function inTurn(draw) {
-  clearTimeout(following);
-  $("main").toggleAttribute("data-behind", isDragged);
-  if (!isDragged) draw();
-  else following = setTimeout(drawFollowers, REST_MS);
-}
-
-function showMove() {
-  nightChart.draw(state.place, rows[state.place].start + state.shift * 1e3, limit());
-  link.write(state);
+  });
+  askExposure(question);
+  nightChart.draw(state.place, row.start + state.shift * 1e3, limit());
+  if (!isMoving) link.write(state);
 }
 
 function requestDome() {
   if (rows[state.place]?.start == null) return;
-  askDome(ofThis({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model }));
+  domeQuestion = ofThis({ start_utc: opening(), duration_s: state.duration, height_km: state.height, model: state.model });
+  askDome(domeQuestion);
 }
 
 function answered({ document: said, ms }, asked) {
@@ -242,13 +253,18 @@ function answered({ document: said, ms }, asked) {
   $("pointing").textContent = `opens ${clock(moment(opens.utc), 0, 1)} UTC, ${clock(moment(opens.utc), night.utc_offset_h)} local · ${fixed(state.duration, 1)} s · ${hours(row.ra_deg)} ${sexagesimal(row.dec_deg)} · altitude ${fixed(opens.altitude_deg, 0)}°, azimuth ${fixed(opens.azimuth_deg, 0)}° · Sun ${fixed(opens.sun_altitude_deg, 1)}°`;
   const isThere = said.passes.some((pass) => pass.norad_id === state.satellite);
   if (!isThere) state.satellite = brightest(said.passes)?.norad_id;
+  isAnswered = asked === question;
   drawField();
-  inTurn(drawFollowers);
+  if (!isMoving) {
+    drawDetails();
+    link.write(state);
+  }
 }
 
 /** There is no answer to what is asked: nothing that stands there may look like one. */
 function nothing(verdict, words) {
   answer = null;
+  isAnswered = true;
   say(verdict, words);
   delete $("answer").dataset.nextClearStartUtc;
   delete $("answer").dataset.startUtc;
@@ -289,16 +305,8 @@ function drawField() {
   fieldChart.draw(night.field, answer?.exposures[0] ?? rows[state.place], answer?.passes ?? [], { selected: state.satellite, corridors: state.sigma === "1" });
 }
 
-/** What follows an answer that is being dragged. */
-function drawFollowers() {
-  $("main").removeAttribute("data-behind");
-  // The night may have gone meanwhile, or the exposure.
-  if (rows[state.place]?.start == null) return;
-  drawDetails();
-  showMove();
-}
-
 function drawDetails() {
+  if (isAnswered) $("main").removeAttribute("data-behind");
   const passes = answer?.passes ?? [];
   const chosen = passes.find((pass) => pass.norad_id === state.satellite);
   curveChart.draw(chosen, limit());
@@ -407,6 +415,11 @@ window.addEventListener("hashchange", () => {
 // Charts of another size are drawn anew; a page that grows by a line of words is not.
 const sizes = new ResizeObserver(() => requestAnimationFrame(drawAll));
 for (const canvas of document.querySelectorAll("canvas")) sizes.observe(canvas);
+// And for a screen of other pixels.
+function sharpen() {
+  matchMedia(`(resolution: ${devicePixelRatio}dppx)`).addEventListener("change", () => (drawAll(), sharpen()), { once: true });
+}
+sharpen();
 
 showLight();
 crossings.heads($("columns"));

@@ -94,25 +94,27 @@ export class Strip {
     });
   }
 
-  /** To whole seconds; a strip that no longer shows the bar follows it. */
+  /** By whole seconds: what stands between them (a clear start, a scheduled length) is not rounded away. A strip that no longer shows the bar follows it. */
   move(to, isDone) {
-    const shift = "shift" in to ? Math.round(to.shift) : this.shift;
-    const duration = "duration" in to ? Math.min(LONGEST_S, Math.max(1, Math.round(to.duration))) : this.duration;
+    const near = (now, wanted) => now + Math.round(wanted - now);
+    const shift = "shift" in to ? near(this.shift, to.shift) : this.shift;
+    const duration = "duration" in to ? Math.min(LONGEST_S, Math.max(1, near(this.duration, to.duration))) : this.duration;
     if (!isDone && shift === this.shift && duration === this.duration) return;
     this.shift = shift;
     this.duration = duration;
     const place = (this.shift - this.from) / this.span();
     if (isDone && (place < 0.05 || place + this.duration / this.span() > 0.95)) this.centre();
     this.change(shift, duration, isDone);
-    // Its answer brings the rest.
-    if (isDone) this.draw();
+    // Its answer brings the rest, but for another scale.
+    if (isDone || this.span() !== this.drawnSpan) this.draw();
     else this.place();
   }
 
   draw() {
     const { context, width, height } = prepare(this.canvas);
     const colours = theme();
-    const scale = width / this.span();
+    this.drawnSpan = this.span();
+    const scale = width / this.drawnSpan;
     const at = (seconds) => (seconds - this.from) * scale;
     const top = TOP, bottom = height - BOTTOM;
     context.fillStyle = colours.dark;
