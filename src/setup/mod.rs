@@ -13,6 +13,7 @@ mod prepared;
 mod resolve;
 mod scales;
 mod units;
+mod warnings;
 
 pub use choices::{FieldSetup, ModelsSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, SiteTable, TelescopeSetup};
 pub use document::Setup;

@@ -2,26 +2,21 @@
 
 use std::collections::BTreeSet;
 
-use hifitime::{Epoch, TimeScale, Unit};
+use hifitime::Epoch;
 use serde_json::json;
 
-use crate::catalogue::{Catalogue, Constellation, ElementSet, Generation, RecordError, Rejected, SourceFile};
-use crate::frames::{EopStatus, EopTable, seconds_after, seconds_between};
+use crate::catalogue::{Catalogue, Constellation, ElementSet, Generation, Rejected, SourceFile};
+use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::{ShadowModel, Site};
 use crate::orbit::LeftOut;
 use crate::passes::{ModelChoice, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::{ModelLibrary, StandardMagnitudes};
-use crate::table::{Provenance, counted, format_utc};
+use crate::table::{Provenance, format_utc};
 
 use super::document::Setup;
 use super::error::SetupError;
-use super::resolve::{OLD_ELEMENTS_DAYS, read_text, synthetic};
-
-/// Beyond this age, either way, the elements of a telescope in orbit draw a warning, days.
-const OLD_OBSERVER_DAYS: f64 = 3.0;
-
-/// How many of many are named in a warning.
-const NAMED: usize = 3;
+use super::resolve::{read_text, synthetic};
+use super::warnings;
 
 /// How many rejected records are listed in JSON; the count beside them is of all.
 const LISTED: usize = 1000;
@@ -150,11 +145,11 @@ impl Stock {
         let mut elements: Vec<ElementSet> = Vec::new();
         if let Some(catalogue) = &self.catalogue {
             provenance.state("elements", catalogue.sources.iter().map(source_json).collect::<Vec<_>>());
-            of_files.extend(catalogue_warnings(catalogue));
+            of_files.extend(warnings::of_catalogue(catalogue));
             provenance.attach("rejected_count", catalogue.rejected.len());
             provenance
                 .attach("rejected", catalogue.rejected.iter().take(LISTED).map(rejected_json).collect::<Vec<_>>());
-            provenance.attach("cut_short", cut_short(catalogue).collect::<Vec<_>>());
+            provenance.attach("cut_short", warnings::cut_short(catalogue).collect::<Vec<_>>());
             elements = catalogue.at(middle);
         }
         let from_files = elements.len();
@@ -208,11 +203,11 @@ impl Prepared {
     /// For the times that all was prepared for they are `warnings`; a sky that is kept may be asked about others.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
         let mut warnings = self.of_files.clone();
-        warnings.extend(age_warning(&self.sky.elements()[..self.from_files], first, last));
-        warnings.extend(self.shells_made_for.and_then(|day| shells_warning(day, first, last)));
-        warnings.extend(eop_warning(&self.eop, first, last));
+        warnings.extend(warnings::of_age(&self.sky.elements()[..self.from_files], first, last));
+        warnings.extend(self.shells_made_for.and_then(|day| warnings::of_shells(day, first, last)));
+        warnings.extend(warnings::of_orientation(&self.eop, first, last));
         if let Viewpoint::Orbit(observer) = self.sky.viewpoint() {
-            warnings.extend(observer_warning(observer, first, last));
+            warnings.extend(warnings::of_observer(observer, first, last));
         }
         warnings
     }
@@ -226,15 +221,7 @@ impl Prepared {
         if left_out.len() == self.sky.elements().len() {
             return Err(nothing_propagates(&self.sky, left_out, moment));
         }
-        let named: Vec<String> = left_out.iter().take(NAMED).map(|one| one.norad_id.to_string()).collect();
-        let more = if left_out.len() > NAMED { ", ..." } else { "" };
-        Ok(Some(format!(
-            "{} of {} satellites left out ({}{more}); the first: {}",
-            left_out.len(),
-            self.sky.elements().len(),
-            named.join(", "),
-            first.reason
-        )))
+        Ok(Some(warnings::of_left_out(left_out, first, self.sky.elements().len())))
     }
 }
 
@@ -261,11 +248,6 @@ fn source_json(source: &SourceFile) -> serde_json::Value {
         "first_epoch_utc": format_utc(source.first_epoch, 3),
         "last_epoch_utc": format_utc(source.last_epoch, 3),
     })
-}
-
-/// Files that end with a broken record.
-fn cut_short(catalogue: &Catalogue) -> impl Iterator<Item = &str> {
-    catalogue.sources.iter().filter(|source| source.cut_short).map(|source| source.name.as_ref())
 }
 
 fn rejected_json(rejected: &Rejected) -> serde_json::Value {
@@ -296,93 +278,9 @@ fn site_json(site: &Site) -> serde_json::Value {
     })
 }
 
-fn catalogue_warnings(catalogue: &Catalogue) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let rejected = catalogue.rejected.len();
-    if rejected > 0 {
-        let records = rejected + catalogue.sources.iter().map(|source| source.records).sum::<usize>();
-        let named: Vec<String> = catalogue.rejected.iter().take(NAMED).map(ToString::to_string).collect();
-        let more = if rejected > NAMED { "; ..." } else { "" };
-        let mut warning = format!("{rejected} of {} rejected", counted(records, "record", "records"));
-        if 2 * rejected > records {
-            warning +=
-                ", more than half: the answer is incomplete, the satellites of these records are missing from it";
-        }
-        let is_checksum = |one: &&Rejected| matches!(one.reason, RecordError::BadChecksum { .. });
-        let checksums = catalogue.rejected.iter().filter(is_checksum).count();
-        if checksums > 0 {
-            warning += &format!(" ({checksums} for a wrong checksum; --accept-bad-checksums takes those)");
-        }
-        warnings.push(format!("{warning}: {}{more}", named.join("; ")));
-    }
-    for name in cut_short(catalogue) {
-        warnings.push(format!("{name} ends with a broken record: it may have been cut short; fetch it again"));
-    }
-    let accepted: usize = catalogue.sources.iter().map(|source| source.bad_checksums_accepted).sum();
-    if accepted > 0 {
-        warnings.push(format!("{} taken in spite of a wrong checksum", counted(accepted, "record", "records")));
-    }
-    warnings
-}
-
-/// Element sets further than two weeks from the time asked about, either way.
-fn age_warning(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<String> {
-    let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    // All epochs are UTC: comparing what they hold spares the leap seconds, and a server asks this with each answer.
-    let days_after = |epoch: Epoch, days: f64| (epoch.to_time_scale(TimeScale::UTC) + days * Unit::Day).duration;
-    let near = days_after(first, -OLD_ELEMENTS_DAYS)..=days_after(last, OLD_ELEMENTS_DAYS);
-    let old: Vec<&ElementSet> = elements.iter().filter(|set| !near.contains(&set.epoch.duration)).collect();
-    let farthest = old.iter().map(|set| days(set.epoch, first).max(days(last, set.epoch))).max_by(f64::total_cmp)?;
-    Some(format!(
-        "{} of {} element sets are more than {OLD_ELEMENTS_DAYS} days from the exposures (the farthest by {farthest:.1} days): \
-         places and probabilities are uncertain to match",
-        old.len(),
-        elements.len(),
-    ))
-}
-
-/// Synthetic satellites made for a day further than two weeks from the time asked about, either way.
-fn shells_warning(made_for: Epoch, first: Epoch, last: Epoch) -> Option<String> {
-    let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    let age_days = days(made_for, first).max(days(last, made_for));
-    (age_days > OLD_ELEMENTS_DAYS).then(|| {
-        format!(
-            "the shells were made for {}, {age_days:.1} days from the exposures: nobody can say where they would stand then",
-            day(made_for)
-        )
-    })
-}
-
-/// The telescope's own place from elements that are days old.
-fn observer_warning(observer: &OrbitingObserver, first: Epoch, last: Epoch) -> Option<String> {
-    let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    let age_days = days(observer.elements_epoch(), last).max(days(first, observer.elements_epoch()));
-    (age_days > OLD_OBSERVER_DAYS).then(|| {
-        format!(
-            "the elements of the observer {} are {age_days:.1} days from the farthest exposure: its own place errs by kilometres, \
-             and with it every crossing",
-            observer.name()
-        )
-    })
-}
-
-fn eop_warning(eop: &EopTable, first: Epoch, last: Epoch) -> Option<String> {
-    let uncovered = [first, last].map(|epoch| eop.status(epoch)).into_iter().find(|status| !status.is_covered())?;
-    let why = match uncovered {
-        EopStatus::Expired { last } => format!("the Earth orientation table ended {}", day(last)),
-        EopStatus::TooEarly { first } => format!("the Earth orientation table begins {}", day(first)),
-        _ => "there is no Earth orientation table".to_owned(),
-    };
-    Some(format!("{why}: UT1 = UTC was taken (0.1 s of UT1 is 46 m at the equator); give a newer one with --eop"))
-}
-
 fn start_of_utc_day(epoch: Epoch) -> Epoch {
     let (year, month, day, ..) = epoch.to_gregorian_utc();
     Epoch::from_gregorian_utc_at_midnight(year, month, day)
-}
-
-fn day(epoch: Epoch) -> String {
-    format_utc(epoch.to_time_scale(TimeScale::UTC), 0).chars().take(10).collect()
 }
 
 #[cfg(test)]
@@ -435,22 +333,6 @@ mod tests {
         let setup = Setup::from_toml("mpc = 'X05'", "t.toml").unwrap();
         let message = setup.prepare(start, start).unwrap_err().to_string();
         assert!(message.contains("--elements") && message.contains("--shells starlink-gen1"), "{message}");
-    }
-
-    #[test]
-    fn ages_count_to_both_sides_and_only_outside_the_night() {
-        let sets = Constellation::by_name("kuiper").unwrap().element_sets(utc("2024-08-14T00:00:00Z"));
-        let warning = |first: &str, last: &str| age_warning(&sets[..10], utc(first), utc(last));
-        assert_eq!(warning("2024-08-01T00:00:00Z", "2024-08-27T00:00:00Z"), None);
-        assert_eq!(warning("2024-08-27T00:00:00Z", "2024-08-28T00:00:00Z"), None);
-        let older = warning("2024-09-03T00:00:00Z", "2024-09-03T06:00:00Z").unwrap();
-        assert!(
-            older.starts_with("10 of 10 element sets are more than 14 days")
-                && older.contains("(the farthest by 20.0 days)"),
-            "{older}"
-        );
-        let newer = warning("2024-07-01T00:00:00Z", "2024-07-15T00:00:00Z").unwrap();
-        assert!(newer.contains("(the farthest by 30.0 days)"), "{newer}");
     }
 
     const GOOD: &str = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999\n\
