@@ -14,7 +14,7 @@ import { clock, copy, delay, fixed, hours, iso, moment, sexagesimal } from "./wo
 const $ = (id) => document.getElementById(id);
 /** Points along each track. */
 const SAMPLES = 41;
-/** While an exposure is dragged, answer, strip, field and the night's mark follow at once, and all else where the pointer has rested so long, ms. */
+/** While an exposure is dragged, answer, strip and field follow at once, and all else where the pointer has rested so long, ms. */
 const REST_MS = 150;
 
 /** What the address holds. */
@@ -186,10 +186,12 @@ function moved(shift, duration, isDone) {
 /** A drag stands still, held or not. */
 function rested() {
   isMoving = false;
+  // The night may have gone meanwhile, or the exposure.
+  if (rows[state.place]?.start == null) return;
   requestDome();
-  // The night may have gone meanwhile, or the exposure; an answer that is still to come draws the rest.
-  if (isAnswered && rows[state.place]?.start != null) drawDetails();
-  link.write(state);
+  showMove();
+  // An answer that is still to come draws the rest.
+  if (isAnswered) drawDetails();
 }
 
 const limit = () => state.limit ?? night?.limit_mag ?? null;
@@ -216,8 +218,13 @@ function request() {
     around_s: strip.span(),
   });
   askExposure(question);
-  nightChart.draw(state.place, row.start + state.shift * 1e3, limit());
-  if (!isMoving) link.write(state);
+  if (!isMoving) showMove();
+}
+
+/** In the night, where a minute is a pixel, and in the address. */
+function showMove() {
+  nightChart.draw(state.place, rows[state.place].start + state.shift * 1e3, limit());
+  link.write(state);
 }
 
 function requestDome() {
