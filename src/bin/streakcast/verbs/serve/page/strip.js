@@ -99,6 +99,8 @@ export class Strip {
     const near = (now, wanted) => now + Math.round(wanted - now);
     const shift = "shift" in to ? near(this.shift, to.shift) : this.shift;
     const duration = "duration" in to ? Math.min(LONGEST_S, Math.max(1, near(this.duration, to.duration))) : this.duration;
+    // A strip of no width has no scale.
+    if (!Number.isFinite(shift + duration)) return;
     if (!isDone && shift === this.shift && duration === this.duration) return;
     this.shift = shift;
     this.duration = duration;
