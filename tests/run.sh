@@ -20,7 +20,7 @@ beside=
 trap 'if [ -n "$beside" ]; then kill "$beside" 2>/dev/null || true; fi; rm -rf "$log"' EXIT
 begin=$SECONDS
 
-# step NAME COMMAND...: runs it, says how long it took, and shows what it wrote only where it failed.
+# step NAME COMMAND...: runs it, says how long it took, and shows what it wrote only where it failed: what failed first, then all of it.
 step() {
     local name=$1 start=$SECONDS
     shift
@@ -29,6 +29,10 @@ step() {
     else
         local code=$?
         printf 'FAIL  %4d s  %s\n' $((SECONDS - start)) "$name"
+        if grep -aE -A 6 'panicked at|^error|^(FAILED|ERROR) |^E  |\.\.\. FAILED|No space left' "$log/step" | sed -n 1,80p >"$log/failed"; then
+            cat "$log/failed"
+            echo "--- all that $name wrote:"
+        fi
         cat "$log/step"
         exit "$code"
     fi
