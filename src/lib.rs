@@ -30,6 +30,7 @@ pub mod identify;
 pub mod injection;
 pub mod maps;
 pub mod measured;
+mod minimum;
 pub mod orbit;
 pub mod passes;
 pub mod photometry;

@@ -8,6 +8,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
     ("elementary", &[]),
     ("quadrature", &[]),
+    ("minimum", &[]),
     ("quantile", &[]),
     ("vectors", &[]),
     ("catalogue", &[]),
@@ -19,10 +20,13 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("geometry", &["frames", "quadrature"]),
     ("orbit", &["catalogue", "frames", "vectors"]),
     ("photometry", &["elementary", "frames", "geometry"]),
-    ("passes", &["catalogue", "frames", "geometry", "orbit", "photometry"]),
+    ("passes", &["catalogue", "frames", "geometry", "minimum", "orbit", "photometry"]),
     ("maps", &["frames", "geometry", "healpix", "photometry", "table"]),
     ("plot", &["healpix", "maps", "photometry", "quantile"]),
-    ("measured", &["catalogue", "frames", "geometry", "healpix", "orbit", "photometry", "quantile", "table"]),
+    (
+        "measured",
+        &["catalogue", "frames", "geometry", "healpix", "minimum", "orbit", "photometry", "quantile", "table"],
+    ),
     ("fit", &["elementary", "geometry", "measured", "photometry", "quantile", "table"]),
     ("checks", &["frames", "geometry", "measured", "photometry", "table"]),
     (

@@ -1,6 +1,7 @@
 //! How late a satellite passes: the shift along its orbit that makes its ranges those of a track.
 
 use crate::frames::{Gcrs, Position};
+use crate::minimum::minimum;
 use crate::orbit::Propagator;
 
 use super::ephemeris::{Ephemeris, Moment};
@@ -28,7 +29,7 @@ const POINTS: usize = 12;
 /// Shifts are tried so far apart before the best is refined, s: a satellite's range bends on the scale of its distance over its speed,
 /// half a minute and more.
 const STEP_S: f64 = 5.0;
-/// The golden section ends here, s: 8 m of way.
+/// How well it is found, s: 8 m of way.
 const TOLERANCE_S: f64 = 1e-3;
 
 impl Ranged {
@@ -67,7 +68,7 @@ fn range_rms_km(propagator: &Propagator, points: &[Ranged], offset_s: f64) -> f6
     (sum / points.len() as f64).sqrt()
 }
 
-/// The shift within ± `limit_s` with the least differences of range: the best of a grid of 5 s, refined by golden sections. `None`
+/// The shift within ± `limit_s` with the least differences of range: the best of a grid of 5 s, refined. `None`
 /// without points or positions.
 pub(super) fn fitted_offset_s(propagator: &Propagator, points: &[Ranged], limit_s: f64) -> Option<Offset> {
     if points.is_empty() {
@@ -81,25 +82,7 @@ pub(super) fn fitted_offset_s(propagator: &Propagator, points: &[Ranged], limit_
     if !best_km.is_finite() {
         return None;
     }
-    let (mut low, mut high) = ((best_s - step_s).max(-limit_s), (best_s + step_s).min(limit_s));
-    // (√5 - 1)/2: the larger part of a golden section.
-    let part = (5_f64.sqrt() - 1.0) / 2.0;
-    let [mut left, mut right] = [high - part * (high - low), low + part * (high - low)];
-    let (mut at_left, mut at_right) = (rms(left), rms(right));
-    while high - low > TOLERANCE_S {
-        if at_left < at_right {
-            (high, right, at_right) = (right, left, at_left);
-            left = high - part * (high - low);
-            at_left = rms(left);
-        } else {
-            (low, left, at_left) = (left, right, at_right);
-            right = low + part * (high - low);
-            at_right = rms(right);
-        }
-    }
-    let refined = 0.5 * (low + high);
-    let at_refined = rms(refined);
-    // The best of the grid may lie at the limit, where the section ends within.
-    let (offset_s, range_rms_km) = if at_refined < best_km { (refined, at_refined) } else { (best_s, best_km) };
+    let ends_s = [(best_s - step_s).max(-limit_s), (best_s + step_s).min(limit_s)];
+    let (offset_s, range_rms_km) = minimum(rms, ends_s, (best_s, best_km), 0.5 * TOLERANCE_S);
     Some(Offset { offset_s, range_rms_km })
 }

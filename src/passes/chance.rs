@@ -107,7 +107,8 @@ impl Sky {
     /// From an orbit, where a late satellite takes another way through the field: the passes and near misses that are found there, a few
     /// minutes early or late at most.
     fn chances_in_flight(&self, exposures: &[Exposure], field: &Field) -> Result<Vec<Vec<Chance>>, SkyError> {
-        let options = PassOptions { min_probability: Some(LEAST_IN_FLIGHT), ..PassOptions::default() };
+        let options =
+            PassOptions { min_probability: Some(LEAST_IN_FLIGHT), without_light: true, ..PassOptions::default() };
         let passes = self.field_passes(exposures, field, &options)?.by_exposure;
         // The mean chord of a circle is π/2 of its radius.
         let mean_chord_rad = std::f64::consts::FRAC_PI_2 * field.bounding_radius_rad();

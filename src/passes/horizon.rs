@@ -17,12 +17,15 @@ use crate::catalogue::NoradId;
 use crate::constants::{DAY_S, EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, WGS72_MU_KM3_S2};
 use crate::frames::{Gcrs, Position, seconds_after, seconds_between};
 use crate::geometry::Observer;
+use crate::minimum::minimum;
 use crate::orbit::{Arc, LeftOut, OrbitError, OrbitUncertainty, Propagator, State};
 
 /// Steps of the search are this share of the orbital period, at most [`LONGEST_STEP_S`].
 const STEPS_PER_REVOLUTION: f64 = 72.0;
 /// Longest step of the search, seconds.
 const LONGEST_STEP_S: f64 = 300.0;
+/// How near a culmination is closed in on, seconds.
+const TOP_S: f64 = 2.5e-4;
 /// The Earth turns a site at this at most, rad/s, with what its precession adds.
 const SITE_TURNING_RAD_S: f64 = 7.3e-5;
 /// A geodetic vertical leans from the geocentric one by 0.193° at most; with what short-period terms move a satellite, radians.
@@ -245,10 +248,9 @@ impl Follow<'_> {
                 continue;
             }
             let around = |step: usize| {
-                ((samples[step].time_s - step_s).max(from_s), (samples[step].time_s + step_s).min(until_s))
+                [(samples[step].time_s - step_s).max(from_s), (samples[step].time_s + step_s).min(until_s)]
             };
-            let (low_s, high_s) = around(step);
-            let (mut top_s, mut top) = self.highest(low_s, high_s)?;
+            let (mut top_s, mut top) = self.highest(around(step), &samples[step])?;
             if top < limit {
                 continue;
             }
@@ -262,8 +264,7 @@ impl Follow<'_> {
             let end = set_until.unwrap_or(last + 1);
             for (at, sample) in samples.iter().enumerate().take(end).skip(step + 1) {
                 if sample.sine > top {
-                    let (low_s, high_s) = around(at);
-                    (top_s, top) = self.highest(low_s, high_s)?;
+                    (top_s, top) = self.highest(around(at), sample)?;
                 }
             }
             done_s = set_until.map_or(f64::INFINITY, |at| samples[at].time_s);
@@ -287,27 +288,19 @@ impl Follow<'_> {
         Ok(())
     }
 
-    /// The highest moment between two, by golden section.
-    fn highest(&self, mut low_s: f64, mut high_s: f64) -> Result<(f64, f64), OrbitError> {
-        let golden = 0.5 * (5f64.sqrt() - 1.0);
-        let (mut left_s, mut right_s) = (high_s - golden * (high_s - low_s), low_s + golden * (high_s - low_s));
-        let (mut left, mut right) = (self.sine_of_altitude(left_s)?, self.sine_of_altitude(right_s)?);
-        // The top is flat: its time is no better than the root of the rounding, its height is exact.
-        while high_s - low_s > 1e-3 {
-            if left > right {
-                high_s = right_s;
-                (right_s, right) = (left_s, left);
-                left_s = high_s - golden * (high_s - low_s);
-                left = self.sine_of_altitude(left_s)?;
-            } else {
-                low_s = left_s;
-                (left_s, left) = (right_s, right);
-                right_s = low_s + golden * (high_s - low_s);
-                right = self.sine_of_altitude(right_s)?;
+    /// The highest moment between two, from a moment between them and the sine of its altitude.
+    fn highest(&self, ends_s: [f64; 2], start: &Sample) -> Result<(f64, f64), OrbitError> {
+        let mut failed = None;
+        let depth = |time_s: f64| match self.sine_of_altitude(time_s) {
+            Ok(sine) => -sine,
+            Err(error) => {
+                failed = Some(error);
+                f64::INFINITY
             }
-        }
-        let top_s = 0.5 * (low_s + high_s);
-        Ok((top_s, self.sine_of_altitude(top_s)?))
+        };
+        // The top is flat: its time is no better than the root of the rounding, its height is exact.
+        let (top_s, depth) = minimum(depth, ends_s, (start.time_s, -start.sine), TOP_S);
+        failed.map_or(Ok((top_s, -depth)), Err)
     }
 
     /// Where the limit is passed between a moment below it and one above it.

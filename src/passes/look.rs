@@ -10,13 +10,14 @@ use super::track::{Chord, TrackPoint};
 use super::viewpoint::Viewpoint;
 use crate::frames::{Gcrs, Position, seconds_after};
 use crate::geometry::{Illumination, ShadowModel, ViewingGeometry};
+use crate::minimum::minimum;
 use crate::orbit::OrbitUncertainty;
 use crate::photometry::{Brightness, BrightnessModel, PhotometryOptions};
 
 /// Points along a pass at which shadow and peak are first looked for.
 const LIGHT_STEPS: usize = 24;
-/// Golden section steps that close in on the peak: a ten-thousandth of the step between two points.
-const PEAK_STEPS: usize = 20;
+/// How near the peak is closed in on, of the step between two points.
+const PEAK_TOLERANCE: f64 = 1e-4;
 
 /// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction and the dip of a mountain's horizon.
 /// It matters for fields that reach below the horizon.
@@ -84,6 +85,9 @@ impl Look<'_> {
         let sun = self.scene.sun.at_s(time_s).sun;
         let geometry = ViewingGeometry::new(satellite, place, &sun)?;
         let illumination = self.shadow.illumination(satellite, &sun);
+        if self.options.without_light {
+            return Some((geometry, illumination, None));
+        }
         let photometry = match self.viewpoint {
             Viewpoint::Site(_) => self.options.photometry,
             // There is no air over a telescope in orbit.
@@ -169,37 +173,28 @@ impl Look<'_> {
         self.shadow.illumination(&self.line.arc.state_at(time_s).position, &self.scene.sun.at_s(time_s).sun)
     }
 
-    /// The brightest moment; `None` where nothing is seen at any.
+    /// The brightest moment; `None` where nothing is seen at any, or light is not asked for.
     pub fn peak(&self, enter_s: f64, exit_s: f64) -> Option<TrackPoint> {
         self.peak_in_steps(enter_s, exit_s, LIGHT_STEPS)
     }
 
     /// The same, first looked for in so many steps.
     pub fn peak_in_steps(&self, enter_s: f64, exit_s: f64, steps: usize) -> Option<TrackPoint> {
+        if self.options.without_light {
+            return None;
+        }
         let magnitude = |time_s: f64| {
             self.light(time_s)
                 .and_then(|(_, _, brightness)| brightness)
                 .map_or(f64::INFINITY, |light| light.magnitude.0)
         };
-        let best_s = times(enter_s, exit_s, steps)
+        let best = times(enter_s, exit_s, steps)
             .map(|time_s| (time_s, magnitude(time_s)))
             .min_by(|a, b| a.1.total_cmp(&b.1))
-            .filter(|(_, magnitude)| magnitude.is_finite())?
-            .0;
+            .filter(|(_, magnitude)| magnitude.is_finite())?;
         let step_s = (exit_s - enter_s) / steps as f64;
-        let (mut low_s, mut high_s) = ((best_s - step_s).max(enter_s), (best_s + step_s).min(exit_s));
-        let golden = 0.5 * (5f64.sqrt() - 1.0);
-        for _ in 0..PEAK_STEPS {
-            let width_s = golden * (high_s - low_s);
-            if magnitude(high_s - width_s) < magnitude(low_s + width_s) {
-                high_s = low_s + width_s;
-            } else {
-                low_s = high_s - width_s;
-            }
-        }
-        // A pass that fades or brightens all along peaks at its end, which golden section only approaches.
-        let candidates = [best_s, 0.5 * (low_s + high_s)];
-        let peak_s = candidates.into_iter().min_by(|a, b| magnitude(*a).total_cmp(&magnitude(*b)))?;
+        let ends_s = [(best.0 - step_s).max(enter_s), (best.0 + step_s).min(exit_s)];
+        let (peak_s, _) = minimum(magnitude, ends_s, best, PEAK_TOLERANCE * step_s);
         self.point(peak_s)
     }
 

@@ -73,6 +73,8 @@ pub struct PassOptions {
     pub samples: usize,
     /// Band, system, extinction.
     pub photometry: PhotometryOptions,
+    /// When and where alone, and whether it is lit: no brightness at any point, and no peak. Several times faster.
+    pub without_light: bool,
 }
 
 /// The answer to one question.

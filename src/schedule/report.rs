@@ -218,7 +218,7 @@ fn shift(
             ..(*exposure).clone()
         })
         .collect();
-    let options = pass_options(request);
+    let options = PassOptions { without_light: true, ..pass_options(request) };
     let answer = request.sky.field_passes(&long, request.field, &options)?;
     report.left_out.extend(answer.left_out);
     let waiting_exposures: Vec<&Exposure> = waiting.iter().map(|(_, exposure)| *exposure).collect();
@@ -303,7 +303,7 @@ fn confirm(
     flags: &mut [Option<ExposureFlag>],
 ) -> Result<(), SkyError> {
     let policy = request.policy;
-    let options = pass_options(request);
+    let options = PassOptions { without_light: true, ..pass_options(request) };
     let scheduled: HashMap<usize, &Exposure> = judged.iter().copied().collect();
     while !waits.is_empty() {
         let (open, later): (Vec<Wait>, Vec<Exposure>) = waits

@@ -323,6 +323,7 @@ impl Engine {
             samples,
             min_probability: self.policy.min_probability,
             photometry: self.photometry,
+            ..PassOptions::default()
         };
         let mut found: Vec<(usize, Arc<Prepared>, Vec<FieldPass>)> = Vec::new();
         let mut warnings = Vec::new();

@@ -9,7 +9,8 @@ use std::thread;
 
 use super::positioned::write_all_at;
 
-/// Bytes that are made and written at once: whole pixels of every type, and whole words of sums. A thread writes what it made itself, which is still in its cache.
+/// Bytes that are made and written at once. A thread writes what it made itself, which is still in its cache. They begin at multiples of their length in the file,
+/// the first excepted, so that no two share a page; what begins at a block of FITS is cut between whole pixels of every type and whole words of sums.
 const CHUNK: usize = 1 << 20;
 
 /// Bytes after which the disk is asked to take what was written.
@@ -27,6 +28,7 @@ pub(super) fn write_in_chunks<T: Send>(
     is_flushed: bool,
     make: impl Fn(Range<usize>, &mut [u8]) -> io::Result<T> + Sync,
 ) -> io::Result<Vec<T>> {
+    let before = (to % CHUNK as u64) as usize;
     let (begun, has_failed) = (AtomicUsize::new(0), AtomicBool::new(false));
     let chunk = |from: usize, bytes: &mut [u8]| {
         let said = make(from..from + bytes.len(), bytes)?;
@@ -48,11 +50,13 @@ pub(super) fn write_in_chunks<T: Send>(
         let work = |to_flusher: mpsc::Sender<()>| -> io::Result<Vec<(usize, T)>> {
             let (mut bytes, mut made, mut since_flush) = (vec![0; CHUNK.min(length)], Vec::new(), 0);
             while !has_failed.load(Ordering::Relaxed) {
-                let from = begun.fetch_add(CHUNK, Ordering::Relaxed);
+                // Counted from the last multiple before `to`.
+                let aligned = begun.fetch_add(CHUNK, Ordering::Relaxed);
+                let from = aligned.saturating_sub(before);
                 if from >= length {
                     break;
                 }
-                let bytes = &mut bytes[..CHUNK.min(length - from)];
+                let bytes = &mut bytes[..(aligned + CHUNK - before).min(length) - from];
                 made.push(chunk(from, bytes).inspect_err(|_| has_failed.store(true, Ordering::Relaxed))?);
                 since_flush += bytes.len();
                 if since_flush >= FLUSH {
@@ -64,7 +68,7 @@ pub(super) fn write_in_chunks<T: Send>(
             Ok(made)
         };
         let other = to_flusher.clone();
-        let beside = (length > CHUNK).then(|| scope.spawn(move || work(other)));
+        let beside = (before + length > CHUNK).then(|| scope.spawn(move || work(other)));
         let own = work(to_flusher);
         let others = beside.map_or(Ok(Vec::new()), joined);
         let flushed = flusher.map_or(Ok(()), joined);
@@ -88,22 +92,24 @@ mod tests {
     fn verif_every_byte_is_where_it_belongs() {
         for (length, is_flushed) in [(0, false), (1, true), (CHUNK, false), (9 * CHUNK + 17, true), (5 * CHUNK, false)]
         {
-            let mut file = tempfile::tempfile().unwrap();
-            let byte = |at: usize| (at % 251) as u8;
-            let said = write_in_chunks(&file, 7, length, is_flushed, |range, bytes| {
-                assert_eq!(range.len(), bytes.len());
-                bytes.iter_mut().zip(range.clone()).for_each(|(place, at)| *place = byte(at));
-                Ok(range)
-            })
-            .unwrap();
-            // In order, and without a gap.
-            let ends = said.iter().fold(0, |end, range| if range.start == end { range.end } else { usize::MAX });
-            assert_eq!(ends, length);
-            let mut found = Vec::new();
-            file.seek(SeekFrom::Start(0)).unwrap();
-            file.read_to_end(&mut found).unwrap();
-            let expected: Vec<u8> = [0; 7].into_iter().chain((0..length).map(byte)).collect();
-            assert!(length == 0 && found.is_empty() || found == expected, "{length}");
+            for to in [0, 2880, 7 + CHUNK, 2 * CHUNK] {
+                let mut file = tempfile::tempfile().unwrap();
+                let byte = |at: usize| (at % 251) as u8;
+                let said = write_in_chunks(&file, to as u64, length, is_flushed, |range, bytes| {
+                    assert_eq!(range.len(), bytes.len());
+                    assert!(range.start == 0 || (to + range.start).is_multiple_of(CHUNK));
+                    bytes.iter_mut().zip(range.clone()).for_each(|(place, at)| *place = byte(at));
+                    Ok(range)
+                })
+                .unwrap();
+                // In order, and without a gap.
+                let next = |end, range: &Range<usize>| if range.start == end { range.end } else { usize::MAX };
+                assert_eq!(said.iter().fold(0, next), length);
+                let mut found = Vec::new();
+                file.seek(SeekFrom::Start(to as u64)).unwrap();
+                file.read_to_end(&mut found).unwrap();
+                assert!(found == (0..length).map(byte).collect::<Vec<u8>>(), "{length} from {to}");
+            }
         }
     }
 

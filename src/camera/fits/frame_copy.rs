@@ -182,6 +182,8 @@ impl<'a> FrameCopy<'a> {
     fn write(&mut self, tables: &BTreeMap<usize, Vec<u8>>) -> io::Result<()> {
         let is_flushed = self.output.is_replacing();
         let mut output = self.output.file();
+        // About as long as the input; exactly so long as it is in the end.
+        self.output.reserve(self.input.metadata()?.len())?;
         let mut at = 0;
         for info in self.source.hdus() {
             let hdu = info.index;
@@ -228,7 +230,9 @@ impl<'a> FrameCopy<'a> {
             }
             at = end;
         }
-        self.appended.iter().try_for_each(|hdu| write_hdu(output, hdu))
+        self.appended.iter().try_for_each(|hdu| write_hdu(output, hdu))?;
+        let end = output.stream_position()?;
+        output.set_len(end)
     }
 
     /// The changes to an image, and the file that it is read from.

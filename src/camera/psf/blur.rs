@@ -37,7 +37,7 @@ pub enum BlurError {
     },
     /// Wings too far out.
     #[error(
-        "all but 5e-5 of the light reaches {reach_pix:.0} pixels from its centre, allowed are {GREATEST_REACH_PIX}"
+        "all but 1e-4 of the light reaches {reach_pix:.0} pixels from its centre, allowed are {GREATEST_REACH_PIX}"
     )]
     Reach {
         /// As found.

@@ -28,9 +28,9 @@ const WINGS: f64 = 1.3;
 /// A point's light as a function of the distance from its centre alone, of unit flux, on square pixels no wider than the seeing's
 /// full width at half maximum.
 ///
-/// Seeing, ring and disk are convolved by quadrature, each to better than 10⁻⁵ of the peak. The wings of the seeing are cut where 5·10⁻⁵ of
+/// Seeing, ring and disk are convolved by quadrature, each to better than 10⁻⁵ of the peak. The wings of the seeing are cut where 10⁻⁴ of
 /// its flux lies beyond and a line has 10⁻⁵ of its brightness; what is cut is added to the outermost of what is left, where it is not felt: nothing is
-/// lost, and 5·10⁻⁵ of the light lies nearer than it should. Beside the profile are kept its averages over a pixel ([`ProfileTables::pixel`]) and those along a line ([`ProfileTables::line`]); both depend on
+/// lost, and 10⁻⁴ of the light lies nearer than it should. Beside the profile are kept its averages over a pixel ([`ProfileTables::pixel`]) and those along a line ([`ProfileTables::line`]); both depend on
 /// the direction too, since pixels are squares, and are kept as harmonics of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ProfileTables {

@@ -5,8 +5,8 @@ use std::f64::consts::PI;
 use super::integrals::{Grain, Panels};
 use super::seeing::Seeing;
 
-/// Share of the flux beyond which wings are cut: half of what streaks must conserve.
-const CUT_SHARE: f64 = 5e-5;
+/// Share of the flux beyond which wings are cut: none of it is lost, so much lies nearer than it should.
+const CUT_SHARE: f64 = 1e-4;
 
 /// Brightness of a line across itself, of its middle, below which wings are cut; for a Gaussian this is the stricter one.
 const CUT_BRIGHTNESS: f64 = 1e-5;

@@ -91,6 +91,7 @@ pub fn ask(setup: &Setup) -> anyhow::Result<Asked> {
         min_probability: setup.policy()?.min_probability,
         samples: setup.samples()?,
         photometry: setup.photometry()?,
+        ..PassOptions::default()
     };
     let mut prepared = setup.prepare(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
     above_the_horizon("pointing", &exposure, &prepared)?;

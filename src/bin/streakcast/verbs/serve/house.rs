@@ -78,6 +78,7 @@ impl House {
             min_probability: self.asked.policy.min_probability,
             samples,
             photometry: self.asked.photometry,
+            ..PassOptions::default()
         }
     }
 }

@@ -62,19 +62,34 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         band: question.text("band").map(str::to_owned),
         exposure: Ok(exposure.clone()),
     };
-    let report = flag_exposures(&[&row], &house.request(&policy)).map_err(|error| of_sky(&error))?;
-    let caveats = house.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
-    // What is below the horizon is crossed by nobody that can be seen.
-    let is_up = report.flags.iter().all(|flag| flag.verdict != Verdict::Invalid);
     let samples = question.count("samples").unwrap_or_default();
-    let options = house.pass_options(samples);
     let ask = |exposure: &Exposure, samples: usize| {
-        let options = streakcast::passes::PassOptions { samples, ..options.clone() };
-        let asked = if is_up { std::slice::from_ref(exposure) } else { &[] };
-        house.sky().field_passes(asked, &house.asked.field, &options).map_err(|error| of_sky(&error))
+        let answer = house.sky().field_passes(
+            std::slice::from_ref(exposure),
+            &house.asked.field,
+            &house.pass_options(samples),
+        )?;
+        Ok(answer.by_exposure.into_iter().next().unwrap_or_default())
     };
-    let answer = ask(&exposure, samples)?;
-    let passes = answer.by_exposure.into_iter().next().unwrap_or_default();
+    let long = question.number("around_s").map(|around_s| Exposure {
+        start: seconds_after(start, -around_s),
+        duration_s: exposure.duration_s + 2.0 * around_s,
+        ..exposure.clone()
+    });
+    // Somebody drags: the three are asked at once.
+    let ((passes, before_and_after), report) = rayon::join(
+        || rayon::join(|| ask(&exposure, samples), || long.map_or(Ok(Vec::new()), |long| ask(&long, 0))),
+        || flag_exposures(&[&row], &house.request(&policy)),
+    );
+    let of_sky = |error: SkyError| of_sky(&error);
+    let report = report.map_err(of_sky)?;
+    let (mut passes, mut before_and_after) = (passes.map_err(of_sky)?, before_and_after.map_err(of_sky)?);
+    let caveats = house.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
+    if report.flags.iter().any(|flag| flag.verdict == Verdict::Invalid) {
+        // What is below the horizon is crossed by nobody that can be seen.
+        passes.clear();
+        before_and_after.clear();
+    }
     let streaks = streak_table(
         passes.iter().map(|pass| StreakRow {
             exposure: &exposure,
@@ -87,16 +102,10 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         true,
         samples > 0,
     );
-    let mut around = Table { columns: AROUND.to_vec(), rows: Vec::new() };
-    if let Some(around_s) = question.number("around_s") {
-        let long = Exposure {
-            start: seconds_after(start, -around_s),
-            duration_s: exposure.duration_s + 2.0 * around_s,
-            ..exposure.clone()
-        };
-        let found = ask(&long, 0)?;
-        around.rows = found.by_exposure.iter().flatten().map(|pass| around_row(house, pass, &exposure)).collect();
-    }
+    let around = Table {
+        columns: AROUND.to_vec(),
+        rows: before_and_after.iter().map(|pass| around_row(house, pass, &exposure)).collect(),
+    };
     let mut document = Document::resting_on(&house.provenance);
     document.caveats(&caveats);
     document.table("exposures", &exposure_table([&exposure]));

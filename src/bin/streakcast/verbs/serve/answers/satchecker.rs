@@ -100,6 +100,7 @@ pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
             min_probability: None,
             samples,
             photometry: house.asked.photometry,
+            ..PassOptions::default()
         };
         let answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
         let answer = answer.map_err(|error| of_sky(&error))?;
@@ -193,6 +194,7 @@ pub fn above(house: &House, question: &Question) -> Result<Reply, Problem> {
         min_probability: None,
         samples: 0,
         photometry: house.asked.photometry,
+        ..PassOptions::default()
     };
     let min_altitude_rad = said("min_altitude").unwrap_or_default().to_radians();
     let (overhead, left_out) = sky.overhead(at, 0.0, 1, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;

@@ -189,9 +189,8 @@ function rested() {
   // The night may have gone meanwhile, or the exposure.
   if (rows[state.place]?.start == null) return;
   requestDome();
-  showMove();
-  // An answer that is still to come draws the rest.
-  if (isAnswered) drawDetails();
+  // With what was not asked while it moved.
+  request();
 }
 
 const limit = () => state.limit ?? night?.limit_mag ?? null;
@@ -214,8 +213,9 @@ function request() {
     rotation_deg: row.rotation_deg,
     band: row.band,
     limit_mag: state.limit,
-    samples: SAMPLES,
-    around_s: strip.span(),
+    // What is drawn at rest, and what stands on the strip already, is not asked for while it moves: an answer in half the time.
+    samples: isMoving ? null : SAMPLES,
+    around_s: isMoving && strip.isKnown() ? null : strip.span(),
   });
   askExposure(question);
   if (!isMoving) showMove();
@@ -243,7 +243,9 @@ function answered({ document: said, ms }, asked) {
   // Everything on the strip counts from the scheduled opening.
   const shift = (moment(asked.start_utc) - row.start) / 1e3;
   const around = said.around.map((one) => ({ enter: one.enter_s + shift, exit: one.exit_s + shift, magnitude: one.magnitude_peak }));
-  strip.answer(around, flag.delay_s ? flag.delay_s + shift : null, limit());
+  const reach = asked.around_s;
+  const known = reach == null ? null : { from: shift - reach, to: shift + asked.duration_s + reach };
+  strip.answer(around, known, flag.delay_s ? flag.delay_s + shift : null, limit());
   const count = flag.n_streaks;
   const streaks = count ? `${count} streak${count > 1 ? "s" : ""}, brightest ${fixed(flag.brightest_mag, 1)} mag` : "no streak";
   const then = flag.next_clear_start_utc;
@@ -262,7 +264,8 @@ function answered({ document: said, ms }, asked) {
   if (!isThere) state.satellite = brightest(said.passes)?.norad_id;
   isAnswered = asked === question;
   drawField();
-  if (!isMoving) {
+  // One that was asked while it moved knows too little.
+  if (!isMoving && asked.samples) {
     drawDetails();
     link.write(state);
   }
@@ -277,7 +280,8 @@ function nothing(verdict, words) {
   delete $("answer").dataset.startUtc;
   $("go").hidden = true;
   $("timing").textContent = $("pointing").textContent = "";
-  strip.answer([], null, limit());
+  strip.forget();
+  strip.answer([], null, null, limit());
   drawAnswer();
 }
 

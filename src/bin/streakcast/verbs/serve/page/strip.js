@@ -19,7 +19,7 @@ export class Strip {
     this.change = change;
     this.shift = 0;
     this.duration = 30;
-    this.crossings = [];
+    this.forget();
     this.grab(this.bar, (seconds, begun) => ({ shift: begun.shift + seconds }));
     this.grab(this.handle, (seconds, begun) => ({ duration: begun.duration + seconds }));
     this.keys(this.bar, (seconds) => ({ shift: this.shift + seconds }));
@@ -36,9 +36,15 @@ export class Strip {
     this.base = base;
     this.shift = shift;
     this.duration = duration;
-    this.crossings = [];
+    this.forget();
     this.centre();
     this.draw();
+  }
+
+  forget() {
+    this.crossings = [];
+    /** From when to when all crossings are known, seconds after the scheduled opening. */
+    this.known = null;
   }
 
   /** How long the strip is, seconds; the API is asked for as much on both sides. */
@@ -50,9 +56,17 @@ export class Strip {
     this.from = this.shift - 0.25 * this.span();
   }
 
-  /** What the server knows: crossings in seconds after the scheduled opening. */
-  answer(crossings, nextShift, limit) {
-    this.crossings = crossings;
+  /** Whether the crossings of all of it are known. */
+  isKnown() {
+    return this.known !== null && this.known.from <= this.from && this.from + this.span() <= this.known.to;
+  }
+
+  /** What the server knows: crossings in seconds after the scheduled opening, all of those `known.from` to `known.to`; without `known` those that stand there. */
+  answer(crossings, known, nextShift, limit) {
+    if (known) {
+      this.crossings = crossings;
+      this.known = known;
+    }
     this.next = nextShift;
     this.limit = limit;
     this.draw();

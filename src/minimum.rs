@@ -1,0 +1,129 @@
+//! The least value of a function of one number: one search for every room.
+
+/// Steps at most: golden sections alone come from a bracket to a ten-billionth of it in so many.
+const MOST_STEPS: usize = 48;
+
+/// (3 - √5)/2: the smaller part of a golden section.
+const GOLDEN: f64 = 0.381_966_011_250_105_1;
+
+/// Place and value of a minimum between two ends, from a start between them or at one of them, whose value is known.
+///
+/// Brent's method (1973, Algorithms for Minimization without Derivatives, chapter 5): the vertex of the parabola through the three best places where the steps
+/// before show that it can be trusted, else a golden section. The place is good to two tolerances where the function falls to one minimum and rises
+/// again, and nothing lower than the value was met; values that are not finite count as high ones. A start at an end is the answer where the function rises
+/// from there.
+pub fn minimum(
+    mut function: impl FnMut(f64) -> f64,
+    [mut low, mut high]: [f64; 2],
+    start: (f64, f64),
+    tolerance: f64,
+) -> (f64, f64) {
+    let mut best = start;
+    let (is_low, is_high) = (best.0 - low <= tolerance, high - best.0 <= tolerance);
+    if is_low || is_high {
+        let inward = best.0 + if is_low { tolerance } else { -tolerance };
+        let value = function(inward);
+        if (is_low && is_high) || !(value < best.1) {
+            return best;
+        }
+        best = (inward, value);
+    }
+    let (mut second, mut third) = (best, best);
+    // The last step, and the one before it.
+    let (mut step, mut earlier) = (0.0_f64, 0.0_f64);
+    for _ in 0..MOST_STEPS {
+        let middle = 0.5 * (low + high);
+        if (best.0 - middle).abs() + 0.5 * (high - low) <= 2.0 * tolerance {
+            break;
+        }
+        // From the best to the vertex of the parabola: -p / q
+        let r = (best.0 - second.0) * (best.1 - third.1);
+        let q = (best.0 - third.0) * (best.1 - second.1);
+        let vertex = -((best.0 - third.0) * q - (best.0 - second.0) * r) / (2.0 * (q - r));
+        let is_within = low < best.0 + vertex && best.0 + vertex < high;
+        if vertex.abs() < 0.5 * earlier.abs() && is_within {
+            (step, earlier) = (vertex, step);
+            let place = best.0 + step;
+            if place - low < 2.0 * tolerance || high - place < 2.0 * tolerance {
+                step = tolerance.copysign(middle - best.0);
+            }
+        } else {
+            earlier = if best.0 < middle { high - best.0 } else { low - best.0 };
+            step = GOLDEN * earlier;
+        }
+        let place = best.0 + if step.abs() < tolerance { tolerance.copysign(step) } else { step };
+        let tried = (place, function(place));
+        if tried.1 <= best.1 {
+            if tried.0 < best.0 {
+                high = best.0
+            } else {
+                low = best.0
+            }
+            (third, second, best) = (second, best, tried);
+        } else {
+            if tried.0 < best.0 {
+                low = tried.0
+            } else {
+                high = tried.0
+            }
+            if tried.1 <= second.1 || second.0 == best.0 {
+                (third, second) = (second, tried);
+            } else if tried.1 <= third.1 || third.0 == best.0 || third.0 == second.0 {
+                third = tried;
+            }
+        }
+    }
+    best
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Place, value, and how often the function was asked.
+    fn sought(function: impl Fn(f64) -> f64, ends: [f64; 2], start: f64, tolerance: f64) -> (f64, f64, usize) {
+        let mut asked = 0;
+        let counted = |x: f64| {
+            asked += 1;
+            function(x)
+        };
+        let (place, value) = minimum(counted, ends, (start, function(start)), tolerance);
+        assert_eq!(value, function(place));
+        (place, value, asked)
+    }
+
+    #[test]
+    fn verif_smooth_minima_take_few_steps() {
+        for (start, least) in [(0.3, 0.7), (1.0, 0.7), (0.69, 0.7), (1.9, 1.2)] {
+            let (place, _, asked) = sought(|x| (x - least).powi(2) * (1.0 + 0.1 * x), [0.0, 2.0], start, 1e-5);
+            // A little off the square's own: the cubic term moves nothing where the square is 0.
+            assert!((place - least).abs() <= 2e-5 && asked <= 12, "{start}: {place} in {asked}");
+        }
+        // Golden sections alone would take 22 steps.
+        let (place, _, asked) = sought(|x| -(x - 0.9_f64).cos(), [0.0, 2.0], 1.0, 5e-5);
+        assert!((place - 0.9).abs() <= 1e-4 && asked <= 8, "{place} in {asked}");
+    }
+
+    #[test]
+    fn verif_ends_are_found_at_once_and_minima_beside_them_too() {
+        assert_eq!(sought(|x| x, [1.0, 2.0], 1.0, 1e-4), (1.0, 1.0, 1));
+        assert_eq!(sought(|x| -x, [1.0, 2.0], 2.0, 1e-4), (2.0, -2.0, 1));
+        // No room between the ends.
+        assert_eq!(sought(|x| -x, [1.0, 1.0], 1.0, 1e-4).0, 1.0);
+        let (place, ..) = sought(|x| (x - 1.02).powi(2), [1.0, 2.0], 1.0, 1e-4);
+        assert!((place - 1.02).abs() <= 2e-4, "{place}");
+    }
+
+    #[test]
+    fn verif_kinks_and_places_without_a_value_are_lived_with() {
+        let (place, ..) = sought(|x| (x - 0.31).abs(), [0.0, 1.0], 0.5, 1e-6);
+        assert!((place - 0.31).abs() <= 2e-6, "{place}");
+        // Into the shadow: what is behind the edge is infinitely faint, the brightest stands before it.
+        for dark in [f64::INFINITY, f64::NAN] {
+            let (place, ..) = sought(|x| if x < 0.62 { -x } else { dark }, [0.0, 1.0], 0.5, 1e-6);
+            assert!((0.0..=2e-6).contains(&(0.62 - place)), "{place}");
+        }
+        let (place, value, asked) = sought(|_| 3.0, [0.0, 1.0], 0.5, 1e-4);
+        assert!((0.0..=1.0).contains(&place) && value == 3.0 && asked <= MOST_STEPS);
+    }
+}
