@@ -23,7 +23,7 @@ pub fn minimum(
     if is_low || is_high {
         let inward = best.0 + if is_low { tolerance } else { -tolerance };
         let value = function(inward);
-        if (is_low && is_high) || !(value < best.1) {
+        if (is_low && is_high) || value >= best.1 || value.is_nan() {
             return best;
         }
         best = (inward, value);
