@@ -11,7 +11,7 @@ use streakcast::catalogue::{Constellation, ElementSet, Origin};
 use streakcast::frames::{Direction, EopTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::{OrbitClass, OrbitKind, Propagator, uncertainty};
-use streakcast::passes::{Chance, Exposure, Field, ModelChoice, PassOptions, Sky};
+use streakcast::passes::{Chance, Exposure, Field, ModelChoice, PassOptions, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 
 fn sky(elements: Vec<ElementSet>) -> Sky {
@@ -322,4 +322,24 @@ fn verif_chances_hold_every_crossing() {
         }
         assert!(checked > at_least, "{age_days} d: only {checked}");
     }
+}
+
+/// Who asks for no light gets the same passes, near misses among them, with neither brightness nor peak.
+#[test]
+fn verif_passes_without_light_are_the_same_but_for_it() {
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    let exposures = exposures(start, 60, &mut Random(20_261_123));
+    let sky = sky(published(1.0, start, 1584));
+    let lit = PassOptions { min_probability: Some(0.01), samples: 3, ..PassOptions::default() };
+    let ask = |options: &PassOptions| sky.field_passes(&exposures, &field, options).expect("passes").by_exposure;
+    let mut expected = ask(&lit);
+    let dark = |point: &mut TrackPoint| point.brightness = None;
+    let mut bright = 0;
+    for pass in expected.iter_mut().flatten() {
+        bright += usize::from(pass.peak.take().is_some_and(|peak| peak.brightness.is_some()));
+        [&mut pass.enter, &mut pass.mid, &mut pass.exit].into_iter().chain(&mut pass.samples).for_each(dark);
+    }
+    assert!(bright > 10, "{bright} passes with light");
+    assert_eq!(ask(&PassOptions { without_light: true, ..lit }), expected);
 }

@@ -8,6 +8,7 @@ use std::sync::mpsc;
 use std::thread;
 
 use super::positioned::write_all_at;
+use super::room::Room;
 
 /// Bytes that are made and written at once. A thread writes what it made itself, which is still in its cache. They begin at multiples of their length in the file,
 /// the first excepted, so that no two share a page; what begins at a block of FITS is cut between whole pixels of every type and whole words of sums.
@@ -48,7 +49,7 @@ pub(super) fn write_in_chunks<T: Send>(
             })
         });
         let work = |to_flusher: mpsc::Sender<()>| -> io::Result<Vec<(usize, T)>> {
-            let (mut bytes, mut made, mut since_flush) = (vec![0; CHUNK.min(length)], Vec::new(), 0);
+            let (mut room, mut made, mut since_flush) = (Room::new(CHUNK.min(length)), Vec::new(), 0);
             while !has_failed.load(Ordering::Relaxed) {
                 // Counted from the last multiple before `to`.
                 let aligned = begun.fetch_add(CHUNK, Ordering::Relaxed);
@@ -56,7 +57,7 @@ pub(super) fn write_in_chunks<T: Send>(
                 if from >= length {
                     break;
                 }
-                let bytes = &mut bytes[..(aligned + CHUNK - before).min(length) - from];
+                let bytes = room.first((aligned + CHUNK - before).min(length) - from);
                 made.push(chunk(from, bytes).inspect_err(|_| has_failed.store(true, Ordering::Relaxed))?);
                 since_flush += bytes.len();
                 if since_flush >= FLUSH {

@@ -10,6 +10,7 @@ use super::super::plane::Plane;
 use super::cfitsio;
 use super::error::FrameError;
 use super::hdu::{HduInfo, HduKind, scan};
+use super::room::Room;
 
 /// Bytes that are read and turned at once.
 const CHUNK: usize = 1 << 18;
@@ -106,9 +107,9 @@ impl FrameFile {
         let mut file = File::open(&self.path).map_err(&io)?;
         file.seek(SeekFrom::Start(info.data_at)).map_err(&io)?;
         let size = info.format.bitpix.bytes();
-        let mut buffer = vec![0; CHUNK];
+        let mut room = Room::new(CHUNK);
         for values in plane.values_mut().chunks_mut(CHUNK / size) {
-            let bytes = &mut buffer[..values.len() * size];
+            let bytes = room.first(values.len() * size);
             file.read_exact(bytes).map_err(&io)?;
             info.format.decode_single(bytes, values);
         }

@@ -21,6 +21,7 @@ mod overlay;
 mod pixel_edit;
 mod pixel_format;
 mod positioned;
+mod room;
 mod tiles;
 
 pub use cfitsio::Rice;
