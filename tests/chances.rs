@@ -329,7 +329,7 @@ fn verif_chances_hold_every_crossing() {
 fn verif_passes_without_light_are_the_same_but_for_it() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
-    let exposures = exposures(start, 60, &mut Random(20_261_123));
+    let exposures = exposures(start, 360, &mut Random(20_261_123));
     let sky = sky(published(1.0, start, 1584));
     let lit = PassOptions { min_probability: Some(0.01), samples: 3, ..PassOptions::default() };
     let ask = |options: &PassOptions| sky.field_passes(&exposures, &field, options).expect("passes").by_exposure;
