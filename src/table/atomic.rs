@@ -53,7 +53,7 @@ impl AtomicFile {
     }
 
     /// Asks for room for so many bytes before they are written: large files are written a third faster than where each write asks for more, and a full
-    /// disk is told before any work. The file is so long then. Where a file system has no such thing, nothing happens.
+    /// disk is told before anything is written. The file is so long then. Where a file system has no such thing, nothing happens.
     ///
     /// # Errors
     /// There is not so much room.
