@@ -83,6 +83,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("colorous", &["plot"]),
     ("base64", &["plot"]),
     ("pulp", &["fit", "photometry", "vectors"]),
+    ("prefetch_index", &["camera"]),
     ("statrs", &["fit"]),
     ("npyz", &["fit"]),
     ("zip", &["fit"]),

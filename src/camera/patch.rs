@@ -2,9 +2,12 @@
 
 use std::ops::Range;
 
+use prefetch_index::prefetch_index;
+
 use super::light_area::LightArea;
 use super::pixel::PixelPosition;
 use super::plane::Plane;
+use crate::vectors::{NullaryFnOnce, widest};
 
 /// One row of a patch: neighbouring pixels and what is in them.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -127,13 +130,7 @@ impl Patch {
 
     /// Adds it to a plane; what lies outside of the plane is left out.
     pub fn add_to(&self, plane: &mut Plane) {
-        for span in self.iter() {
-            // A slice, not an iterator that skips: many pixels at a time.
-            let Some(row) = plane.row_mut(span.row).get_mut(span.first_column..) else { continue };
-            for (pixel, value) in row.iter_mut().zip(span.values) {
-                *pixel += value;
-            }
-        }
+        widest(Addition { patch: self, plane });
     }
 
     /// The light in pixels of `x` columns by `y` rows of this one's, whose frame has whole numbers of them.
@@ -196,6 +193,39 @@ impl Patch {
             }
         }
         found
+    }
+}
+
+/// Rows that are asked of memory before they are needed: they lie far apart there, and nothing else foresees them.
+const ROWS_AHEAD: usize = 2;
+/// Pixels that come from memory together.
+const LINE_PIXELS: usize = 64 / size_of::<f32>();
+
+/// A patch and what it is added to.
+struct Addition<'a> {
+    patch: &'a Patch,
+    plane: &'a mut Plane,
+}
+
+impl NullaryFnOnce for Addition<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (number, (columns, at)) in self.patch.spans.iter().enumerate() {
+            if let Some((columns, _)) = self.patch.spans.get(number + ROWS_AHEAD) {
+                let row = self.plane.row(self.patch.first_row + number + ROWS_AHEAD);
+                columns.clone().step_by(LINE_PIXELS).for_each(|column| prefetch_index(row, column));
+            }
+            // Slices, not iterators that skip: many pixels at a time.
+            let values = &self.patch.values[*at..*at + columns.len()];
+            let Some(row) = self.plane.row_mut(self.patch.first_row + number).get_mut(columns.start..) else {
+                continue;
+            };
+            for (pixel, value) in row.iter_mut().zip(values) {
+                *pixel += value;
+            }
+        }
     }
 }
 
@@ -282,11 +312,14 @@ impl PatchRows {
 
 /// Whole numbers from `least` to `greatest` among those below `count`; a bound that is not a number is 0 below and none above.
 fn whole_within(least: f64, greatest: f64, count: usize) -> Range<usize> {
-    // A cast ends at a border, and cuts what is behind the point: many machines are not trusted to have an instruction that rounds upwards.
-    let cut = least as usize;
-    let start = if (cut as f64) < least { cut.saturating_add(1) } else { cut };
-    let end = if greatest >= 0.0 { (greatest as usize).saturating_add(1) } else { 0 };
-    start.min(count)..end.min(count)
+    // In 32 bits: a conversion to 64 and back costs many times as much. A cast cuts what is behind the point: many machines are not trusted to have an
+    // instruction that rounds upwards.
+    let count = i32::try_from(count).unwrap_or(i32::MAX);
+    let least = least.max(0.0).min(f64::from(count));
+    let cut = least as i32;
+    let start = cut + i32::from(f64::from(cut) < least);
+    let end = if greatest >= 0.0 { (greatest.min(f64::from(count)) as i32).saturating_add(1).min(count) } else { 0 };
+    start as usize..end as usize
 }
 
 #[cfg(test)]

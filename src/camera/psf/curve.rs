@@ -48,23 +48,28 @@ impl Curve {
         let place = self.radii.place(r_pix);
         let first = (place as usize).clamp(1, self.radii.intervals() - 2) - 1;
         let weights = cubic(place - first as f64);
-        let near = &self.values[first..first + 4];
-        weights[0] * near[0] + weights[1] * near[1] + weights[2] * near[2] + weights[3] * near[3]
+        let [a, b, c, d] = self.values[first..first + 4] else { return 0.0 };
+        weights[0] * a + weights[1] * b + weights[2] * c + weights[3] * d
     }
 
-    /// Values at `per_interval` times as many nodes, single precision, `(intervals * per_interval + 1)`.
-    pub fn finer(&self, per_interval: usize) -> Vec<f32> {
-        let mut fine = Vec::with_capacity(self.radii.intervals() * per_interval + 1);
-        for interval in 0..self.radii.intervals() {
-            let first = interval.clamp(1, self.radii.intervals() - 2) - 1;
+    /// Values at `PER` times as many nodes, single precision, `(intervals * PER + 1)`.
+    pub fn finer<const PER: usize>(&self) -> Vec<f32> {
+        let intervals = self.radii.intervals();
+        // Of each of four nodes at all parts of the interval before the second of them, between this and the third, and after that.
+        let weights: [[[f64; PER]; 4]; 3] = std::array::from_fn(|before| {
+            let at: [[f64; 4]; PER] = std::array::from_fn(|part| cubic(before as f64 + part as f64 / PER as f64));
+            std::array::from_fn(|node| at.map(|weights| weights[node]))
+        });
+        let mut fine = Vec::with_capacity(intervals * PER + 1);
+        for interval in 0..intervals {
+            let first = interval.clamp(1, intervals - 2) - 1;
             let near = &self.values[first..first + 4];
-            for part in 0..per_interval {
-                let weights = cubic((interval - first) as f64 + part as f64 / per_interval as f64);
-                let value = weights[0] * near[0] + weights[1] * near[1] + weights[2] * near[2] + weights[3] * near[3];
-                fine.push(value as f32);
-            }
+            let [a, b, c, d] = &weights[interval - first];
+            let value = |part: usize| a[part] * near[0] + b[part] * near[1] + c[part] * near[2] + d[part] * near[3];
+            let values: [f32; PER] = std::array::from_fn(|part| value(part) as f32);
+            fine.extend_from_slice(&values);
         }
-        fine.push(self.values[self.radii.intervals()] as f32);
+        fine.push(self.values[intervals] as f32);
         fine
     }
 }
@@ -72,6 +77,7 @@ impl Curve {
 /// Lagrange's weights of the nodes 0, 1, 2, 3.
 #[inline]
 pub(super) fn cubic(x: f64) -> [f64; 4] {
+    const SIXTH: f64 = 1.0 / 6.0;
     let (a, b, c, d) = (x, x - 1.0, x - 2.0, x - 3.0);
-    [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0]
+    [-SIXTH * b * c * d, 0.5 * a * c * d, -0.5 * a * b * d, SIXTH * a * b * c]
 }

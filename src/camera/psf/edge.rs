@@ -88,20 +88,32 @@ impl EdgeTable {
     /// H and G for `N` pixels at distances from the end of at least [`EdgeTable::from_pix`], and cosines in [0, 1].
     #[inline(always)]
     pub fn at<const N: usize>(&self, r_pix: &[f32; N], cosine: &[f32; N]) -> ([f32; N], [f32; N]) {
-        let (mut half, mut moment) = ([0.0; N], [0.0; N]);
-        let last = self.rows.len().saturating_sub(2);
+        let last = self.rows.len() as i32 - 2;
         let nearest = 1.0 / self.reach_pix as f32;
+        let (mut nodes, mut fractions, mut x) = ([0; N], [0.0_f32; N], [0.0; N]);
         for lane in 0..N {
             let place = ((1.0 / r_pix[lane] - nearest) * self.scale).max(0.0);
-            let node = (place as usize).min(last);
-            let fraction = (place - node as f32).min(1.0);
+            nodes[lane] = (place as i32).min(last);
+            fractions[lane] = (place - nodes[lane] as f32).min(1.0);
+            x[lane] = 2.0 * cosine[lane] - 1.0;
+        }
+        // All terms of a pixel lie side by side; then all pixels' of a term.
+        let mut terms = [[0.0; N]; TERMS + 1];
+        for lane in 0..N {
+            let (node, fraction) = (nodes[lane] as usize, fractions[lane]);
             let [before, after] = [&self.rows[node], &self.rows[node + 1]];
             let row: [f32; TERMS + 1] = std::array::from_fn(|k| before[k] + fraction * (after[k] - before[k]));
-            let x = 2.0 * cosine[lane] - 1.0;
-            half[lane] = (0..TERMS).rev().fold(0.0, |sum, k| sum * x + row[k]);
-            moment[lane] = row[TERMS];
+            for (term, value) in terms.iter_mut().zip(row) {
+                term[lane] = value;
+            }
         }
-        (half, moment)
+        let mut half = [0.0; N];
+        for term in terms[..TERMS].iter().rev() {
+            for lane in 0..N {
+                half[lane] = half[lane] * x[lane] + term[lane];
+            }
+        }
+        (half, terms[TERMS])
     }
 }
 

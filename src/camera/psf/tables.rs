@@ -19,8 +19,9 @@ const HALF_DIAGONAL_PIX: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Angular harmonics below this share of the peak are left out.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// Pixels that must be drawn by each number of a lattice for it to be worth its making.
-const PIXELS_PER_NUMBER: f64 = 2.0;
+/// Pixels that must be drawn with a lattice for it to be worth its making: so many, and so many more for each of its numbers.
+const PIXELS_PER_LATTICE: f64 = 3000.0;
+const PIXELS_PER_NUMBER: f64 = 8.0;
 
 /// Wings that reach so much farther than pixels have corners are worth a table of half lines.
 const WINGS: f64 = 1.3;
@@ -37,7 +38,8 @@ pub struct ProfileTables {
     blur: Blur,
     profile: Curve,
     pixel: [Curve; HARMONICS],
-    pixel_lanes: [Lanes; HARMONICS],
+    /// The first two harmonics of a pixel, and the others.
+    pixel_lanes: [Lanes<2>; HARMONICS / 2],
     felt_harmonics: usize,
     round_from_pix: f64,
     line: [Curve; HARMONICS],
@@ -90,7 +92,7 @@ impl ProfileTables {
             second.push(moment + light / 12.0);
             light
         });
-        let line_second_moment = Lanes::of(&Curve::from_values(profile.radii(), second));
+        let line_second_moment = Lanes::of([&Curve::from_values(profile.radii(), second)]);
         let line = in_harmonics(averaged, |v, phi| {
             let (sin, cos) = phi.sin_cos();
             nodes.iter().map(|([x, y], weight)| weight * line_alone.at((v + x * sin - y * cos).abs())).sum()
@@ -100,7 +102,7 @@ impl ProfileTables {
         let (round_from_pix, felt_harmonics) = (felt_to(&pixel[1..], &pixel[0]), felt_count(&pixel));
         let edge = (averaged.end_pix() > WINGS * round_from_pix.max(1.0))
             .then(|| EdgeTable::of(&pixel[0], round_from_pix.max(1.0), line[0].values()[0]));
-        let pixel_lanes = pixel.each_ref().map(Lanes::of);
+        let pixel_lanes = [[&pixel[0], &pixel[1]], [&pixel[2], &pixel[3]]].map(Lanes::of);
         Ok(Self {
             blur: *blur,
             profile,
@@ -168,39 +170,39 @@ impl ProfileTables {
 
     /// [`ProfileTables::line`] at one angle, as a table for loops.
     pub fn line_lanes(&self, angle_rad: f64) -> Lanes {
-        self.line_sum(|m| (4.0 * m * angle_rad).cos())
+        Lanes::of([&self.line_curve(angle_rad)])
     }
 
-    /// The same as a lattice over rows; none where the line hardly leaves them.
-    pub fn line_lattice(&self, angle_rad: f64) -> Option<Lattice> {
-        let (step_pix, phase_pix) = (angle_rad.sin().abs(), self.phase_pix());
-        (step_pix > phase_pix)
-            .then(|| Lattice::of(&self.line_lanes(angle_rad), self.pixel_reach_pix(), step_pix, phase_pix))
-    }
-
-    /// Length of a line from which on a lattice is worth its making, pixels.
-    pub fn lattice_from_pix(&self) -> f64 {
-        PIXELS_PER_NUMBER / self.phase_pix()
+    /// The same as a lattice over rows, for so long a line; none where it is not worth its making.
+    pub fn line_lattice(&self, angle_rad: f64, length_pix: f64) -> Option<Lattice> {
+        let (step_pix, reach_pix) = (angle_rad.sin().abs(), self.pixel_reach_pix());
+        let numbers = Lattice::numbers(reach_pix, step_pix, self.phase_pix());
+        (2.0 * reach_pix * length_pix > PIXELS_PER_LATTICE + PIXELS_PER_NUMBER * numbers)
+            .then(|| Lattice::of(&self.line_curve(angle_rad), reach_pix, step_pix, self.phase_pix()))
     }
 
     /// How far an angle may be from that of [`ProfileTables::line_lattice`], radians: half a phase over [`Lattice::COLUMNS`].
-    pub fn lattice_turn_rad(&self) -> f64 {
-        0.5 * self.phase_pix() / Lattice::COLUMNS as f64
+    pub fn lattice_turn_rad(&self, angle_rad: f64) -> f64 {
+        0.5 * self.phase_pix().min(angle_rad.sin().abs()) / Lattice::COLUMNS as f64
     }
 
-    /// Steps of distance in which a line's light is linear: h²/8 L'' is 6·10⁻⁶ of the peak, and six times as much half a step beyond.
+    /// Steps h of distance within one of which to either side a line's light is a parabola: h³/(9 √3) L''' is 7·10⁻⁶ of the peak.
     fn phase_pix(&self) -> f64 {
-        self.blur.seeing.narrowest_fwhm_pix() / 350.0
+        self.blur.seeing.narrowest_fwhm_pix() / 55.0
     }
 
     /// Its derivative by the angle, per radian.
     pub fn line_turned_lanes(&self, angle_rad: f64) -> Lanes {
-        self.line_sum(|m| -4.0 * m * (4.0 * m * angle_rad).sin())
+        Lanes::of([&self.line_sum(|m| -4.0 * m * (4.0 * m * angle_rad).sin())])
     }
 
-    fn line_sum(&self, weight: impl Fn(f64) -> f64) -> Lanes {
+    fn line_curve(&self, angle_rad: f64) -> Curve {
+        self.line_sum(|m| (4.0 * m * angle_rad).cos())
+    }
+
+    fn line_sum(&self, weight: impl Fn(f64) -> f64) -> Curve {
         let parts: [(f64, &Curve); HARMONICS] = std::array::from_fn(|m| (weight(m as f64), &self.line[m]));
-        Lanes::of(&Curve::sum(&parts))
+        Curve::sum(&parts)
     }
 
     /// How far an angle may be from that of [`ProfileTables::line_lanes`] and [`ProfileTables::line_turned_lanes`] together for 10⁻⁵ of the peak, radians.
@@ -238,14 +240,14 @@ impl ProfileTables {
     /// [`ProfileTables::round_from_pix`] from the centre.
     #[inline(always)]
     pub fn pixels<const N: usize>(&self, dx_pix: &[f32; N], dy_pix: &[f32; N], is_round: bool) -> [f32; N] {
-        let [round, fourth, eighth, twelfth] = &self.pixel_lanes;
+        let [wide, narrow] = &self.pixel_lanes;
         let (mut x2, mut y2, mut r) = ([0.0_f32; N], [0.0_f32; N], [0.0_f32; N]);
         for lane in 0..N {
             x2[lane] = dx_pix[lane] * dx_pix[lane];
             y2[lane] = dy_pix[lane] * dy_pix[lane];
             r[lane] = (x2[lane] + y2[lane]).sqrt();
         }
-        let mut share = round.at(&r);
+        let [mut share, f4] = wide.all_at(&r);
         if is_round {
             return share;
         }
@@ -255,13 +257,12 @@ impl ProfileTables {
             let r2 = (x2[lane] + y2[lane]).max(1e-12);
             c[lane] = 1.0 - 8.0 * (x2[lane] / r2) * (y2[lane] / r2);
         }
-        let f4 = fourth.at(&r);
         for lane in 0..N {
             share[lane] += c[lane] * f4[lane];
         }
         // Pixels narrow against the seeing have no more.
         if self.felt_harmonics > 2 {
-            let (f8, f12) = (eighth.at(&r), twelfth.at(&r));
+            let [f8, f12] = narrow.all_at(&r);
             for lane in 0..N {
                 let c = c[lane];
                 share[lane] += (2.0 * c * c - 1.0) * f8[lane] + (4.0 * c * c - 3.0) * c * f12[lane];
@@ -277,7 +278,7 @@ impl ProfileTables {
 
     /// Longest stretch that eight nodes of Gauss's rule sum at any distance from it, pixels.
     pub fn panel_pix(&self) -> f64 {
-        1.5 * self.blur.seeing.narrowest_fwhm_pix()
+        self.blur.seeing.panel_pix()
     }
 
     /// Distance from which eight nodes of Gauss's rule sum a longer stretch as well, pixels; infinite where none is far enough.

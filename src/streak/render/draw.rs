@@ -2,7 +2,7 @@
 
 use std::ops::Range;
 
-use crate::camera::{Patch, PatchRows, PixelPosition, ProfileTables, RadialProfile};
+use crate::camera::{Lattice, Patch, PatchRows, PixelPosition, ProfileTables, RadialProfile};
 
 use super::chords::{Chord, Cutter, Stretch};
 use super::ends::End;
@@ -153,7 +153,7 @@ fn draw_along(
 ) -> Patch {
     let reach = profile.pixel_reach_pix();
     let mut extents = PatchRows::new(rows, columns);
-    let mut runs: Vec<Run> = Vec::new();
+    let mut runs: Vec<Run> = Vec::with_capacity(rows);
     for (number, (chord, is_summed)) in marked.iter().enumerate() {
         let source = if *is_summed { Source::Summed(number) } else { Source::Smooth(number) };
         beside(chord, reach, source, &extents, &mut runs);
@@ -250,20 +250,20 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Ve
             number += 1;
             continue;
         }
-        let angle = chord.angle_rad();
-        let straight = straight_from(&marked[number..], angle, profile);
-        if let Some(lattice) = (straight > 0).then(|| profile.line_lattice(angle)).flatten() {
-            tables.push(Across { line: profile.line_lanes(angle), turned: None, lattice: Some(lattice) });
-            table_of[number..number + straight].fill(tables.len() - 1);
+        if let Some((lattice, count)) = shared(&marked[number..], profile) {
+            tables.push(Across::Straight(lattice));
+            table_of[number..number + count].fill(tables.len() - 1);
             last = None;
-            number += straight;
+            number += count;
             continue;
         }
+        let angle = chord.angle_rad();
         let turns = chord.half_turn_rad() > step_rad;
         let is_known = last.is_some_and(|last| (angle - last).abs() <= step_rad);
-        if !is_known || (turns && tables.last().is_some_and(|table| table.turned.is_none())) {
+        let is_turned = matches!(tables.last(), Some(Across::Curved { turned: Some(_), .. }));
+        if !is_known || (turns && !is_turned) {
             let turned = turns.then(|| profile.line_turned_lanes(angle));
-            tables.push(Across { line: profile.line_lanes(angle), turned, lattice: None });
+            tables.push(Across::Curved { line: profile.line_lanes(angle), turned });
             last = Some(angle);
         }
         table_of[number] = tables.len() - 1;
@@ -272,16 +272,22 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Ve
     (tables, table_of)
 }
 
-/// How many chords from the first on may share a lattice at an angle; 0 where it is not worth its making.
-fn straight_from(marked: &[(Chord, bool)], angle_rad: f64, profile: &ProfileTables) -> usize {
-    let is_straight = |(chord, is_summed): &&(Chord, bool)| {
-        !is_summed
-            && !chord.is_bent(profile)
-            && (chord.angle_rad() - angle_rad).abs() + chord.half_turn_rad() <= profile.lattice_turn_rad()
-    };
-    let lengths = marked.iter().take_while(is_straight).map(|(chord, _)| 2.0 * chord.half_pix);
-    let (count, length_pix) = lengths.fold((0, 0.0), |(count, sum), length| (count + 1, sum + length));
-    if length_pix >= profile.lattice_from_pix() { count } else { 0 }
+/// A lattice for the first chords and how many share it: as far as none of their directions is farther than allowed from that half way between all. None where it
+/// is not worth its making.
+fn shared(marked: &[(Chord, bool)], profile: &ProfileTables) -> Option<(Lattice, usize)> {
+    let [mut least, mut greatest] = [f64::INFINITY, f64::NEG_INFINITY];
+    let (mut count, mut length_pix, mut angle_rad) = (0, 0.0, 0.0);
+    for (chord, is_summed) in marked {
+        let (angle, half_turn) = (chord.angle_rad(), chord.half_turn_rad());
+        (least, greatest) = (least.min(angle - half_turn), greatest.max(angle + half_turn));
+        let middle = 0.5 * (least + greatest);
+        if *is_summed || chord.is_bent(profile) || greatest - middle > profile.lattice_turn_rad(middle) {
+            break;
+        }
+        (count, angle_rad) = (count + 1, middle);
+        length_pix += 2.0 * chord.half_pix;
+    }
+    Some((profile.line_lattice(angle_rad, length_pix)?, count))
 }
 
 fn draw_summed_by(cutter: &Cutter<'_>, profile: &ProfileTables, rows: usize, columns: usize) -> Patch {

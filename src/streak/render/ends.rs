@@ -7,7 +7,7 @@ use super::chords::{Border, Chord};
 use super::wings::{SIDE, Wings};
 
 /// What a path that is neither straight nor linearly bright may change in a pixel, of the peak.
-const TOLERANCE: f64 = 1e-5;
+const TOLERANCE: f64 = 4e-5;
 /// In profile reaches: how far from an end light must be smooth.
 const CLEAR: f64 = 2.5;
 

@@ -100,10 +100,12 @@ fn grow(
     panels: &mut Vec<Panel>,
 ) -> u32 {
     let length = cutter.length_pix(stretch);
-    let halves = (length > profile.panel_pix()).then(|| {
-        let middle = 0.5 * (stretch.from_s + stretch.to_s);
-        let first = grow(cutter, Stretch { to_s: middle, ..stretch }, profile, rule, panels);
-        let second = grow(cutter, Stretch { from_s: middle, ..stretch }, profile, rule, panels);
+    // Panels alike in length; by a hundredth longer rather than one more.
+    let count = (length / profile.panel_pix() - 0.01).ceil();
+    let halves = (count > 1.0).then(|| {
+        let between = stretch.from_s + (0.5 * count).floor() / count * (stretch.to_s - stretch.from_s);
+        let first = grow(cutter, Stretch { to_s: between, ..stretch }, profile, rule, panels);
+        let second = grow(cutter, Stretch { from_s: between, ..stretch }, profile, rule, panels);
         [first, second]
     });
     let piece = &cutter.pieces[stretch.piece];

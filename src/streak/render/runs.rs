@@ -33,26 +33,45 @@ pub(super) struct Run {
     pub source: Source,
 }
 
-/// Columns of a row that lie past a border.
-fn past(border: &Border, row: f64, frame: &PatchRows) -> Range<usize> {
-    let [tx, ty] = border.along;
-    let dy = row - border.at[1];
-    if tx.abs() < 1e-12 {
-        return if dy * ty >= 0.0 { 0..frame.columns() } else { 0..0 };
-    }
-    let bound = border.at[0] - dy * ty / tx;
-    if tx > 0.0 { frame.columns_within(bound, f64::INFINITY) } else { frame.columns_within(f64::NEG_INFINITY, bound) }
+/// The line across the path at a border, as rows see it.
+#[derive(Copy, Clone, Debug)]
+struct Normal {
+    at: [f64; 2],
+    along: [f64; 2],
+    /// Columns by which it lies farther left in the next row; not finite where it is a row.
+    shift: f64,
 }
 
-/// All others.
-fn before(border: &Border, row: f64, frame: &PatchRows) -> Range<usize> {
-    let (past, count) = (past(border, row, frame), frame.columns());
-    if past.is_empty() {
-        0..count
-    } else if past.start > 0 {
-        0..past.start
-    } else {
-        past.end..count
+impl Normal {
+    fn of(border: &Border) -> Self {
+        let [tx, ty] = border.along;
+        Self { at: border.at, along: border.along, shift: if tx.abs() < 1e-12 { f64::INFINITY } else { ty / tx } }
+    }
+
+    /// Columns of a row that lie past it.
+    fn past(&self, row: f64, frame: &PatchRows) -> Range<usize> {
+        let dy = row - self.at[1];
+        if self.shift.is_infinite() {
+            return if dy * self.along[1] >= 0.0 { 0..frame.columns() } else { 0..0 };
+        }
+        let bound = self.at[0] - dy * self.shift;
+        if self.along[0] > 0.0 {
+            frame.columns_within(bound, f64::INFINITY)
+        } else {
+            frame.columns_within(f64::NEG_INFINITY, bound)
+        }
+    }
+
+    /// All others.
+    fn before(&self, row: f64, frame: &PatchRows) -> Range<usize> {
+        let (past, count) = (self.past(row, frame), frame.columns());
+        if past.is_empty() {
+            0..count
+        } else if past.start > 0 {
+            0..past.start
+        } else {
+            past.end..count
+        }
     }
 }
 
@@ -68,15 +87,19 @@ pub(super) fn beside(chord: &Chord, reach_pix: f64, source: Source, frame: &Patc
     let (lowest, highest) = (sagitta.min(0.0) - reach_pix, sagitta.max(0.0) + reach_pix);
     let margin = reach_pix + sagitta.abs();
     let (y0, y1) = (chord.start.at[1], chord.end.at[1]);
+    let (start, end) = (Normal::of(&chord.start), Normal::of(&chord.end));
+    // b = (y - y₀) u_x - (x - x₀) u_y lies from lowest to highest.
+    let is_along_rows = uy.abs() <= 1e-9;
+    let [shift, low, high] = [ux, lowest, highest].map(|length| length / uy);
+    let (low, high) = (low.min(high), low.max(high));
     for row in frame.rows_within(y0.min(y1) - margin, y0.max(y1) + margin) {
         let y = row as f64;
-        let mut columns = both(past(&chord.start, y, frame), before(&chord.end, y, frame));
-        // b = (y - y₀) u_x - (x - x₀) u_y lies from lowest to highest.
-        let dy = (y - chord.middle[1]) * ux;
-        if uy.abs() > 1e-9 {
-            let (p, q) = (chord.middle[0] + (dy - lowest) / uy, chord.middle[0] + (dy - highest) / uy);
-            columns = both(columns, frame.columns_within(p.min(q), p.max(q)));
-        } else if dy < lowest || dy > highest {
+        let mut columns = both(start.past(y, frame), end.before(y, frame));
+        let dy = y - chord.middle[1];
+        if !is_along_rows {
+            let middle = chord.middle[0] + dy * shift;
+            columns = both(columns, frame.columns_within(middle - high, middle - low));
+        } else if dy * ux < lowest || dy * ux > highest {
             continue;
         }
         if !columns.is_empty() {
@@ -94,11 +117,12 @@ pub(super) fn beyond(
     frame: &PatchRows,
     runs: &mut Vec<Run>,
 ) {
+    let normal = Normal::of(border);
     for row in frame.rows_within(border.at[1] - reach_pix, border.at[1] + reach_pix) {
         let y = row as f64;
         let half = (reach_pix.powi(2) - (y - border.at[1]).powi(2)).max(0.0).sqrt();
         let disc = frame.columns_within(border.at[0] - half, border.at[0] + half);
-        let side = if is_start { before(border, y, frame) } else { past(border, y, frame) };
+        let side = if is_start { normal.before(y, frame) } else { normal.past(y, frame) };
         let columns = both(disc, side);
         if !columns.is_empty() {
             runs.push(Run { row, columns, source });
@@ -109,7 +133,7 @@ pub(super) fn beyond(
 /// Pixels within `reach_pix` of the end of this number: those that are summed apart from those farther out, and of these those beside the path from those
 /// beyond it, by the same normal as those of its chord.
 pub(super) fn around(end: &End, number: usize, reach_pix: f64, frame: &PatchRows, runs: &mut Vec<Run>) {
-    let at = end.border.at;
+    let (at, normal) = (end.border.at, Normal::of(&end.border));
     for row in frame.rows_within(at[1] - reach_pix, at[1] + reach_pix) {
         let y = row as f64;
         let dy = y - at[1];
@@ -123,7 +147,7 @@ pub(super) fn around(end: &End, number: usize, reach_pix: f64, frame: &PatchRows
                 runs.push(Run { row, columns, source });
             }
         };
-        let is_beside = if end.is_start { past(&end.border, y, frame) } else { before(&end.border, y, frame) };
+        let is_beside = if end.is_start { normal.past(y, frame) } else { normal.before(y, frame) };
         let edges = if inner.is_empty() { [outer, 0..0] } else { [outer.start..inner.start, inner.end..outer.end] };
         for edge in edges {
             let beside = both(edge.clone(), is_beside.clone());

@@ -13,14 +13,17 @@ use super::runs::{Run, Source};
 use super::straight::straight;
 use super::wings::Wings;
 
-/// The profile across a line.
-pub(super) struct Across {
-    /// At the direction of a chord.
-    pub line: Lanes,
-    /// What a radian more makes of it; none for chords so straight that it is not felt.
-    pub turned: Option<Lanes>,
-    /// The first one for rows of pixels; for long and straight chords.
-    pub lattice: Option<Lattice>,
+/// The profile across a line at the direction of a chord.
+pub(super) enum Across {
+    /// For rows of pixels; for long chords that are nearly straight.
+    Straight(Lattice),
+    /// For all others.
+    Curved {
+        /// By the distance.
+        line: Lanes,
+        /// What a radian more makes of it; none for chords so straight that it is not felt.
+        turned: Option<Lanes>,
+    },
 }
 
 /// All that the loops need.
@@ -57,48 +60,58 @@ impl NullaryFnOnce for Strokes<'_> {
                 |table| Wings::of(end, table, self.profile, frame),
             ));
         }
-        for run in self.runs {
-            let first_column = run.columns.start;
-            let pixels = self.patch.stretch_mut(run.row, run.columns.clone());
-            match run.source {
+        for runs in self.runs.chunk_by(|run, next| run.source == next.source) {
+            let source = runs[0].source;
+            match source {
                 Source::Smooth(number) => {
-                    let table = &self.tables[self.table_of[number]];
-                    smooth(&self.chords[number], table, self.profile, run.row, first_column, pixels);
+                    let chord = &self.chords[number];
+                    match &self.tables[self.table_of[number]] {
+                        Across::Straight(lattice) => straight(chord, lattice, runs, self.patch),
+                        Across::Curved { line, turned } => {
+                            smooth(&Smooth::of(chord, line, turned.as_ref(), self.profile), runs, self.patch);
+                        }
+                    }
                 }
                 Source::Summed(number) => {
-                    let trees = &self.trees[self.trees_of[number].clone()];
-                    summed(trees, self.profile, run.row, first_column, pixels);
+                    summed(&self.trees[self.trees_of[number].clone()], self.profile, runs, self.patch);
                 }
                 Source::Edge { end, is_beside } => {
                     if let Some(table) = self.profile.edge() {
                         let (end, wings) = (&self.ends[end].0, wings[end].as_ref());
-                        end.add_to(table, wings, is_beside, run.row, first_column, pixels);
+                        for run in runs {
+                            let pixels = self.patch.stretch_mut(run.row, run.columns.clone());
+                            end.add_to(table, wings, is_beside, run.row, run.columns.start, pixels);
+                        }
                     }
                 }
                 Source::Middle(number) => {
-                    pixels.fill(0.0);
-                    let trees = &self.trees[self.ends[number].1.clone()];
-                    summed(trees, self.profile, run.row, first_column, pixels);
+                    for run in runs {
+                        self.patch.stretch_mut(run.row, run.columns.clone()).fill(0.0);
+                    }
+                    summed(&self.trees[self.ends[number].1.clone()], self.profile, runs, self.patch);
                 }
             }
         }
     }
 }
 
-/// Light of panels in pixels of a row.
+/// Light of panels.
 #[inline(always)]
-fn summed(trees: &[PanelTree], profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
-    for (block, out) in pixels.chunks_mut(LANES).enumerate() {
-        let at = [(first_column + block * LANES) as f64, row as f64];
-        let mut light = [0.0; LANES];
-        for tree in trees {
-            tree.add_to(at, out.len(), profile, &mut light);
+fn summed(trees: &[PanelTree], profile: &ProfileTables, runs: &[Run], patch: &mut Patch) {
+    for run in runs {
+        let pixels = patch.stretch_mut(run.row, run.columns.clone());
+        for (block, out) in pixels.chunks_mut(LANES).enumerate() {
+            let at = [(run.columns.start + block * LANES) as f64, run.row as f64];
+            let mut light = [0.0; LANES];
+            for tree in trees {
+                tree.add_to(at, out.len(), profile, &mut light);
+            }
+            add(&light, out);
         }
-        add(&light, out);
     }
 }
 
-/// Light of a chord in pixels of a row that have their feet on it.
+/// Light of a chord in pixels that have their feet on it.
 ///
 /// A pixel at (a, b) has its foot at a₀ = a + d g and lies v = d (1 - g²/2) to the left of the path, where d = b - f(a), g = f'(a). Of a path of
 /// curvature κ, points at a way u from the foot are at distance r² = v² + u² (1 - κv) from the pixel, to first order in κ, so that
@@ -107,25 +120,27 @@ fn summed(trees: &[PanelTree], profile: &ProfileTables, row: usize, first_column
 ///
 /// Pixels are squares: L depends on the path's direction at the foot too, L(v, φ + κa₀) = L(v, φ) + κa₀ dL/dφ.
 #[inline(always)]
-fn smooth(chord: &Chord, table: &Across, profile: &ProfileTables, row: usize, first_column: usize, pixels: &mut [f32]) {
-    if let Some(lattice) = &table.lattice {
-        return straight(chord, lattice, row, first_column, pixels);
-    }
-    let stroke = Smooth::of(chord, table, profile);
-    let [ux, uy] = chord.along;
-    let dy = row as f64 - chord.middle[1];
-    for (block, out) in pixels.chunks_mut(LANES).enumerate() {
-        let dx = (first_column + block * LANES) as f64 - chord.middle[0];
-        let first = [(dx * ux + dy * uy) as f32, (dy * ux - dx * uy) as f32];
-        let light = stroke.light(&stroke.feet(first, &EACH));
-        add(&light, out);
+fn smooth(stroke: &Smooth<'_>, runs: &[Run], patch: &mut Patch) {
+    let ([ux, uy], middle) = (stroke.along, stroke.middle);
+    for run in runs {
+        let dy = run.row as f64 - middle[1];
+        let pixels = patch.stretch_mut(run.row, run.columns.clone());
+        for (block, out) in pixels.chunks_mut(LANES).enumerate() {
+            let dx = (run.columns.start + block * LANES) as f64 - middle[0];
+            let first = [(dx * ux + dy * uy) as f32, (dy * ux - dx * uy) as f32];
+            let light = stroke.light(&stroke.feet(first, &EACH));
+            add(&light, out);
+        }
     }
 }
 
 /// A chord as the loop needs it.
 struct Smooth<'a> {
-    table: &'a Across,
+    line: &'a Lanes,
+    turned: Option<&'a Lanes>,
     second_moment: Option<&'a Lanes>,
+    middle: [f64; 2],
+    along: [f64; 2],
     step: [f32; 2],
     bow: f32,
     half2: f32,
@@ -142,10 +157,13 @@ struct Feet<const N: usize> {
 
 impl<'a> Smooth<'a> {
     #[inline(always)]
-    fn of(chord: &Chord, table: &'a Across, profile: &'a ProfileTables) -> Self {
+    fn of(chord: &Chord, line: &'a Lanes, turned: Option<&'a Lanes>, profile: &'a ProfileTables) -> Self {
         Self {
-            table,
+            line,
+            turned,
             second_moment: chord.is_bent(profile).then(|| profile.line_second_moment()),
+            middle: chord.middle,
+            along: chord.along,
             step: [chord.along[0] as f32, -chord.along[1] as f32],
             bow: chord.bow as f32,
             half2: (chord.half_pix * chord.half_pix) as f32,
@@ -177,8 +195,8 @@ impl<'a> Smooth<'a> {
     #[inline(always)]
     fn light<const N: usize>(&self, feet: &Feet<N>) -> [f32; N] {
         let distance = feet.across.map(f32::abs);
-        let mut shares = self.table.line.at(&distance);
-        if let Some(turned) = &self.table.turned {
+        let mut shares = self.line.at(&distance);
+        if let Some(turned) = self.turned {
             let turned = turned.at(&distance);
             for lane in 0..N {
                 // The path's direction at the foot: f'(a₀)
