@@ -27,12 +27,17 @@ fn blurs() -> Vec<(&'static str, Blur)> {
     ]
 }
 
-fn streak(length_pix: f64) -> StreakPath {
-    let (dx, dy) = (0.5 * length_pix * ANGLE_RAD.cos(), 0.5 * length_pix * ANGLE_RAD.sin());
-    let node = |time_s: f64, side: f64| {
-        PathNode::new(time_s, PixelPosition { x: 2047.8 + side * dx, y: 2047.4 + side * dy }, length_pix)
+/// Straight, or a parabola whose middle lies `bow_pix` beside the straight line between its ends, as distortion has it.
+fn streak(length_pix: f64, bow_pix: f64) -> StreakPath {
+    let (sin, cos) = ANGLE_RAD.sin_cos();
+    let node = |time_s: f64| {
+        let side = 2.0 * time_s - 1.0;
+        let (along, across) = (0.5 * side * length_pix, bow_pix * (1.0 - side * side));
+        let at = PixelPosition { x: 2047.8 + along * cos - across * sin, y: 2047.4 + along * sin + across * cos };
+        PathNode::new(time_s, at, length_pix)
     };
-    StreakPath::new(vec![node(0.0, -1.0), node(1.0, 1.0)]).expect("a path")
+    let intervals = if bow_pix == 0.0 { 1 } else { 9 };
+    StreakPath::new((0..=intervals).map(|k| node(f64::from(k) / f64::from(intervals))).collect()).expect("a path")
 }
 
 fn median_ms(rounds: usize, mut job: impl FnMut()) -> f64 {
@@ -61,19 +66,21 @@ fn main() {
         let profile_ms = median_ms(rounds, || drop(RadialProfile::of(&blur).expect("a profile")));
         let profile = RadialProfile::of(&blur).expect("a profile");
         println!("{name} profile: {profile_ms:.3} ms (reach {:.0} pixels)", profile.reach_pix());
-        // The last is longer than the frame's diagonal: no end in sight.
-        for length_pix in [500.0, 1000.0, 2000.0, 4000.0, 8000.0] {
-            let path = streak(length_pix);
+        let straight = [500.0, 1000.0, 2000.0, 4000.0, 8000.0].map(|length_pix| (length_pix, 0.0));
+        // The last straight one is longer than the frame's diagonal: no end in sight.
+        for (length_pix, bow_pix) in straight.into_iter().chain([(4000.0, 0.5), (4000.0, 3.0)]) {
+            let path = streak(length_pix, bow_pix);
             let mut pixels = 0;
             let drawn_ms = median_ms(rounds, || {
                 let patch = draw(&path, &profile, SIZE, SIZE);
                 patch.add_to(&mut plane);
                 pixels = patch.len();
             });
-            println!("{name} {length_pix:.0}: {drawn_ms:.3} ms ({pixels} pixels)");
+            let bent = if bow_pix > 0.0 { format!(" bent by {bow_pix} pixels") } else { String::new() };
+            println!("{name} {length_pix:.0}{bent}: {drawn_ms:.3} ms ({pixels} pixels)");
         }
         if let (Some(path), "gaussian") = (option("--pixels"), name) {
-            let patch = draw(&streak(500.0), &profile, SIZE, SIZE);
+            let patch = draw(&streak(500.0, 0.0), &profile, SIZE, SIZE);
             let mut alone = Plane::zeros(SIZE, SIZE);
             patch.add_to(&mut alone);
             let bytes: Vec<u8> = alone.values().iter().flat_map(|value| value.to_le_bytes()).collect();
@@ -85,7 +92,7 @@ fn main() {
     )
     .expect("a detector");
     let profile = RadialProfile::of(&blurs()[0].1).expect("a profile");
-    let patches: Vec<_> = (1..6).map(|i| draw(&streak(700.0 * f64::from(i)), &profile, SIZE, SIZE)).collect();
+    let patches: Vec<_> = (1..6).map(|i| draw(&streak(700.0 * f64::from(i), 0.0), &profile, SIZE, SIZE)).collect();
     let added_ms = median_ms(rounds, || {
         detector.add_light(&mut plane, &patches, 1).expect("added");
     });

@@ -244,18 +244,22 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Ve
     let mut table_of = vec![0; marked.len()];
     let step_rad = profile.line_angle_step_rad();
     let mut last: Option<f64> = None;
-    let mut number = 0;
+    let (mut number, mut known_to) = (0, 0);
     while let Some((chord, is_summed)) = marked.get(number) {
         if *is_summed {
             number += 1;
             continue;
         }
-        if let Some((lattice, count)) = shared(&marked[number..], profile) {
-            tables.push(Across::Straight(lattice));
-            table_of[number..number + count].fill(tables.len() - 1);
-            last = None;
-            number += count;
-            continue;
+        if number >= known_to {
+            let (count, lattice) = shared(&marked[number..], profile);
+            known_to = number + count;
+            if let Some(lattice) = lattice {
+                tables.push(Across::Straight(lattice));
+                table_of[number..known_to].fill(tables.len() - 1);
+                last = None;
+                number = known_to;
+                continue;
+            }
         }
         let angle = chord.angle_rad();
         let turns = chord.half_turn_rad() > step_rad;
@@ -272,9 +276,9 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Ve
     (tables, table_of)
 }
 
-/// A lattice for the first chords and how many share it: as far as none of their directions is farther than allowed from that half way between all. None where it
-/// is not worth its making.
-fn shared(marked: &[(Chord, bool)], profile: &ProfileTables) -> Option<(Lattice, usize)> {
+/// How many of the first chords may share a lattice: as far as none of their directions is farther than allowed from that half way between all. And the lattice; none
+/// where it is not worth its making.
+fn shared(marked: &[(Chord, bool)], profile: &ProfileTables) -> (usize, Option<Lattice>) {
     let [mut least, mut greatest] = [f64::INFINITY, f64::NEG_INFINITY];
     let (mut count, mut length_pix, mut angle_rad) = (0, 0.0, 0.0);
     for (chord, is_summed) in marked {
@@ -287,7 +291,7 @@ fn shared(marked: &[(Chord, bool)], profile: &ProfileTables) -> Option<(Lattice,
         (count, angle_rad) = (count + 1, middle);
         length_pix += 2.0 * chord.half_pix;
     }
-    Some((profile.line_lattice(angle_rad, length_pix)?, count))
+    (count, profile.line_lattice(angle_rad, length_pix))
 }
 
 fn draw_summed_by(cutter: &Cutter<'_>, profile: &ProfileTables, rows: usize, columns: usize) -> Patch {
