@@ -227,6 +227,34 @@ fn verif_wide_wings_about_an_end() {
     }
 }
 
+/// Seeing that is many drawn pixels wide: what an end's table of half lines has nodes for only farther out. Oblong pixels are drawn on finer ones.
+#[test]
+fn verif_ends_in_wide_seeing_and_on_oblong_pixels() {
+    let gaussian = |fwhm_pix| Seeing::Gaussian { fwhm_pix };
+    let moffat = |fwhm_pix, beta| Seeing::Moffat { fwhm_pix, beta };
+    let double = Seeing::DoubleGaussian { fwhm_pix: 21.9, wide_fwhm_pix: 40.0, wide_share: 0.3 };
+    for (seeing, aspect) in [
+        (gaussian(14.0), 1.0),
+        (gaussian(48.0), 1.0),
+        (moffat(20.0, 4.765), 1.0),
+        (double, 1.0),
+        (gaussian(3.5), 1.1),
+        (gaussian(3.5), 1.03),
+        (moffat(3.5, 2.5), 1.1),
+    ] {
+        let profile = RadialProfile::on_oblong(&Blur::seeing(seeing), aspect).expect("a profile");
+        for angle in [-0.03, 0.6, 1.9] {
+            let place = |side: f64| [60.3 + 50.0 * side * f64::cos(angle), 49.6 + 50.0 * side * f64::sin(angle)];
+            let node = |time_s: f64| {
+                let [x, y] = place(2.0 * time_s - 1.0);
+                node(time_s, x, y, 1.0)
+            };
+            let found = difference(&path(vec![node(0.0), node(1.0)]), &profile, 100, 120);
+            assert!(found < WAYS_TOLERANCE, "{seeing:?} {aspect} {angle}: {found}");
+        }
+    }
+}
+
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(60))]
 

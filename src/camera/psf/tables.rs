@@ -100,8 +100,9 @@ impl ProfileTables {
         let (half_light_pix, fwhm_pix) = (half_light(&profile, grain, &panels), full_width(&profile));
         let variance_pix2 = PI * panels.integrate(0.0, reach, 0.5 * fwhm, |r| r.powi(3) * profile.at(r));
         let (round_from_pix, felt_harmonics) = (felt_to(&pixel[1..], &pixel[0]), felt_count(&pixel));
-        let edge = (averaged.end_pix() > WINGS * round_from_pix.max(1.0))
-            .then(|| EdgeTable::of(&pixel[0], round_from_pix.max(1.0), line[0].values()[0]));
+        let from_pix = round_from_pix.max(EdgeTable::from_at_least_pix(fwhm, flat));
+        let edge =
+            (averaged.end_pix() > WINGS * from_pix).then(|| EdgeTable::of(&pixel[0], from_pix, line[0].values()[0]));
         let pixel_lanes = [[&pixel[0], &pixel[1]], [&pixel[2], &pixel[3]]].map(Lanes::of);
         Ok(Self {
             blur: *blur,
@@ -173,11 +174,11 @@ impl ProfileTables {
         Lanes::of([&self.line_curve(angle_rad)])
     }
 
-    /// The same as a lattice over rows, for so long a line; none where it is not worth its making.
-    pub fn line_lattice(&self, angle_rad: f64, length_pix: f64) -> Option<Lattice> {
+    /// The same as a lattice over rows, for so many pixels; none where it is not worth its making.
+    pub fn line_lattice(&self, angle_rad: f64, pixels: usize) -> Option<Lattice> {
         let (step_pix, reach_pix) = (angle_rad.sin().abs(), self.pixel_reach_pix());
         let numbers = Lattice::numbers(reach_pix, step_pix, self.phase_pix());
-        (2.0 * reach_pix * length_pix > PIXELS_PER_LATTICE + PIXELS_PER_NUMBER * numbers)
+        (pixels as f64 > PIXELS_PER_LATTICE + PIXELS_PER_NUMBER * numbers)
             .then(|| Lattice::of(&self.line_curve(angle_rad), reach_pix, step_pix, self.phase_pix()))
     }
 

@@ -174,7 +174,7 @@ fn draw_along(
     let mut patch = extents.into_patch();
     let Trees { trees, of_chords, of_ends } = Trees::of(cutter, marked, ends, profile);
     let ends: Vec<(End, Range<usize>)> = ends.iter().copied().zip(of_ends).collect();
-    let (tables, table_of) = tables(marked, profile);
+    let (tables, table_of) = tables(marked, &pixels_of(marked, &runs), profile);
     let chords: Vec<Chord> = marked.iter().map(|(chord, _)| *chord).collect();
     draw_strokes(Strokes {
         chords: &chords,
@@ -238,8 +238,19 @@ impl Trees {
     }
 }
 
-/// Tables across the path for all chords that need one, and which of them each uses.
-fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Vec<usize>) {
+/// How many pixels each chord draws where its light is smooth.
+fn pixels_of(marked: &[(Chord, bool)], runs: &[Run]) -> Vec<usize> {
+    let mut pixels = vec![0; marked.len()];
+    for run in runs {
+        if let Source::Smooth(number) = run.source {
+            pixels[number] += run.columns.len();
+        }
+    }
+    pixels
+}
+
+/// Tables across the path for all chords that need one, with so many pixels each, and which of them each uses.
+fn tables(marked: &[(Chord, bool)], pixels: &[usize], profile: &ProfileTables) -> (Vec<Across>, Vec<usize>) {
     let mut tables: Vec<Across> = Vec::new();
     let mut table_of = vec![0; marked.len()];
     let step_rad = profile.line_angle_step_rad();
@@ -251,7 +262,7 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Ve
             continue;
         }
         if number >= known_to {
-            let (count, lattice) = shared(&marked[number..], profile);
+            let (count, lattice) = shared(&marked[number..], &pixels[number..], profile);
             known_to = number + count;
             if let Some(lattice) = lattice {
                 tables.push(Across::Straight(lattice));
@@ -278,9 +289,9 @@ fn tables(marked: &[(Chord, bool)], profile: &ProfileTables) -> (Vec<Across>, Ve
 
 /// How many of the first chords may share a lattice: as far as none of their directions is farther than allowed from that half way between all. And the lattice; none
 /// where it is not worth its making.
-fn shared(marked: &[(Chord, bool)], profile: &ProfileTables) -> (usize, Option<Lattice>) {
+fn shared(marked: &[(Chord, bool)], pixels: &[usize], profile: &ProfileTables) -> (usize, Option<Lattice>) {
     let [mut least, mut greatest] = [f64::INFINITY, f64::NEG_INFINITY];
-    let (mut count, mut length_pix, mut angle_rad) = (0, 0.0, 0.0);
+    let (mut count, mut angle_rad) = (0, 0.0);
     for (chord, is_summed) in marked {
         let (angle, half_turn) = (chord.angle_rad(), chord.half_turn_rad());
         (least, greatest) = (least.min(angle - half_turn), greatest.max(angle + half_turn));
@@ -289,9 +300,8 @@ fn shared(marked: &[(Chord, bool)], profile: &ProfileTables) -> (usize, Option<L
             break;
         }
         (count, angle_rad) = (count + 1, middle);
-        length_pix += 2.0 * chord.half_pix;
     }
-    (count, profile.line_lattice(angle_rad, length_pix))
+    (count, profile.line_lattice(angle_rad, pixels[..count].iter().sum()))
 }
 
 fn draw_summed_by(cutter: &Cutter<'_>, profile: &ProfileTables, rows: usize, columns: usize) -> Patch {

@@ -54,7 +54,7 @@ pub(super) fn straight(chord: &Chord, lattice: &Lattice, runs: &[Run], patch: &m
     }
 }
 
-/// How many columns may be read at a time: distances from the path may grow by half a phase more or less than the lattice's.
+/// How many columns may be read at a time: over them distances from the chord may grow by about half a phase more or less than the lattice's.
 fn longest(chord: &Chord, lattice: &Lattice) -> usize {
     let [ux, uy] = chord.along;
     let a_column = (uy.abs() - f64::from(lattice.step_pix())).abs() + chord.half_turn_rad() * ux.abs();
@@ -161,9 +161,9 @@ mod tests {
 
     #[test]
     fn a_cubic_goes_through_its_four_columns() {
-        let value = |x: f32| 1.0 + x * (0.05 + x * (-0.002 + x * 2e-5));
-        let powers = cubic([0.0, 21.0, 42.0, 63.0].map(value), 1.0 / 21.0);
-        for x in &COLUMNS[..64] {
+        let value = |x: f32| 1.0 + x * (0.0125 + x * (-1.25e-4 + x * 3e-7));
+        let powers = cubic([0.0, 85.0, 170.0, 255.0].map(value), 1.0 / 85.0);
+        for x in &COLUMNS {
             let found = powers.iter().rev().fold(0.0, |sum, power| sum * x + power);
             assert!((found - value(*x)).abs() < 1e-5, "{x}: {found} {}", value(*x));
         }
