@@ -27,33 +27,30 @@ impl Lattice {
     /// Columns that may be read at a time where a path turns by as much as it may.
     pub const COLUMNS: usize = 64;
 
-    /// About how many numbers [`Lattice::of`] looks up; infinite for a line along the rows.
+    /// About how many places it has; infinite for a line along the rows.
     pub(super) fn numbers(reach_pix: f64, step_pix: f64, phase_pix: f64) -> f64 {
-        ((step_pix / phase_pix).ceil() + 3.0) * 2.0 * reach_pix / step_pix
+        ((step_pix / phase_pix).ceil() + 1.0) * 2.0 * reach_pix / step_pix
     }
 
     /// Of a line whose light ends at `reach_pix`, `step_pix` farther from each column, phases at most `phase_pix` apart.
     pub(super) fn of(line: &Curve, reach_pix: f64, step_pix: f64, phase_pix: f64) -> Self {
-        let phases = (step_pix / phase_pix).ceil().max(1.0) as usize;
-        let margin = MARGIN * step_pix;
-        let first = -reach_pix - margin;
-        let columns = (2.0 * (reach_pix + margin) / step_pix).ceil() as usize + 1;
+        let phases = (step_pix / phase_pix).ceil().max(1.0) as isize;
         let phase_pix = step_pix / phases as f64;
-        // From the phase before the first.
-        let mut light = Vec::with_capacity((phases + 3) * columns);
-        for phase in 0..phases + 3 {
-            let first = first + (phase as f64 - 1.0) * phase_pix;
-            light.extend((0..columns).map(|column| line.at((first + column as f64 * step_pix).abs()) as f32));
-        }
+        // From the middle of the line as many columns to either side; all distances are whole numbers of phases.
+        let half = (reach_pix / step_pix + MARGIN).ceil() as isize;
+        let columns = 2 * half as usize + 1;
+        let fine: Vec<f32> =
+            (0..(half + 1) * phases + 2).map(|place| line.at(place as f64 * phase_pix) as f32).collect();
+        let light = |place: isize| fine[place.unsigned_abs()];
         // With L₋, L₀, L₊ a phase apart: L₀ + t (L₊ - L₋)/2 + t² ((L₊ + L₋)/2 - L₀)
-        let mut powers = Vec::with_capacity(3 * (phases + 1) * columns);
-        for rows in light.windows(3 * columns).step_by(columns) {
-            let ([before, at], after) = ([0, 1].map(|row| &rows[row * columns..][..columns]), &rows[2 * columns..]);
-            powers.extend_from_slice(at);
-            powers.extend(before.iter().zip(after).map(|(before, after)| 0.5 * (after - before)));
-            let neighbours = before.iter().zip(after).map(|(before, after)| 0.5 * (before + after));
-            powers.extend(neighbours.zip(at).map(|(mean, at)| mean - at));
+        let mut powers = Vec::with_capacity(3 * (phases as usize + 1) * columns);
+        for phase in 0..=phases {
+            let places = (-half..=half).map(|column| column * phases + phase);
+            powers.extend(places.clone().map(light));
+            powers.extend(places.clone().map(|at| 0.5 * (light(at + 1) - light(at - 1))));
+            powers.extend(places.map(|at| 0.5 * (light(at + 1) + light(at - 1)) - light(at)));
         }
+        let first = -half as f64 * step_pix;
         let [first_pix, step_pix, phase_pix] = [first, step_pix, phase_pix].map(|length| length as f32);
         Self {
             first_pix,

@@ -19,9 +19,9 @@ const HALF_DIAGONAL_PIX: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// Angular harmonics below this share of the peak are left out.
 const NEGLIGIBLE: f64 = 1e-6;
 
-/// Pixels that must be drawn with a lattice for it to be worth its making: so many, and so many more for each of its numbers.
+/// Pixels that must be drawn with a lattice for it to be worth its making: so many, and so many more for each of its places.
 const PIXELS_PER_LATTICE: f64 = 3000.0;
-const PIXELS_PER_NUMBER: f64 = 8.0;
+const PIXELS_PER_NUMBER: f64 = 6.0;
 
 /// Wings that reach so much farther than pixels have corners are worth a table of half lines.
 const WINGS: f64 = 1.3;
