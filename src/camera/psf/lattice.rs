@@ -91,7 +91,7 @@ impl Lattice {
         (places, known_pix)
     }
 
-    /// Light in neighbouring columns of a row from a place on, each nearly a step farther from the line than the one before: powers of the distance from
+    /// Light of a line of unit light per pixel in `count` neighbouring columns of a row from a place on, each nearly a step farther from the line than the one before: powers of the distance from
     /// that phase, in phases, good as far as the next one to either side. None where they lie beyond the lattice, in the dark.
     #[inline(always)]
     pub fn light(&self, [column, phase]: [i32; 2], count: usize) -> Option<[&[f32]; 3]> {

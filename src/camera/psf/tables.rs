@@ -174,7 +174,7 @@ impl ProfileTables {
         Lanes::of([&self.line_curve(angle_rad)])
     }
 
-    /// The same as a lattice over rows, for so many pixels; none where it is not worth its making.
+    /// The same as a lattice over rows, at an angle to these in radians, where so many pixels are drawn with it; none where that is not worth its making.
     pub fn line_lattice(&self, angle_rad: f64, pixels: usize) -> Option<Lattice> {
         let (step_pix, reach_pix) = (angle_rad.sin().abs(), self.pixel_reach_pix());
         let numbers = Lattice::numbers(reach_pix, step_pix, self.phase_pix());
