@@ -4,7 +4,7 @@ use std::error::Error;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::path::PathBuf;
 
-use streakcast::healpix::{cell_count, ring_centre_rad};
+use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::plot::{
     Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Quantity, ResidualHistogram, ResidualPanels, corner,
     counts_and_spread, layers, phase_curve, residual_histogram, residual_panels,

@@ -2,12 +2,12 @@
 //!
 //! `cargo run --release --example fit_photometry`
 
-use streakcast::catalogue::{Constellation, History};
+use streakcast::elements::{Constellation, History};
+use streakcast::fit::measurements::{Placement, Selection, SimulationOptions, measure, simulate};
 use streakcast::fit::{
     COEFFICIENTS, FitSettings, PosteriorSettings, Problem, RawWeights, TwoPanelForm, draw, faults,
     points_of_measurements, posterior, rms,
 };
-use streakcast::measured::{Placement, Selection, SimulationOptions, measure, simulate};
 use streakcast::photometry::{Earthshine, ModelLibrary};
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -4,14 +4,14 @@
 
 use std::error::Error;
 
-use streakcast::catalogue::Constellation;
+use streakcast::elements::Constellation;
 use streakcast::forecast::{ForecastRequest, PassRow, Selection, compass, forecast};
 use streakcast::frames::EopTable;
 use streakcast::geometry::{Observer, Site};
+use streakcast::output::format_utc;
 use streakcast::passes::{ModelChoice, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{night_of, parse_instant};
-use streakcast::table::format_utc;
 
 fn main() -> Result<(), Box<dyn Error>> {
     // 1. Who is up there, who looks, and which night: from noon to noon at the site.

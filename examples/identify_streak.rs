@@ -5,7 +5,7 @@
 
 use std::error::Error;
 
-use streakcast::catalogue::Constellation;
+use streakcast::elements::Constellation;
 use streakcast::frames::{Direction, EopTable, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::identify::{IdentifyOptions, MeasuredStreak, Timing, identify_streak};

@@ -5,13 +5,13 @@
 use std::error::Error;
 use std::io::stdout;
 
-use streakcast::camera::{LightArea, Plane, Wcs};
 use streakcast::frames::Direction;
-use streakcast::streak::{
+use streakcast::images::{LightArea, Plane, Wcs};
+use streakcast::output::{Provenance, write_csv};
+use streakcast::streaks::{
     Chip, CountScale, Modulation, Optics, RandomStreaks, SeeingForm, Shot, Source, SourceName, StreakNumber, Tracking,
     direction_on, draw_on_chip, truth_rows, truth_table,
 };
-use streakcast::table::{Provenance, write_csv};
 
 fn main() -> Result<(), Box<dyn Error>> {
     let (seed, exposure_s) = (11, 30.0);

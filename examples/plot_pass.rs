@@ -6,7 +6,7 @@
 use std::error::Error;
 use std::path::PathBuf;
 
-use streakcast::catalogue::Constellation;
+use streakcast::elements::Constellation;
 use streakcast::forecast::{ForecastRequest, PassRow, Selection, forecast};
 use streakcast::frames::{EopTable, mjd_utc};
 use streakcast::geometry::{Observer, Site};

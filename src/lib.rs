@@ -15,33 +15,25 @@
 //! ICRS astrometric topocentric unless it says otherwise: the place a satellite takes among catalogue stars on a
 //! calibrated image. The library never prints, and never asks the environment, the clock or the network.
 
-pub mod camera;
-pub mod catalogue;
-pub mod checks;
+pub mod config;
 pub mod constants;
-mod elementary;
+pub mod elements;
 pub mod fit;
 pub mod forecast;
 pub mod frames;
 pub mod geometry;
-pub mod healpix;
 pub mod identify;
+pub mod images;
 #[cfg(feature = "fits")]
 pub mod injection;
 pub mod maps;
-pub mod measured;
-mod minimum;
+#[doc(hidden)]
+pub mod math;
 pub mod orbit;
+pub mod output;
 pub mod passes;
 pub mod photometry;
 #[cfg(feature = "plot")]
 pub mod plot;
-mod quadrature;
-mod quantile;
-pub mod questions;
 pub mod schedule;
-pub mod setup;
-pub mod streak;
-pub mod table;
-pub mod telescope;
-mod vectors;
+pub mod streaks;

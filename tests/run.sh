@@ -43,7 +43,7 @@ step() {
 with_parquet() {
     wait "$beside" || true
     beside=
-    cargo test "${parquet[@]}"
+    cargo test "${parquet[@]}" -- annotate_formats forecast
 }
 
 # skipped WHAT: says loudly what is left out, here and in the sum.
@@ -158,7 +158,7 @@ else
     step "examples/field.json" "$STREAKCAST_BIN" flag "${first[@]:0:4}" --field examples/field.json \
         --schedule examples/night.csv
     # A second command line with arrow in it, made while the plugins' tests leave a core free. From here on nothing else is built for debugging.
-    parquet=(--features parquet --test cli_annotate_formats --test cli_forecast)
+    parquet=(--features parquet --test cli)
     nice -n 19 cargo test "${parquet[@]}" --no-run >/dev/null 2>&1 &
     beside=$!
     # In an environment of their own, from the package index; where there is none, STREAKCAST_PLUGINS=no leaves them out.

@@ -12,7 +12,7 @@ use serde::{Deserialize, Serialize};
 use zip::write::SimpleFileOptions;
 use zip::{ZipArchive, ZipWriter};
 
-use crate::table::AtomicFile;
+use crate::output::AtomicFile;
 
 use super::error::FitError;
 use super::inference::Chain;

@@ -1,6 +1,6 @@
 //! Forms of law against one another on the same points and the same unseen folds.
 
-use crate::measured::{Measurements, ReduceOptions};
+use super::measurements::{Measurements, ReduceOptions};
 use crate::photometry::{Coefficients, Earthshine};
 
 use super::comparison::aic_under;

@@ -6,7 +6,7 @@
 //! what was seen are asked for (one point in a thousand left out at each end), and these ends have to be two cells apart.
 
 use crate::geometry::ViewingGeometry;
-use crate::quantile::quantile;
+use crate::math::quantile::quantile;
 
 use super::point::FitPoint;
 

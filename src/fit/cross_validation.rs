@@ -7,7 +7,7 @@
 
 use rayon::prelude::*;
 
-use crate::measured::{Measurements, ReduceOptions};
+use super::measurements::{Measurements, ReduceOptions};
 
 use super::error::FitError;
 use super::form::{BLOCK, Form};
@@ -155,10 +155,10 @@ pub fn predict(form: &dyn Form, points: &[FitPoint], x: &[f64]) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::measurements::{Measurement, reduce};
     use super::*;
     use crate::fit::{PhaseForm, rms};
     use crate::geometry::ViewingGeometry;
-    use crate::measured::{Measurement, reduce};
     use crate::photometry::StandardMagnitude;
 
     /// Six tracks of 200 points, each with a range of phase angles of its own and an offset of 0.5 mag up or down: no law, tracks alone.

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use thiserror::Error;
 
-use crate::measured::MeasuredError;
+use super::measurements::MeasuredError;
 
 use super::inference::EnsembleError;
 

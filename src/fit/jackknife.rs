@@ -17,7 +17,7 @@
 
 use rayon::prelude::*;
 
-use crate::measured::{Measurements, ReduceOptions};
+use super::measurements::{Measurements, ReduceOptions};
 
 use super::error::FitError;
 use super::form::Form;
@@ -78,10 +78,10 @@ mod tests {
     use rand_chacha::rand_core::SeedableRng;
     use rand_distr::StandardNormal;
 
+    use super::super::measurements::{DensityMode, Measurement, reduce};
     use super::*;
     use crate::fit::{CovarianceKind, SphereForm};
     use crate::geometry::ViewingGeometry;
-    use crate::measured::{DensityMode, Measurement, reduce};
     use crate::photometry::{DiffuseSphere, StandardMagnitude};
 
     const SETS: usize = 24;

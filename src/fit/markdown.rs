@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use pulldown_cmark::{Options, Parser, html};
 
-use crate::table::{Kind, Table};
+use crate::output::{Kind, Table};
 
 /// A report in the making: paragraphs in the order in which they are added.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -97,7 +97,7 @@ th,td{border:1px solid #bbb;padding:.2rem .6rem}img{max-width:100%}";
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::{Column, Value};
+    use crate::output::{Column, Value};
 
     #[test]
     fn verif_both_forms_hold_the_table_and_html_escapes() {

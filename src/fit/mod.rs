@@ -6,6 +6,7 @@
 //! `chain_file`), `comparison` and `cross_validation` which form explains more. `inference` knows functions of a vector and nothing of satellites.
 
 mod chain_file;
+pub mod checks;
 mod comparison;
 mod contest;
 mod covariance;
@@ -19,6 +20,7 @@ mod linear_starts;
 mod log_nodes;
 mod loss;
 mod markdown;
+pub mod measurements;
 mod model_of_fit;
 mod objective;
 mod observed;

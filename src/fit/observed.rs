@@ -1,8 +1,8 @@
 //! Measurements and pixels as points of a fit.
 
+use super::measurements::{Measurements, Pixel, Reduction};
 use crate::geometry::ViewingGeometry;
-use crate::measured::{Measurements, Pixel, Reduction};
-use crate::quantile::quantile;
+use crate::math::quantile::quantile;
 
 use super::point::{FitPoint, group_error_factors};
 
@@ -30,7 +30,7 @@ impl Default for RawWeights {
 
 /// Every measurement as a point, longitudes folded to [0, π].
 pub fn points_of_measurements(measurements: &Measurements, weights: &RawWeights) -> Vec<FitPoint> {
-    let point = |m: &crate::measured::Measurement| FitPoint {
+    let point = |m: &super::measurements::Measurement| FitPoint {
         geometry: m.geometry.folded(),
         magnitude: m.magnitude.0,
         sigma_mag: m.sigma_mag.unwrap_or(0.0).hypot(weights.scatter_mag),
@@ -69,8 +69,8 @@ pub fn points_of_pixels(reduction: &Reduction) -> Vec<FitPoint> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::measurements::{DensityMode, Measurement, ReduceOptions, reduce};
     use super::*;
-    use crate::measured::{DensityMode, Measurement, ReduceOptions, reduce};
     use crate::photometry::StandardMagnitude;
 
     /// Points of one place each, so that each is a pixel.

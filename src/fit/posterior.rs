@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::quantile::quantile;
+use crate::math::quantile::quantile;
 
 use super::error::FitError;
 use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_times};

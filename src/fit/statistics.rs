@@ -1,6 +1,6 @@
 //! Residuals in a few numbers.
 
-use crate::quantile::quantile;
+use crate::math::quantile::quantile;
 
 use super::comparison::rms;
 

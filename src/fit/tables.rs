@@ -1,6 +1,6 @@
 //! Fits, standings and the paper's tests as tables.
 
-use crate::table::{Column, Kind, Table, Value};
+use crate::output::{Column, Kind, Table, Value};
 
 use super::contest::Standing;
 use super::paper::{LayerOffset, Rivals};

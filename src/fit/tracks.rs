@@ -3,7 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
-use crate::measured::{Measurement, Measurements, ReduceOptions, Reducer, Reduction};
+use super::measurements::{Measurement, Measurements, ReduceOptions, Reducer, Reduction};
 
 use super::error::FitError;
 

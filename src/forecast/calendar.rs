@@ -7,8 +7,8 @@ use hifitime::Epoch;
 use super::pass_table::PassRow;
 use super::readable::compass;
 use crate::geometry::Site;
+use crate::output::format_utc;
 use crate::passes::TrackPoint;
-use crate::table::format_utc;
 
 /// Octets of a line, its end apart.
 const LINE: usize = 75;

@@ -1,8 +1,8 @@
 //! Light curves: one row a moment of a pass.
 
 use super::pass_table::PassRow;
+use crate::output::{Column, Kind, Table, Value};
 use crate::passes::TrackPoint;
-use crate::table::{Column, Kind, Table, Value};
 
 /// What a point of a pass says.
 pub(super) const POINTS: &[Column] = &[

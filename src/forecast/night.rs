@@ -4,8 +4,8 @@ use hifitime::{Epoch, TimeScale};
 
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
+use crate::output::format_utc;
 use crate::passes::{Sky, SkyError, stretches_where};
-use crate::table::format_utc;
 
 /// The Sun is looked at in steps of this, seconds: a quarter of a degree.
 const STEP_S: f64 = 60.0;

@@ -1,7 +1,7 @@
 //! The night itself as a table of one row: when it is dark, what was found and what was not shown, and why there is nothing.
 
 use super::outlook::Forecast;
-use crate::table::{Column, Kind, Table, Value};
+use crate::output::{Column, Kind, Table, Value};
 
 const COLUMNS: [Column; 12] = [
     Column::time("start_utc", "First moment asked about."),

@@ -3,9 +3,9 @@
 use super::error::ForecastError;
 use super::night::Night;
 use super::request::{ForecastRequest, Selection};
+use crate::output::counted;
 use crate::passes::{Sky, VisiblePass, VisiblePasses, VisibleRequest};
 use crate::photometry::MagnitudeSource;
-use crate::table::counted;
 
 /// A night and what passes in it.
 #[derive(Clone, Debug, PartialEq)]

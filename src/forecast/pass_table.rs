@@ -1,9 +1,9 @@
 //! Passes of a night as a table: one row a pass.
 
-use crate::catalogue::ElementSet;
+use crate::elements::ElementSet;
 use crate::frames::seconds_between;
+use crate::output::{Column, Kind, Table, Value};
 use crate::passes::{TrackPoint, Visibility, VisiblePass};
-use crate::table::{Column, Kind, Table, Value};
 
 /// Two moments this close are one, seconds.
 const SAME_S: f64 = 0.01;

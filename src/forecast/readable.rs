@@ -4,8 +4,8 @@ use hifitime::Epoch;
 
 use super::pass_table::PassRow;
 use crate::frames::seconds_after;
+use crate::output::{Column, Kind, Table, Value, format_utc};
 use crate::passes::TrackPoint;
-use crate::table::{Column, Kind, Table, Value, format_utc};
 
 const COLUMNS: [Column; 16] = [
     Column::new("date", Kind::Text, "Local date of the start."),

@@ -5,12 +5,12 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use hifitime::Epoch;
 
 use super::error::ForecastError;
-use crate::catalogue::{Constellation, Shell, ShellError};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
+use crate::elements::{Constellation, Shell, ShellError};
 use crate::frames::seconds_after;
+use crate::output::{Column, Kind, Table};
 use crate::passes::{Exposure, Field, PassOptions, Sky};
 use crate::photometry::PhotometryOptions;
-use crate::table::{Column, Kind, Table};
 
 /// A number that agrees is within this of the published one, percent.
 pub const AGREES_PERCENT: f64 = 20.0;

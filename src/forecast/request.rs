@@ -3,8 +3,8 @@
 use hifitime::Epoch;
 
 use super::error::ForecastError;
-use crate::catalogue::{ElementSet, Generation, GenerationTable};
 use crate::constants::DAY_S;
+use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::frames::seconds_between;
 use crate::photometry::PhotometryOptions;
 

@@ -5,8 +5,8 @@
 
 use super::pass_table::PassRow;
 use crate::geometry::Site;
+use crate::output::format_utc;
 use crate::photometry::PhotometryOptions;
-use crate::table::format_utc;
 
 /// The header as SCORE has it.
 const HEADER: &str = "satellite_name,norad_cat_id,observation_time_utc,observation_time_uncertainty_sec,apparent_magnitude,apparent_magnitude_uncertainty,observer_latitude_deg,observer_longitude_deg,observer_altitude_m,limiting_magnitude,instrument,observing_mode,observing_filter,observer_email,observer_orcid,satellite_right_ascension_deg,satellite_declination_deg,sigma_2_ra,sigma_ra_sigma_dec,sigma_2_dec,range_to_satellite_km,range_to_satellite_uncertainty_km,range_rate_of_satellite_km_per_sec,range_rate_of_satellite_uncertainty_km_per_sec,comments,data_archive_link,mpc_code";

@@ -1,7 +1,7 @@
 //! Counts of satellites as a table: one row for each night, latitude, altitude of the Sun and lowest altitude.
 
 use super::statistics::{SkyCount, StatisticsRequest};
-use crate::table::{Column, Kind, Table, Value};
+use crate::output::{Column, Kind, Table, Value};
 
 const COLUMNS: [Column; 17] = [
     Column::time("utc", "Middle of the moments that are averaged."),

@@ -6,8 +6,8 @@ use hifitime::Epoch;
 
 use super::pass_table::PassRow;
 use crate::geometry::Site;
+use crate::output::{Provenance, format_utc};
 use crate::passes::TrackPoint;
-use crate::table::{Provenance, format_utc};
 
 /// A line holds 254 characters at most in this notation, with its keyword.
 const LONGEST_COMMENT: usize = 240;

@@ -22,7 +22,7 @@ use nalgebra::Vector3;
 
 use super::likelihood::{Weighed, within};
 use super::streak::{MeasuredStreak, Timing};
-use crate::catalogue::NoradId;
+use crate::elements::NoradId;
 use crate::frames::{Direction, Gcrs};
 use crate::orbit::{OrbitUncertainty, Propagator};
 use crate::passes::{LateTrack, Sighting, Stretch, TrackPoint};

@@ -2,10 +2,10 @@
 
 use super::compare::Candidate;
 use super::streak::MeasuredStreak;
-use crate::catalogue::ElementSet;
+use crate::elements::ElementSet;
 use crate::frames::{Direction, Gcrs, seconds_after};
+use crate::output::{Column, Kind, Table, Value};
 use crate::photometry::{Brightness, PhotometryOptions};
-use crate::table::{Column, Kind, Table, Value};
 
 /// A candidate with all that its row says.
 #[derive(Copy, Clone)]

@@ -6,9 +6,9 @@ use super::error::InjectionError;
 use super::light::SkyOf;
 use super::run::{Injections, inject_frames};
 use super::said::InjectionSaid;
-use crate::camera::{FrameFile, Header, ImageValues, NewImage, Pixels, write_frame};
-use crate::setup::Setup;
-use crate::table::ScratchFolder;
+use crate::config::Setup;
+use crate::images::{FrameFile, Header, ImageValues, NewImage, Pixels, write_frame};
+use crate::output::ScratchFolder;
 
 /// An image with streaks.
 #[derive(Clone, Debug)]

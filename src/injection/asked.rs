@@ -3,15 +3,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use crate::camera::{CountBasis, Detector};
+use crate::config::{Setup, parse_angle_deg, parse_duration_s, parse_moment};
+use crate::images::Telescope;
+use crate::images::{CountBasis, Detector};
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
-use crate::setup::{Setup, parse_angle_deg, parse_duration_s, parse_moment};
-use crate::streak::{
+use crate::streaks::{
     FrameSaid, Glint, LightCurve, MaskPreset, Modulation, Optics, RandomStreaks, SeeingForm, StreakNumber,
     SyntheticFrame, Tracking, Tumbling,
 };
-use crate::telescope::Telescope;
 use hifitime::Epoch;
 
 use super::error::InjectionError;

@@ -4,11 +4,11 @@ use std::path::Path;
 
 use thiserror::Error;
 
-use crate::camera::FrameError;
+use crate::config::SetupError;
 use crate::frames::FramesError;
+use crate::images::FrameError;
 use crate::schedule::ScheduleError;
-use crate::setup::SetupError;
-use crate::streak::{
+use crate::streaks::{
     DrawError, InjectError, MaskError, ModulationError, RandomStreakError, SatelliteError, SyntheticError, TargetError,
 };
 

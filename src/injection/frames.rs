@@ -2,11 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::camera::HduKind;
+use crate::config::{Setup, parse_moment};
 use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
-use crate::setup::{Setup, parse_moment};
-use crate::streak::{FrameSaid, SyntheticFrame, SyntheticShot, TargetFrame};
-use crate::table::ScratchFolder;
+use crate::images::HduKind;
+use crate::output::ScratchFolder;
+use crate::streaks::{FrameSaid, SyntheticFrame, SyntheticShot, TargetFrame};
 use hifitime::Epoch;
 
 use super::asked::Asked;

@@ -3,16 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
+use crate::config::{Prepared, Setup, SetupError, SiteSetup, state_scales};
 use crate::frames::{Direction, Gcrs, seconds_after};
 use crate::geometry::Site;
+use crate::output::{Provenance, format_utc};
 use crate::passes::Exposure;
 use crate::photometry::{Band, PhotometryOptions};
-use crate::setup::{Prepared, Setup, SetupError, SiteSetup, state_scales};
-use crate::streak::{
+use crate::streaks::{
     Chip, DrawnStreak, RandomStreaks, SatelliteLight, SkyTrack, Source, SourceName, SourcePart, StreakNumber,
     TargetFrame, direction_on, satellites,
 };
-use crate::table::{Provenance, format_utc};
 use hifitime::Epoch;
 use serde_json::json;
 

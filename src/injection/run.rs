@@ -11,14 +11,14 @@ use super::error::InjectionError;
 use super::frames::Frames;
 use super::light::{Lights, SkyOf, history, is_seen, photometry_of, state};
 use super::said::InjectionSaid;
-use crate::camera::{FrameError, PixelPosition};
+use crate::config::Setup;
 use crate::frames::Direction;
-use crate::setup::Setup;
-use crate::streak::{
+use crate::images::{FrameError, PixelPosition};
+use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
+use crate::streaks::{
     Chip, DrawnStreak, InjectOptions, Injected, MaskPlanes, Shot, Source, SourceName, TargetFrame, TruthRow,
     draw_on_chip, inject, points_table, trail_table, truth_rows, truth_table,
 };
-use crate::table::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
 /// A streak's line on a chip, for pictures.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,6 +1,6 @@
 //! What a map rests on, said once for tables, FITS headers and pictures.
 
-use crate::table::Provenance;
+use crate::output::Provenance;
 
 /// One statement about a map.
 #[derive(Clone, Debug, PartialEq)]

@@ -4,7 +4,7 @@ use std::f64::consts::{FRAC_PI_2, TAU};
 
 use rayon::prelude::*;
 
-use crate::healpix::{MOST_NSIDE, cell_count, northern_cell_count, northern_rings};
+use crate::math::healpix::{MOST_NSIDE, cell_count, northern_cell_count, northern_rings};
 
 use super::error::{MapError, in_range};
 
@@ -155,7 +155,7 @@ impl Grid {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::healpix::ring_centre_rad;
+    use crate::math::healpix::ring_centre_rad;
 
     fn directions(rows: Vec<GridRow>) -> Vec<(f64, f64)> {
         rows.into_iter()

@@ -11,8 +11,8 @@ use std::path::Path;
 use fitsio::FitsFile;
 use fitsio::tables::{ColumnDataType, ColumnDescription};
 
-use crate::healpix::cell_count;
-use crate::table::ScratchFolder;
+use crate::math::healpix::cell_count;
+use crate::output::ScratchFolder;
 
 use super::body::BodyMap;
 use super::card_text::card_text;

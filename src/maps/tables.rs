@@ -1,6 +1,6 @@
 //! Maps as tables.
 
-use crate::table::{Column, Kind, Table, Value};
+use crate::output::{Column, Kind, Table, Value};
 
 use super::body::BodyMap;
 use super::grid::Grid;

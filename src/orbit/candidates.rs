@@ -8,7 +8,7 @@ use super::shade::Shade;
 use super::sight::Sight;
 use super::window::{CHUNK, Chunk, Cone, Window};
 use crate::frames::{Gcrs, Rotation, Teme};
-use crate::vectors::{NullaryFnOnce, widest};
+use crate::math::vectors::{NullaryFnOnce, widest};
 
 /// Lanes of a chunk that are looked at together.
 const BLOCK: usize = 8;

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::propagator::{OrbitError, Propagator};
 use super::window::Window;
-use crate::catalogue::{ElementSet, NoradId};
+use crate::elements::{ElementSet, NoradId};
 
 /// A satellite that has no answer, and why. One such satellite never stops a night.
 #[derive(Clone, Debug, PartialEq)]

@@ -7,8 +7,8 @@ use std::fmt;
 use thiserror::Error;
 
 use super::resonance::Resonance;
-use crate::catalogue::{ElementSet, NoradId};
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
+use crate::elements::{ElementSet, NoradId};
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
 /// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).

@@ -61,7 +61,7 @@ mod tests {
     use hifitime::{Epoch, Unit};
 
     use super::super::propagator::Propagator;
-    use crate::catalogue::{ElementSet, NoradId, Origin};
+    use crate::elements::{ElementSet, NoradId, Origin};
 
     /// A half-day and a one-day orbit, asked near and far, back and forth, before and after the epoch: the same to the last
     /// bit as integrated all the way from the epoch.

@@ -33,8 +33,8 @@
 
 use std::f64::consts::TAU;
 
-use crate::catalogue::{ElementSet, Origin};
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
+use crate::elements::{ElementSet, Origin};
 
 /// WGS72 equatorial radius, km.
 const WGS72_RADIUS_KM: f64 = 6_378.135;
@@ -244,7 +244,7 @@ fn of_a_constellation(elements: &ElementSet) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::catalogue::NoradId;
+    use crate::elements::NoradId;
     use hifitime::Epoch;
 
     const KINDS: [OrbitKind; 7] = [

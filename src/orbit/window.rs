@@ -286,8 +286,8 @@ impl Chunk {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::catalogue::{ElementSet, NoradId, Origin};
     use crate::constants::WGS72_MU_KM3_S2;
+    use crate::elements::{ElementSet, NoradId, Origin};
     use crate::frames::seconds_after;
     use crate::orbit::side::Cap;
 

@@ -228,7 +228,7 @@ mod tests {
     use hifitime::{Epoch, Unit};
 
     use super::*;
-    use crate::catalogue::{Constellation, ElementSet, Origin};
+    use crate::elements::{Constellation, ElementSet, Origin};
     use crate::frames::{Direction, EopTable};
     use crate::geometry::Site;
     use crate::passes::ModelChoice;

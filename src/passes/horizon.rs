@@ -13,11 +13,11 @@ use super::scene::Scene;
 use super::sightline::{ObserverMotion, SightLine};
 use super::sky::{PassOptions, Sky, SkyError};
 use super::track::TrackPoint;
-use crate::catalogue::NoradId;
 use crate::constants::{DAY_S, EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, WGS72_MU_KM3_S2};
+use crate::elements::NoradId;
 use crate::frames::{Gcrs, Position, seconds_after, seconds_between};
 use crate::geometry::Observer;
-use crate::minimum::minimum;
+use crate::math::minimum::minimum;
 use crate::orbit::{Arc, LeftOut, OrbitError, OrbitUncertainty, Propagator, State};
 
 /// Steps of the search are this share of the orbital period, at most [`LONGEST_STEP_S`].

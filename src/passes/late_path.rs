@@ -165,7 +165,7 @@ mod tests {
     use nalgebra::{Rotation3, Unit};
 
     use super::*;
-    use crate::catalogue::{Constellation, ElementSet};
+    use crate::elements::{Constellation, ElementSet};
     use crate::frames::{Direction, EopTable};
     use crate::geometry::{Observer, Site};
     use crate::orbit::{Arc, OrbitUncertainty};

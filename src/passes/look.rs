@@ -10,7 +10,7 @@ use super::track::{Chord, TrackPoint};
 use super::viewpoint::Viewpoint;
 use crate::frames::{Gcrs, Position, seconds_after};
 use crate::geometry::{Illumination, ShadowModel, ViewingGeometry};
-use crate::minimum::minimum;
+use crate::math::minimum::minimum;
 use crate::orbit::OrbitUncertainty;
 use crate::photometry::{Brightness, BrightnessModel, PhotometryOptions};
 

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use thiserror::Error;
 
-use crate::catalogue::{ElementSet, Generation, GenerationTable};
+use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
 
 /// A model that is asked for and not there.

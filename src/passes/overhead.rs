@@ -8,8 +8,8 @@ use super::look::Look;
 use super::sightline::{ObserverMotion, SightLine};
 use super::sky::{PassOptions, Sky, SkyError, check_epoch};
 use super::track::TrackPoint;
-use crate::catalogue::NoradId;
 use crate::constants::DAY_S;
+use crate::elements::NoradId;
 use crate::frames::{seconds_after, seconds_between};
 use crate::orbit::{Arc, LeftOut, OrbitError, Propagator};
 

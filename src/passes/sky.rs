@@ -17,8 +17,8 @@ use super::sightline::ObserverMotion;
 use super::track::FieldPass;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
 use super::windows::{Wanted, Windows};
-use crate::catalogue::ElementSet;
 use crate::constants::DAY_S;
+use crate::elements::ElementSet;
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel};
 use crate::orbit::{

@@ -2,7 +2,7 @@
 
 use hifitime::Epoch;
 
-use crate::catalogue::NoradId;
+use crate::elements::NoradId;
 use crate::frames::{Direction, Gcrs};
 use crate::geometry::{Illumination, ViewingGeometry};
 use crate::photometry::Brightness;

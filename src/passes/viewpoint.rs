@@ -2,7 +2,7 @@
 
 use hifitime::Epoch;
 
-use crate::catalogue::{ElementSet, NoradId};
+use crate::elements::{ElementSet, NoradId};
 use crate::frames::{Direction, Gcrs, Orientation};
 use crate::geometry::{EarthLimb, Observer};
 use crate::orbit::{OrbitError, Propagator};

@@ -5,7 +5,7 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use crate::quantile::quantile;
+use crate::math::quantile::quantile;
 
 use super::axes::{Axis, Frame, NAME_SIZE};
 use super::density::Density;

@@ -4,7 +4,7 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use crate::quantile::quantile;
+use crate::math::quantile::quantile;
 
 use super::axes::{Axis, Frame};
 use super::bar::colour_bar;

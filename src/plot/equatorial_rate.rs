@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use crate::healpix::ring_cell;
+use crate::math::healpix::ring_cell;
 
 use super::disc::{Disc, Seen};
 use super::disc_sheet::DiscSheet;

@@ -6,7 +6,7 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use crate::quantile::quantile;
+use crate::math::quantile::quantile;
 
 use super::axes::{Axis, Frame};
 use super::error::PlotError;

@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
-use crate::healpix::{MOST_NSIDE, cell_count, ring_cell};
+use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 
 use super::disc::{Disc, Seen};
 use super::disc_sheet::DiscSheet;

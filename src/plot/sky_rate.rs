@@ -1,6 +1,6 @@
 //! How many streaks an exposure has to expect, over the sky of a site.
 
-use crate::healpix::{MOST_NSIDE, cell_count, ring_cell};
+use crate::math::healpix::{MOST_NSIDE, cell_count, ring_cell};
 
 use super::disc::{Disc, Seen};
 use super::disc_sheet::DiscSheet;

@@ -1,6 +1,6 @@
 //! What charts ask of columns of numbers: quantiles, spread, histograms, and bands that run along an axis.
 
-use crate::quantile::quantile;
+use crate::math::quantile::quantile;
 
 use super::axes::Axis;
 use super::error::PlotError;

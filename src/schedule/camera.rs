@@ -1,8 +1,8 @@
 //! The limits of a telescope's file, made comparable with the passes of a sky.
 
+use crate::images::{ARCSEC_PER_RAD, Telescope};
 use crate::passes::{FieldPass, Sky};
 use crate::photometry::{Band, PhotometryOptions};
-use crate::telescope::{ARCSEC_PER_RAD, Telescope};
 
 use super::judge::{CameraLimits, LimitKind};
 

@@ -4,7 +4,7 @@ use std::fmt;
 
 use hifitime::Epoch;
 
-use crate::catalogue::NoradId;
+use crate::elements::NoradId;
 
 /// What an exposure is.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]

@@ -1,7 +1,7 @@
 //! Exposures as a table, so that an answer says what was asked.
 
+use crate::output::{Column, Kind, Table};
 use crate::passes::Exposure;
-use crate::table::{Column, Kind, Table};
 
 /// The exposures as a table, in their order: `id, start_utc, duration_s, ra_deg, dec_deg, rotation_deg`.
 pub fn exposure_table<'a>(exposures: impl IntoIterator<Item = &'a Exposure>) -> Table {

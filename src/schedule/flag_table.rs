@@ -1,6 +1,6 @@
 //! Flags as a table: one row an exposure.
 
-use crate::table::{Column, Kind, Table, Value};
+use crate::output::{Column, Kind, Table, Value};
 
 use super::exposure_flag::ExposureFlag;
 

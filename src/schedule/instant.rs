@@ -185,7 +185,7 @@ pub fn is_covered(epoch: Epoch) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::format_utc;
+    use crate::output::format_utc;
 
     fn utc(text: &str) -> String {
         format_utc(parse_instant(text, None).unwrap(), 6)

@@ -1,7 +1,7 @@
 //! From the passes of one exposure to its verdict. Pure: no sky is asked here.
 
+use crate::images::Telescope;
 use crate::passes::{Chance, Exposure, FieldPass};
-use crate::telescope::Telescope;
 
 use super::exposure_flag::{ExposureFlag, Verdict};
 use super::policy::{MagnitudeLimit, Policy};
@@ -228,7 +228,7 @@ mod tests {
     use hifitime::Epoch;
 
     use super::*;
-    use crate::catalogue::NoradId;
+    use crate::elements::NoradId;
     use crate::frames::{Direction, Position};
     use crate::geometry::{Illumination, ViewingGeometry};
     use crate::passes::{Chord, TrackPoint};

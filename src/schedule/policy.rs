@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::judge::LimitKind;
-use crate::telescope::Telescope;
+use crate::images::Telescope;
 
 /// A limiting magnitude for all bands, one for each, or the telescope's own.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]

@@ -3,10 +3,10 @@
 use std::collections::HashMap;
 
 use crate::frames::{seconds_after, seconds_between};
+use crate::images::Telescope;
 use crate::orbit::LeftOut;
 use crate::passes::{Chance, Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::PhotometryOptions;
-use crate::telescope::Telescope;
 
 use super::camera::Camera;
 use super::exposure_flag::{ExposureFlag, Verdict};

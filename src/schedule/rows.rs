@@ -171,7 +171,7 @@ fn start_of(cell: &Cell, column: &StartColumn, scale: TimeScale) -> Result<Epoch
     if is_covered(start) {
         Ok(start)
     } else {
-        let shown = crate::table::format_utc(start, 0);
+        let shown = crate::output::format_utc(start, 0);
         Err(format!("start {shown} is covered by no ephemeris, allowed {FIRST_YEAR} to {LAST_YEAR}"))
     }
 }

@@ -1,10 +1,10 @@
 //! Passes as a table: one row for each exposure and satellite.
 
-use crate::catalogue::ElementSet;
+use crate::elements::ElementSet;
+use crate::images::{Telescope, effective_magnitude, surface_brightness_mag_arcsec2};
+use crate::output::{Column, Kind, Table, Value};
 use crate::passes::{Exposure, FieldPass, TrackPoint};
 use crate::photometry::{Brightness, PhotometryOptions};
-use crate::table::{Column, Kind, Table, Value};
-use crate::telescope::{Telescope, effective_magnitude, surface_brightness_mag_arcsec2};
 
 /// A pass with all that its row says.
 #[derive(Copy, Clone)]

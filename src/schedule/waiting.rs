@@ -3,8 +3,8 @@
 use hifitime::Epoch;
 
 use super::windows::ClearWindow;
-use crate::catalogue::ElementSet;
 use crate::constants::DAY_S;
+use crate::elements::ElementSet;
 use crate::frames::seconds_between;
 
 /// What is left of the first window that is open at `now` or opens until `last`; `None` where there is none.

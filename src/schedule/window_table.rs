@@ -4,7 +4,7 @@ use hifitime::{Duration, Epoch, TimeScale};
 use serde_json::{Value as Json, json};
 
 use crate::frames::{seconds_after, seconds_between};
-use crate::table::{Column, Kind, Table, format_utc};
+use crate::output::{Column, Kind, Table, format_utc};
 
 use super::targets::ListedTarget;
 use super::windows::{ClearWindow, TargetWindows};

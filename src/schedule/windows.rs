@@ -245,7 +245,7 @@ pub fn evening_mjd(moment: Epoch, longitude_rad: f64) -> i64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::format_utc;
+    use crate::output::format_utc;
 
     #[test]
     fn nights_begin_at_the_local_noon_of_their_evening() {

@@ -5,7 +5,7 @@ use std::fmt::Write;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use hifitime::Epoch;
-use streakcast::catalogue::{Catalogue, Constellation, ElementSet, NoradId, ReadOptions, format_tle};
+use streakcast::elements::{Catalogue, Constellation, ElementSet, NoradId, ReadOptions, format_tle};
 
 const COUNT: usize = 25_000;
 

@@ -11,10 +11,9 @@ use std::path::Path;
 use std::time::Instant;
 
 use rayon::prelude::*;
-use streakcast::camera::{
-    Blur, FrameCopy, FrameFile, Header, NewImage, PixelPosition, Plane, RadialProfile, Rice, Seeing, Wcs, write_frame,
-};
-use streakcast::streak::{PathNode, StreakPath, draw};
+use streakcast::images::{FrameCopy, FrameFile, Header, NewImage, PixelPosition, Plane, Rice, Wcs, write_frame};
+use streakcast::streaks::{Blur, RadialProfile, Seeing};
+use streakcast::streaks::{PathNode, StreakPath, draw};
 
 const SIDE: usize = 4096;
 const ROUNDS: usize = 9;

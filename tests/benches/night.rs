@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use hifitime::{Epoch, Unit};
-use streakcast::catalogue::{Catalogue, Constellation, ElementSet, ReadOptions};
+use streakcast::elements::{Catalogue, Constellation, ElementSet, ReadOptions};
 use streakcast::frames::{Direction, EopTable, Horizontal, OrientationTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Passes, Sky};

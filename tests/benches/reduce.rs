@@ -17,12 +17,12 @@ use std::time::Instant;
 use flate2::Compression;
 use flate2::write::GzEncoder;
 use hifitime::Epoch;
-use streakcast::catalogue::{Constellation, History};
-use streakcast::frames::seconds_after;
-use streakcast::measured::{
+use streakcast::elements::{Constellation, History};
+use streakcast::fit::measurements::{
     Placement, ReadOptions, RecordReader, ReduceOptions, Reducer, Selection, SimulationOptions, measure_each, simulate,
     write_mmt_csv,
 };
+use streakcast::frames::seconds_after;
 use streakcast::photometry::ModelLibrary;
 
 const SHELL: &str = "[[constellation]]\nname = 'shell'\nshell = [{ altitude_km = 550, inclination_deg = 53, planes = 72, \

@@ -8,8 +8,9 @@
 use std::io::Write;
 use std::time::Instant;
 
-use streakcast::camera::{Blur, Detector, PixelPosition, Plane, RadialProfile, Seeing};
-use streakcast::streak::{PathNode, StreakPath, draw};
+use streakcast::images::{Detector, PixelPosition, Plane};
+use streakcast::streaks::{Blur, RadialProfile, Seeing};
+use streakcast::streaks::{PathNode, StreakPath, draw};
 
 const SIZE: usize = 4096;
 /// As `peers/streaks.py` has them: a slope that favours neither rows nor columns, the middle of the frame, one count of light per pixel.

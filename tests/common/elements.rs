@@ -4,7 +4,7 @@ use std::io::Write;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use streakcast::catalogue::{Catalogue, CatalogueError, Keep, NoradId, ReadOptions, format_tle};
+use streakcast::elements::{Catalogue, CatalogueError, Keep, NoradId, ReadOptions, format_tle};
 
 /// The invented satellite in one syntax.
 pub fn sample(name: &str) -> Vec<u8> {

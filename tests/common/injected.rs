@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use streakcast::camera::FrameFile;
+use streakcast::images::FrameFile;
 
 /// A small sky for synthetic frames.
 pub const SKY: &str = "columns = 400

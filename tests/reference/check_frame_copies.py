@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Holds copies of real frames against their originals, by astropy: what was to stay has stayed, sums are right.
 
-    STREAKCAST_DATA=... STREAKCAST_KEEP=FOLDER cargo test --test frame_copies
+    STREAKCAST_DATA=... STREAKCAST_KEEP=FOLDER cargo test --test images frame_copies
     python tests/reference/check_frame_copies.py DATA_FOLDER FOLDER
 
 The test writes each copy under its original's name with one image changed and one line of HISTORY added, one image and

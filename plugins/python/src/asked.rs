@@ -8,9 +8,9 @@ use streakcast::forecast::{
 };
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, identify_streak, streak_table};
-use streakcast::questions::{ForecastSaid, QuestionError, StreakSaid, above_the_horizon};
-use streakcast::setup::Setup;
-use streakcast::table::{Column, Kind, Table};
+use streakcast::config::{ForecastSaid, QuestionError, StreakSaid, above_the_horizon};
+use streakcast::config::Setup;
+use streakcast::output::{Column, Kind, Table};
 
 use crate::columns::columns;
 use crate::failure;

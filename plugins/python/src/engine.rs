@@ -14,13 +14,13 @@ use streakcast::schedule::{
     Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict,
     WindowRequest, WindowTarget, clear_windows_alone, flag_exposures, flag_table, judge_exposures, streak_table,
 };
-use streakcast::setup::{Prepared, SetupError};
-use streakcast::table::{Column, Table};
-use streakcast::telescope::Telescope;
+use streakcast::config::{Prepared, SetupError};
+use streakcast::output::{Column, Table};
+use streakcast::images::Telescope;
 
 use crate::columns::{columns, times};
 use crate::failure;
-use crate::questions::{Columns, rows, scale_name, start_of, within};
+use crate::config::{Columns, rows, scale_name, start_of, within};
 use crate::skies::{Skies, setup_of};
 
 /// An answer and what the user should know of it.
@@ -191,8 +191,8 @@ impl Engine {
         samples: usize,
     ) -> PyResult<WithWarnings<Bound<'py, PyList>>> {
         let exposures = asked.exposures()?;
-        if samples > streakcast::setup::MOST_SAMPLES {
-            let most = streakcast::setup::MOST_SAMPLES;
+        if samples > streakcast::config::MOST_SAMPLES {
+            let most = streakcast::config::MOST_SAMPLES;
             return Err(failure::asked(format!("samples {samples}; allowed: 0 to {most}")));
         }
         let (table, warnings) = failure::without_lock(py, || self.pass_table(&exposures, include_dark, samples))?;

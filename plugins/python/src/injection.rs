@@ -7,16 +7,16 @@ use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use streakcast::camera::{Header, ImageValues, Pixels};
+use streakcast::images::{Header, ImageValues, Pixels};
 use streakcast::injection::{
     ArrayInjected, InjectionError, InjectionSaid, Injections, SkyOf, inject_frames, inject_into_array,
 };
-use streakcast::setup::Setup;
-use streakcast::table::format_utc;
+use streakcast::config::Setup;
+use streakcast::output::format_utc;
 
 use crate::columns::columns;
 use crate::failure;
-use crate::questions::start_of;
+use crate::config::start_of;
 use crate::skies::{Skies, setup_of};
 
 /// A moment as the text that the library reads, to the nanosecond.

@@ -9,12 +9,12 @@ use pyo3::types::PyList;
 use rayon::prelude::*;
 use streakcast::maps::{BodyView, Earth, Fact, Grid, SkyView};
 use streakcast::photometry::{BrightnessModel, PhotometryOptions};
-use streakcast::setup::Setup;
-use streakcast::table::Provenance;
+use streakcast::config::Setup;
+use streakcast::output::Provenance;
 
 use crate::columns::columns;
 use crate::failure;
-use crate::questions::{Column, within};
+use crate::config::{Column, within};
 use crate::skies::setup_of;
 
 /// A map's columns, and what it rests on as JSON.

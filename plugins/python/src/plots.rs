@@ -11,10 +11,10 @@ use streakcast::plot::{
     FieldChart, FieldStreak, LightCurve, LocalClock, NightTimeline, PictureFormat, SkyChart, SkyRate, SkyTrack,
     SunAltitude, field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
 };
-use streakcast::table::write_atomically;
+use streakcast::output::write_atomically;
 
 use crate::failure;
-use crate::questions::{Column, epoch_of};
+use crate::config::{Column, epoch_of};
 
 /// Points of a circle.
 const ROUND: usize = 180;

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use streakcast::frames::{Direction, epoch_from_mjd};
 use streakcast::passes::Exposure;
 use streakcast::schedule::{ScheduledExposure, is_covered};
-use streakcast::setup::{parse_moment, parse_time_scale};
+use streakcast::config::{parse_moment, parse_time_scale};
 
 /// Julian date of hifitime's zero, 1900-01-01T00:00:00 TAI.
 const ZERO_JD: f64 = 2_415_020.5;

@@ -6,11 +6,11 @@ use std::sync::{Arc, Mutex, PoisonError};
 use hifitime::{Epoch, Unit};
 use pyo3::prelude::*;
 use streakcast::frames::{mjd_utc, seconds_after};
-use streakcast::setup::{Prepared, Setup, SetupError, Stock};
-use streakcast::table::{Section, write_json};
+use streakcast::config::{Prepared, Setup, SetupError, Stock};
+use streakcast::output::{Section, write_json};
 
 use crate::failure;
-use crate::questions::start_of;
+use crate::config::start_of;
 
 /// Nights that are kept ready.
 const KEPT: usize = 3;

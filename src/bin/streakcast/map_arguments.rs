@@ -5,7 +5,7 @@ use std::path::PathBuf;
 #[cfg(feature = "plot")]
 use clap::ValueEnum;
 use clap::{Args, Subcommand};
-use streakcast::setup::Setup;
+use streakcast::config::Setup;
 
 use crate::shared_arguments::{MagnitudeArguments, PlaceArguments, setup_of};
 

@@ -5,7 +5,7 @@ use std::io::{self, BufWriter, IsTerminal, Write, stdout};
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use streakcast::table::{
+use streakcast::output::{
     AtomicFile, Provenance, Section, Table, check_target, write_atomically, write_csv, write_ecsv, write_json,
     write_json_lines, write_votable,
 };
@@ -144,7 +144,7 @@ impl Output {
             Format::Parquet => {
                 // Its end tells where everything is: the writer wants a place of its own.
                 let mut bytes = Vec::new();
-                streakcast::table::write_parquet(&mut bytes, answer.main, answer.provenance)?;
+                streakcast::output::write_parquet(&mut bytes, answer.main, answer.provenance)?;
                 out.write_all(&bytes)
             }
         })

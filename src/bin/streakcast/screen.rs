@@ -2,7 +2,7 @@
 
 use comfy_table::presets::NOTHING;
 use comfy_table::{Attribute, Cell, CellAlignment, Color, Table as Screen};
-use streakcast::table::{Kind, Table, Value};
+use streakcast::output::{Kind, Table, Value};
 
 /// One column on the screen: the column of the table, its heading, and how many decimals are enough.
 pub struct Shown {

@@ -5,8 +5,8 @@ use std::f64::consts::{FRAC_1_PI, LN_10, TAU};
 
 use pulp::{Arch, NullaryFnOnce};
 
-use crate::elementary::{exp, fused, ln};
 use crate::fit::form::{BLOCK, Evaluated, LEAST_M2_SR};
+use crate::math::elementary::{exp, fused, ln};
 
 use super::columns::Block;
 use super::earth::{EarthBlock, NODES};

@@ -23,7 +23,7 @@ use std::sync::LazyLock;
 
 use super::disk::strip;
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
-use crate::quadrature::gauss_legendre;
+use crate::math::quadrature::gauss_legendre;
 
 /// Above this no ray is bent or dimmed by as much as 10⁻⁵ of anything, km.
 pub(super) const TOP_KM: f64 = 100.0;

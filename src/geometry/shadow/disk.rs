@@ -6,7 +6,7 @@
 use std::f64::consts::{FRAC_PI_2, PI};
 use std::sync::LazyLock;
 
-use crate::quadrature::gauss_legendre;
+use crate::math::quadrature::gauss_legendre;
 
 /// Coefficients of μ⁰ to μ⁵: a₀ + a₁/λ (+ a₅/λ⁵) of the source at λ = 0.55 µm; their sum is 1, the centre of the disk.
 const DARKENING: [f64; 6] = [0.269_80, 1.340_25, -1.642_88, 2.082_24, -1.473_53, 0.424_12];

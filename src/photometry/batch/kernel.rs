@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_1_PI, LN_10, TAU};
 
 use pulp::{Arch, NullaryFnOnce};
 
-use crate::elementary::{exp, fused, ln, ln_two, sin_cos};
+use crate::math::elementary::{exp, fused, ln, ln_two, sin_cos};
 use crate::photometry::satellite::TwoPanelNumbers;
 
 /// Directions of Sun and observer in the body frame as columns of one length, radians; a shorter column cuts the others.

@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, LN_2};
 
-use crate::elementary::polynomial;
+use crate::math::elementary::polynomial;
 
 /// Adding it rounds a number of magnitude below 2⁵¹ to an integer, kept in the lowest bits.
 const ROUNDER: f64 = 6_755_399_441_055_744.0;

@@ -7,7 +7,7 @@ use super::super::error::ScheduleError;
 use super::super::formats::display;
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::table::{AtomicFile, Table};
+use crate::output::{AtomicFile, Table};
 
 /// The schedule names its exposures itself.
 pub(super) const OWN_COLUMN: &str = "exposure_id";

@@ -7,7 +7,7 @@ use super::super::formats::{CsvLayout, csv_layout, display};
 use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, read_text, streaks_path, write_new};
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::table::{Table, write_csv};
+use crate::output::{Table, write_csv};
 
 pub(super) fn annotate(
     input: &Path,
@@ -130,7 +130,7 @@ pub(super) fn without_last_cells(record: &str, count: usize, delimiter: u8) -> &
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::table::{Column, Kind, Provenance, Value};
+    use crate::output::{Column, Kind, Provenance, Value};
 
     fn flags(verdicts: &[&str]) -> Table {
         let row = |verdict: &&str| vec!["id".into(), (*verdict).into(), Value::Text("a, \"b\"".into())];

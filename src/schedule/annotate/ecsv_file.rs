@@ -8,7 +8,7 @@ use super::beside::{finish, flags_beside, is_kept, read_layout, streaks_path, wr
 use super::csv_file::{suffix, trailing_columns, without_last_cells};
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::table::{Column, ecsv_column, write_ecsv};
+use crate::output::{Column, ecsv_column, write_ecsv};
 
 pub(super) fn annotate(
     input: &Path,

@@ -6,7 +6,7 @@ use super::super::formats::{JsonRow, Members, display, json_layout};
 use super::beside::{OWN_COLUMN, finish, is_kept, read_layout, streaks_path, write_new};
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::table::{Section, json_members, json_rows, write_json};
+use crate::output::{Section, json_members, json_rows, write_json};
 
 /// What is added to a document.
 const ADDED: [&str; 2] = ["streaks", "streak_provenance"];

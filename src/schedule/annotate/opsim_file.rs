@@ -7,7 +7,7 @@ use rusqlite::backup::Backup;
 use rusqlite::types::Value as SqlValue;
 use rusqlite::{Connection, params, params_from_iter};
 
-use crate::table::{AtomicFile, Column, Kind, Provenance, Table, Value};
+use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
 use super::super::formats::{ID, display, open_read_only};
 use super::beside::{check_rows, is_kept};

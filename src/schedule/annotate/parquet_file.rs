@@ -16,7 +16,7 @@ use super::super::formats::{batches, display};
 use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, streaks_path};
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::table::{AtomicFile, parquet_columns, parquet_fields, write_parquet};
+use crate::output::{AtomicFile, parquet_columns, parquet_fields, write_parquet};
 
 /// Made anew by the writer.
 const ARROW_SCHEMA: &str = "ARROW:schema";

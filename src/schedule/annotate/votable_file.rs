@@ -7,7 +7,7 @@ use super::super::formats::{Span, VoTableLayout, display, votable_layout};
 use super::beside::{earlier_columns, finish, flags_beside, is_kept, read_layout, write_new};
 use super::error::AnnotateError;
 use super::write::Annotation;
-use crate::table::{votable_cells, votable_fields, votable_table};
+use crate::output::{votable_cells, votable_fields, votable_table};
 
 const STREAKS: &str = "streaks";
 

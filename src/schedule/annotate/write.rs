@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::table::{Provenance, Table};
+use crate::output::{Provenance, Table};
 
 use super::super::formats::ScheduleFormat;
 #[cfg(not(all(feature = "sqlite", feature = "parquet")))]

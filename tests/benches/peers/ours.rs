@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use streakcast::catalogue::{Catalogue, ReadOptions};
+use streakcast::elements::{Catalogue, ReadOptions};
 use streakcast::frames::EopTable;
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};

@@ -1,7 +1,7 @@
 //! `annotate`: the schedule file again, lossless, with flags and streaks.
 
+use streakcast::output::AtomicFile;
 use streakcast::schedule::{Annotation, annotate, flag_table};
-use streakcast::table::AtomicFile;
 
 use super::judged::judge;
 use crate::arguments::AnnotateArguments;

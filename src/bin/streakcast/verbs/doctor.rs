@@ -6,9 +6,9 @@ use std::time::SystemTime;
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::json;
+use streakcast::config::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, finding_table, parse_moment};
 use streakcast::frames::seconds_between;
-use streakcast::setup::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, finding_table, parse_moment};
-use streakcast::table::{Column, Kind, Provenance, Section, Table, Value, format_utc};
+use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, format_utc};
 
 use super::judged::begin;
 use crate::cache::{FetchRecord, cache_folder, records_in};

@@ -1,7 +1,7 @@
 //! `flag`: one verdict for each exposure of a schedule.
 
+use streakcast::output::Section;
 use streakcast::schedule::{Verdict, flag_table};
-use streakcast::table::Section;
 
 use super::judged::judge;
 use super::passes::left_out_table;

@@ -3,15 +3,15 @@
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::json;
+use streakcast::config::ForecastSaid;
+use streakcast::config::{Prepared, Setup, parse_duration_s};
 use streakcast::forecast::{
     AngleType, EmptyNight, Forecast, ForecastRequest, PassRow, calendar, forecast, light_curve_table, night_table,
     pass_table, readable_table, score_report, tdm,
 };
 use streakcast::geometry::Site;
+use streakcast::output::{Section, counted, format_utc};
 use streakcast::passes::SkyError;
-use streakcast::questions::ForecastSaid;
-use streakcast::setup::{Prepared, Setup, parse_duration_s};
-use streakcast::table::{Section, counted, format_utc};
 
 use super::judged::{begin, state_scales};
 use super::passes::left_out_table;

@@ -2,11 +2,11 @@
 
 use anyhow::anyhow;
 use serde_json::json;
+use streakcast::config::Setup;
+use streakcast::config::{StreakAsked, StreakSaid, above_the_horizon};
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, Identified, IdentifyOptions, candidate_table, identify_streak, streak_table};
-use streakcast::questions::{StreakAsked, StreakSaid, above_the_horizon};
-use streakcast::setup::Setup;
-use streakcast::table::Section;
+use streakcast::output::Section;
 
 use super::judged::{begin, state_scales};
 use super::passes::left_out_table;

@@ -5,16 +5,16 @@ use std::path::Path;
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Value, json};
+pub use streakcast::config::state_scales;
+use streakcast::config::{FieldSetup, Prepared, Setup};
 use streakcast::frames::seconds_after;
+use streakcast::images::Telescope;
+use streakcast::output::{Provenance, Table, format_utc};
 use streakcast::passes::{Exposure, Field};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, Shard, StreakRow, Verdict, flag_exposures, streak_table,
 };
-pub use streakcast::setup::state_scales;
-use streakcast::setup::{FieldSetup, Prepared, Setup};
-use streakcast::table::{Provenance, Table, format_utc};
-use streakcast::telescope::Telescope;
 
 use crate::notices::Notices;
 

@@ -5,11 +5,11 @@ use std::path::Path;
 use std::sync::Arc;
 
 use anyhow::{anyhow, bail};
+use streakcast::config::Setup;
 use streakcast::geometry::Site;
 use streakcast::maps::{BodyView, Earth, Fact, SkyView};
+use streakcast::output::{Provenance, Section, Table};
 use streakcast::photometry::{BrightnessModel, ModelLibrary};
-use streakcast::setup::Setup;
-use streakcast::table::{Provenance, Section, Table};
 
 use crate::failure::Outcome;
 use crate::map_arguments::{MapArguments, MapBodyArguments, MapSkyArguments, MapVerb};
@@ -177,10 +177,10 @@ mod pictures {
     use std::path::Path;
 
     use anyhow::anyhow;
+    use streakcast::config::Setup;
     use streakcast::maps::PAPER_FIGURES;
     use streakcast::photometry::PhotometryOptions;
     use streakcast::plot::{Picture, PictureFormat, paper_picture};
-    use streakcast::setup::Setup;
 
     use crate::failure::Outcome;
     use crate::map_arguments::{MapPaperArguments, PictureName};

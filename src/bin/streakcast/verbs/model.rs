@@ -3,9 +3,9 @@
 use std::fs;
 
 use anyhow::anyhow;
-use streakcast::checks::{DataSet, POPULATION, Photometry, compare, comparison_table};
+use streakcast::fit::checks::{DataSet, POPULATION, Photometry, compare, comparison_table};
+use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 use streakcast::photometry::{BrightnessModel, ModelFile, ModelLibrary};
-use streakcast::table::{Column, Kind, Provenance, Section, Table, Value};
 
 use crate::arguments::{ModelArguments, ModelCheckArguments, ModelListArguments, ModelShowArguments, ModelVerb};
 use crate::failure::Outcome;

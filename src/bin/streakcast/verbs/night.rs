@@ -1,8 +1,8 @@
 //! The stretch of time that a verb asks about: a night by its evening, or two moments.
 
 use hifitime::Epoch;
-use streakcast::questions::time_range;
-use streakcast::setup::Setup;
+use streakcast::config::Setup;
+use streakcast::config::time_range;
 
 /// First and last moment.
 pub fn range(

@@ -1,13 +1,13 @@
 //! `passes`: every satellite that crosses the field during one exposure.
 
 use serde_json::json;
+use streakcast::config::above_the_horizon;
+use streakcast::config::{Prepared, Setup, parse_moment};
 use streakcast::frames::seconds_after;
+use streakcast::images::Telescope;
+use streakcast::output::{Column, Kind, Section, Table, format_utc};
 use streakcast::passes::{Exposure, FieldPass, PassOptions, Passes};
-use streakcast::questions::above_the_horizon;
 use streakcast::schedule::{StreakRow, exposure_table, streak_table};
-use streakcast::setup::{Prepared, Setup, parse_moment};
-use streakcast::table::{Column, Kind, Section, Table, format_utc};
-use streakcast::telescope::Telescope;
 
 use crate::arguments::PassesArguments;
 use crate::failure::Outcome;

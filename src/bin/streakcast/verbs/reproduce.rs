@@ -4,17 +4,17 @@ use anyhow::{anyhow, bail};
 use clap::ValueEnum;
 use hifitime::Epoch;
 use serde_json::json;
-use streakcast::catalogue::Constellation;
+use streakcast::config::{OneOrMany, Setup};
+use streakcast::elements::Constellation;
 use streakcast::forecast::{
     HU2022, Night, Reproduced, bassa2022, hu2022, lu2024b, lu2024b_constellations, reproduced_table,
 };
 use streakcast::frames::{EopTable, mjd_utc, seconds_after};
 use streakcast::geometry::{Observer, Site};
+use streakcast::output::{Provenance, Section, format_utc};
 use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{Schedule, night_of, parse_instant};
-use streakcast::setup::{OneOrMany, Setup};
-use streakcast::table::{Provenance, Section, format_utc};
 
 use super::judged::begin;
 use crate::failure::Outcome;

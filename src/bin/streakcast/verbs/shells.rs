@@ -1,7 +1,7 @@
 //! `shells`: the synthetic constellations that need no download.
 
-use streakcast::catalogue::Constellation;
-use streakcast::table::{Column, Kind, Provenance, Section, Table};
+use streakcast::elements::Constellation;
+use streakcast::output::{Column, Kind, Provenance, Section, Table};
 
 use crate::arguments::ListArguments;
 use crate::failure::Outcome;
@@ -34,7 +34,7 @@ pub fn run(typed: &ListArguments) -> anyhow::Result<Outcome> {
                 vec![
                     constellation.name.as_str().into(),
                     constellation.satellites().into(),
-                    streakcast::table::Value::List(shells),
+                    streakcast::output::Value::List(shells),
                     constellation.source.as_str().into(),
                 ]
             })

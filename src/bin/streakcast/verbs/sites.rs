@@ -1,7 +1,7 @@
 //! `sites`: the observatories known by name and MPC code.
 
 use streakcast::geometry::Site;
-use streakcast::table::{Column, Kind, Provenance, Section, Table};
+use streakcast::output::{Column, Kind, Provenance, Section, Table};
 
 use crate::arguments::ListArguments;
 use crate::failure::Outcome;

@@ -2,9 +2,9 @@
 
 use anyhow::anyhow;
 use serde_json::json;
+use streakcast::config::{Setup, parse_angle_deg, parse_duration_s};
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
-use streakcast::setup::{Setup, parse_angle_deg, parse_duration_s};
-use streakcast::table::{Section, format_utc};
+use streakcast::output::{Section, format_utc};
 
 use super::judged::{begin, state_scales};
 use super::passes::left_out_table;

@@ -2,12 +2,12 @@
 
 use anyhow::anyhow;
 use serde_json::json;
+use streakcast::config::parse_duration_s;
+use streakcast::output::{Section, format_utc};
 use streakcast::schedule::{
     Blocking, FlagRequest, FoundWindows, ListedTarget, WindowReport, WindowRequest, WindowShape, WindowTarget,
     clear_windows, read_targets, window_table, window_target_table,
 };
-use streakcast::setup::parse_duration_s;
-use streakcast::table::{Section, format_utc};
 
 use super::judged::{begin, field_said, state_scales};
 use super::passes::left_out_table;

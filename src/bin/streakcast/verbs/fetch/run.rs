@@ -7,8 +7,8 @@ use std::time::{Duration, SystemTime};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
-use streakcast::setup::{parse_duration_s, parse_moment};
-use streakcast::table::{format_utc, write_atomically};
+use streakcast::config::{parse_duration_s, parse_moment};
+use streakcast::output::{format_utc, write_atomically};
 
 use super::ask::{Answer, Known, Manner, ask};
 use super::credentials::Credentials;

@@ -2,7 +2,7 @@
 
 use anyhow::anyhow;
 use hifitime::{Epoch, TimeScale};
-use streakcast::setup::parse_moment;
+use streakcast::config::parse_moment;
 
 use crate::fetch_arguments::{CommonFetchArguments, FetchSource};
 

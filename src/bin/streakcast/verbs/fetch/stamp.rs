@@ -4,9 +4,9 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use hifitime::Epoch;
+use streakcast::config::parse_moment;
 use streakcast::frames::{seconds_after, seconds_between};
-use streakcast::setup::parse_moment;
-use streakcast::table::{format_utc, write_atomically};
+use streakcast::output::{format_utc, write_atomically};
 
 use crate::cache::FetchRecord;
 

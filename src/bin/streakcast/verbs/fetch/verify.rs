@@ -1,7 +1,7 @@
 //! Whether what came is element sets.
 
 use anyhow::anyhow;
-use streakcast::catalogue::{Catalogue, Keep, ReadOptions, SourceFile};
+use streakcast::elements::{Catalogue, Keep, ReadOptions, SourceFile};
 
 /// Records that may be bad, as a share: more, and the file is damaged.
 const MOST_REJECTED: f64 = 0.01;

@@ -4,7 +4,7 @@ use anyhow::anyhow;
 use streakcast::fit::{
     COEFFICIENTS, Entrant, baselines, contest, offset_table, paper_tests, rival_table, standing_table,
 };
-use streakcast::table::Section;
+use streakcast::output::Section;
 
 use super::form::{FittedForm, form};
 use super::points::{provenance, read, weights};

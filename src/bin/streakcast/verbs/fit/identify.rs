@@ -1,11 +1,11 @@
 //! `fit identify`: which satellite each track is of, as `--identified` reads it.
 
 use anyhow::anyhow;
-use streakcast::frames::EopTable;
-use streakcast::measured::{
+use streakcast::fit::measurements::{
     AssociationOptions, Credible, RecordReader, Records, identification_table, identify as identify_tracks,
 };
-use streakcast::table::{Provenance, Section};
+use streakcast::frames::EopTable;
+use streakcast::output::{Provenance, Section};
 
 use super::photometry;
 use crate::failure::Outcome;

@@ -5,11 +5,11 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use streakcast::catalogue::{Catalogue, History, Keep, NoradId, ReadOptions as CatalogueOptions, StationRule};
+use streakcast::config::Setup;
+use streakcast::elements::{Catalogue, History, Keep, NoradId, ReadOptions as CatalogueOptions, StationRule};
+use streakcast::fit::measurements::{ColumnMap, Format, OrbitRadius, Place, Placement, ReadOptions, Selection};
 use streakcast::frames::EopTable;
-use streakcast::measured::{ColumnMap, Format, OrbitRadius, Place, Placement, ReadOptions, Selection};
-use streakcast::setup::Setup;
-use streakcast::table::Provenance;
+use streakcast::output::Provenance;
 
 use crate::fit_arguments::{PhotometryArguments, TableArguments};
 use crate::verbs::map::site_of;

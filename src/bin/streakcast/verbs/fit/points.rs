@@ -1,13 +1,13 @@
 //! Photometry as typed, made into points of a fit.
 
 use anyhow::anyhow;
-use streakcast::fit::{FitPoint, RawWeights, points_of_measurements, points_of_pixels};
-use streakcast::measured::{
+use streakcast::fit::measurements::{
     DensityMode, DropCounts, DropReason, FilterCounts, Measurements, RecordReader, ReduceOptions, Reducer, Reduction,
     measure, reduce,
 };
+use streakcast::fit::{FitPoint, RawWeights, points_of_measurements, points_of_pixels};
+use streakcast::output::Provenance;
 use streakcast::photometry::Band;
-use streakcast::table::Provenance;
 
 use super::photometry;
 use crate::fit_arguments::{ModeName, PhotometryArguments, ReductionArguments, WeightArguments};

@@ -1,7 +1,7 @@
 //! `fit reduce`: photometry as pixels of the body frame, or point by point.
 
 use streakcast::fit::RawWeights;
-use streakcast::table::Section;
+use streakcast::output::Section;
 
 use super::points::{provenance, read};
 use crate::failure::Outcome;

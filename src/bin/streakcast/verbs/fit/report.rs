@@ -175,9 +175,9 @@ mod drawn {
     use std::path::Path;
 
     use anyhow::anyhow;
+    use streakcast::fit::measurements::{Pixel, Reduction};
     use streakcast::fit::{FitPoint, rms};
-    use streakcast::healpix::ring_cell;
-    use streakcast::measured::{Pixel, Reduction};
+    use streakcast::math::healpix::ring_cell;
     use streakcast::photometry::ModelFile;
     use streakcast::plot::{
         Corner, CountsAndSpread, LayerPanel, Layers, PhaseCurve, Picture, PictureFormat, Quantity, ResidualHistogram,

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde::Deserialize;
+use streakcast::config::Quantity;
 use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
-use streakcast::setup::Quantity;
 
 use super::fault::{Fault, FaultKind};
 

@@ -5,13 +5,13 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::anyhow;
+use streakcast::config::{PolicySetup, Setup, parse_duration_s, parse_moment};
 use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 use streakcast::geometry::Site;
+use streakcast::images::Telescope;
 use streakcast::passes::Field;
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::Policy;
-use streakcast::setup::{PolicySetup, Setup, parse_duration_s, parse_moment};
-use streakcast::telescope::Telescope;
 
 use super::clock::Clock;
 use crate::gate_arguments::{GateArguments, Host};
@@ -51,7 +51,7 @@ impl Request {
             limit_mag: typed.limit_mag,
             ..Setup::default()
         })?;
-        let text = |typed: &Option<String>, said: &Option<streakcast::setup::Quantity>| {
+        let text = |typed: &Option<String>, said: &Option<streakcast::config::Quantity>| {
             typed.clone().or_else(|| said.as_ref().map(|value| value.text()))
         };
         let mut policy = setup.policy()?;

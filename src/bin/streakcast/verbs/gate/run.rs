@@ -6,15 +6,15 @@ use std::time::{Duration, SystemTime};
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Map, Value, json};
+use streakcast::config::{OLD_ELEMENTS_DAYS, Prepared, SetupError, SiteSetup, SiteTable};
 use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
+use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, FieldPass};
 use streakcast::schedule::{
     Blocking, ClearWindow, FlagRequest, TargetWindows, WindowRequest, WindowTarget, clear_windows, share_of_stale,
     wait_for,
 };
-use streakcast::setup::{OLD_ELEMENTS_DAYS, Prepared, SetupError, SiteSetup, SiteTable};
-use streakcast::table::format_utc;
 
 use super::fault::{Fault, FaultKind};
 use super::request::Request;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 use serde_json::{Map, Value};
-use streakcast::table::write_atomically;
+use streakcast::output::write_atomically;
 
 /// Counters over all runs that wrote the same file.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use streakcast::injection::{FrameDone, Injections};
-use streakcast::table::{Section, Table};
+use streakcast::output::{Section, Table};
 
 use crate::inject_arguments::InjectArguments;
 use crate::output::{Answer, Format, Output, check, check_whole};

@@ -2,8 +2,8 @@
 
 use std::path::PathBuf;
 
+use streakcast::config::Setup;
 use streakcast::injection::{InjectionSaid, Injections, inject_frames};
-use streakcast::setup::Setup;
 
 use super::outputs::Outputs;
 use crate::failure::Outcome;
@@ -123,7 +123,7 @@ fn refuse_idle(typed: &InjectArguments) -> anyhow::Result<()> {
 /// Pictures of the chip with the longest streak; of the first one where there is none.
 #[cfg(feature = "plot")]
 fn pictures(typed: &InjectArguments, done: &Injections) -> anyhow::Result<()> {
-    use streakcast::camera::{FrameFile, Overlay, preview_png};
+    use streakcast::images::{FrameFile, Overlay, preview_png};
     let wanted = [(&typed.truth.preview, false), (&typed.truth.preview_marked, true)];
     // Pictures are for one frame.
     let Some(frame) = done.frames.first().filter(|_| wanted.iter().any(|(path, _)| path.is_some())) else {

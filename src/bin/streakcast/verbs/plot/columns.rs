@@ -5,10 +5,10 @@ use std::path::Path;
 
 use anyhow::{anyhow, bail};
 use serde_json::{Map, Value};
+use streakcast::config::parse_moment;
 use streakcast::frames::mjd_utc;
 use streakcast::geometry::Site;
-use streakcast::setup::parse_moment;
-use streakcast::table::{Provenance, Table, Value as Cell};
+use streakcast::output::{Provenance, Table, Value as Cell};
 
 /// Cells as text, as CSV has them; what is missing is empty.
 pub struct Columns {

@@ -2,9 +2,9 @@
 
 use anyhow::{anyhow, bail};
 use serde_json::Value;
+use streakcast::config::parse_moment;
 use streakcast::frames::mjd_utc;
 use streakcast::plot::SkyTrack;
-use streakcast::setup::parse_moment;
 
 use super::columns::Columns;
 

@@ -5,12 +5,12 @@ use std::collections::BTreeSet;
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
+use streakcast::config::{Quantity, Setup, parse_duration_s};
 use streakcast::frames::{Direction, Horizontal, seconds_after};
-use streakcast::healpix::{cell_count, ring_cell, ring_centre_rad};
+use streakcast::math::healpix::{cell_count, ring_cell, ring_centre_rad};
+use streakcast::output::{Column, Kind, Provenance, Table};
 use streakcast::passes::CountRequest;
 use streakcast::plot::{EquatorialRate, Picture, equatorial_rate};
-use streakcast::setup::{Quantity, Setup, parse_duration_s};
-use streakcast::table::{Column, Kind, Provenance, Table};
 
 use crate::notices::Notices;
 use crate::plot_arguments::PlotSkyRateArguments;

@@ -3,12 +3,12 @@
 use std::path::Path;
 
 use anyhow::{anyhow, bail};
+use streakcast::config::Setup;
 use streakcast::frames::{EopTable, mjd_utc};
 use streakcast::geometry::{Observer, Site};
+use streakcast::output::{Column, Kind, Provenance, Table, Value};
 use streakcast::passes::FieldPass;
 use streakcast::schedule::{ExposureFlag, Schedule, ScheduledExposure};
-use streakcast::setup::Setup;
-use streakcast::table::{Column, Kind, Provenance, Table, Value};
 
 use crate::verbs::judged::judge;
 

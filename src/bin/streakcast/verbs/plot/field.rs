@@ -2,11 +2,11 @@
 
 use anyhow::anyhow;
 use serde_json::Value;
+use streakcast::config::{FieldSetup, Quantity, Setup, parse_moment};
 use streakcast::frames::{Direction, Gcrs};
+use streakcast::output::format_utc;
 use streakcast::passes::Field;
 use streakcast::plot::{FieldChart, FieldStreak, Picture, field_chart};
-use streakcast::setup::{FieldSetup, Quantity, Setup, parse_moment};
-use streakcast::table::format_utc;
 
 use crate::failure::Outcome;
 use crate::plot_arguments::PlotFieldArguments;

@@ -1,15 +1,15 @@
 //! `plot corner`, `residuals`, `histogram`, `phase-curve`: what a fit is judged by, from the files that it wrote.
 
 use anyhow::{anyhow, bail};
+use streakcast::config::Setup;
 use streakcast::fit::read_chain;
 use streakcast::geometry::ViewingGeometry;
 use streakcast::maps::BodyView;
+use streakcast::output::{Column, Provenance, Table, Value};
 use streakcast::plot::{
     Corner, PhaseCurve, Picture, ResidualHistogram, ResidualPanels, corner, phase_curve, residual_histogram,
     residual_panels,
 };
-use streakcast::setup::Setup;
-use streakcast::table::{Column, Provenance, Table, Value};
 
 use crate::failure::Outcome;
 use crate::plot_arguments::{PlotCornerArguments, PlotResidualsArguments};

@@ -2,12 +2,12 @@
 
 use anyhow::{anyhow, bail};
 use serde_json::json;
-use streakcast::catalogue::NoradId;
+use streakcast::config::parse_duration_s;
+use streakcast::elements::NoradId;
 use streakcast::frames::{mjd_utc, seconds_after};
+use streakcast::output::{Column, Kind, Table, Value};
 use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, TrackPoint};
 use streakcast::plot::{LightCurve, Picture, light_curve};
-use streakcast::setup::parse_duration_s;
-use streakcast::table::{Column, Kind, Table, Value};
 
 use crate::failure::Outcome;
 use crate::plot_arguments::PlotLightCurveArguments;
@@ -90,7 +90,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         ]
     };
     let table = Table { columns: COLUMNS.to_vec(), rows: track.iter().map(row).collect() };
-    let moments = |seconds: f64| streakcast::table::format_utc(seconds_after(asked.exposure.start, seconds), 6);
+    let moments = |seconds: f64| streakcast::output::format_utc(seconds_after(asked.exposure.start, seconds), 6);
     let chords: Vec<[String; 2]> =
         pass.chords.iter().map(|chord| [moments(chord.enter_s), moments(chord.exit_s)]).collect();
     let shutter = [moments(0.0), moments(asked.exposure.duration_s)];
@@ -193,7 +193,7 @@ fn picture(
     let span = |value: &serde_json::Value| -> Option<[f64; 2]> {
         let moment = |index: usize| {
             let text = value.get(index)?.as_str()?;
-            streakcast::setup::parse_moment(text, None).ok().map(mjd_utc)
+            streakcast::config::parse_moment(text, None).ok().map(mjd_utc)
         };
         Some([moment(0)?, moment(1)?])
     };
@@ -214,7 +214,7 @@ fn picture(
     if let [[enter, exit], ..] = in_field.as_slice() {
         let seconds: f64 = in_field.iter().map(|[enter, exit]| (exit - enter) * DAY_S).sum();
         let at = |mjd: f64| {
-            let text = streakcast::table::format_utc(hifitime::Epoch::from_mjd_utc(mjd), 2);
+            let text = streakcast::output::format_utc(hifitime::Epoch::from_mjd_utc(mjd), 2);
             text.split('T').nth(1).unwrap_or_default().trim_end_matches('Z').to_owned()
         };
         let last = in_field.last().map_or(*exit, |[_, exit]| *exit);

@@ -1,6 +1,6 @@
 //! `plot --list`: every plot, what it shows and what it needs.
 
-use streakcast::table::{Column, Kind, Provenance, Section, Table};
+use streakcast::output::{Column, Kind, Provenance, Section, Table};
 
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};

@@ -2,7 +2,7 @@
 
 use anyhow::anyhow;
 use serde_json::Value;
-use streakcast::table::Column;
+use streakcast::output::Column;
 
 use super::columns::Columns;
 

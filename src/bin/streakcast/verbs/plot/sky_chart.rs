@@ -1,9 +1,9 @@
 //! `plot sky-chart`: passes of a forecast over the sky of their site.
 
 use serde_json::Value;
+use streakcast::config::Setup;
+use streakcast::output::format_utc;
 use streakcast::plot::{Picture, SkyChart, SkyTrack, sky_chart};
-use streakcast::setup::Setup;
-use streakcast::table::format_utc;
 
 use crate::failure::Outcome;
 use crate::plot_arguments::PlotSkyChartArguments;

@@ -3,12 +3,12 @@
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
+use streakcast::config::{Prepared, Quantity, Setup, parse_duration_s, parse_moment};
 use streakcast::frames::{Direction, Horizontal, seconds_after};
-use streakcast::healpix::{cell_count, ring_centre_rad};
+use streakcast::math::healpix::{cell_count, ring_centre_rad};
+use streakcast::output::{Column, Kind, Table, format_utc};
 use streakcast::passes::{CountRequest, Counts, StreakCount};
 use streakcast::plot::{Picture, SkyRate, sky_rate};
-use streakcast::setup::{Prepared, Quantity, Setup, parse_duration_s, parse_moment};
-use streakcast::table::{Column, Kind, Table, format_utc};
 
 use crate::failure::Outcome;
 use crate::plot_arguments::PlotSkyRateArguments;

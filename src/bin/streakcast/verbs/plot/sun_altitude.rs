@@ -3,11 +3,11 @@
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::json;
+use streakcast::config::{Quantity, Setup, parse_duration_s};
 use streakcast::frames::seconds_after;
+use streakcast::output::{Column, Kind, Provenance, Table};
 use streakcast::passes::CountRequest;
 use streakcast::plot::{Picture, SunAltitude, sun_altitude};
-use streakcast::setup::{Quantity, Setup, parse_duration_s};
-use streakcast::table::{Column, Kind, Provenance, Table};
 
 use crate::failure::Outcome;
 use crate::plot_arguments::PlotSunAltitudeArguments;

@@ -4,8 +4,8 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
+use streakcast::output::{Provenance, Section, Table};
 use streakcast::plot::{Picture, PictureFormat};
-use streakcast::table::{Provenance, Section, Table};
 
 use crate::output::{Answer, Output, check, write_bytes};
 use crate::plot_arguments::PictureArguments;

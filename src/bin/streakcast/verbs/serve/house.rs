@@ -3,13 +3,13 @@
 use std::collections::BTreeMap;
 
 use hifitime::Epoch;
+use streakcast::config::{Prepared, Setup};
 use streakcast::geometry::Site;
 use streakcast::orbit::LeftOut;
+use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
-use streakcast::setup::{Prepared, Setup};
-use streakcast::table::{Provenance, format_utc};
 
 use super::super::judged::Asked;
 use super::reply::Problem;

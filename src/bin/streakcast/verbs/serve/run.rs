@@ -4,9 +4,9 @@ use std::io::Write;
 
 use anyhow::anyhow;
 use serde_json::json;
+use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::Viewpoint;
 use streakcast::schedule::Schedule;
-use streakcast::table::{Provenance, format_utc};
 
 use super::super::judged::{self, Asked};
 use super::house::{Caveats, House, nights_of, zone_h};

@@ -1,6 +1,6 @@
 //! Columns of the tables that only the page asks for.
 
-use streakcast::table::{Column, Kind};
+use streakcast::output::{Column, Kind};
 
 /// Sun and pointing over the site.
 pub const POINTING: [Column; 5] = [

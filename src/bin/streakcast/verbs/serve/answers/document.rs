@@ -1,7 +1,7 @@
 //! A JSON document put together from tables and values, each table with its own digits.
 
 use serde_json::{Value, json};
-use streakcast::table::{Column, Kind, Provenance, Table, json_members, json_rows};
+use streakcast::output::{Column, Kind, Provenance, Table, json_members, json_rows};
 
 use super::super::house::Caveats;
 use super::super::reply::Reply;

@@ -2,11 +2,11 @@
 
 use serde_json::Value;
 use streakcast::frames::{Direction, seconds_after, seconds_between};
+use streakcast::output::{Table, Value as Cell};
 use streakcast::passes::{Exposure, FieldPass, SkyError};
 use streakcast::schedule::{
     MagnitudeLimit, ScheduledExposure, StreakRow, Verdict, exposure_table, flag_exposures, flag_table, streak_table,
 };
-use streakcast::table::{Table, Value as Cell};
 
 use super::super::super::passes::left_out_table;
 use super::super::house::House;

@@ -2,9 +2,9 @@
 
 use serde_json::{Value, json};
 use streakcast::frames::{mjd_utc, seconds_after, seconds_between};
+use streakcast::output::{Table, Value as Cell, format_utc};
 use streakcast::passes::SkyError;
 use streakcast::schedule::{ExposureFlag, ScheduledExposure, flag_table, night_of};
-use streakcast::table::{Table, Value as Cell, format_utc};
 
 use super::super::house::{House, date_of};
 use super::super::question::{Kind, Parameter, Question, optional};

@@ -260,7 +260,7 @@ fn is_of_constellation(sky: &Sky, element_index: usize, question: &Question) -> 
 }
 
 fn orbital_data(sky: &Sky, element_index: usize) -> Value {
-    match streakcast::catalogue::format_tle(&sky.elements()[element_index]) {
+    match streakcast::elements::format_tle(&sky.elements()[element_index]) {
         Ok([line1, line2]) => json!({"tle_line1": line1, "tle_line2": line2}),
         // What two lines cannot hold.
         Err(error) => json!({"error": error.to_string()}),
@@ -270,7 +270,7 @@ fn orbital_data(sky: &Sky, element_index: usize) -> Value {
 /// The streak as a whole: what SatChecker's points once a second do not tell.
 fn streak(pass: &FieldPass) -> Value {
     let rounded = super::horizontal::rounded;
-    let utc = |epoch| streakcast::table::format_utc(epoch, 3);
+    let utc = |epoch| streakcast::output::format_utc(epoch, 3);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     json!({
         "enter_utc": utc(pass.enter.epoch),

@@ -2,8 +2,8 @@
 
 use serde_json::{Value, json};
 use streakcast::frames::utc_jd;
+use streakcast::output::format_utc;
 use streakcast::passes::{Sky, TrackPoint};
-use streakcast::table::format_utc;
 
 use super::document::object_schema;
 use super::horizontal::rounded;

@@ -1,0 +1,171 @@
+//! All of it together.
+
+use hifitime::Epoch;
+
+use super::super::document::Setup;
+use super::elements::ElementState;
+use super::finding::{Finding, Severity};
+use super::surroundings::{camera, clock, earth_orientation, place, policy};
+use crate::elements::SourceFile;
+use crate::passes::ModelChoice;
+use crate::photometry::ModelLibrary;
+
+/// What was found at a moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Health {
+    /// One for each thing that was looked at, and more where more is to be said.
+    pub findings: Vec<Finding>,
+    /// The element sets; `None` where none were said or none could be read.
+    pub elements: Option<ElementState>,
+    /// The files of element sets.
+    pub sources: Vec<SourceFile>,
+}
+
+/// Where the moment came from that is looked at.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum MomentSource {
+    /// This machine's clock, which may be wrong.
+    Clock,
+    /// The question.
+    Asked,
+}
+
+impl Health {
+    /// The worst of the findings.
+    pub fn worst(&self) -> Severity {
+        self.findings.iter().map(|finding| finding.severity).max().unwrap_or(Severity::Fine)
+    }
+}
+
+impl Setup {
+    /// Looks at everything that a setup names as a question about `now` would use it. What cannot be read is a finding; the rest goes on.
+    pub fn health(&self, now: Epoch, source: MomentSource) -> Health {
+        let mut health = Health::default();
+        self.look_at_elements(now, source, &mut health);
+        health.findings.push(clock(now, source, health.elements.as_ref()));
+        health.findings.extend(earth_orientation(self, now));
+        health.findings.extend(place(self, now));
+        health.findings.extend(camera(self));
+        health.findings.push(policy(self));
+        health
+    }
+
+    fn look_at_elements(&self, now: Epoch, source: MomentSource, health: &mut Health) {
+        const SUBJECT: &str = "elements";
+        if let Err(error) = self.constellations() {
+            health.findings.push(Finding::new(
+                Severity::Error,
+                SUBJECT,
+                error.to_string(),
+                "streakcast shells lists them",
+            ));
+        } else if self.shells.is_some() {
+            let finding = "shells are synthetic: none of their satellites is claimed to be there";
+            health.findings.push(Finding::new(
+                Severity::Note,
+                SUBJECT,
+                finding,
+                "say --elements FILE for a real night",
+            ));
+        }
+        let catalogue = match self.catalogue(now) {
+            Ok(Some(catalogue)) => catalogue,
+            Ok(None) => {
+                if self.shells.is_none() {
+                    let finding = "none were said: neither they nor the models of their satellites were looked at";
+                    let remedy = "say --elements FILE; streakcast fetch brings one";
+                    health.findings.push(Finding::new(Severity::Unchecked, SUBJECT, finding, remedy));
+                }
+                return;
+            }
+            Err(error) => {
+                let remedy = "name a file of element sets; streakcast fetch brings one";
+                health.findings.push(Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy));
+                return;
+            }
+        };
+        // Models that cannot be read are a finding of their own; nothing is said then of which satellite has which.
+        let said = self.model_choice();
+        let is_readable = said.is_ok();
+        let Some(choice) = said.ok().or_else(|| ModelChoice::new(&ModelLibrary::embedded()).ok()) else { return };
+        let state = ElementState::of(&catalogue, &choice, now);
+        health.findings.extend(state.findings(&catalogue, now, source));
+        if is_readable {
+            health.findings.push(state.model_finding());
+        }
+        health.elements = Some(state);
+        health.sources = catalogue.sources;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::schedule::parse_instant;
+
+    fn health(text: &str, now: &str) -> Health {
+        Setup::from_toml(text, "t.toml").unwrap().health(parse_instant(now, None).unwrap(), MomentSource::Clock)
+    }
+
+    fn severity(health: &Health, subject: &str) -> Severity {
+        health.findings.iter().filter(|one| one.subject == subject).map(|one| one.severity).max().unwrap()
+    }
+
+    #[test]
+    fn what_is_wrong_is_a_finding_and_the_rest_goes_on() {
+        let all = health(
+            "elements = 'missing.tle'\nlat = 0.0\nlon = 0.0\ntelescope = 'no-such'\neop = 'missing'",
+            "2026-11-25T00:00:00Z",
+        );
+        for subject in ["elements", "telescope", "Earth orientation"] {
+            assert_eq!(severity(&all, subject), Severity::Error, "{subject}");
+        }
+        assert_eq!((severity(&all, "site"), severity(&all, "clock")), (Severity::Warning, Severity::Fine));
+        assert!(all.elements.is_none() && all.worst() == Severity::Error);
+    }
+
+    #[test]
+    fn tables_run_out() {
+        let at = |now: &str| health("shells = 'oneweb'\nmpc = 'X05'", now);
+        let now = at("2026-11-25T00:00:00Z");
+        assert_eq!(
+            (severity(&now, "Earth orientation"), severity(&now, "leap seconds")),
+            (Severity::Fine, Severity::Fine)
+        );
+        assert_eq!(now.worst(), Severity::Note);
+        let soon = at("2027-05-25T00:00:00Z");
+        assert_eq!(
+            (severity(&soon, "Earth orientation"), severity(&soon, "leap seconds")),
+            (Severity::Fine, Severity::Note)
+        );
+        let late = at("2028-05-25T00:00:00Z");
+        assert_eq!(
+            (severity(&late, "Earth orientation"), severity(&late, "leap seconds")),
+            (Severity::Warning, Severity::Warning)
+        );
+        assert_eq!(severity(&at("2020-05-25T00:00:00Z"), "clock"), Severity::Warning);
+        assert_eq!(severity(&at("1970-01-01T00:00:00Z"), "clock"), Severity::Warning);
+    }
+
+    #[test]
+    fn nothing_that_was_not_looked_at_is_fine() {
+        let all = health("models = { files = ['no-such.json'] }\nlimit_mag = 7", "2026-11-25T00:00:00Z");
+        for subject in ["elements", "site"] {
+            assert_eq!(severity(&all, subject), Severity::Unchecked, "{subject}");
+        }
+        let policy = all.findings.iter().find(|one| one.subject == "policy").unwrap();
+        assert_eq!((policy.severity, policy.finding.as_str()), (Severity::Fine, "limit_mag 7.0"));
+        let all = health("policy = { saturation_mag = 'telescope' }", "2026-11-25T00:00:00Z");
+        assert_eq!(severity(&all, "policy"), Severity::Error, "{:?}", all.findings);
+    }
+
+    #[test]
+    fn a_longitude_of_the_wrong_sign_is_told() {
+        let site = |lon: f64| health(&format!("lat = -30.2446\nlon = {lon}\nheight = 2650"), "2026-11-25T00:00:00Z");
+        let wrong = site(70.7494);
+        let finding =
+            wrong.findings.iter().find(|one| one.subject == "site" && one.severity == Severity::Warning).unwrap();
+        assert!(finding.remedy.contains("--lon=-70.7494"), "{finding:?}");
+        assert_eq!(severity(&site(-70.7494), "site"), Severity::Fine);
+    }
+}

@@ -1,0 +1,273 @@
+//! The state of element sets at a moment: how old, how far off that makes them, which of them no model knows.
+
+use std::collections::BTreeMap;
+
+use hifitime::Epoch;
+
+use super::check::MomentSource;
+use super::finding::{Finding, Severity};
+use crate::constants::DAY_S;
+use crate::elements::{Catalogue, ElementSet, Generation, GenerationTable};
+use crate::frames::seconds_between;
+use crate::orbit::{OrbitClass, uncertainty};
+use crate::output::format_utc;
+use crate::passes::ModelChoice;
+
+/// Borders of the histogram, days. Below the first an element set is from the future, and no prediction.
+const BORDERS_DAYS: [f64; 9] = [-FUTURE_DAYS, 0.0, 0.5, 1.0, 2.0, 4.0, 7.0, 14.0, 30.0];
+/// Element sets so far ahead of the clock are no predictions of an operator any more, days.
+const FUTURE_DAYS: f64 = 1.5;
+/// Older sets draw a warning with every answer, days.
+const OLD_DAYS: f64 = 14.0;
+/// This share of old ones is a warning here.
+const OLD_SHARE: f64 = 0.05;
+/// A median error along the track beyond this is a warning, s: low satellites are then a degree and more off.
+const LARGE_ERROR_S: f64 = 3.0;
+/// So many satellites of one name without a model of their own are a constellation that is missing one.
+const CONSTELLATION: usize = 30;
+/// Names that are listed.
+const LISTED: usize = 10;
+
+/// One bar of the histogram of ages.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct AgeBin {
+    /// From this age on, days; negative ahead of the moment, minus infinity for sets from the future.
+    pub from_days: f64,
+    /// Below this age, days; infinite for the last.
+    pub to_days: f64,
+    /// Element sets in it.
+    pub count: usize,
+}
+
+/// Satellites that share a name and have no model of their own.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Unmatched {
+    /// The name, without number.
+    pub prefix: String,
+    /// How many.
+    pub count: usize,
+}
+
+/// What a catalogue is like at a moment.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ElementState {
+    /// Satellites, one element set each.
+    pub satellites: usize,
+    /// Histogram of ages.
+    pub ages: Vec<AgeBin>,
+    /// Median age, days.
+    pub median_age_days: f64,
+    /// Median of one sigma along the track at the moment, s.
+    pub median_along_track_sigma_s: f64,
+    /// Satellites of each kind that has a model of its own.
+    pub kinds: Vec<(Generation, usize)>,
+    /// The others by name, most first; rocket bodies, debris and those of a table of standard magnitudes are not among them.
+    pub unmatched: Vec<Unmatched>,
+}
+
+impl ElementState {
+    /// Of a catalogue, with the models that its satellites would get.
+    pub fn of(catalogue: &Catalogue, choice: &ModelChoice, now: Epoch) -> Self {
+        let sets = &catalogue.element_sets;
+        let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
+        let ages: Vec<f64> = sets.iter().map(age_days).collect();
+        let sigmas: Vec<f64> =
+            sets.iter().zip(&ages).map(|(set, age)| uncertainty(OrbitClass::of(set), *age).along_track_s).collect();
+        let table = GenerationTable::embedded();
+        let mut kinds = BTreeMap::new();
+        let mut unmatched: BTreeMap<String, usize> = BTreeMap::new();
+        for set in sets {
+            let kind = table.of(set);
+            if kind == Generation::Other {
+                if choice.is_unknown(set) {
+                    *unmatched.entry(prefix(&set.name)).or_default() += 1;
+                }
+            } else {
+                *kinds.entry(kind).or_default() += 1;
+            }
+        }
+        let mut unmatched: Vec<Unmatched> =
+            unmatched.into_iter().map(|(prefix, count)| Unmatched { prefix, count }).collect();
+        unmatched.sort_by(|a, b| b.count.cmp(&a.count).then_with(|| a.prefix.cmp(&b.prefix)));
+        Self {
+            satellites: sets.len(),
+            ages: histogram(&ages),
+            median_age_days: median(&ages),
+            median_along_track_sigma_s: median(&sigmas),
+            kinds: kinds.into_iter().collect(),
+            unmatched,
+        }
+    }
+
+    /// True where most element sets are so far ahead that one doubts the clock.
+    pub fn is_mostly_ahead(&self) -> bool {
+        2 * self.ages.first().map_or(0, |bin| bin.count) > self.satellites
+    }
+
+    /// What is to be said of it.
+    pub fn findings(&self, catalogue: &Catalogue, now: Epoch, source: MomentSource) -> Vec<Finding> {
+        // Elements of now do not help where the question is of another time.
+        let nearer = match source {
+            MomentSource::Clock => "fetch newer elements (streakcast fetch)",
+            MomentSource::Asked => {
+                "take elements nearer to that time (streakcast fetch satchecker --epoch brings old ones)"
+            }
+        };
+        const SUBJECT: &str = "elements";
+        let share = |count: usize| format!("{count} of {}", self.satellites);
+        let mut found = Vec::new();
+
+        let sigma_s = self.median_along_track_sigma_s;
+        let median = match self.median_age_days {
+            days if days < -0.05 => format!("half of them more than {:.1} days ahead", -days),
+            days => format!("median age {:.1} days", days.max(0.0)),
+        };
+        let age = format!(
+            "{} satellites; {median}, which makes a median error along the track of {sigma_s:.1} s",
+            self.satellites
+        );
+        found.push(if sigma_s > LARGE_ERROR_S {
+            let remedy = format!("{nearer}; else flag with --min-probability or a margin_s of that size");
+            Finding::new(Severity::Warning, SUBJECT, age, remedy)
+        } else {
+            Finding::fine(SUBJECT, age)
+        });
+
+        let old =
+            catalogue.element_sets.iter().filter(|set| seconds_between(set.epoch, now) > OLD_DAYS * DAY_S).count();
+        if old > 0 {
+            let is_many = old as f64 > OLD_SHARE * self.satellites as f64;
+            let severity = if is_many { Severity::Warning } else { Severity::Note };
+            let finding = format!("{} are older than {OLD_DAYS:.0} days", share(old));
+            let remedy = match 2 * old > self.satellites {
+                true => nearer.to_owned(),
+                false => "nothing, if they have decayed (these keep their last set); else as for all".to_owned(),
+            };
+            found.push(Finding::new(severity, SUBJECT, finding, remedy));
+        }
+
+        let future: Vec<&ElementSet> =
+            catalogue.element_sets.iter().filter(|set| seconds_between(now, set.epoch) > FUTURE_DAYS * DAY_S).collect();
+        if let Some(farthest) = future.iter().max_by(|a, b| a.epoch.cmp(&b.epoch)) {
+            let is_most = self.is_mostly_ahead();
+            let severity = if is_most { Severity::Error } else { Severity::Warning };
+            let finding = format!(
+                "{} are more than {FUTURE_DAYS} days ahead of {}: up to {}",
+                share(future.len()),
+                format_utc(now, 0),
+                format_utc(farthest.epoch, 0)
+            );
+            let remedy = match (is_most, source) {
+                (true, MomentSource::Clock) => "set the clock right (chrony, w32time), or take older elements",
+                (true, MomentSource::Asked) => nearer,
+                (false, _) => "leave them out: no operator knows that long before where a satellite will be",
+            };
+            found.push(Finding::new(severity, SUBJECT, finding, remedy));
+        }
+
+        let records: usize = catalogue.sources.iter().map(|source| source.records + source.rejected).sum();
+        if let Some(first) = catalogue.rejected.first() {
+            let rejected = catalogue.rejected.len();
+            let severity = if 2 * rejected > records { Severity::Error } else { Severity::Warning };
+            let finding = format!("{rejected} of {records} records rejected, the first: {first}");
+            found.push(Finding::new(
+                severity,
+                SUBJECT,
+                finding,
+                "their satellites are missing from every answer: fetch the file again",
+            ));
+        }
+        if catalogue.duplicates > 0 {
+            let finding = format!("{} records are there twice", catalogue.duplicates);
+            found.push(Finding::new(Severity::Note, SUBJECT, finding, "nothing: each counts once"));
+        }
+        if catalogue.superseded > 0 {
+            let finding = format!("{} records are older ones of objects that have a newer", catalogue.superseded);
+            found.push(Finding::new(
+                Severity::Note,
+                SUBJECT,
+                finding,
+                "nothing: of each object the set nearest to the question counts",
+            ));
+        }
+        found
+    }
+
+    /// Which models its satellites have.
+    pub fn model_finding(&self) -> Finding {
+        const SUBJECT: &str = "models";
+        let known: usize = self.kinds.iter().map(|(_, count)| count).sum();
+        let without: usize = self.unmatched.iter().map(|one| one.count).sum();
+        let mut finding = format!("{known} of {} satellites have a model of their kind", self.satellites);
+        let others = self.satellites.saturating_sub(known + without);
+        if others > 0 {
+            finding += &format!(", {others} a standard magnitude or that of rocket bodies and debris");
+        }
+        if without == 0 {
+            return Finding::fine(SUBJECT, finding);
+        }
+        finding += &format!(", {without} the model of anything (6.5 mag at 1000 km, one sigma 1.7)");
+        let constellations: Vec<String> = self
+            .unmatched
+            .iter()
+            .filter(|one| one.count >= CONSTELLATION && !one.prefix.is_empty())
+            .take(LISTED)
+            .map(|one| format!("{} ({})", one.prefix, one.count))
+            .collect();
+        if !constellations.is_empty() {
+            finding += &format!(", among them {}", constellations.join(", "));
+        }
+        let remedy = "give standard magnitudes with --qs-mag, or models under [models] of the configuration";
+        Finding::new(Severity::Note, SUBJECT, finding, remedy)
+    }
+}
+
+fn histogram(ages_days: &[f64]) -> Vec<AgeBin> {
+    let mut bins = vec![AgeBin { from_days: f64::NEG_INFINITY, to_days: BORDERS_DAYS[0], count: 0 }];
+    for (index, from_days) in BORDERS_DAYS.into_iter().enumerate() {
+        let to_days = BORDERS_DAYS.get(index + 1).copied().unwrap_or(f64::INFINITY);
+        bins.push(AgeBin { from_days, to_days, count: 0 });
+    }
+    for age in ages_days {
+        if let Some(bin) = bins.iter_mut().find(|bin| *age < bin.to_days) {
+            bin.count += 1;
+        }
+    }
+    bins
+}
+
+/// The middle one, of two the lower; 0 of none.
+fn median(values: &[f64]) -> f64 {
+    let mut sorted = values.to_vec();
+    sorted.sort_by(f64::total_cmp);
+    sorted.get(sorted.len().saturating_sub(1) / 2).copied().unwrap_or(0.0)
+}
+
+/// A name without its number: `LEMUR-2 JEROEN` and `LEMUR-2-KADI` are LEMUR, `FLOCK 4V-12` is FLOCK.
+fn prefix(name: &str) -> String {
+    let word: String = name.chars().take_while(|character| character.is_alphabetic()).collect();
+    word.to_ascii_uppercase()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_every_age_is_in_one_bin() {
+        let ages = [-3.0, -1.5, -0.001, 0.0, 0.49, 0.5, 1.9, 6.99, 13.9, 14.0, 29.0, 30.0, 9_999.0];
+        let bins = histogram(&ages);
+        assert_eq!(bins.iter().map(|bin| bin.count).collect::<Vec<_>>(), [1, 2, 2, 1, 1, 0, 1, 1, 2, 2]);
+        for (low, high) in bins.iter().zip(&bins[1..]) {
+            assert_eq!(low.to_days, high.from_days);
+        }
+        assert_eq!((median(&[3.0, 1.0, 2.0]), median(&[]), median(&[1.0, 2.0])), (2.0, 0.0, 1.0));
+    }
+
+    #[test]
+    fn names_without_numbers() {
+        for (name, expected) in [("LEMUR-2 JEROEN", "LEMUR"), ("Flock 4v-12", "FLOCK"), ("2024-001A", ""), ("", "")] {
+            assert_eq!(prefix(name), expected);
+        }
+    }
+}

@@ -1,0 +1,207 @@
+//! Clock, Earth orientation, leap seconds, site, camera, policy, models.
+
+use hifitime::Epoch;
+
+use super::super::document::Setup;
+use super::check::MomentSource;
+use super::elements::ElementState;
+use super::finding::{Finding, Severity};
+use crate::constants::DAY_S;
+use crate::frames::{EopStatus, EopTable, leap_seconds_known_until, seconds_between};
+use crate::geometry::Site;
+use crate::output::format_utc;
+use crate::passes::Viewpoint;
+
+/// So near to its end a table is to be replaced, days.
+const SOON_DAYS: f64 = 60.0;
+/// A site nearer to a known one than this is that one, degrees.
+const SAME_SITE_DEG: f64 = 0.2;
+
+/// UT1 and the leap seconds.
+pub(super) fn earth_orientation(setup: &Setup, now: Epoch) -> Vec<Finding> {
+    const SUBJECT: &str = "Earth orientation";
+    let remedy = "give a newer table with --eop finals2000A.all (https://datacenter.iers.org)";
+    let table = match setup.eop_table() {
+        Ok(table) => table,
+        Err(error) => return vec![Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy)],
+    };
+    let mut found = vec![status(&table, now, SUBJECT, remedy)];
+    let until = leap_seconds_known_until();
+    let left_days = seconds_between(now, until) / DAY_S;
+    let known = format!("known until {} (IERS Bulletin C 72)", day(until));
+    found.push(if left_days < 0.0 {
+        let finding = format!("{known}: one inserted since would put every satellite a second late");
+        Finding::new(Severity::Warning, "leap seconds", finding, "update streakcast")
+    } else if left_days < SOON_DAYS {
+        Finding::new(Severity::Note, "leap seconds", known, "update streakcast")
+    } else {
+        Finding::fine("leap seconds", known)
+    });
+    found
+}
+
+fn status(table: &EopTable, now: Epoch, subject: &'static str, remedy: &str) -> Finding {
+    let left_days = table.last().map_or(0.0, |last| seconds_between(now, last) / DAY_S);
+    match table.status(now) {
+        EopStatus::Measured => Finding::fine(
+            subject,
+            format!("measured at the time of the question; the table ends in {left_days:.0} days"),
+        ),
+        EopStatus::Predicted if left_days > SOON_DAYS => {
+            Finding::fine(subject, format!("predicted, good to metres; the table ends in {left_days:.0} days"))
+        }
+        EopStatus::Predicted => {
+            Finding::new(Severity::Note, subject, format!("the table ends in {left_days:.0} days"), remedy)
+        }
+        EopStatus::Expired { last } => {
+            let finding =
+                format!("the table ended {}: UT1 = UTC is taken, which errs by up to 0.9 s (400 m)", day(last));
+            Finding::new(Severity::Warning, subject, finding, remedy)
+        }
+        EopStatus::TooEarly { first } => {
+            let finding =
+                format!("the table begins {}: UT1 = UTC is taken, which errs by up to 0.9 s (400 m)", day(first));
+            Finding::new(Severity::Warning, subject, finding, remedy)
+        }
+        EopStatus::NoTable => Finding::new(Severity::Warning, subject, "no table: UT1 = UTC is taken", remedy),
+    }
+}
+
+/// The clock, as far as the program knows what time it cannot be.
+pub(super) fn clock(now: Epoch, source: MomentSource, elements: Option<&ElementState>) -> Finding {
+    let said = format_utc(now, 0);
+    if source == MomentSource::Asked {
+        return Finding::fine("time", format!("{said} was asked about; this machine's clock was not looked at"));
+    }
+    const SUBJECT: &str = "clock";
+    // The bundled table was made when its measured part ended; a machine that has lost its time says 1970.
+    if matches!(EopTable::embedded().status(now), EopStatus::Measured | EopStatus::TooEarly { .. }) {
+        let finding = format!("{said}, which is before this version of streakcast was made");
+        let remedy = "set the clock right (chrony, w32time); --now TIME asks about the past";
+        Finding::new(Severity::Warning, SUBJECT, finding, remedy)
+    } else if elements.is_some_and(ElementState::is_mostly_ahead) {
+        let finding = format!("{said}, which is days before most of the elements");
+        Finding::new(Severity::Warning, SUBJECT, finding, "see whether it is the clock (chrony, w32time) that is wrong")
+    } else {
+        Finding::fine(SUBJECT, said)
+    }
+}
+
+/// What an exposure may meet.
+pub(super) fn policy(setup: &Setup) -> Finding {
+    const SUBJECT: &str = "policy";
+    let policy = match setup.policy() {
+        Ok(policy) => policy,
+        Err(error) => return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/policy.md"),
+    };
+    // As its file would say it, in one line.
+    let said: Vec<String> = match serde_json::to_value(&policy) {
+        Ok(serde_json::Value::Object(keys)) => keys
+            .into_iter()
+            .filter(|(_, value)| !value.is_null())
+            .map(|(key, value)| format!("{key} {}", value.to_string().replace('"', "")))
+            .collect(),
+        _ => Vec::new(),
+    };
+    let has_limit = said.iter().any(|words| {
+        ["limit_mag", "saturation_mag", "crosstalk_mag", "max_lost_fraction"].iter().any(|key| words.starts_with(key))
+    });
+    let without = "no limit was said: no exposure is one to avoid, whatever crosses it".to_owned();
+    let is_unsaid = setup.policy.is_none() && setup.max_delay.is_none();
+    match has_limit {
+        true => Finding::fine(SUBJECT, said.join(", ")),
+        false if said.is_empty() || is_unsaid => Finding::fine(SUBJECT, without),
+        false => Finding::fine(SUBJECT, format!("{without}; {}", said.join(", "))),
+    }
+}
+
+/// The site, or the orbit of the telescope.
+pub(super) fn place(setup: &Setup, now: Epoch) -> Vec<Finding> {
+    const SUBJECT: &str = "site";
+    let is_said = setup.site.is_some()
+        || setup.mpc.is_some()
+        || setup.lat.is_some()
+        || setup.lon.is_some()
+        || setup.height.is_some()
+        || setup.observer_elements.is_some()
+        || setup.observer_norad.is_some();
+    if !is_said {
+        let remedy = "say --site, --mpc, or --lat, --lon and --height";
+        let finding = "none was said: it was not looked at";
+        return vec![Finding::new(Severity::Unchecked, SUBJECT, finding, remedy)];
+    }
+    let site = match setup.viewpoint(now) {
+        Ok(Viewpoint::Site(observer)) => observer.site().clone(),
+        Ok(Viewpoint::Orbit(observer)) => {
+            let finding =
+                format!("{} in orbit, elements of {}", observer.name(), format_utc(observer.elements_epoch(), 0));
+            return vec![Finding::fine(SUBJECT, finding)];
+        }
+        Err(error) => return vec![Finding::new(Severity::Error, SUBJECT, error.to_string(), "say another site")],
+    };
+    let (latitude_deg, longitude_deg) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
+    let signed_deg = if longitude_deg > 180.0 { longitude_deg - 360.0 } else { longitude_deg };
+    let mut found = vec![Finding::fine(
+        SUBJECT,
+        format!("{}: {latitude_deg:.4} deg north, {signed_deg:.4} deg east, {:.0} m", site.name, site.height_m),
+    )];
+    if latitude_deg.abs() < 0.01 && signed_deg.abs() < 0.01 {
+        let finding = "latitude and longitude are 0: the Gulf of Guinea";
+        found.push(Finding::new(Severity::Warning, SUBJECT, finding, "say where the telescope is"));
+    }
+    if setup.lat.is_some() && setup.height.is_none() {
+        let finding = "no height was said: 0 m is taken, and 2000 m are 0.2 deg of a satellite at 550 km";
+        found.push(Finding::new(Severity::Note, SUBJECT, finding, "say --height in metres"));
+    }
+    if let Some(meant) = mirrored(&site) {
+        let finding = format!("longitude {signed_deg:.4} deg is that of {} with the other sign", meant.name);
+        let remedy = format!("if that is meant, say --lon={:.4}: east is positive", -signed_deg);
+        found.push(Finding::new(Severity::Warning, SUBJECT, finding, remedy));
+    }
+    found
+}
+
+/// The known observatory that stands where this site would with the other sign of its longitude, or of its latitude.
+fn mirrored(site: &Site) -> Option<&'static Site> {
+    let near = |latitude_rad: f64, longitude_rad: f64| {
+        Site::all().find(|known| {
+            let turn_deg = ((known.longitude_rad - longitude_rad).to_degrees() + 180.0).rem_euclid(360.0) - 180.0;
+            (known.latitude_rad - latitude_rad).to_degrees().abs() < SAME_SITE_DEG && turn_deg.abs() < SAME_SITE_DEG
+        })
+    };
+    if near(site.latitude_rad, site.longitude_rad).is_some() {
+        return None;
+    }
+    near(site.latitude_rad, -site.longitude_rad)
+}
+
+/// Telescope, field, band, models.
+pub(super) fn camera(setup: &Setup) -> Vec<Finding> {
+    let mut found = Vec::new();
+    match setup.telescope() {
+        Ok(Some(telescope)) => found.push(Finding::fine("telescope", telescope.name)),
+        Ok(None) => {
+            let remedy = "say --telescope NAME where widths and lost pixels matter";
+            found.push(Finding::new(Severity::Note, "telescope", "none was said: no widths, no lost pixels", remedy));
+        }
+        Err(error) => {
+            found.push(Finding::new(Severity::Error, "telescope", error.to_string(), "see streakcast flag --help"))
+        }
+    }
+    if (setup.fov.is_some() || setup.field.is_some())
+        && let Err(error) = setup.field_of_view()
+    {
+        found.push(Finding::new(Severity::Error, "field", error.to_string(), "see examples/field.json"));
+    }
+    for (subject, answer) in [("photometry", setup.photometry().map(drop)), ("models", setup.model_choice().map(drop))]
+    {
+        if let Err(error) = answer {
+            found.push(Finding::new(Severity::Error, subject, error.to_string(), "see docs/models.md"));
+        }
+    }
+    found
+}
+
+fn day(epoch: Epoch) -> String {
+    format_utc(epoch, 0).chars().take(10).collect()
+}

@@ -1,0 +1,150 @@
+//! A catalogue: element sets from any number of files in any mixture of formats, with their provenance.
+
+use std::path::Path;
+
+use hifitime::Epoch;
+use rayon::prelude::*;
+
+use super::element_set::ElementSet;
+use super::history::{History, nearest_of_each};
+use super::record::Rejected;
+use super::source::{CatalogueError, FileReading, SourceFile, read_bytes, read_file};
+use super::tle::Checksums;
+
+/// How to read, and what to keep.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct ReadOptions {
+    /// Take records whose checksum is there and wrong; they are counted in [`SourceFile::bad_checksums_accepted`].
+    /// A missing checksum is never wrong.
+    pub accept_bad_checksums: bool,
+    /// Which of several element sets of one object stay.
+    pub keep: Keep,
+}
+
+/// Which of several element sets of one object stay in a catalogue.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub enum Keep {
+    /// The one with the latest epoch.
+    #[default]
+    Newest,
+    /// The one nearest to an epoch, before or after it: what a question about that time wants.
+    Nearest(Epoch),
+    /// All of them, for a [`History`].
+    All,
+}
+
+/// Element sets with their provenance.
+///
+/// ```
+/// use streakcast::elements::{Catalogue, NoradId, ReadOptions};
+///
+/// let text = "\
+/// ISS (ZARYA)
+/// 1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999
+/// 2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097
+/// a stray line
+/// ";
+/// let catalogue = Catalogue::from_bytes("iss.txt", text.as_bytes(), &ReadOptions::default())?;
+/// assert_eq!(catalogue.element_sets[0].norad_id, NoradId(25544));
+/// assert_eq!(catalogue.rejected[0].line, 4);
+/// # Ok::<(), streakcast::elements::CatalogueError>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+#[non_exhaustive]
+pub struct Catalogue {
+    /// In the order of their catalogue numbers, and of their epochs where several of one object were kept.
+    pub element_sets: Vec<ElementSet>,
+    /// Records that were left out, by file and line.
+    pub rejected: Vec<Rejected>,
+    /// The files, in the order in which they were given.
+    pub sources: Vec<SourceFile>,
+    /// Records dropped because the same object with the same epoch and elements was there already.
+    pub duplicates: usize,
+    /// Records not kept because another epoch of the object was preferred.
+    pub superseded: usize,
+}
+
+impl Catalogue {
+    /// Reads files, each in whichever format its content shows.
+    ///
+    /// A bad record is left out and named in [`rejected`](Self::rejected); the rest goes on.
+    ///
+    /// # Errors
+    /// * no file was named;
+    /// * a file cannot be read, is a directory, is empty, or is a broken gzip file;
+    /// * a file is in none of the formats, or not one of its records is good.
+    pub fn read<P: AsRef<Path> + Sync>(paths: &[P], options: &ReadOptions) -> Result<Self, CatalogueError> {
+        if paths.is_empty() {
+            return Err(CatalogueError::NoFiles);
+        }
+        let checksums = options.checksums();
+        let readings: Result<Vec<_>, _> = paths.par_iter().map(|path| read_file(path.as_ref(), checksums)).collect();
+        Ok(Self::assemble(readings?, options.keep))
+    }
+
+    /// Reads the content of one file; `name` stands for it in messages and provenance.
+    ///
+    /// # Errors
+    /// As for [`read`](Self::read).
+    pub fn from_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Self, CatalogueError> {
+        Ok(Self::assemble(vec![read_bytes(name, bytes, options.checksums())?], options.keep))
+    }
+
+    /// A catalogue of element sets that did not come from a file.
+    pub fn from_element_sets(element_sets: Vec<ElementSet>, keep: Keep) -> Self {
+        let mut catalogue = Self::default();
+        catalogue.put(element_sets, keep);
+        catalogue
+    }
+
+    /// Of every object the element set nearest to an epoch. Read with [`Keep::All`], else there is one of each to choose.
+    pub fn at(&self, epoch: Epoch) -> Vec<ElementSet> {
+        nearest_of_each(&self.element_sets, epoch)
+    }
+
+    /// Every record as a history. Read with [`Keep::All`], else there is one record of each object.
+    pub fn into_history(self) -> History {
+        History::new(self.element_sets)
+    }
+
+    /// Earliest and latest epoch, or `None` where the catalogue is empty.
+    pub fn epochs(&self) -> Option<(Epoch, Epoch)> {
+        let epochs = || self.element_sets.iter().map(|set| set.epoch);
+        epochs().min().zip(epochs().max())
+    }
+
+    fn assemble(readings: Vec<FileReading>, keep: Keep) -> Self {
+        let mut catalogue = Self::default();
+        let mut sets = Vec::new();
+        for reading in readings {
+            catalogue.sources.push(reading.source);
+            catalogue.rejected.extend(reading.rejected);
+            if sets.is_empty() {
+                sets = reading.sets;
+            } else {
+                sets.extend(reading.sets);
+            }
+        }
+        catalogue.put(sets, keep);
+        catalogue
+    }
+
+    fn put(&mut self, sets: Vec<ElementSet>, keep: Keep) {
+        let given = sets.len();
+        let history = History::new(sets);
+        self.duplicates = given - history.len();
+        let distinct = history.len();
+        self.element_sets = match keep {
+            Keep::Newest => history.into_newest(),
+            Keep::Nearest(epoch) => history.into_nearest(epoch),
+            Keep::All => history.into_element_sets(),
+        };
+        self.superseded = distinct - self.element_sets.len();
+    }
+}
+
+impl ReadOptions {
+    fn checksums(&self) -> Checksums {
+        if self.accept_bad_checksums { Checksums::Ignore } else { Checksums::Require }
+    }
+}

@@ -1,0 +1,314 @@
+//! Which satellite is of which kind: brightness goes by the kind, not by the satellite.
+//!
+//! Told by the launch where a table knows it (Starlink to April 2025), else by the name, else by what is likely; the answer
+//! says which. Names are those of CelesTrak and Space-Track.
+
+use std::collections::HashMap;
+use std::fmt;
+use std::sync::LazyLock;
+
+use serde::{Deserialize, Serialize};
+
+use super::element_set::{ElementSet, Origin};
+
+/// Launch and kind, a small table of facts.
+const LAUNCHES: &str = include_str!("starlink_launches.txt");
+
+/// Launches on which Starlinks were a minority among others' satellites: without a name nothing can be said.
+const SHARED_LAUNCHES: [Launch; 2] = [Launch(2021, 6), Launch(2021, 59)];
+
+/// A kind of satellite that has a brightness of its own.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[non_exhaustive]
+pub enum Generation {
+    /// The sixty of May 2019.
+    #[serde(rename = "starlink-v0.9")]
+    StarlinkV09,
+    /// November 2019 to July 2020: no visor, no dielectric mirror.
+    #[serde(rename = "starlink-v1.0")]
+    StarlinkV10,
+    /// V1.0 with a visor: STARLINK-1436, and all from August 2020 to June 2021.
+    #[serde(rename = "starlink-visorsat")]
+    StarlinkVisorSat,
+    /// From June 2021 on: lasers, dielectric mirror film, no visor.
+    #[serde(rename = "starlink-v1.5")]
+    StarlinkV15,
+    /// From February 2023 on.
+    #[serde(rename = "starlink-v2mini")]
+    StarlinkV2Mini,
+    /// V2 Mini with an antenna for telephones, from January 2024 on; flies lower.
+    #[serde(rename = "starlink-direct-to-cell")]
+    StarlinkDirectToCell,
+    /// OneWeb.
+    #[serde(rename = "oneweb")]
+    OneWeb,
+    /// Amazon Leo, formerly Kuiper.
+    #[serde(rename = "kuiper")]
+    Kuiper,
+    /// Qianfan (G60, Spacesail).
+    #[serde(rename = "qianfan")]
+    Qianfan,
+    /// Guowang's low satellites (HULIANWANG DIGUI).
+    #[serde(rename = "guowang")]
+    Guowang,
+    /// AST SpaceMobile: BlueWalker 3 and the BlueBirds.
+    #[serde(rename = "bluebird")]
+    BlueBird,
+    /// Everything else.
+    #[serde(rename = "other")]
+    Other,
+}
+
+impl Generation {
+    /// Every kind.
+    pub const ALL: [Self; 12] = [
+        Self::StarlinkV09,
+        Self::StarlinkV10,
+        Self::StarlinkVisorSat,
+        Self::StarlinkV15,
+        Self::StarlinkV2Mini,
+        Self::StarlinkDirectToCell,
+        Self::OneWeb,
+        Self::Kuiper,
+        Self::Qianfan,
+        Self::Guowang,
+        Self::BlueBird,
+        Self::Other,
+    ];
+
+    /// The word for files and messages, such as `starlink-v1.5`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::StarlinkV09 => "starlink-v0.9",
+            Self::StarlinkV10 => "starlink-v1.0",
+            Self::StarlinkVisorSat => "starlink-visorsat",
+            Self::StarlinkV15 => "starlink-v1.5",
+            Self::StarlinkV2Mini => "starlink-v2mini",
+            Self::StarlinkDirectToCell => "starlink-direct-to-cell",
+            Self::OneWeb => "oneweb",
+            Self::Kuiper => "kuiper",
+            Self::Qianfan => "qianfan",
+            Self::Guowang => "guowang",
+            Self::BlueBird => "bluebird",
+            Self::Other => "other",
+        }
+    }
+
+    /// The kind of this [`name`](Self::name).
+    pub fn by_name(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|generation| generation.name() == name)
+    }
+
+    /// Whether it is a Starlink of any kind.
+    pub fn is_starlink(self) -> bool {
+        self.name().starts_with("starlink-")
+    }
+}
+
+impl fmt::Display for Generation {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(self.name())
+    }
+}
+
+/// How a kind was told.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Certainty {
+    /// The launch stands in the table.
+    Table,
+    /// The name says so: a constellation, or the number in it.
+    Name,
+    /// Likely from the date of the launch or the catalogue number alone, or a synthetic satellite for which a kind is assumed.
+    Guess,
+}
+
+/// Year and number of a launch, in the order of time.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+struct Launch(u16, u16);
+
+impl Launch {
+    /// `2020-055` or `2020-055AB`.
+    fn of(designator: &str) -> Option<Self> {
+        let (year, rest) = designator.split_once('-')?;
+        let number = rest.get(..3)?;
+        Some(Self(year.parse().ok()?, number.parse().ok()?))
+    }
+}
+
+/// Which launch carried which kind.
+///
+/// ```
+/// use streakcast::elements::{Catalogue, Generation, GenerationTable, ReadOptions};
+///
+/// let text = "\
+/// STARLINK-3042
+/// 1 49131U 21082A   22336.47699629  .00001505  00000+0  11993-3 0  999
+/// 2 49131  70.0000 143.1715 0001798  75.7035 284.4154 14.99000000    1
+/// ";
+/// let catalogue = Catalogue::from_bytes("v15.tle", text.as_bytes(), &ReadOptions::default())?;
+/// assert_eq!(GenerationTable::embedded().of(&catalogue.element_sets[0]), Generation::StarlinkV15);
+/// # Ok::<(), streakcast::elements::CatalogueError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct GenerationTable {
+    launches: HashMap<Launch, Generation>,
+}
+
+static EMBEDDED: LazyLock<GenerationTable> = LazyLock::new(|| GenerationTable::parse(LAUNCHES));
+
+impl GenerationTable {
+    /// The table that comes with the library: Starlink launches to 14 April 2025.
+    pub fn embedded() -> &'static Self {
+        &EMBEDDED
+    }
+
+    /// The kind of a satellite.
+    pub fn of(&self, set: &ElementSet) -> Generation {
+        self.classify(set).0
+    }
+
+    /// The kind of a satellite and how it was told.
+    pub fn classify(&self, set: &ElementSet) -> (Generation, Certainty) {
+        let name = set.name.trim();
+        if set.origin == Origin::Synthetic {
+            return (synthetic(name), Certainty::Guess);
+        }
+        let launch = Launch::of(&set.international_designator);
+        // Pieces and rocket bodies carry the name of what they came from.
+        if name.ends_with(" DEB") || name.contains(" DEB ") || name.contains("R/B") {
+            return (Generation::Other, Certainty::Name);
+        }
+        if let Some(rest) = strip_prefix_ignoring_case(name, "STARLINK") {
+            return self.starlink(rest, launch, set.norad_id.0);
+        }
+        if name.is_empty() || strip_prefix_ignoring_case(name, "OBJECT ").is_some() {
+            // Nameless: most pieces of a Starlink launch are Starlinks.
+            return match launch.and_then(|launch| Some((launch, *self.launches.get(&launch)?))) {
+                Some((launch, generation)) if !SHARED_LAUNCHES.contains(&launch) => (generation, Certainty::Guess),
+                _ => (Generation::Other, Certainty::Guess),
+            };
+        }
+        let named = [
+            ("ONEWEB", Generation::OneWeb),
+            ("KUIPER", Generation::Kuiper),
+            ("AMAZON LEO", Generation::Kuiper),
+            ("QIANFAN", Generation::Qianfan),
+            ("HULIANWANG DIGUI", Generation::Guowang),
+            ("HULIANWANG-DIGUI", Generation::Guowang),
+            ("GUOWANG", Generation::Guowang),
+            ("BLUEWALKER", Generation::BlueBird),
+            ("BLUEBIRD", Generation::BlueBird),
+            ("SPACEMOBILE", Generation::BlueBird),
+        ];
+        let found = named.iter().find(|(prefix, _)| strip_prefix_ignoring_case(name, prefix).is_some());
+        (found.map_or(Generation::Other, |(_, generation)| *generation), Certainty::Name)
+    }
+
+    /// A satellite whose name begins with STARLINK; `rest` is what follows.
+    fn starlink(&self, rest: &str, launch: Option<Launch>, norad_id: u32) -> (Generation, Certainty) {
+        let digits = rest.trim_start_matches(['-', ' ']);
+        let end = digits.find(|c: char| !c.is_ascii_digit()).unwrap_or(digits.len());
+        let number: Option<u32> = digits[..end].parse().ok();
+        // They share their launches with V2 Mini.
+        if rest.contains("[DTC]") || matches!(number, Some(11_000..=11_999)) {
+            return (Generation::StarlinkDirectToCell, Certainty::Name);
+        }
+        // The first visor, on a launch of V1.0 without.
+        if number == Some(1436) {
+            return (Generation::StarlinkVisorSat, Certainty::Name);
+        }
+        let listed = launch.and_then(|launch| self.launches.get(&launch)).copied();
+        match (listed, number) {
+            // Built with a visor and flown early: STARLINK-1521 of 2020-038 is on MMT-9's list of VisorSats.
+            (Some(Generation::StarlinkV10), Some(1518..=2999)) => {
+                return (Generation::StarlinkVisorSat, Certainty::Name);
+            }
+            (Some(generation), _) => return (generation, Certainty::Table),
+            (None, _) => {}
+        }
+        match number {
+            Some(21..=99) => (Generation::StarlinkV09, Certainty::Name),
+            Some(1000..=1517) => (Generation::StarlinkV10, Certainty::Name),
+            Some(1518..=2999) => (Generation::StarlinkVisorSat, Certainty::Name),
+            Some(3000..=9999) => (Generation::StarlinkV15, Certainty::Name),
+            Some(30_000..) => (Generation::StarlinkV2Mini, Certainty::Name),
+            _ => (launch.map_or_else(|| by_norad_id(norad_id), by_date), Certainty::Guess),
+        }
+    }
+
+    /// Lines of `kind: launch launch ...`; comments begin with `#`. A test holds that every line is good.
+    fn parse(text: &str) -> Self {
+        let mut launches = HashMap::new();
+        for line in text.lines().filter(|line| !line.starts_with('#')) {
+            let Some((generation, list)) = line.split_once(':') else { continue };
+            let Some(generation) = Generation::by_name(generation) else { continue };
+            launches.extend(list.split_whitespace().filter_map(Launch::of).map(|launch| (launch, generation)));
+        }
+        Self { launches }
+    }
+}
+
+/// What flew at the time, for launches that the table does not hold.
+fn by_date(launch: Launch) -> Generation {
+    match launch {
+        _ if launch < Launch(2019, 74) => Generation::StarlinkV09,
+        _ if launch < Launch(2020, 55) => Generation::StarlinkV10,
+        _ if launch < Launch(2021, 59) => Generation::StarlinkVisorSat,
+        _ if launch < Launch(2023, 26) => Generation::StarlinkV15,
+        _ => Generation::StarlinkV2Mini,
+    }
+}
+
+/// What was catalogued at the time. Numbers beyond the table's are of today's kind.
+fn by_norad_id(norad_id: u32) -> Generation {
+    match norad_id {
+        ..=44_700 => Generation::StarlinkV09,
+        44_701..=46_026 => Generation::StarlinkV10,
+        46_027..=48_879 => Generation::StarlinkVisorSat,
+        48_880..=55_690 => Generation::StarlinkV15,
+        _ => Generation::StarlinkV2Mini,
+    }
+}
+
+/// The kind assumed for a synthetic shell: the latest one that was built for it.
+fn synthetic(name: &str) -> Generation {
+    let assumed = [
+        ("STARLINK-GEN1", Generation::StarlinkV15),
+        ("STARLINK-GEN2", Generation::StarlinkV2Mini),
+        ("ONEWEB", Generation::OneWeb),
+        ("KUIPER", Generation::Kuiper),
+        ("QIANFAN", Generation::Qianfan),
+        ("GUOWANG", Generation::Guowang),
+    ];
+    assumed.iter().find(|(prefix, _)| name.starts_with(prefix)).map_or(Generation::Other, |(_, generation)| *generation)
+}
+
+fn strip_prefix_ignoring_case<'a>(text: &'a str, prefix: &str) -> Option<&'a str> {
+    let head = text.get(..prefix.len())?;
+    head.eq_ignore_ascii_case(prefix).then(|| &text[prefix.len()..])
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_every_line_of_the_table_is_read() {
+        let expected: usize = LAUNCHES
+            .lines()
+            .filter(|line| !line.starts_with('#') && !line.is_empty())
+            .map(|line| line.split_whitespace().count() - 1)
+            .sum();
+        assert_eq!(GenerationTable::embedded().launches.len(), expected);
+        assert_eq!(expected, 249);
+    }
+
+    #[test]
+    fn verif_names_of_kinds_agree_everywhere() {
+        for generation in Generation::ALL {
+            assert_eq!(Generation::by_name(generation.name()), Some(generation));
+            assert_eq!(serde_json::to_string(&generation).unwrap(), format!("\"{generation}\""));
+        }
+    }
+}

@@ -1,0 +1,337 @@
+//! Synthetic constellations: Walker shells as element sets for any epoch, always labelled synthetic.
+//!
+//! A shell of T = P·S satellites in P planes (Walker 1984: i: T/P/F) has
+//!
+//! ```text
+//! Ω_p  = Ω₀ + p · spread / P                                  p = 0 … P−1
+//! u_ps = u₀ + 360° · s / S + 360° · F · p / T                 s = 0 … S−1
+//! ```
+//!
+//! with u the mean argument of latitude and `spread` 360° (delta) or 180° (star, polar shells). The orbits are circular,
+//! without drag (B* = 0), and SGP4 flies them at a mean radius of the Earth's equatorial radius (6378.137 km) plus the
+//! shell's altitude. Ω₀ and u₀ belong to 2000-01-01T12:00:00 UTC; from there the planes turn and the satellites go as
+//! SGP4's own secular rates say, so element sets of one constellation for two epochs are the same satellites: propagated
+//! from the one epoch to the other they meet within kilometres.
+//!
+//! What this is not: a forecast of where anything is. Counts and statistics mean something, single crossings do not.
+
+use std::f64::consts::TAU;
+use std::sync::Arc;
+
+use hifitime::{Duration, Epoch, TimeScale};
+use serde::Deserialize;
+use thiserror::Error;
+
+use super::element_set::{ElementSet, NoradId, Origin};
+use super::epoch::DAY_NS;
+use super::mean_motion::{mean_motion_for_radius, secular_rates_rad_day};
+use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
+
+/// The constellations that come with the library, with their sources.
+const EMBEDDED: &str = include_str!("shells.toml");
+
+/// Catalogue numbers from here on are synthetic: a block of a million for each constellation.
+pub const FIRST_SYNTHETIC_ID: u32 = 900_000_000;
+/// Constellations of one's own begin here.
+const FIRST_OWN_ID: u32 = 950_000_000;
+/// Catalogue numbers set aside for one constellation.
+const ID_BLOCK: u32 = 1_000_000;
+
+/// One shell: circular orbits of one altitude and inclination in evenly spaced planes.
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Shell {
+    /// Mean altitude above the equatorial radius, km, 120 to 5,500 (SGP4's near-Earth theory).
+    pub altitude_km: f64,
+    /// Inclination, degrees, [0, 180].
+    pub inclination_deg: f64,
+    /// Number of planes P.
+    pub planes: u32,
+    /// Satellites S in each plane.
+    pub satellites_per_plane: u32,
+    /// Walker's F: neighbouring planes are shifted by 360° F / T.
+    #[serde(default = "one")]
+    pub phasing: u32,
+    /// Arc over which the ascending nodes are spread, degrees: 360 (delta) or 180 (star).
+    #[serde(default = "full_circle")]
+    pub node_spread_deg: f64,
+    /// Ascending node of the first plane at 2000-01-01T12:00:00 UTC, degrees.
+    #[serde(default)]
+    pub node_offset_deg: f64,
+    /// Mean argument of latitude of the first satellite at 2000-01-01T12:00:00 UTC, degrees.
+    #[serde(default)]
+    pub phase_offset_deg: f64,
+}
+
+fn one() -> u32 {
+    1
+}
+
+fn full_circle() -> f64 {
+    360.0
+}
+
+/// A named set of shells with the source of its numbers.
+#[derive(Clone, Debug, PartialEq)]
+#[non_exhaustive]
+pub struct Constellation {
+    /// Name as it is asked for, such as `starlink-gen1`.
+    pub name: String,
+    /// Where the numbers come from.
+    pub source: String,
+    /// The shells.
+    pub shells: Vec<Shell>,
+    /// Catalogue number of the first satellite.
+    pub first_id: NoradId,
+}
+
+/// Why there is no such constellation.
+#[derive(Clone, Debug, PartialEq, Error)]
+#[non_exhaustive]
+pub enum ShellError {
+    /// No constellation of this name comes with the library.
+    #[error("unknown shells {name:?}; known are {known}")]
+    UnknownName {
+        /// What was asked for.
+        name: String,
+        /// The names there are.
+        known: String,
+    },
+    /// The TOML does not say what it should.
+    #[error("constellation file: {0}")]
+    Syntax(String),
+    /// A number outside what can be.
+    #[error("constellation {name:?}, shell {shell}: {field} {value} is out of range: {allowed}")]
+    OutOfRange {
+        /// Name of the constellation.
+        name: String,
+        /// Which shell, from 1.
+        shell: usize,
+        /// The key.
+        field: &'static str,
+        /// The number.
+        value: f64,
+        /// What is allowed, with its unit.
+        allowed: &'static str,
+    },
+    /// The stated total is not what the shells add up to.
+    #[error("constellation {name:?} states {stated} satellites, its shells add up to {sum} (1 to 999999 are allowed)")]
+    WrongTotal {
+        /// Name of the constellation.
+        name: String,
+        /// The number stated, or the sum where none is.
+        stated: u64,
+        /// What planes times satellites add up to.
+        sum: u64,
+    },
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct File {
+    constellation: Vec<Entry>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Entry {
+    name: String,
+    #[serde(default)]
+    source: String,
+    satellites: Option<u64>,
+    shell: Vec<Shell>,
+}
+
+impl Constellation {
+    /// The constellations that come with the library.
+    pub fn embedded() -> Vec<Self> {
+        // The text is part of the library, and a test reads it.
+        parse(EMBEDDED, FIRST_SYNTHETIC_ID).unwrap_or_default()
+    }
+
+    /// The constellation of this name, in any case.
+    ///
+    /// # Errors
+    /// There is none of this name; the error lists those there are.
+    pub fn by_name(name: &str) -> Result<Self, ShellError> {
+        let mut all = Self::embedded();
+        match all.iter().position(|constellation| constellation.name.eq_ignore_ascii_case(name.trim())) {
+            Some(at) => Ok(all.swap_remove(at)),
+            None => {
+                let known: Vec<_> = all.into_iter().map(|constellation| constellation.name).collect();
+                Err(ShellError::UnknownName { name: name.into(), known: known.join(", ") })
+            }
+        }
+    }
+
+    /// Reads constellations of one's own from TOML.
+    ///
+    /// ```
+    /// use streakcast::elements::Constellation;
+    ///
+    /// let mine = Constellation::from_toml(r#"
+    ///     [[constellation]]
+    ///     name = "mine"
+    ///     source = "a thought"
+    ///     shell = [{ altitude_km = 800, inclination_deg = 86.4, planes = 6, satellites_per_plane = 11, phasing = 2, node_spread_deg = 180 }]
+    /// "#)?;
+    /// assert_eq!(mine[0].satellites(), 66);
+    /// # Ok::<(), streakcast::elements::ShellError>(())
+    /// ```
+    ///
+    /// Keys are those of [`Shell`]; `satellites` in a `[[constellation]]` states the total and is checked.
+    ///
+    /// # Errors
+    /// * the text is not TOML, or a key is missing or unknown;
+    /// * a number is out of range, or the stated total is not the sum.
+    pub fn from_toml(text: &str) -> Result<Vec<Self>, ShellError> {
+        parse(text, FIRST_OWN_ID)
+    }
+
+    /// How many satellites the shells hold.
+    pub fn satellites(&self) -> usize {
+        self.shells.iter().map(|shell| shell.planes as usize * shell.satellites_per_plane as usize).sum()
+    }
+
+    /// The element sets of every satellite for an epoch, in the order of shells, planes and satellites.
+    ///
+    /// Catalogue numbers run from [`first_id`](Self::first_id); names read `STARLINK-GEN1-S1 P03-07 (synthetic)`, shell,
+    /// plane and satellite counted from 1; the origin is [`Origin::Synthetic`].
+    pub fn element_sets(&self, epoch: Epoch) -> Vec<ElementSet> {
+        let epoch = epoch.to_time_scale(TimeScale::UTC);
+        let days = days_since_reference(epoch);
+        let prefix = self.name.to_ascii_uppercase();
+        let mut sets = Vec::with_capacity(self.satellites());
+        for (number, shell) in self.shells.iter().enumerate() {
+            let inclination = shell.inclination_deg.to_radians();
+            let mean_motion = mean_motion_for_radius(EARTH_EQUATORIAL_RADIUS_KM + shell.altitude_km, inclination);
+            let (node_rate, latitude_rate) = secular_rates_rad_day(mean_motion, inclination);
+            let node_drift = (node_rate * days).rem_euclid(TAU).to_degrees();
+            let phase_drift = (latitude_rate * days).rem_euclid(TAU).to_degrees();
+            let (planes, per_plane) = (f64::from(shell.planes), f64::from(shell.satellites_per_plane));
+            for plane in 0..shell.planes {
+                let p = f64::from(plane);
+                // Ω_p = Ω₀ + p spread / P
+                let node = shell.node_offset_deg + node_drift + p * shell.node_spread_deg / planes;
+                for satellite in 0..shell.satellites_per_plane {
+                    // u_ps = u₀ + 360° s / S + 360° F p / T
+                    let phase = shell.phase_offset_deg
+                        + phase_drift
+                        + 360.0 * f64::from(satellite) / per_plane
+                        + 360.0 * f64::from(shell.phasing) * p / (planes * per_plane);
+                    let name = format!("{prefix}-S{} P{:02}-{:02} (synthetic)", number + 1, plane + 1, satellite + 1);
+                    sets.push(ElementSet {
+                        norad_id: NoradId(self.first_id.0 + sets.len() as u32),
+                        name: Arc::from(name),
+                        international_designator: Arc::default(),
+                        epoch,
+                        mean_motion_rev_day: mean_motion,
+                        eccentricity: 0.0,
+                        inclination_deg: shell.inclination_deg,
+                        right_ascension_of_node_deg: node.rem_euclid(360.0),
+                        argument_of_perigee_deg: 0.0,
+                        mean_anomaly_deg: phase.rem_euclid(360.0),
+                        bstar_per_earth_radius: 0.0,
+                        mean_motion_dot_rev_day2: 0.0,
+                        mean_motion_ddot_rev_day3: 0.0,
+                        revolution_at_epoch: 0,
+                        origin: Origin::Synthetic,
+                    });
+                }
+            }
+        }
+        sets
+    }
+}
+
+/// Days of 86,400 s UTC since 2000-01-01T12:00:00, as SGP4 counts time between element sets.
+fn days_since_reference(epoch: Epoch) -> f64 {
+    // 36,524.5 days lie between 1900-01-01T00:00:00, where UTC is counted from, and the reference.
+    let reference = i128::from(DAY_NS) * 73_049 / 2;
+    Duration::from_total_nanoseconds(epoch.to_utc_duration().total_nanoseconds() - reference)
+        .to_unit(hifitime::Unit::Day)
+}
+
+fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ShellError> {
+    let file: File = toml::from_str(text).map_err(|error| ShellError::Syntax(error.to_string().trim().to_string()))?;
+    // As many as there are blocks of numbers up to 999,999,999.
+    if file.constellation.len() > 49 {
+        return Err(ShellError::Syntax(format!("{} constellations; 49 are allowed", file.constellation.len())));
+    }
+    file.constellation
+        .into_iter()
+        .zip((first_id..).step_by(ID_BLOCK as usize))
+        .map(|(entry, first_id)| checked(entry, first_id))
+        .collect()
+}
+
+fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
+    for (at, shell) in entry.shell.iter().enumerate() {
+        let ranges = [
+            ("altitude_km", shell.altitude_km, 120.0..=5500.0, "120 to 5500 km"),
+            ("inclination_deg", shell.inclination_deg, 0.0..=180.0, "0 to 180 deg"),
+            ("planes", f64::from(shell.planes), 1.0..=1e6, "1 to 1000000"),
+            ("satellites_per_plane", f64::from(shell.satellites_per_plane), 1.0..=1e6, "1 to 1000000"),
+            ("node_spread_deg", shell.node_spread_deg, 0.0..=360.0, "0 to 360 deg"),
+            ("node_offset_deg", shell.node_offset_deg, -360.0..=360.0, "-360 to 360 deg"),
+            ("phase_offset_deg", shell.phase_offset_deg, -360.0..=360.0, "-360 to 360 deg"),
+        ];
+        for (field, value, range, allowed) in ranges {
+            if !range.contains(&value) {
+                return Err(ShellError::OutOfRange { name: entry.name, shell: at + 1, field, value, allowed });
+            }
+        }
+    }
+    let sum: u64 =
+        entry.shell.iter().map(|shell| u64::from(shell.planes) * u64::from(shell.satellites_per_plane)).sum();
+    let stated = entry.satellites.unwrap_or(sum);
+    if stated != sum || sum == 0 || sum >= u64::from(ID_BLOCK) {
+        return Err(ShellError::WrongTotal { name: entry.name, stated, sum });
+    }
+    Ok(Constellation { name: entry.name, source: entry.source, shells: entry.shell, first_id: NoradId(first_id) })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_the_embedded_constellations_are_as_filed() {
+        let all = parse(EMBEDDED, FIRST_SYNTHETIC_ID).expect("the embedded file is good");
+        let totals: Vec<_> =
+            all.iter().map(|constellation| (constellation.name.as_str(), constellation.satellites())).collect();
+        assert_eq!(
+            totals,
+            [
+                ("starlink-gen1", 4408),
+                ("starlink-gen2", 29_988),
+                ("oneweb", 6372),
+                ("kuiper", 3236),
+                ("qianfan", 1296),
+                ("guowang", 12_992)
+            ]
+        );
+        assert!(all.iter().all(|constellation| !constellation.source.is_empty()));
+    }
+
+    #[test]
+    fn verif_errors_say_what_is_allowed() {
+        let shell = |text: &str| {
+            Constellation::from_toml(&format!("[[constellation]]\nname = \"x\"\nshell = [{{ {text} }}]"))
+                .unwrap_err()
+                .to_string()
+        };
+        assert_eq!(
+            shell("altitude_km = 50, inclination_deg = 53, planes = 1, satellites_per_plane = 1"),
+            "constellation \"x\", shell 1: altitude_km 50 is out of range: 120 to 5500 km"
+        );
+        assert!(
+            shell("altitude_km = 550, inclination_deg = 53, planes = 0, satellites_per_plane = 1").contains("planes")
+        );
+        assert!(shell("altitude = 550").contains("unknown field `altitude`"));
+        assert_eq!(
+            Constellation::by_name("starling").unwrap_err().to_string(),
+            "unknown shells \"starling\"; known are starlink-gen1, starlink-gen2, oneweb, kuiper, qianfan, guowang"
+        );
+    }
+}

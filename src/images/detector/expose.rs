@@ -1,0 +1,62 @@
+//! A synthetic frame: all light through all stages.
+
+use rayon::prelude::*;
+
+use crate::images::Plane;
+
+use super::error::DetectorError;
+use super::noise::{Purpose, electrons, gaussian, stream};
+use super::saturation::Saturated;
+use super::settings::Detector;
+
+impl Detector {
+    /// What the detector makes of light: counts, from the expected electrons of each pixel (sky, stars, streaks, all together, before
+    /// vignetting). The same seed gives the same frame on any number of threads.
+    ///
+    /// # Errors
+    /// As [`Detector::validate`], and [`DetectorError::AmplifierOutside`] where amplifiers read more than the frame has.
+    pub fn expose(&self, light: &Plane, seed: u64) -> Result<(Plane, Saturated), DetectorError> {
+        let (rows, columns) = (light.rows(), light.columns());
+        self.validate_for(rows, columns)?;
+        let mut frame = light.clone();
+        if columns == 0 {
+            return Ok((frame, Saturated::default()));
+        }
+        frame.values_mut().par_chunks_mut(columns).enumerate().for_each(|(row, pixels)| {
+            if let Some(vignetting) = &self.vignetting {
+                vignetting.apply(rows, columns, row, 0, pixels);
+            }
+            if self.shot_noise {
+                let mut random = stream(seed, Purpose::Shot, row);
+                pixels.iter_mut().for_each(|pixel| *pixel = electrons(*pixel, &mut random));
+            }
+        });
+        let saturated =
+            self.saturation.map_or_else(Saturated::default, |saturation| saturation.apply(&mut frame, None));
+        if let Some(non_linearity) = &self.non_linearity {
+            let bend = |pixel: &mut f32| *pixel = non_linearity.measured(f64::from(*pixel)) as f32;
+            frame.values_mut().par_iter_mut().for_each(bend);
+        }
+        if let Some(crosstalk) = &self.crosstalk {
+            let signal = frame.clone();
+            for row in 0..rows {
+                for (column, pixel) in signal.row(row).iter().enumerate() {
+                    crosstalk.spread(row, column, *pixel, |row, column, ghost| frame.row_mut(row)[column] += ghost);
+                }
+            }
+        }
+        frame.values_mut().par_chunks_mut(columns).enumerate().for_each(|(row, pixels)| {
+            if self.read_noise_e > 0.0 {
+                let mut random = stream(seed, Purpose::Read, row);
+                pixels.iter_mut().for_each(|pixel| *pixel += gaussian(self.read_noise_e as f32, &mut random));
+            }
+            for pixel in pixels {
+                *pixel = (f64::from(*pixel) / self.gain_e_adu + self.bias_adu) as f32;
+                if let Some(quantisation) = &self.quantisation {
+                    *pixel = quantisation.apply(*pixel);
+                }
+            }
+        });
+        Ok((frame, saturated))
+    }
+}

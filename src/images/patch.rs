@@ -1,0 +1,349 @@
+//! Light on a part of a frame: only the pixels that it touches.
+
+use std::ops::Range;
+
+use prefetch_index::prefetch_index;
+
+use super::light_area::LightArea;
+use super::pixel::PixelPosition;
+use super::plane::Plane;
+use crate::math::vectors::{NullaryFnOnce, widest};
+
+/// One row of a patch: neighbouring pixels and what is in them.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct PatchSpan<'a> {
+    /// Row of the frame, counted from 0.
+    pub row: usize,
+    /// Column of the first pixel, counted from 0.
+    pub first_column: usize,
+    /// What is in this pixel and those right of it.
+    pub values: &'a [f32],
+}
+
+/// Light on a part of a frame of `rows` by `columns`, one stretch of pixels in each row, all within the frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Patch {
+    rows: usize,
+    columns: usize,
+    first_row: usize,
+    /// Of each row from the first: its columns, and where its values begin.
+    spans: Vec<(Range<usize>, usize)>,
+    values: Vec<f32>,
+}
+
+impl Patch {
+    /// Rows of the frame.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Columns of the frame.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// True where no pixel is touched.
+    pub fn is_empty(&self) -> bool {
+        self.values.is_empty()
+    }
+
+    /// How many pixels are touched.
+    pub fn len(&self) -> usize {
+        self.values.len()
+    }
+
+    /// Sum of all light on the frame.
+    pub fn sum(&self) -> f64 {
+        // Eight sums side by side: one after the other would wait for each addition.
+        let (blocks, rest) = self.values.as_chunks::<8>();
+        let mut sums = [0.0; 8];
+        for block in blocks {
+            for (sum, value) in sums.iter_mut().zip(block) {
+                *sum += f64::from(*value);
+            }
+        }
+        sums.iter().sum::<f64>() + rest.iter().map(|value| f64::from(*value)).sum::<f64>()
+    }
+
+    /// Mean place of the light, weighted by it; none where there is none.
+    pub fn centroid(&self) -> Option<PixelPosition> {
+        let mut sums = [0.0; 3];
+        for span in self.iter() {
+            for (column, value) in (span.first_column..).zip(span.values) {
+                let light = f64::from(*value);
+                sums = [sums[0] + light, sums[1] + light * column as f64, sums[2] + light * span.row as f64];
+            }
+        }
+        (sums[0] != 0.0).then(|| PixelPosition { x: sums[1] / sums[0], y: sums[2] / sums[0] })
+    }
+
+    /// All rows that have pixels, from the first.
+    pub fn iter(&self) -> impl Iterator<Item = PatchSpan<'_>> {
+        self.spans.iter().enumerate().filter(|(_, (columns, _))| !columns.is_empty()).map(|(number, (columns, at))| {
+            PatchSpan {
+                row: self.first_row + number,
+                first_column: columns.start,
+                values: &self.values[*at..*at + columns.len()],
+            }
+        })
+    }
+
+    /// One row; empty where the patch has no pixels in it.
+    pub fn row(&self, row: usize) -> PatchSpan<'_> {
+        let span = row.checked_sub(self.first_row).and_then(|number| self.spans.get(number));
+        match span {
+            Some((columns, at)) => {
+                PatchSpan { row, first_column: columns.start, values: &self.values[*at..*at + columns.len()] }
+            }
+            None => PatchSpan { row, first_column: 0, values: &[] },
+        }
+    }
+
+    /// Value of one pixel, 0 outside of the patch.
+    pub fn at(&self, row: usize, column: usize) -> f32 {
+        let span = self.row(row);
+        column.checked_sub(span.first_column).and_then(|place| span.values.get(place)).copied().unwrap_or(0.0)
+    }
+
+    /// Sets values row after row: `(row, first_column, values)`.
+    #[inline(always)]
+    pub fn fill(&mut self, mut set: impl FnMut(usize, usize, &mut [f32])) {
+        for (number, (columns, at)) in self.spans.iter().enumerate() {
+            set(self.first_row + number, columns.start, &mut self.values[*at..*at + columns.len()]);
+        }
+    }
+
+    /// Pixels of one row within `columns`, which must lie within the patch; empty otherwise.
+    pub fn stretch_mut(&mut self, row: usize, columns: Range<usize>) -> &mut [f32] {
+        let span = row.checked_sub(self.first_row).and_then(|number| self.spans.get(number));
+        let place = span.and_then(|(own, at)| {
+            let is_inside = own.start <= columns.start && columns.start <= columns.end && columns.end <= own.end;
+            is_inside.then(|| at + columns.start - own.start..at + columns.end - own.start)
+        });
+        place.and_then(|place| self.values.get_mut(place)).unwrap_or(&mut [])
+    }
+
+    /// Multiplies all values.
+    pub fn scale(&mut self, factor: f32) {
+        self.values.iter_mut().for_each(|value| *value *= factor);
+    }
+
+    /// Adds it to a plane; what lies outside of the plane is left out.
+    pub fn add_to(&self, plane: &mut Plane) {
+        widest(Addition { patch: self, plane });
+    }
+
+    /// The light in pixels of `x` columns by `y` rows of this one's, whose frame has whole numbers of them.
+    pub fn summed(&self, x: usize, y: usize) -> Self {
+        let mut extents = PatchRows::new(self.rows / y, self.columns / x);
+        for span in self.iter() {
+            let end = span.first_column + span.values.len();
+            extents.add(span.row / y, span.first_column / x..end.div_ceil(x));
+        }
+        let mut summed = extents.into_patch();
+        for span in self.iter() {
+            let first = span.first_column / x;
+            let end = (span.first_column + span.values.len()).div_ceil(x);
+            let out = summed.stretch_mut(span.row / y, first..end);
+            for (place, value) in (span.first_column - first * x..).zip(span.values) {
+                out[place / x] += value;
+            }
+        }
+        summed
+    }
+
+    /// The light on an area of the frame alone.
+    pub fn within(self, area: &LightArea) -> Self {
+        if *area == LightArea::whole(self.rows, self.columns) {
+            return self;
+        }
+        let mut extents = PatchRows::new(self.rows, self.columns);
+        let cut = |span: &PatchSpan<'_>| {
+            let end = span.first_column + span.values.len();
+            span.first_column.max(area.columns.start)..end.min(area.columns.end)
+        };
+        let rows = || self.iter().filter(|span| area.rows.contains(&span.row));
+        rows().for_each(|span| extents.add(span.row, cut(&span)));
+        let mut patch = extents.into_patch();
+        patch.fill(|row, first, values| {
+            if values.is_empty() {
+                return;
+            }
+            let span = self.row(row);
+            values.copy_from_slice(&span.values[first - span.first_column..][..values.len()]);
+        });
+        patch
+    }
+
+    /// Pixels that hold at least `threshold`, as `(row, columns)`: for masks.
+    pub fn footprint(&self, threshold: f32) -> Vec<(usize, Range<usize>)> {
+        let mut found = Vec::new();
+        for span in self.iter() {
+            let mut start = None;
+            for (place, value) in span.values.iter().chain([&f32::NEG_INFINITY]).enumerate() {
+                let column = span.first_column + place;
+                match (start, *value >= threshold) {
+                    (None, true) => start = Some(column),
+                    (Some(first), false) => {
+                        found.push((span.row, first..column));
+                        start = None;
+                    }
+                    _ => {}
+                }
+            }
+        }
+        found
+    }
+}
+
+/// Rows that are asked of memory before they are needed: they lie far apart there, and nothing else foresees them.
+const ROWS_AHEAD: usize = 2;
+/// Pixels that come from memory together.
+const LINE_PIXELS: usize = 64 / size_of::<f32>();
+
+/// A patch and what it is added to.
+struct Addition<'a> {
+    patch: &'a Patch,
+    plane: &'a mut Plane,
+}
+
+impl NullaryFnOnce for Addition<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn call(self) {
+        for (number, (columns, at)) in self.patch.spans.iter().enumerate() {
+            if let Some((columns, _)) = self.patch.spans.get(number + ROWS_AHEAD) {
+                let row = self.plane.row(self.patch.first_row + number + ROWS_AHEAD);
+                columns.clone().step_by(LINE_PIXELS).for_each(|column| prefetch_index(row, column));
+            }
+            // Slices, not iterators that skip: many pixels at a time.
+            let values = &self.patch.values[*at..*at + columns.len()];
+            let Some(row) = self.plane.row_mut(self.patch.first_row + number).get_mut(columns.start..) else {
+                continue;
+            };
+            for (pixel, value) in row.iter_mut().zip(values) {
+                *pixel += value;
+            }
+        }
+    }
+}
+
+/// The pixels that a patch will have, before there is light in them: one stretch a row, within the frame.
+#[derive(Clone, Debug)]
+pub struct PatchRows {
+    rows: usize,
+    columns: usize,
+    first_row: usize,
+    extents: Vec<Range<usize>>,
+}
+
+impl PatchRows {
+    /// None yet, in a frame of `rows` by `columns`.
+    pub fn new(rows: usize, columns: usize) -> Self {
+        Self { rows, columns, first_row: 0, extents: Vec::new() }
+    }
+
+    /// Rows of the frame.
+    pub fn rows(&self) -> usize {
+        self.rows
+    }
+
+    /// Columns of the frame.
+    pub fn columns(&self) -> usize {
+        self.columns
+    }
+
+    /// Pixel columns of the frame whose centres lie from `least` to `greatest`.
+    pub fn columns_within(&self, least: f64, greatest: f64) -> Range<usize> {
+        whole_within(least, greatest, self.columns)
+    }
+
+    /// Pixel rows of the frame whose centres lie from `least` to `greatest`.
+    pub fn rows_within(&self, least: f64, greatest: f64) -> Range<usize> {
+        whole_within(least, greatest, self.rows)
+    }
+
+    /// Adds columns of one row, and all between them and those that the row already has.
+    pub fn add(&mut self, row: usize, columns: Range<usize>) {
+        if columns.is_empty() || row >= self.rows || columns.end > self.columns {
+            return;
+        }
+        if self.extents.is_empty() {
+            self.first_row = row;
+        }
+        if row < self.first_row {
+            let missing = self.first_row - row;
+            self.extents.splice(0..0, std::iter::repeat_n(0..0, missing));
+            self.first_row = row;
+        }
+        let number = row - self.first_row;
+        if number >= self.extents.len() {
+            self.extents.resize(number + 1, 0..0);
+        }
+        let own = &mut self.extents[number];
+        *own = if own.start >= own.end { columns } else { own.start.min(columns.start)..own.end.max(columns.end) };
+    }
+
+    /// Adds all pixels whose centres lie within a distance of a place.
+    pub fn add_disc(&mut self, at: PixelPosition, radius_pix: f64) {
+        for row in self.rows_within(at.y - radius_pix, at.y + radius_pix) {
+            let dy = row as f64 - at.y;
+            let half = (radius_pix * radius_pix - dy * dy).max(0.0).sqrt();
+            self.add(row, self.columns_within(at.x - half, at.x + half));
+        }
+    }
+
+    /// The patch, dark.
+    pub fn into_patch(self) -> Patch {
+        let mut total = 0;
+        let spans = self.extents.into_iter().map(|columns| {
+            let at = total;
+            total += columns.len();
+            (columns, at)
+        });
+        let spans: Vec<_> = spans.collect();
+        // Written, not asked for as zeros: such memory costs a fault when it is first read and another, felt by all threads, when it is then written.
+        let mut values = Vec::with_capacity(total);
+        values.resize(total, 0.0);
+        Patch { rows: self.rows, columns: self.columns, first_row: self.first_row, spans, values }
+    }
+}
+
+/// Whole numbers from `least` to `greatest` among those below `count`; a bound that is not a number is 0 below and none above.
+fn whole_within(least: f64, greatest: f64, count: usize) -> Range<usize> {
+    // In 32 bits: a conversion to 64 and back costs many times as much. A cast cuts what is behind the point: many machines are not trusted to have an
+    // instruction that rounds upwards.
+    let count = i32::try_from(count).unwrap_or(i32::MAX);
+    let least = least.max(0.0).min(f64::from(count));
+    let cut = least as i32;
+    let start = cut + i32::from(f64::from(cut) < least);
+    let end = if greatest >= 0.0 { (greatest.min(f64::from(count)) as i32).saturating_add(1).min(count) } else { 0 };
+    start as usize..end as usize
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_light_within_an_area_is_the_same_there_and_none_elsewhere() {
+        // A way that bows out of the area and back.
+        let mut extents = PatchRows::new(8, 20);
+        [(2, 6..9), (3, 2..4), (4, 3..9), (6, 0..20)].into_iter().for_each(|(row, columns)| extents.add(row, columns));
+        let mut patch = extents.into_patch();
+        patch.fill(|row, first, values| {
+            (first..).zip(values).for_each(|(column, value)| *value = (100 * row + column) as f32);
+        });
+        let cut = patch.clone().within(&LightArea { rows: 2..6, columns: 5..20 });
+        for row in 0..8 {
+            for column in 0..20 {
+                let is_inside = (2..6).contains(&row) && column >= 5;
+                assert_eq!(cut.at(row, column), if is_inside { patch.at(row, column) } else { 0.0 }, "{row} {column}");
+            }
+        }
+        assert_eq!(cut.len(), 3 + 4);
+        assert_eq!(patch.clone().within(&LightArea::whole(8, 20)), patch);
+        assert!(patch.within(&LightArea { rows: 0..2, columns: 0..20 }).is_empty());
+    }
+}

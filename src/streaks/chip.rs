@@ -1,0 +1,297 @@
+//! One chip of a camera, and the way of a light over it.
+
+use super::count_scale::CountScale;
+use super::light::{SkyPoint, SkyTrack};
+use super::render::{PathError, PathNode, StreakPath};
+use super::tracking::Tracking;
+use crate::frames::{Direction, Gcrs};
+use crate::images::{LightArea, PixelPosition, Wcs};
+
+/// Points of a track on the way across a chip.
+const STEPS_ACROSS: f64 = 24.0;
+
+/// A chip: its pixels, their place on the sky, and what they count.
+#[derive(Clone, Debug)]
+pub struct Chip {
+    /// Number of its HDU in the file, the first being 0.
+    pub hdu: usize,
+    /// Name of its HDU; empty where it has none.
+    pub name: String,
+    /// Pixels along a column.
+    pub rows: usize,
+    /// Pixels along a row.
+    pub columns: usize,
+    /// Those of its pixels that light falls on.
+    pub light_area: LightArea,
+    /// Pixels to sky.
+    pub wcs: Wcs,
+    /// False where the frame says nothing of the sky and `wcs` is a stand-in of the right scale: places on the sky are then not told.
+    pub is_on_sky: bool,
+    /// Magnitudes to counts.
+    pub scale: CountScale,
+}
+
+/// A light over a chip, with the stretch of time in which it is over pixels of the chip itself.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ChipPath {
+    /// From one margin of the chip to the other, in frame units per second.
+    pub path: StreakPath,
+    /// First and last moment over the chip, seconds after the shutter opened; `None` where only the light's fringe touches it.
+    pub inside_s: Option<[f64; 2]>,
+}
+
+impl Chip {
+    /// The middle of what light falls on, in pixels.
+    pub fn middle(&self) -> PixelPosition {
+        self.light_area.place(0.5, 0.5)
+    }
+
+    /// Its middle on the sky, and the radius about it that holds all corners; `None` where the WCS gives none.
+    pub fn circle(&self) -> Option<(Direction<Gcrs>, f64)> {
+        let middle = self.wcs.to_sky(self.middle())?;
+        let mut radius_rad = 0.0f64;
+        for (along_row, along_column) in [(0.0, 0.0), (1.0, 0.0), (0.0, 1.0), (1.0, 1.0)] {
+            let corner = self.light_area.place(along_row, along_column);
+            radius_rad = radius_rad.max(self.wcs.to_sky(corner)?.separation_rad(&middle));
+        }
+        Some((middle, radius_rad))
+    }
+
+    /// Angle of a pixel in the middle, arcseconds.
+    pub fn pixel_scale_arcsec(&self) -> f64 {
+        self.wcs.pixel_scale_arcsec(self.middle())
+    }
+
+    /// How many times as wide on the sky as high a pixel in the middle is.
+    pub fn pixel_aspect(&self) -> f64 {
+        self.wcs.pixel_aspect(self.middle())
+    }
+
+    /// False where a track stays farther away from the chip than `margin_rad`.
+    pub fn is_near(&self, track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>, margin_rad: f64) -> bool {
+        self.circle().is_some_and(|(middle, radius_rad)| {
+            !near_stretches(&seen(track, tracking, centre), &middle, radius_rad + margin_rad).is_empty()
+        })
+    }
+
+    /// The ways of a light over the chip and `margin_pix` around it, in the order of time. `centre` is what the telescope points at.
+    ///
+    /// 1. The part of the track that comes near the chip is found on the sky.
+    /// 2. It is refined, so that a chip of a few arcseconds is not stepped over.
+    /// 3. Its points go through the WCS; where that has no answer, or between two visits, a way ends.
+    ///
+    /// # Errors
+    /// [`PathError`] where times do not grow or a number is none.
+    pub fn paths(
+        &self,
+        track: &SkyTrack,
+        tracking: &Tracking,
+        centre: &Direction<Gcrs>,
+        margin_pix: f64,
+    ) -> Result<Vec<ChipPath>, PathError> {
+        let Some((middle, radius_rad)) = self.circle() else { return Ok(Vec::new()) };
+        let margin_rad = (margin_pix * self.pixel_scale_arcsec() / 3600.0).to_radians();
+        let reach_rad = radius_rad + margin_rad;
+        let mut paths = Vec::new();
+        for near in near_stretches(&seen(track, tracking, centre), &middle, reach_rad) {
+            let fine = refined_to_cross(&near, reach_rad);
+            let mut run: Vec<PathNode> = Vec::new();
+            for point in &fine.points {
+                match self.wcs.to_pixel(point.direction) {
+                    Some(at) => run.push(PathNode::new(point.time_s, at, self.scale.rate(point.magnitude))),
+                    None => paths.extend(self.chip_path(std::mem::take(&mut run))?),
+                }
+            }
+            paths.extend(self.chip_path(run)?);
+        }
+        Ok(paths)
+    }
+
+    fn chip_path(&self, nodes: Vec<PathNode>) -> Result<Option<ChipPath>, PathError> {
+        if nodes.len() < 2 {
+            return Ok(None);
+        }
+        let path = StreakPath::new(nodes)?;
+        let inside_s = self.inside_s(&path);
+        Ok(Some(ChipPath { path, inside_s }))
+    }
+
+    /// First and last moment over the chip, to a microsecond.
+    fn inside_s(&self, path: &StreakPath) -> Option<[f64; 2]> {
+        const LOOKS: usize = 8;
+        let nodes = path.nodes();
+        let times_s: Vec<f64> = nodes
+            .windows(2)
+            .flat_map(|pair| {
+                let step_s = (pair[1].time_s - pair[0].time_s) / LOOKS as f64;
+                (0..LOOKS).map(move |look| pair[0].time_s + step_s * look as f64)
+            })
+            .chain(nodes.last().map(|last| last.time_s))
+            .collect();
+        let inside = |time_s: f64| self.light_area.holds(path.point_at(time_s));
+        let first = times_s.iter().position(|&time_s| inside(time_s))?;
+        let last = times_s.iter().rposition(|&time_s| inside(time_s))?;
+        let border = |mut out_s: f64, mut in_s: f64| {
+            while (out_s - in_s).abs() > 1e-7 {
+                let half_s = 0.5 * (out_s + in_s);
+                if inside(half_s) { in_s = half_s } else { out_s = half_s }
+            }
+            in_s
+        };
+        let enter_s = if first > 0 { border(times_s[first - 1], times_s[first]) } else { times_s[0] };
+        let exit_s = times_s.get(last + 1).map_or(times_s[last], |&next_s| border(next_s, times_s[last]));
+        Some([enter_s, exit_s])
+    }
+}
+
+/// A track in the frame's own sky.
+fn seen(track: &SkyTrack, tracking: &Tracking, centre: &Direction<Gcrs>) -> SkyTrack {
+    let in_frame =
+        |point: &SkyPoint| SkyPoint { direction: tracking.seen(&point.direction, point.time_s, centre), ..*point };
+    SkyTrack { points: track.points.iter().map(in_frame).collect() }
+}
+
+/// Stretches of a track, each with a point beyond on either side, that come within `reach_rad` of a place.
+fn near_stretches(track: &SkyTrack, place: &Direction<Gcrs>, reach_rad: f64) -> Vec<SkyTrack> {
+    let points = &track.points;
+    let near = |index: usize| comes_near(&points[index], &points[index + 1], place, reach_rad);
+    let mut stretches = Vec::new();
+    let mut first: Option<usize> = None;
+    for index in 0..points.len().saturating_sub(1) {
+        match (first, near(index)) {
+            (None, true) => first = Some(index),
+            (Some(from), false) => {
+                stretches.push(stretch(points, from, index));
+                first = None;
+            }
+            _ => {}
+        }
+    }
+    stretches.extend(first.map(|from| stretch(points, from, points.len() - 1)));
+    stretches
+}
+
+fn stretch(points: &[SkyPoint], from: usize, to: usize) -> SkyTrack {
+    let to = (to + 1).min(points.len() - 1);
+    SkyTrack { points: points[from.saturating_sub(1)..=to].to_vec() }
+}
+
+/// True where the way from one point to the next comes within `reach_rad` of a place, or may for all that its bend allows.
+fn comes_near(from: &SkyPoint, to: &SkyPoint, place: &Direction<Gcrs>, reach_rad: f64) -> bool {
+    let (start, end, place) = (from.direction.vector(), to.direction.vector(), place.vector());
+    let way = end - start;
+    let share =
+        if way.norm_squared() > 0.0 { ((place - start).dot(&way) / way.norm_squared()).clamp(0.0, 1.0) } else { 0.0 };
+    // Half the way squared is more than any track on the sky bends between two points, and than the arc lies above its chord.
+    let slack = 0.5 * way.norm_squared();
+    ((start + way * share) - place).norm() <= reach_rad + slack
+}
+
+/// The track with points close enough that a circle of this radius is crossed in [`STEPS_ACROSS`] of them.
+fn refined_to_cross(track: &SkyTrack, radius_rad: f64) -> SkyTrack {
+    let fastest = track
+        .points
+        .windows(2)
+        .map(|pair| pair[0].direction.separation_rad(&pair[1].direction) / (pair[1].time_s - pair[0].time_s))
+        .fold(0.0, f64::max);
+    let step_s = 2.0 * radius_rad / STEPS_ACROSS / fastest;
+    if step_s.is_finite() && step_s > 0.0 { track.refined(step_s) } else { track.clone() }
+}
+
+/// The middle of chips on the sky and the radius about it that holds them all, radians.
+pub fn circle_of<'a>(chips: impl Iterator<Item = &'a Chip> + Clone) -> Option<(Direction<Gcrs>, f64)> {
+    let circles: Vec<(Direction<Gcrs>, f64)> = chips.filter_map(Chip::circle).collect();
+    let sum = circles.iter().fold(nalgebra::Vector3::zeros(), |sum, (middle, _)| sum + middle.vector());
+    let centre = Direction::from_vector(sum.try_normalize(0.0)?);
+    let radius_rad =
+        circles.iter().map(|(middle, radius_rad)| middle.separation_rad(&centre) + radius_rad).fold(0.0, f64::max);
+    Some((centre, radius_rad))
+}
+
+/// A direction on one of several chips from three numbers in [0, 1): the first chooses a chip by its area, the others a place on it.
+pub fn direction_on<'a>(chips: impl Iterator<Item = &'a Chip> + Clone, drawn: [f64; 3]) -> Option<Direction<Gcrs>> {
+    let pixels = |chip: &Chip| chip.light_area.pixels() as f64;
+    let mut left = drawn[0] * chips.clone().map(pixels).sum::<f64>();
+    let chip = chips.clone().find(|chip| {
+        left -= pixels(chip);
+        left < 0.0
+    });
+    let chip = chip.or(chips.last())?;
+    chip.wcs.to_sky(chip.light_area.place(drawn[1], drawn[2]))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const ARCSEC: f64 = std::f64::consts::PI / 648_000.0;
+
+    fn chip(side: usize, scale_arcsec: f64) -> Chip {
+        let centre = Direction::from_lon_lat_rad(1.2, -0.4);
+        Chip {
+            hdu: 0,
+            name: String::new(),
+            rows: side,
+            columns: side,
+            light_area: LightArea::whole(side, side),
+            wcs: Wcs::tangent(centre, scale_arcsec, 0.0, side, side).unwrap(),
+            is_on_sky: true,
+            scale: CountScale::of_frame(25.0, 30.0).unwrap(),
+        }
+    }
+
+    /// North to south through a place east of the centre, 2000"/s, points a second apart.
+    fn southwards(east_arcsec: f64) -> SkyTrack {
+        let centre = Direction::<Gcrs>::from_lon_lat_rad(1.2, -0.4);
+        let (east, north) = centre.east_north();
+        let point = |second: i32| SkyPoint {
+            time_s: 15.3 + f64::from(second),
+            direction: Direction::from_vector(
+                (centre.vector() + (east * east_arcsec - north * 2000.0 * f64::from(second)) * ARCSEC).normalize(),
+            ),
+            range_km: 600.0,
+            magnitude: Some(5.0),
+        };
+        SkyTrack { points: (-6..=6).map(point).collect() }
+    }
+
+    #[test]
+    fn verif_a_small_chip_between_two_points_is_not_stepped_over() {
+        // 100 pixels of 0.26" are crossed in 13 ms; the points are a second apart.
+        let chip = chip(100, 0.26);
+        let (centre, _) = chip.circle().unwrap();
+        let paths = chip.paths(&southwards(5.0), &Tracking::Sidereal, &centre, 20.0).unwrap();
+        assert_eq!(paths.len(), 1);
+        let [enter_s, exit_s] = paths[0].inside_s.unwrap();
+        assert!(((exit_s - enter_s) - 26.0 / 2000.0).abs() < 1e-5, "{enter_s} {exit_s}");
+        assert!((0.5 * (enter_s + exit_s) - 15.3).abs() < 1e-5);
+        let middle = paths[0].path.point_at(15.3);
+        // East is to the left, and the middle between pixels 49 and 50.
+        assert!((middle.x - (49.5 - 5.0 / 0.26)).abs() < 1e-4 && (middle.y - 49.5).abs() < 0.1, "{middle:?}");
+        // 20 mag more than the zero point's: 1e8 counts in 30 s.
+        assert!((paths[0].path.rate_at(15.3) * 30.0 / 1e8 - 1.0).abs() < 1e-9);
+    }
+
+    #[test]
+    fn verif_tracks_that_miss_the_chip_have_no_way_and_the_edge_is_told() {
+        let chip = chip(1000, 1.0);
+        let (centre, _) = chip.circle().unwrap();
+        let paths =
+            |east_arcsec: f64| chip.paths(&southwards(east_arcsec), &Tracking::Sidereal, &centre, 30.0).unwrap();
+        assert!(paths(2000.0).is_empty());
+        assert!(paths(520.0).iter().all(|path| path.inside_s.is_none()));
+        assert!(paths(490.0)[0].inside_s.is_some());
+    }
+
+    #[test]
+    fn verif_what_the_telescope_follows_is_one_place() {
+        let chip = chip(1000, 1.0);
+        let (centre, _) = chip.circle().unwrap();
+        let following = Tracking::Rate { east_rad_s: 0.0, north_rad_s: -2000.0 * ARCSEC, reference_s: 15.3 };
+        let paths = chip.paths(&southwards(0.0), &following, &centre, 30.0).unwrap();
+        assert_eq!(paths.len(), 1);
+        // The rate is even along the great circle, the track along its tangent: 12000" cubed is 13".
+        assert!(paths[0].path.length_pix() < 60.0, "{}", paths[0].path.length_pix());
+        assert_eq!(paths[0].inside_s, Some([9.3, 21.3]));
+    }
+}

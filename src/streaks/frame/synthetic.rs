@@ -1,0 +1,338 @@
+//! Frames made from nothing, to inject into: sky, stars and detector from a description.
+
+use std::path::Path;
+
+use hifitime::{Epoch, TimeScale};
+use serde::Deserialize;
+use thiserror::Error;
+
+use super::super::chip::Chip;
+use super::super::count_scale::{CountScale, CountScaleError};
+use super::super::optics::{Optics, OpticsError};
+use super::super::render::PathError;
+use super::super::tracking::Tracking;
+use super::star_trails::{SkyStar, add_trails, draw_stars};
+use crate::frames::{Direction, Gcrs, mjd_utc};
+use crate::images::{
+    Card, CardValue, Detector, DetectorError, FrameError, ImageValues, LightArea, NewImage, Pixels, Plane, Rice, Wcs,
+    WcsError, write_frame,
+};
+use crate::output::format_utc;
+use crate::streaks::{BackgroundError, Blur, BlurError, RadialProfile, RandomStars, Star, background, flux_e};
+
+/// A synthetic frame, as a TOML file describes it.
+///
+/// ```
+/// let frame = streakcast::streaks::SyntheticFrame::from_toml(
+///     "columns = 1024
+///      rows = 1024
+///      pixel_scale_arcsec = 0.5
+///      zero_point_1s_mag = 26.5
+///      sky_mag_arcsec2 = 21.0
+///      stars = { per_megapixel = 300, slope = 0.3, brightest_mag = 14, faintest_mag = 22 }
+///      detector = { gain_e_adu = 1.5, read_noise_e = 6, bias_adu = 200, quantisation = { greatest_adu = 65535 } }",
+///     "sky.toml",
+/// )?;
+/// assert_eq!(frame.columns, 1024);
+/// # Ok::<(), streakcast::streaks::SyntheticError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct SyntheticFrame {
+    /// Pixels along a row, 16 to 32768.
+    pub columns: usize,
+    /// Pixels along a column, 16 to 32768.
+    pub rows: usize,
+    /// Side of a pixel, arcsec, 0.001 to 600.
+    pub pixel_scale_arcsec: f64,
+    /// Position angle of growing rows, degrees from north through east.
+    #[serde(default)]
+    pub rotation_deg: f64,
+    /// Magnitude of a star of one electron a second.
+    pub zero_point_1s_mag: f64,
+    /// The sky's light, mag per square arcsecond.
+    pub sky_mag_arcsec2: f64,
+    /// Stars as many as a density says.
+    #[serde(default)]
+    pub stars: Option<StarField>,
+    /// A CSV file of stars with the columns `ra_deg`, `dec_deg` and `magnitude`.
+    #[serde(default)]
+    pub star_list: Option<std::path::PathBuf>,
+    /// What turns electrons into counts.
+    #[serde(default)]
+    pub detector: Detector,
+    /// Tiles compressed by RICE where true; whole counts stay what they are.
+    #[serde(default)]
+    pub compress: bool,
+}
+
+/// Random stars.
+#[derive(Copy, Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StarField {
+    /// Mean number in a million pixels.
+    pub per_megapixel: f64,
+    /// Logarithmic slope of their counts with magnitude.
+    pub slope: f64,
+    /// No star is brighter, mag.
+    pub brightest_mag: f64,
+    /// No star is fainter, mag.
+    pub faintest_mag: f64,
+}
+
+/// When, where to and through what it is taken.
+#[derive(Copy, Clone, Debug)]
+pub struct SyntheticShot<'a> {
+    /// When the shutter opened.
+    pub opened: Epoch,
+    /// For how long, seconds.
+    pub exposure_s: f64,
+    /// The frame's centre.
+    pub centre: Direction<Gcrs>,
+    /// What the telescope follows; stars trail where it is not they.
+    pub tracking: Tracking,
+    /// Air and telescope.
+    pub optics: &'a Optics,
+    /// Filter, for the header.
+    pub filter: &'a str,
+    /// The same seed gives the same stars and the same noise.
+    pub seed: u64,
+}
+
+/// Why there is no frame.
+#[derive(Debug, Error)]
+pub enum SyntheticError {
+    /// Not TOML, a key missing, unknown or of the wrong type.
+    #[error("synthetic frame {origin}: {message}")]
+    Toml {
+        /// The file.
+        origin: String,
+        /// What and where.
+        message: String,
+    },
+    /// A number outside what is allowed.
+    #[error("synthetic frame: {key} is {given} (allowed: {allowed})")]
+    OutOfRange {
+        /// The key.
+        key: &'static str,
+        /// As given.
+        given: f64,
+        /// What is allowed.
+        allowed: &'static str,
+    },
+    /// A list of stars that cannot be read.
+    #[error("star list {path}: {problem} (allowed: CSV with ra_deg, dec_deg, magnitude)")]
+    StarList {
+        /// The file.
+        path: String,
+        /// What is wrong, with the line.
+        problem: String,
+    },
+    /// Its place on the sky.
+    #[error("synthetic frame: {0}")]
+    Wcs(#[from] WcsError),
+    /// Its stars' images.
+    #[error("synthetic frame: {0}")]
+    Optics(#[from] OpticsError),
+    /// The same.
+    #[error("synthetic frame: {0}")]
+    Blur(#[from] BlurError),
+    /// The ways of its stars.
+    #[error("synthetic frame: {0}")]
+    Path(#[from] PathError),
+    /// Its exposure.
+    #[error("synthetic frame: {0}")]
+    Scale(#[from] CountScaleError),
+    /// Its sky or stars.
+    #[error(transparent)]
+    Background(#[from] BackgroundError),
+    /// Its detector.
+    #[error("synthetic frame: {0}")]
+    Detector(#[from] DetectorError),
+    /// The file.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+}
+
+impl SyntheticFrame {
+    /// From the text of a TOML file; `origin` (its name) is what errors call it.
+    ///
+    /// # Errors
+    /// [`SyntheticError`]: text that is not TOML, unknown or missing keys, values out of range.
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, SyntheticError> {
+        let frame: Self = toml::from_str(text).map_err(|error| SyntheticError::Toml {
+            origin: origin.to_owned(),
+            message: error.to_string().trim_end().to_owned(),
+        })?;
+        frame.validate()?;
+        Ok(frame)
+    }
+
+    fn validate(&self) -> Result<(), SyntheticError> {
+        let held = |key, given: f64, [least, most]: [f64; 2], allowed| {
+            if (least..=most).contains(&given) {
+                Ok(())
+            } else {
+                Err(SyntheticError::OutOfRange { key, given, allowed })
+            }
+        };
+        held("columns", self.columns as f64, [16.0, 32768.0], "16 to 32768")?;
+        held("rows", self.rows as f64, [16.0, 32768.0], "16 to 32768")?;
+        held("pixel_scale_arcsec", self.pixel_scale_arcsec, [0.001, 600.0], "0.001 to 600")?;
+        held("rotation_deg", self.rotation_deg, [-360.0, 360.0], "-360 to 360")?;
+        held("zero_point_1s_mag", self.zero_point_1s_mag, [0.0, 50.0], "0 to 50")?;
+        held("sky_mag_arcsec2", self.sky_mag_arcsec2, [0.0, 40.0], "0 to 40")?;
+        Ok(self.detector.validate()?)
+    }
+
+    /// Light of sky and stars through the detector, and the world coordinates.
+    ///
+    /// # Errors
+    /// [`SyntheticError`].
+    pub fn expose(&self, shot: &SyntheticShot<'_>) -> Result<(Plane, Wcs), SyntheticError> {
+        let rotation_rad = self.rotation_deg.to_radians();
+        let wcs = Wcs::tangent(shot.centre, self.pixel_scale_arcsec, rotation_rad, self.columns, self.rows)?;
+        let profile = RadialProfile::of(&Blur::seeing(shot.optics.seeing(self.pixel_scale_arcsec)))?;
+        // Of one electron in the whole exposure.
+        let zero_point_mag = self.zero_point_1s_mag + 2.5 * shot.exposure_s.log10();
+        let field = self.stars.map(|field| RandomStars {
+            per_megapixel: field.per_megapixel,
+            slope: field.slope,
+            brightest_mag: field.brightest_mag,
+            faintest_mag: field.faintest_mag,
+            zero_point_mag,
+        });
+        let listed = self
+            .star_list
+            .as_deref()
+            .map_or(Ok(Vec::new()), |path| listed_stars(path, zero_point_mag, shot.exposure_s))?;
+        let reach_pix = profile.pixel_reach_pix().min(200.0);
+        // Electrons a pixel: 10^(-0.4 (μ - ZP)) times its area.
+        let area_arcsec2 = self.pixel_scale_arcsec * self.pixel_scale_arcsec;
+        let sky_e = 10f64.powf(-0.4 * (self.sky_mag_arcsec2 - zero_point_mag)) * area_arcsec2;
+        let light = match shot.tracking {
+            Tracking::Sidereal => {
+                let mut stars =
+                    field.map_or(Ok(Vec::new()), |field| field.draw(self.rows, self.columns, reach_pix, shot.seed))?;
+                let at = |star: &SkyStar| Some(Star { at: wcs.to_pixel(star.direction)?, flux_e: star.flux_e });
+                stars.extend(listed.iter().filter_map(at));
+                background(self.rows, self.columns, sky_e, &stars, &profile)?
+            }
+            Tracking::Rate { .. } => {
+                let mut light = background(self.rows, self.columns, sky_e, &[], &profile)?;
+                let chip = self.chip(wcs.clone(), shot.exposure_s)?;
+                let mut stars = field.map_or(Ok(Vec::new()), |field| draw_stars(&field, &chip, shot, reach_pix))?;
+                stars.extend(listed);
+                add_trails(&mut light, &stars, &chip, shot, &profile)?;
+                light
+            }
+        };
+        // Stars and noise are drawn apart.
+        let (counts, _) = self.detector.expose(&light, shot.seed.wrapping_add(1))?;
+        Ok((counts, wcs))
+    }
+
+    /// Its pixels as a chip on which a star of magnitude 0 makes one electron.
+    fn chip(&self, wcs: Wcs, exposure_s: f64) -> Result<Chip, CountScaleError> {
+        Ok(Chip {
+            hdu: 0,
+            name: String::new(),
+            rows: self.rows,
+            columns: self.columns,
+            light_area: LightArea::whole(self.rows, self.columns),
+            wcs,
+            is_on_sky: true,
+            scale: CountScale::of_frame(0.0, exposure_s)?,
+        })
+    }
+
+    /// Writes the frame with the cards that [`crate::streaks::TargetFrame`] reads: world coordinates, exposure, zero point, gain.
+    ///
+    /// # Errors
+    /// [`SyntheticError`]; nothing half-written stays.
+    pub fn write(&self, shot: &SyntheticShot<'_>, path: &Path) -> Result<(), SyntheticError> {
+        let (counts, wcs) = self.expose(shot)?;
+        let whole = self.detector.quantisation.is_some();
+        let largest = counts.values().iter().copied().fold(f32::NEG_INFINITY, f32::max);
+        let smallest = counts.values().iter().copied().fold(f32::INFINITY, f32::min);
+        let pixels = if whole && smallest >= 0.0 && largest <= 65535.0 {
+            Pixels::U16(counts.values().iter().map(|value| *value as u16).collect())
+        } else {
+            Pixels::F32(counts.into_values())
+        };
+        let Some(values) = ImageValues::new(self.columns, pixels) else { return Ok(()) };
+        let cards = self.cards(shot, &wcs);
+        let rice = self.compress.then(Rice::default);
+        let image = NewImage { name: "", values: &values, cards: &cards, rice };
+        Ok(write_frame(path, &[image])?)
+    }
+
+    fn cards(&self, shot: &SyntheticShot<'_>, wcs: &Wcs) -> Vec<Card> {
+        let detector = &self.detector;
+        // A star of one count in the whole exposure.
+        let zero_point_mag = self.zero_point_1s_mag + 2.5 * (shot.exposure_s / detector.gain_e_adu).log10();
+        let date = format_utc(shot.opened, 6);
+        let texts = [
+            ("DATE-OBS", date.trim_end_matches('Z').to_owned(), "shutter opened"),
+            ("TIMESYS", "UTC".to_owned(), ""),
+            ("FILTER", shot.filter.to_owned(), ""),
+            ("BUNIT", "adu".to_owned(), ""),
+        ];
+        let saturation =
+            detector.saturation.map(|saturation| saturation.full_well_e / detector.gain_e_adu + detector.bias_adu);
+        let numbers = [
+            ("MJD-OBS", Some(mjd_utc(shot.opened.to_time_scale(TimeScale::UTC))), "[d] the same"),
+            ("EXPTIME", Some(shot.exposure_s), "[s]"),
+            ("MAGZP", Some(zero_point_mag), "[mag] of one count in the frame"),
+            ("GAIN", Some(detector.gain_e_adu), "[e-/adu]"),
+            ("RDNOISE", Some(detector.read_noise_e), "[e-]"),
+            ("SATURATE", saturation, "[adu]"),
+        ];
+        let mut cards = wcs.cards();
+        cards.extend(
+            texts
+                .iter()
+                .flat_map(|(key, text, comment)| Card::with_value(key, &CardValue::Text(text.clone()), comment)),
+        );
+        cards.extend(
+            numbers
+                .iter()
+                .filter_map(|(key, number, comment)| {
+                    number.map(|number| Card::with_value(key, &CardValue::Real(number), comment))
+                })
+                .flatten(),
+        );
+        cards.extend(Card::remark(
+            "HISTORY",
+            &format!("synthetic frame of streakcast {}, seed {}", env!("CARGO_PKG_VERSION"), shot.seed),
+        ));
+        cards
+    }
+}
+
+fn listed_stars(path: &Path, zero_point_mag: f64, exposure_s: f64) -> Result<Vec<SkyStar>, SyntheticError> {
+    #[derive(Deserialize)]
+    struct Row {
+        ra_deg: f64,
+        dec_deg: f64,
+        magnitude: f64,
+    }
+    let failed = |problem: String| SyntheticError::StarList { path: path.display().to_string(), problem };
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_path(path)
+        .map_err(|error| failed(error.to_string()))?;
+    let mut stars = Vec::new();
+    for row in reader.deserialize::<Row>() {
+        let row = row.map_err(|error| failed(error.to_string()))?;
+        let flux_e = flux_e(row.magnitude, zero_point_mag);
+        if !(row.ra_deg.is_finite() && row.dec_deg.abs() <= 90.0 && (-30.0..=60.0).contains(&row.magnitude)) {
+            let Row { ra_deg, dec_deg, magnitude } = row;
+            return Err(failed(format!("star {}: ra {ra_deg}, dec {dec_deg}, magnitude {magnitude}", stars.len() + 1)));
+        }
+        let direction = Direction::from_lon_lat_rad(row.ra_deg.to_radians(), row.dec_deg.to_radians());
+        stars.push(SkyStar { direction, flux_e, over_s: [0.0, exposure_s] });
+    }
+    Ok(stars)
+}

@@ -1,0 +1,104 @@
+//! The satellites that cross an exposure, as lights to be drawn.
+
+use super::modulation::Modulation;
+use super::resolved::ResolvedPanels;
+use super::sky_track::{SkyPoint, SkyTrack};
+use super::source::{Source, SourceName};
+use crate::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, seconds_after};
+use crate::orbit::LeftOut;
+use crate::passes::{Exposure, Field, FieldError, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
+use crate::photometry::PhotometryOptions;
+use crate::streaks::tracking::Tracking;
+use thiserror::Error;
+
+/// Points along a pass: the light changes by less than a thousandth from one to the next but in the penumbra, which has dozens of its own.
+const SAMPLES: usize = 257;
+
+/// Around the chips, so that tracks reach beyond the last fringe of their light, radians (0.1°).
+const MARGIN_RAD: f64 = 1.7e-3;
+
+/// Why there are no satellites.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum SatelliteError {
+    /// The sky has no answer.
+    #[error(transparent)]
+    Sky(#[from] SkyError),
+    /// The chips span no field.
+    #[error("the field of the frame's chips: {0}")]
+    Field(#[from] FieldError),
+}
+
+/// What the light of satellites depends on.
+#[derive(Copy, Clone, Debug)]
+pub struct SatelliteLight<'a> {
+    /// Band, system, extinction.
+    pub photometry: &'a PhotometryOptions,
+    /// What changes it along the track.
+    pub modulation: &'a Modulation,
+    /// Chassis and solar array apart, where a model has them.
+    pub resolve_panels: bool,
+    /// What the telescope follows.
+    pub tracking: &'a Tracking,
+}
+
+/// The satellites of one exposure.
+#[derive(Clone, Debug, Default)]
+pub struct Satellites {
+    /// Those that shine anywhere on their way through the field.
+    pub sources: Vec<Source>,
+    /// Satellites without a position.
+    pub left_out: Vec<LeftOut>,
+}
+
+/// Every satellite that is lit anywhere within `radius_rad` (and a little more) of what the frame looks at while the shutter is open. Where the telescope follows
+/// something, that is the whole strip of the sky that the frame goes over.
+///
+/// # Errors
+/// [`SatelliteError`]: an exposure that the sky cannot be asked about, a field of more than half the sky.
+pub fn satellites(
+    sky: &Sky,
+    eop: &EopTable,
+    exposure: &Exposure,
+    radius_rad: f64,
+    light: &SatelliteLight<'_>,
+) -> Result<Satellites, SatelliteError> {
+    let reach_rad = light.tracking.reach_rad(exposure.duration_s);
+    let field = Field::circle(2.0 * (radius_rad + reach_rad + MARGIN_RAD))?;
+    let options = PassOptions { samples: SAMPLES, photometry: *light.photometry, ..PassOptions::default() };
+    let mut answer = sky.field_passes(std::slice::from_ref(exposure), &field, &options)?;
+    let passes = answer.by_exposure.pop().unwrap_or_default();
+    let sources = passes.iter().map(|pass| source(sky, eop, exposure, pass, light)).collect();
+    Ok(Satellites { sources, left_out: answer.left_out })
+}
+
+fn source(sky: &Sky, eop: &EopTable, exposure: &Exposure, pass: &FieldPass, light: &SatelliteLight<'_>) -> Source {
+    let model = sky.model(pass.element_index);
+    let track = SkyTrack::of_pass(pass, exposure);
+    let seen = |point: &SkyPoint| light.tracking.seen(&point.direction, point.time_s, &exposure.pointing);
+    let middle_s = track.closest_s(&exposure.pointing, seen).unwrap_or(0.0);
+    let panels = light.resolve_panels.then(|| panels(sky, eop, exposure, pass, light)).flatten();
+    Source {
+        name: SourceName::Satellite { norad_id: pass.norad_id, name: sky.elements()[pass.element_index].name.clone() },
+        mag_source: model.source().to_string(),
+        element_age_days: Some(pass.element_age_days),
+        parts: Source::parts(&track, light.modulation, middle_s, 0.5 * model.size_m(), panels.as_ref()),
+    }
+}
+
+/// The two panels; `None` for models without, and for telescopes in orbit.
+fn panels(
+    sky: &Sky,
+    eop: &EopTable,
+    exposure: &Exposure,
+    pass: &FieldPass,
+    light: &SatelliteLight<'_>,
+) -> Option<ResolvedPanels> {
+    let Viewpoint::Site(observer) = sky.viewpoint() else { return None };
+    let end = seconds_after(exposure.start, exposure.duration_s);
+    let turning = OrientationTable::new(exposure.start, end, eop);
+    let place = |time_s: f64| -> Position<Gcrs> {
+        let orientation: Orientation = turning.at_s(time_s);
+        observer.position(&orientation)
+    };
+    ResolvedPanels::of_pass(pass, exposure, sky.model(pass.element_index), light.photometry.earthshine, place)
+}

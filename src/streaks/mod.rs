@@ -1,0 +1,41 @@
+//! Streaks in pixels: the light of a pass put into a frame, with its truth.
+//!
+//! `light/` says what moves over the sky and how bright it is; `chip` turns that into a path in pixels; `render/` draws a path; `drawn` has a drawn streak with
+//! what is true of it; `truth/` makes tables and masks of that; `frame/` is for files.
+
+mod background;
+mod chip;
+mod count_scale;
+mod drawn;
+#[cfg(feature = "fits")]
+mod frame;
+mod light;
+mod optics;
+mod psf;
+mod render;
+mod tracking;
+mod truth;
+
+#[cfg(feature = "fits")]
+pub(crate) use background::BRIGHTEST_E;
+pub use background::{BackgroundError, RandomStars, Star, background, flux_e};
+pub use chip::{Chip, ChipPath, circle_of, direction_on};
+pub use count_scale::{CountScale, CountScaleError};
+pub use drawn::{DrawError, DrawnStreak, Shot, StreakPoint, draw_on_chip};
+#[cfg(feature = "fits")]
+pub use frame::{
+    FrameSaid, InjectError, InjectOptions, Injected, StarField, SyntheticError, SyntheticFrame, SyntheticShot,
+    TargetChip, TargetError, TargetFrame, inject,
+};
+pub use light::{
+    Glint, LightCurve, Modulation, ModulationError, RandomStreakError, RandomStreaks, ResolvedPanels, SatelliteError,
+    SatelliteLight, Satellites, SkyPoint, SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling, satellites,
+};
+pub use optics::{Optics, OpticsError, SeeingForm};
+pub use psf::{Blur, BlurError, EdgeTable, Lanes, Lattice, Parts, ProfileTables, RadialProfile, Seeing, draw_point};
+pub use render::{PathError, PathNode, StreakPath, draw, draw_summed};
+pub use tracking::Tracking;
+pub use truth::{
+    MaskError, MaskPlanes, MaskPreset, MaskSpan, TruthRow, changed_spans, mask_spans, noise_of, points_table,
+    trail_table, truth_rows, truth_table,
+};

@@ -1,0 +1,130 @@
+//! What air and telescope make of a light at a distance.
+
+use thiserror::Error;
+
+use crate::streaks::{Blur, BlurError, RadialProfile, Seeing};
+
+/// The form of a star's image.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub enum SeeingForm {
+    /// A Gaussian.
+    Gaussian,
+    /// A Moffat profile of this β.
+    Moffat {
+        /// Steepness of the wings, 2 to 100.
+        beta: f64,
+    },
+    /// A narrow Gaussian and a wide one.
+    DoubleGaussian {
+        /// Width of the wide one in that of the narrow one, 1 or more.
+        widening: f64,
+        /// What the wide one has of the flux, 0 to 1.
+        wide_share: f64,
+    },
+}
+
+/// Why there is no profile.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum OpticsError {
+    /// On pixels of this size it is out of range.
+    #[error("the image of a light at {range_km:.0} km on pixels of {pixel_scale_arcsec:.3} arcsec: {source}")]
+    Blur {
+        /// Its distance.
+        range_km: f64,
+        /// Side of a pixel.
+        pixel_scale_arcsec: f64,
+        /// What is wrong, in pixels.
+        source: BlurError,
+    },
+    /// A pixel without a size.
+    #[error("pixels of {given} arcsec (allowed: above 0)")]
+    PixelScale {
+        /// As the WCS has it.
+        given: f64,
+    },
+}
+
+/// Air and telescope.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Optics {
+    /// Form of a star's image.
+    pub form: SeeingForm,
+    /// Its full width at half maximum, arcsec.
+    pub seeing_arcsec: f64,
+    /// Radius of the aperture, m; 0 leaves defocus out.
+    pub outer_radius_m: f64,
+    /// Radius of the central obstruction, m.
+    pub inner_radius_m: f64,
+}
+
+impl Optics {
+    /// The image of a disk of `radius_m` at `range_km` through a telescope that is focused on the stars, on pixels of `pixel_scale_arcsec`
+    /// (the side of a square of their area), `aspect` times as wide as high.
+    ///
+    /// # Errors
+    /// [`OpticsError`] where a width is out of what can be drawn.
+    pub fn profile(
+        &self,
+        range_km: f64,
+        radius_m: f64,
+        pixel_scale_arcsec: f64,
+        aspect: f64,
+    ) -> Result<RadialProfile, OpticsError> {
+        if !(pixel_scale_arcsec > 0.0 && pixel_scale_arcsec.is_finite()) {
+            return Err(OpticsError::PixelScale { given: pixel_scale_arcsec });
+        }
+        // A length at range d is seen under r / d: the pupil's image out of focus as well as the body (Ragazzoni 2020).
+        let pixels_a_metre = (1.0 / (range_km * 1000.0)).to_degrees() * 3600.0 / pixel_scale_arcsec;
+        let blur = Blur {
+            seeing: self.seeing(pixel_scale_arcsec),
+            outer_radius_pix: self.outer_radius_m * pixels_a_metre,
+            inner_radius_pix: self.inner_radius_m * pixels_a_metre,
+            body_radius_pix: radius_m * pixels_a_metre,
+        };
+        RadialProfile::on_oblong(&blur, aspect).map_err(|source| OpticsError::Blur {
+            range_km,
+            pixel_scale_arcsec,
+            source,
+        })
+    }
+
+    /// No light is drawn farther from its centre, radians: the widest wings, and rings of satellites at any height.
+    pub fn farthest_rad(&self) -> f64 {
+        const SEEINGS: f64 = 200.0;
+        const RINGS_RAD: f64 = 1e-3;
+        (SEEINGS * self.seeing_arcsec / 3600.0).to_radians().max(RINGS_RAD)
+    }
+
+    /// A star's image on pixels of this size.
+    pub fn seeing(&self, pixel_scale_arcsec: f64) -> Seeing {
+        let fwhm_pix = self.seeing_arcsec / pixel_scale_arcsec;
+        match self.form {
+            SeeingForm::Gaussian => Seeing::Gaussian { fwhm_pix },
+            SeeingForm::Moffat { beta } => Seeing::Moffat { fwhm_pix, beta },
+            SeeingForm::DoubleGaussian { widening, wide_share } => {
+                Seeing::DoubleGaussian { fwhm_pix, wide_fwhm_pix: widening * fwhm_pix, wide_share }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_the_image_has_the_width_of_seeing_ring_and_body() {
+        let optics =
+            Optics { form: SeeingForm::Gaussian, seeing_arcsec: 0.7, outer_radius_m: 4.18, inner_radius_m: 2.558 };
+        let blur = *optics.profile(550.0, 2.0, 0.2, 1.0).unwrap().blur();
+        assert_eq!(blur.seeing, Seeing::Gaussian { fwhm_pix: 0.7 / 0.2 });
+        // Rubin's ring is 3.14" across at 550 km (science 11).
+        assert!((2.0 * blur.outer_radius_pix * 0.2 - 3.135).abs() < 1e-3);
+        assert!((blur.inner_radius_pix / blur.outer_radius_pix - 2.558 / 4.18).abs() < 1e-12);
+        assert!((blur.body_radius_pix / blur.outer_radius_pix - 2.0 / 4.18).abs() < 1e-12);
+        let message = optics.profile(550.0, 2.0, 20.0, 1.0).unwrap_err().to_string();
+        assert!(message.contains("550 km") && message.contains("fwhm_pix is 0.03"), "{message}");
+        assert!(optics.profile(550.0, 2.0, f64::NAN, 1.0).is_err());
+        assert!(optics.profile(550.0, 2.0, 0.2, 3.0).unwrap_err().to_string().contains("aspect is 3"));
+    }
+}

@@ -1,0 +1,179 @@
+//! Which pixels hold injected light, and on which it stands out.
+
+use super::super::drawn::DrawnStreak;
+use super::mask_planes::MaskPlanes;
+use crate::images::AddedLight;
+
+/// Fainter than this share of its brightest pixel a streak's light is not counted as injected: it is below anything that a frame can hold.
+const FAINTEST_SHARE: f32 = 1e-4;
+
+/// Where a frame has no noise to stand out from, a streak does above this share of its brightest pixel.
+const SHARE_WITHOUT_NOISE: f32 = 0.1;
+
+/// One row of a mask: neighbouring pixels and their values.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MaskSpan {
+    /// Row, counted from 0.
+    pub row: usize,
+    /// Column of the first pixel, counted from 0.
+    pub first_column: usize,
+    /// Values of this pixel and those right of it.
+    pub values: Vec<i32>,
+}
+
+/// The masked stretches of a chip, those of several streaks in one row joined, in the order of rows; all else is 0.
+///
+/// `INJECTED` are all pixels with more than 10⁻⁴ of the brightest pixel of a streak. `STREAK` and `INJECTED` are those on which the light of all streaks
+/// together is above `noise`, one sigma of the frame's own pixels; where that is 0, above a tenth of the streak's brightest pixel.
+pub fn mask_spans(streaks: &[&DrawnStreak<'_>], columns: usize, planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
+    let peaks: Vec<f32> = streaks
+        .iter()
+        .map(|streak| streak.patch.iter().flat_map(|span| span.values.iter().copied()).fold(0.0, f32::max))
+        .collect();
+    let rows = streaks.iter().flat_map(|streak| streak.patch.iter().map(|span| span.row));
+    let mut rows: Vec<usize> = rows.collect();
+    rows.sort_unstable();
+    rows.dedup();
+    let mut light = vec![0.0f32; columns];
+    let mut values = vec![0i32; columns];
+    rows.into_iter()
+        .filter_map(|row| {
+            let (mut first, mut end) = (columns, 0);
+            for (streak, &peak) in streaks.iter().zip(&peaks) {
+                let span = streak.patch.row(row);
+                let threshold = if noise > 0.0 { f32::INFINITY } else { SHARE_WITHOUT_NOISE * peak };
+                for (column, &value) in (span.first_column..).zip(span.values) {
+                    light[column] += value;
+                    if value > FAINTEST_SHARE * peak {
+                        values[column] |= planes.value(value > threshold);
+                    }
+                }
+                if !span.values.is_empty() {
+                    (first, end) = (first.min(span.first_column), end.max(span.first_column + span.values.len()));
+                }
+            }
+            for column in first..end {
+                if noise > 0.0 && light[column] > noise {
+                    values[column] = planes.value(true);
+                }
+            }
+            let masked = |column: &usize| values[*column] != 0;
+            let span = (first..end).find(masked).map(|from| {
+                let to = (from..end).rfind(masked).map_or(from, |last| last) + 1;
+                MaskSpan { row, first_column: from, values: values[from..to].to_vec() }
+            });
+            if first < end {
+                light[first..end].fill(0.0);
+                values[first..end].fill(0);
+            }
+            span
+        })
+        .collect()
+}
+
+/// What a detector made of the light outside of the streaks, too: the bled columns and the ghosts are `INJECTED` where the signal is above `noise`, one sigma of the
+/// frame's own pixels; where that is 0, above 10⁻⁴ of the chip's strongest signal. `added` is in order; stretches of a row are in one span.
+///
+/// They are no `STREAK`: a detector of streaks is to find the line, and pipelines mask bleeding and ghosts by planes of their own.
+pub fn changed_spans(added: &[AddedLight], planes: &MaskPlanes, noise: f32) -> Vec<MaskSpan> {
+    let strongest = added.iter().map(|light| light.signal_adu.abs()).fold(0.0, f32::max);
+    let threshold = if noise > 0.0 { noise } else { FAINTEST_SHARE * strongest };
+    let seen: Vec<&AddedLight> = added.iter().filter(|light| light.signal_adu.abs() > threshold).collect();
+    seen.chunk_by(|a, b| (a.row, a.column + 1) == (b.row, b.column))
+        .map(|of_span| MaskSpan {
+            row: of_span[0].row,
+            first_column: of_span[0].column,
+            values: vec![planes.value(false); of_span.len()],
+        })
+        .collect()
+}
+
+/// One sigma of a frame's pixels about their median, from the median of absolute differences (1.4826 times that for a Gaussian): stars and streaks hardly
+/// change it. Every pixel of a sample counts but those that are no number; 0 for a frame of one value.
+pub fn noise_of(values: &[f32]) -> f32 {
+    const SAMPLED: usize = 100_000;
+    let step = (values.len() / SAMPLED).max(1);
+    let mut sample: Vec<f32> = values.iter().step_by(step).copied().filter(|value| value.is_finite()).collect();
+    let median = |sample: &mut Vec<f32>| {
+        let middle = sample.len() / 2;
+        (!sample.is_empty()).then(|| *sample.select_nth_unstable_by(middle, f32::total_cmp).1)
+    };
+    let Some(centre) = median(&mut sample) else { return 0.0 };
+    sample.iter_mut().for_each(|value| *value = (*value - centre).abs());
+    median(&mut sample).map_or(0.0, |deviation| 1.4826 * deviation)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::images::PixelPosition;
+    use crate::streaks::{Blur, RadialProfile, Seeing, draw_point};
+    use crate::streaks::{Source, SourceName};
+
+    #[test]
+    fn verif_masks_tell_light_that_stands_out_from_light_that_is_there() {
+        let profile = RadialProfile::of(&Blur::seeing(Seeing::Gaussian { fwhm_pix: 3.0 })).unwrap();
+        let source =
+            Source { name: SourceName::Random(1), mag_source: String::new(), element_age_days: None, parts: vec![] };
+        let streak = |x: f64| DrawnStreak {
+            source: &source,
+            part: "whole",
+            hdu: 0,
+            chip: "",
+            is_on_sky: true,
+            patch: draw_point(&profile, PixelPosition { x, y: 20.0 }, 1000.0, 40, 60),
+            points: vec![],
+            width_arcsec: 3.0,
+            width_pix: 3.0,
+            length_pix: 0.0,
+            middle: None,
+            peak_magnitude: None,
+            rate_arcsec_s: 0.0,
+            frame_rate_arcsec_s: 0.0,
+            zero_point_mag: 25.0,
+        };
+        let (left, right) = (streak(20.0), streak(26.0));
+        let planes = MaskPlanes { streak_bit: 0, injected_bit: 1 };
+        for noise in [0.0, 10.0] {
+            let spans = mask_spans(&[&left, &right], 60, &planes, noise);
+            assert!(spans.windows(2).all(|pair| pair[0].row < pair[1].row));
+            let middle = spans.iter().find(|span| span.row == 20).unwrap();
+            let at = |column: usize| middle.values[column - middle.first_column];
+            assert_eq!((at(20), at(26)), (3, 3));
+            let sum = |column: usize| left.patch.at(20, column) + right.patch.at(20, column);
+            for column in middle.first_column..middle.first_column + middle.values.len() {
+                let stands_out =
+                    if noise > 0.0 { sum(column) > noise } else { sum(column) > 0.1 * left.patch.at(20, 20) };
+                // Between the two the sum may stand out where neither does: only noise knows sums.
+                if noise > 0.0 || (column as f64 - 23.0).abs() > 1.5 {
+                    assert_eq!(at(column) & 1 == 1, stands_out, "{column} {noise}");
+                }
+            }
+        }
+        assert!(mask_spans(&[], 60, &planes, 1.0).is_empty());
+    }
+
+    #[test]
+    fn verif_what_bled_is_injected_and_no_streak() {
+        let planes = MaskPlanes { streak_bit: 0, injected_bit: 1 };
+        let light = |row, column, signal_adu| AddedLight { row, column, signal_adu, change_adu: signal_adu };
+        let added = [light(2, 5, 40.0), light(2, 6, -30.0), light(2, 8, 9.0), light(3, 6, 20.0), light(3, 7, 0.001)];
+        let span = |row, first_column, pixels| MaskSpan { row, first_column, values: vec![2; pixels] };
+        assert_eq!(changed_spans(&added, &planes, 10.0), [span(2, 5, 2), span(3, 6, 1)]);
+        assert_eq!(changed_spans(&added, &planes, 0.0), [span(2, 5, 2), span(2, 8, 1), span(3, 6, 1)]);
+        assert!(changed_spans(&[], &planes, 0.0).is_empty());
+    }
+
+    #[test]
+    fn verif_noise_is_that_of_the_sky() {
+        let mut values: Vec<f32> =
+            (0..20_001).map(|index| 100.0 + 3.0 * ((index % 2001) as f32 - 1000.0) / 1000.0).collect();
+        // Even over ±3: half of it lies within 1.5 of the median.
+        assert!((noise_of(&values) - 1.4826 * 1.5).abs() < 0.01);
+        values[7] = f32::NAN;
+        values[8] = 1e9;
+        assert!((noise_of(&values) - 1.4826 * 1.5).abs() < 0.01);
+        assert_eq!(noise_of(&[5.0; 100]), 0.0);
+        assert_eq!(noise_of(&[f32::NAN]), 0.0);
+    }
+}

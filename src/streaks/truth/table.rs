@@ -1,0 +1,231 @@
+//! The truth about injected streaks as tables: one row a streak, one row a point, and the rows that Rubin's pipelines inject from.
+
+use super::super::drawn::{DrawnStreak, StreakPoint};
+use super::super::light::SourceName;
+use crate::images::{effective_magnitude, surface_brightness_mag_arcsec2};
+use crate::output::{Column, Kind, Table, Value};
+
+/// A streak with what its row says besides: its number in the file, from 1, and the length of the exposure.
+#[derive(Copy, Clone, Debug)]
+pub struct TruthRow<'a> {
+    /// Number.
+    pub number: usize,
+    /// The streak.
+    pub streak: &'a DrawnStreak<'a>,
+    /// How long the shutter was open, seconds.
+    pub exposure_s: f64,
+    /// What noise and random streaks were drawn from.
+    pub seed: u64,
+}
+
+/// One column and how its cell comes from a row.
+struct Field {
+    column: Column,
+    value: fn(&TruthRow<'_>) -> Value,
+}
+
+const fn field(column: Column, value: fn(&TruthRow<'_>) -> Value) -> Field {
+    Field { column, value }
+}
+
+static FIELDS: &[Field] = &[
+    field(Column::new("streak", Kind::Integer, "Number of the streak in this file, from 1."), |row| row.number.into()),
+    field(Column::new("hdu", Kind::Integer, "HDU of the chip, the first being 0."), |row| row.streak.hdu.into()),
+    field(Column::new("chip", Kind::Text, "Name of the HDU."), |row| row.streak.chip.into()),
+    field(
+        Column::new("norad_id", Kind::Integer, "NORAD catalogue number; empty for a random streak."),
+        |row| match &row.streak.source.name {
+            SourceName::Satellite { norad_id, .. } => i64::from(norad_id.0).into(),
+            SourceName::Random(_) => Value::Null,
+        },
+    ),
+    field(Column::new("name", Kind::Text, "Name in the element set, or the number of the random streak."), |row| {
+        row.streak.source.name.to_string().into()
+    }),
+    field(Column::new("part", Kind::Text, "whole, or chassis and array apart."), |row| row.streak.part.into()),
+    field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
+        row.streak.source.mag_source.as_str().into()
+    }),
+    field(Column::real("element_age_days", "d", 4, "Exposure less epoch of the elements."), |row| {
+        row.streak.source.element_age_days.into()
+    }),
+    field(Column::time("enter_utc", "First moment over the chip."), |row| end(row, 0, |point| point.epoch.into())),
+    field(Column::time("exit_utc", "Last moment over the chip."), |row| end(row, 1, |point| point.epoch.into())),
+    field(Column::real("x1_pix", "pix", 3, "Column of the first end; the first pixel's centre is 1."), |row| {
+        end(row, 0, |point| point.at.fits()[0].into())
+    }),
+    field(Column::real("y1_pix", "pix", 3, "Row of the first end."), |row| {
+        end(row, 0, |point| point.at.fits()[1].into())
+    }),
+    field(Column::real("x2_pix", "pix", 3, "Column of the last end."), |row| {
+        end(row, 1, |point| point.at.fits()[0].into())
+    }),
+    field(Column::real("y2_pix", "pix", 3, "Row of the last end."), |row| {
+        end(row, 1, |point| point.at.fits()[1].into())
+    }),
+    field(
+        Column::real("ra1_deg", "deg", 7, "Right ascension of the first end, ICRS astrometric topocentric."),
+        |row| end(row, 0, |point| ra_deg(row, point)),
+    ),
+    field(Column::real("dec1_deg", "deg", 7, "Declination of the first end."), |row| {
+        end(row, 0, |point| dec_deg(row, point))
+    }),
+    field(Column::real("ra2_deg", "deg", 7, "Right ascension of the last end."), |row| {
+        end(row, 1, |point| ra_deg(row, point))
+    }),
+    field(Column::real("dec2_deg", "deg", 7, "Declination of the last end."), |row| {
+        end(row, 1, |point| dec_deg(row, point))
+    }),
+    field(Column::real("length_pix", "pix", 3, "Length over the chip."), |row| row.streak.length_pix.into()),
+    field(Column::real("angle_deg", "deg", 4, "Direction of motion from the x axis towards the y axis."), |row| {
+        row.streak.angle_deg().into()
+    }),
+    field(Column::real("position_angle_deg", "deg", 4, "Direction of motion from north through east."), |row| {
+        row.streak.position_angle_deg().into()
+    }),
+    field(Column::real("angular_rate_deg_s", "deg / s", 6, "Mean speed among the stars."), |row| {
+        (row.streak.rate_arcsec_s / 3600.0).into()
+    }),
+    field(
+        Column::real(
+            "width_pix",
+            "pix",
+            3,
+            "Full width at half maximum across the streak: seeing, defocus, size, pixel.",
+        ),
+        |row| row.streak.width_pix.into(),
+    ),
+    field(Column::real("width_arcsec", "arcsec", 3, "The same."), |row| row.streak.width_arcsec.into()),
+    field(Column::real("magnitude", "mag", 3, "Half way, as if it stood still; empty in the dark."), |row| {
+        row.streak.middle.and_then(|point| point.magnitude).into()
+    }),
+    field(Column::real("magnitude_peak", "mag", 3, "Brightest over the chip."), |row| row.streak.peak_magnitude.into()),
+    field(
+        Column::real(
+            "effective_magnitude",
+            "mag",
+            3,
+            "Of a star as bright per area as the streak half way, same exposure.",
+        ),
+        |row| spread(row, effective_magnitude),
+    ),
+    field(
+        Column::real(
+            "surface_brightness_mag_arcsec2",
+            "mag / arcsec2",
+            3,
+            "Of the streak half way, over the exposure.",
+        ),
+        |row| {
+            spread(row, |magnitude, width, rate, exposure_s| {
+                surface_brightness_mag_arcsec2(magnitude, width, rate, exposure_s)
+            })
+        },
+    ),
+    field(
+        Column::real("counts", "", 3, "Sum of the light on the chip in the frame's unit, before noise and detector."),
+        |row| row.streak.patch.sum().into(),
+    ),
+    field(Column::real("total_magnitude", "mag", 3, "Of a star of as many counts."), |row| {
+        row.streak.total_magnitude().into()
+    }),
+    field(Column::real("zero_point_mag", "mag", 4, "Of a star whose image sums to 1 in the frame's unit."), |row| {
+        row.streak.zero_point_mag.into()
+    }),
+    field(Column::new("seed", Kind::Integer, "What noise and random streaks were drawn from."), |row| {
+        i64::try_from(row.seed).unwrap_or(i64::MAX).into()
+    }),
+];
+
+fn end(row: &TruthRow<'_>, which: usize, value: impl Fn(&StreakPoint) -> Value) -> Value {
+    row.streak.ends().map_or(Value::Null, |ends| value(ends[which]))
+}
+
+fn ra_deg(row: &TruthRow<'_>, point: &StreakPoint) -> Value {
+    row.streak.is_on_sky.then(|| point.direction.longitude_rad().to_degrees()).into()
+}
+
+fn dec_deg(row: &TruthRow<'_>, point: &StreakPoint) -> Value {
+    row.streak.is_on_sky.then(|| point.direction.latitude_rad().to_degrees()).into()
+}
+
+/// A function of magnitude, width, rate and exposure half way.
+fn spread(row: &TruthRow<'_>, function: impl Fn(f64, f64, f64, f64) -> f64) -> Value {
+    let magnitude = row.streak.middle.and_then(|point| point.magnitude);
+    magnitude
+        .map(|magnitude| function(magnitude, row.streak.width_arcsec, row.streak.frame_rate_arcsec_s, row.exposure_s))
+        .into()
+}
+
+/// The rows of the truth, numbered from 1 in the order of the streaks.
+pub fn truth_rows<'a>(streaks: &'a [DrawnStreak<'a>], exposure_s: f64, seed: u64) -> Vec<TruthRow<'a>> {
+    streaks.iter().zip(1..).map(|(streak, number)| TruthRow { number, streak, exposure_s, seed }).collect()
+}
+
+/// One row a streak.
+pub fn truth_table(rows: &[TruthRow<'_>]) -> Table {
+    Table {
+        columns: FIELDS.iter().map(|field| field.column).collect(),
+        rows: rows.iter().map(|row| FIELDS.iter().map(|field| (field.value)(row)).collect()).collect(),
+    }
+}
+
+/// One row a point along each streak.
+pub fn points_table(rows: &[TruthRow<'_>]) -> Table {
+    let columns = vec![
+        Column::new("streak", Kind::Integer, "Number of the streak in this file, from 1."),
+        Column::time("utc", "Moment of reception."),
+        Column::real("x_pix", "pix", 3, "Column; the first pixel's centre is 1."),
+        Column::real("y_pix", "pix", 3, "Row."),
+        Column::real("ra_deg", "deg", 7, "Right ascension, ICRS astrometric topocentric."),
+        Column::real("dec_deg", "deg", 7, "Declination."),
+        Column::real("magnitude", "mag", 4, "As if it stood still; empty in the dark."),
+        Column::real("counts_s", "1 / s", 4, "Light a second in the frame's unit."),
+    ];
+    let point = |row: &TruthRow<'_>, point: &StreakPoint| {
+        let [x, y] = point.at.fits();
+        vec![
+            row.number.into(),
+            point.epoch.into(),
+            x.into(),
+            y.into(),
+            ra_deg(row, point),
+            dec_deg(row, point),
+            point.magnitude.into(),
+            point.rate.into(),
+        ]
+    };
+    let rows = rows.iter().flat_map(|row| row.streak.points.iter().map(move |one| point(row, one))).collect();
+    Table { columns, rows }
+}
+
+/// Rows of Rubin's `source_injection` catalogues: trails of even light, `beta` degrees from the x axis towards the y axis of the chip, `mag` that of
+/// each pixel of their length (its engine multiplies the flux of `mag` by `trail_length`). What changes along a streak, and defocus, they cannot hold.
+pub fn trail_table(rows: &[TruthRow<'_>]) -> Table {
+    let columns = vec![
+        Column::new("injection_id", Kind::Integer, "Number of the streak in the truth."),
+        Column::real("ra", "deg", 7, "Right ascension of the middle, ICRS."),
+        Column::real("dec", "deg", 7, "Declination of the middle."),
+        Column::new("source_type", Kind::Text, "Trail."),
+        Column::real("mag", "mag", 4, "Magnitude of each pixel of the trail's length over the whole exposure."),
+        Column::real("trail_length", "pix", 3, "Length, pixels."),
+        Column::real("beta", "deg", 4, "Angle from the x axis of the frame towards the y axis."),
+    ];
+    let trail = |row: &TruthRow<'_>| {
+        let streak = row.streak;
+        let (middle, angle_deg) = (streak.middle.filter(|_| streak.is_on_sky)?, streak.angle_deg()?);
+        // Σ counts = flux(mag) × length                        lsst.source.injection, make_galsim_trail
+        let mag = streak.zero_point_mag - 2.5 * (streak.patch.sum() / streak.length_pix).log10();
+        Some(vec![
+            row.number.into(),
+            middle.frame_direction.longitude_rad().to_degrees().into(),
+            middle.frame_direction.latitude_rad().to_degrees().into(),
+            "Trail".into(),
+            mag.into(),
+            streak.length_pix.into(),
+            // A line has no direction: half a turn is enough.
+            angle_deg.rem_euclid(180.0).into(),
+        ])
+    };
+    Table { columns, rows: rows.iter().filter_map(trail).collect() }
+}

@@ -1,0 +1,308 @@
+//! Schedules as the field's own tools write them (tests/reference/make_schedule_samples.py), annotated: every original byte there, the same
+//! verdicts in every format, the streaks beside, and shares of a batch that make up the whole.
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::common::cli::{FLAG, SKY, done, path, records, run};
+use serde_json::Value;
+use tempfile::TempDir;
+
+fn sample(name: &str) -> String {
+    crate::common::golden_dir().join("schedules").join(name).display().to_string()
+}
+
+fn annotated(folder: &TempDir, name: &str, more: &[&str]) -> PathBuf {
+    let output = path(folder, name);
+    done(&[&["annotate", "--schedule", &sample(name), "-o", &output], FLAG, SKY, more]);
+    PathBuf::from(output)
+}
+
+/// True where each line, and each object of JSON on one line, stands whole in a text, in the same order: something may have been added behind it.
+fn is_contained(original: &str, text: &str) -> bool {
+    let mut rest = text;
+    let mut pieces = original
+        .split(['\n', '}'])
+        .map(|piece| piece.trim_end_matches([',', '\r']))
+        .filter(|piece| !piece.trim().is_empty());
+    pieces.all(|piece| match rest.find(piece) {
+        Some(at) => {
+            rest = &rest[at + piece.len()..];
+            true
+        }
+        None => false,
+    })
+}
+
+/// Verdicts by `flag`, row by row.
+fn verdicts(name: &str, more: &[&str]) -> Vec<String> {
+    let answer = crate::common::cli::json(&[&["flag", "--schedule", &sample(name)], FLAG, SKY, more]);
+    answer["flags"].as_array().unwrap().iter().map(|flag| flag["verdict"].as_str().unwrap().to_owned()).collect()
+}
+
+#[test]
+fn consdb_exports_are_tai_and_the_same_in_every_format() {
+    let expected = verdicts("consdb.csv", &[]);
+    assert_eq!(expected.len(), 12);
+    assert!(
+        expected.iter().any(|verdict| verdict == "clear") && expected.iter().any(|verdict| verdict != "clear"),
+        "{expected:?}"
+    );
+    for name in ["consdb.ecsv", "consdb_comma.ecsv", "consdb.vot"] {
+        assert_eq!(verdicts(name, &[]), expected, "{name}");
+    }
+    // The openings of the sample are 23:05:37 TAI and on: 37 s earlier in UTC.
+    let answer = crate::common::cli::json(&[&["flag", "--schedule", &sample("consdb.csv")], FLAG, SKY]);
+    assert_eq!(answer["provenance"]["time_scale"], "tai");
+    assert_eq!(answer["provenance"]["schedule"]["first_start_utc"], "2024-08-14T23:05:00.000Z");
+    assert_eq!(answer["flags"][0]["exposure_id"], "2024081400000");
+    let (code, _, stderr) = run(&[&["flag", "--schedule", &sample("consdb.csv"), "--time-scale", "utc"], FLAG, SKY]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("column obs_start_mjd is in TAI, but --time-scale says UTC"), "{stderr}");
+}
+
+#[test]
+fn obsplan_feeds_need_their_scale_said_and_number_their_rows() {
+    let (code, _, stderr) = run(&[&["flag", "--schedule", &sample("obsplan.json")], FLAG, SKY]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("t_planning names no time scale") && stderr.contains("37 s"), "{stderr}");
+    let scale = &["--time-scale", "utc"];
+    // The same night as the other samples, without its rotation: circles do not care.
+    assert_eq!(verdicts("obsplan.json", scale), verdicts("consdb.csv", &[]));
+    let folder = tempfile::tempdir().unwrap();
+    let output = annotated(&folder, "obsplan.json", scale);
+    let rows: Vec<Value> = serde_json::from_str(&fs::read_to_string(&output).unwrap()).unwrap();
+    assert_eq!((rows[0]["exposure_id"].as_str(), rows[11]["exposure_id"].as_str()), (Some("1"), Some("12")));
+    let streaks: Value =
+        serde_json::from_str(&fs::read_to_string(path(&folder, "obsplan.streaks.json")).unwrap()).unwrap();
+    assert!(!streaks["streaks"].as_array().unwrap().is_empty());
+    assert_eq!(streaks["provenance"]["time_scale"], "utc");
+}
+
+#[test]
+fn every_original_byte_stays_and_a_second_time_takes_the_place_of_the_first() {
+    for (name, scale) in [
+        ("consdb.csv", &[][..]),
+        ("consdb.ecsv", &[]),
+        ("consdb_comma.ecsv", &[]),
+        ("consdb.vot", &[]),
+        ("obsplan.json", &["--time-scale", "utc"]),
+        ("obsplan_object.json", &["--time-scale", "utc"]),
+    ] {
+        let folder = tempfile::tempdir().unwrap();
+        let output = annotated(&folder, name, scale);
+        let (original, text) = (fs::read_to_string(sample(name)).unwrap(), fs::read_to_string(&output).unwrap());
+        assert!(is_contained(&original, &text), "{name}");
+        assert!(text.contains("next_clear_start_utc"), "{name}");
+        let verdict_count = |text: &str| {
+            text.matches("clear").count() + text.matches("streaked").count() + text.matches("avoid").count()
+        };
+        assert!(verdict_count(&text) >= 12, "{name}");
+        // What was annotated is read as before, and annotated again only when told.
+        let output = output.display().to_string();
+        let again = |more: &[&str]| {
+            run(&[&["annotate", "--schedule", &output, "-o", &path(&folder, "second")], FLAG, SKY, scale, more])
+        };
+        let (code, _, stderr) = again(&[]);
+        assert_eq!(code, 2, "{name}: {stderr}");
+        assert!(stderr.contains("already has") && stderr.contains("--replace"), "{name}: {stderr}");
+        let (code, _, stderr) = again(&["--replace"]);
+        assert_eq!(code, 0, "{name}: {stderr}");
+        let strip = |text: &str| text.replace(&output, "").replace(&sample(name), "");
+        assert_eq!(strip(&fs::read_to_string(path(&folder, "second")).unwrap()), strip(&text), "{name}");
+        // In place, too: the file is there whole or not at all, and nothing is left beside it.
+        let (code, ..) = run(&[&["annotate", "--schedule", &output, "-o", &output, "--replace"], FLAG, SKY, scale]);
+        assert_eq!(code, 0, "{name}");
+        let stray = fs::read_dir(folder.path())
+            .unwrap()
+            .flatten()
+            .filter(|one| one.file_name().to_string_lossy().contains(".part"))
+            .count();
+        assert_eq!(stray, 0);
+    }
+}
+
+#[test]
+fn streaks_stand_where_the_format_has_a_place_for_them() {
+    let folder = tempfile::tempdir().unwrap();
+    annotated(&folder, "consdb.csv", &[]);
+    let rows = records(&fs::read_to_string(path(&folder, "consdb.streaks.csv")).unwrap());
+    annotated(&folder, "consdb.ecsv", &[]);
+    assert_eq!(records(&fs::read_to_string(path(&folder, "consdb.streaks.ecsv")).unwrap()), rows);
+    let votable = fs::read_to_string(annotated(&folder, "consdb.vot", &[])).unwrap();
+    let table = &votable[votable.find("<TABLE name=\"streaks\">").unwrap()..];
+    assert_eq!(table.matches("<TR>").count(), rows.len() - 1);
+    assert!(table.contains("<INFO name=\"version\""));
+    let scale = &["--time-scale", "utc"];
+    let object = fs::read_to_string(annotated(&folder, "obsplan_object.json", scale)).unwrap();
+    let object: Value = serde_json::from_str(&object).unwrap();
+    assert_eq!(object["streaks"].as_array().unwrap().len(), rows.len() - 1);
+    assert_eq!(object["streak_provenance"]["software"], "streakcast");
+    assert_eq!(object["note"]["b"][1], 2);
+    assert!(!Path::new(&path(&folder, "obsplan_object.streaks.json")).exists());
+}
+
+#[test]
+fn what_cannot_be_written_back_is_refused_before_any_work() {
+    let folder = tempfile::tempdir().unwrap();
+    let refused = |name: &str, text: &str, part: &str| {
+        let input = path(&folder, name);
+        fs::write(&input, text).unwrap();
+        let (code, _, stderr) = run(&[&["annotate", "--schedule", &input, "-o", &path(&folder, "out")], FLAG, SKY]);
+        assert_eq!(code, 2, "{stderr}");
+        assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
+        assert!(!Path::new(&path(&folder, "out")).exists());
+    };
+    let votable = fs::read_to_string(sample("consdb.vot")).unwrap();
+    refused("b.vot", &votable.replace("TABLEDATA", "BINARY2"), "whose rows are not in TABLEDATA");
+    refused("s.vot", &votable.replacen("<TD>r</TD>", "", 1), "row 1 has 10 cells, the header 11");
+    refused("x.vot", &votable[..votable.len() / 2], "x.vot");
+    let ecsv = fs::read_to_string(sample("consdb.ecsv")).unwrap();
+    refused(
+        "q.ecsv",
+        &ecsv.replacen("\"fbs, \"\"main\"\"\"", "\"fbs,\nmain\"", 1),
+        "a quoted cell goes on in the next line",
+    );
+}
+
+/// A field wide enough for streaks in most rows.
+const WIDE: &[&str] = &["--fov", "12deg", "--limit-mag", "6.5"];
+
+/// Three nights of the same evening.
+fn three_nights() -> String {
+    let mut text = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n".to_owned();
+    for night in 0..3 {
+        for number in 0..8 {
+            let (ra, dec) = (200.0 + 1.5 * f64::from(number), -40.0 + f64::from(number));
+            text +=
+                &format!("n{night}v{number},2024-08-{:02}T23:{:02}:30.000Z,30,{ra},{dec}\n", 14 + night, 5 + number);
+        }
+    }
+    text + "broken,2024-08-14T23:59:00Z,x,1,2\n"
+}
+
+#[test]
+fn shares_of_a_batch_make_up_the_whole() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = path(&folder, "nights.csv");
+    fs::write(&schedule, three_nights()).unwrap();
+    let flags = |more: &[&str]| {
+        let text = done(&[&["flag", "--schedule", &schedule, "--format", "csv"], WIDE, SKY, more]);
+        records(&text)[1..].iter().map(|row| (row[0].to_owned(), row.clone())).collect::<BTreeMap<_, _>>()
+    };
+    let whole = flags(&[]);
+    assert_eq!(whole.len(), 25);
+    for count in [1, 2, 3, 5] {
+        let mut together = BTreeMap::new();
+        for index in 1..=count {
+            let share = flags(&["--shard", &format!("{index}/{count}")]);
+            for (id, row) in share {
+                assert!(together.insert(id, row).is_none(), "a row in two shares of {count}");
+            }
+        }
+        assert_eq!(together, whole, "{count} shares");
+    }
+    let annotated = |name: &str, schedule: &str, more: &[&str]| {
+        let output = path(&folder, name);
+        done(&[&["annotate", "--schedule", schedule, "-o", &output], WIDE, SKY, more]);
+        let streaks = output.replace(".csv", ".streaks.csv");
+        (
+            records(&fs::read_to_string(output).unwrap())[1..].to_vec(),
+            records(&fs::read_to_string(streaks).unwrap())[1..].to_vec(),
+        )
+    };
+    let (mut rows, mut streaks) = annotated("whole.csv", &schedule, &[]);
+    let shares: Vec<_> = (1..=2)
+        .map(|index| annotated(&format!("s{index}.csv"), &schedule, &["--shard", &format!("{index}/2")]))
+        .collect();
+    let mut all_rows: Vec<_> = shares.iter().flat_map(|(rows, _)| rows.clone()).collect();
+    let mut all_streaks: Vec<_> = shares.iter().flat_map(|(_, streaks)| streaks.clone()).collect();
+    for list in [&mut rows, &mut all_rows, &mut streaks, &mut all_streaks] {
+        list.sort_by_key(|row| row.iter().map(str::to_owned).collect::<Vec<_>>());
+    }
+    assert_eq!(all_rows, rows);
+    assert_eq!(all_streaks, streaks);
+    assert!(!streaks.is_empty());
+
+    // In the other formats a share is a whole file of its own format: one night here, so one share has it and the other has none.
+    for (name, scale) in [
+        ("consdb.ecsv", &[][..]),
+        ("consdb.vot", &[]),
+        ("obsplan.json", &["--time-scale", "utc"]),
+        ("obsplan_object.json", &["--time-scale", "utc"]),
+    ] {
+        let share = |index: &str| {
+            let output = path(&folder, &format!("{index}-{name}"));
+            done(&[
+                &["annotate", "--schedule", &sample(name), "-o", &output, "--shard", &format!("{index}/2")],
+                FLAG,
+                SKY,
+                scale,
+            ]);
+            fs::read_to_string(output).unwrap()
+        };
+        assert!(is_contained(&fs::read_to_string(sample(name)).unwrap(), &share("1")), "{name}");
+        let empty = share("2");
+        assert!(!empty.contains("20240814000") && !empty.contains("lowdust"), "{name}: {empty}");
+        if name.ends_with(".json") {
+            let document: Value = serde_json::from_str(&empty).unwrap();
+            assert!(document.as_array().or_else(|| document["exposures"].as_array()).unwrap().is_empty());
+        }
+    }
+    let (code, _, stderr) = run(&[&["flag", "--schedule", &schedule, "--shard", "4/3"], WIDE, SKY]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("shard '4/3' is none; allowed: I/N"), "{stderr}");
+}
+
+#[cfg(feature = "parquet")]
+mod parquet {
+    use std::fs::File;
+
+    use ::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+    use arrow_array::cast::AsArray;
+    use arrow_array::{Array, RecordBatch};
+    use arrow_select::concat::concat_batches;
+
+    use super::*;
+
+    fn read(path: &Path) -> (RecordBatch, Vec<(String, Option<String>)>) {
+        let builder = ParquetRecordBatchReaderBuilder::try_new(File::open(path).unwrap()).unwrap();
+        let said = builder.metadata().file_metadata().key_value_metadata().cloned().unwrap_or_default();
+        let said = said.into_iter().filter(|one| one.key != "ARROW:schema").map(|one| (one.key, one.value)).collect();
+        let schema = builder.schema().clone();
+        let batches: Vec<RecordBatch> = builder.build().unwrap().collect::<Result<_, _>>().unwrap();
+        (concat_batches(&schema, &batches).unwrap(), said)
+    }
+
+    #[test]
+    fn columns_values_gaps_and_metadata_stay() {
+        let folder = tempfile::tempdir().unwrap();
+        let output = annotated(&folder, "consdb.parquet", &[]);
+        let (before, said_before) = read(Path::new(&sample("consdb.parquet")));
+        let (after, said_after) = read(&output);
+        assert_eq!(said_after, said_before);
+        assert_eq!(after.schema().metadata(), before.schema().metadata());
+        assert_eq!(after.num_rows(), 12);
+        for (index, field) in before.schema().fields().iter().enumerate() {
+            assert_eq!(after.schema().field(index), field.as_ref());
+            let (old, new) = (before.column(index).to_data(), after.column(index).to_data());
+            // NaN in a list is not equal to itself; its bytes are.
+            assert!(old == new || format!("{old:?}") == format!("{new:?}"), "{}", field.name());
+        }
+        let verdict = after.column_by_name("verdict").unwrap().as_string::<i32>().iter();
+        let found: Vec<String> = verdict.map(|verdict| verdict.unwrap().to_owned()).collect();
+        assert_eq!(found, verdicts("consdb.csv", &[]));
+        let (streaks, said) = read(Path::new(&path(&folder, "consdb.streaks.parquet")));
+        assert!(streaks.num_rows() > 0 && said[0].0 == "provenance");
+        let again = path(&folder, "again.parquet");
+        let output = output.display().to_string();
+        let (code, ..) = run(&[&["annotate", "--schedule", &output, "-o", &again], FLAG, SKY]);
+        assert_eq!(code, 2);
+        done(&[&["annotate", "--schedule", &output, "-o", &again, "--replace"], FLAG, SKY]);
+        assert_eq!(read(Path::new(&again)).0.schema(), after.schema());
+        let share = path(&folder, "share.parquet");
+        done(&[&["annotate", "--schedule", &output, "-o", &share, "--replace", "--shard", "2/2"], FLAG, SKY]);
+        assert_eq!(read(Path::new(&share)).0.num_rows(), 0);
+    }
+}

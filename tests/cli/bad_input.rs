@@ -1,0 +1,488 @@
+//! What the command line says to input that is none: one line, exit code 2, nothing half-written.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::path::Path;
+use std::process::{Command as Process, Stdio};
+
+use assert_cmd::Command;
+use tempfile::TempDir;
+
+const STREAKCAST: &str = env!("CARGO_BIN_EXE_streakcast");
+const POINTING: &[&str] = &[
+    "passes",
+    "--start",
+    "2024-08-14T03:30:00Z",
+    "--exposure",
+    "30s",
+    "--ra",
+    "280",
+    "--dec",
+    "-30",
+    "--fov",
+    "3.5deg",
+];
+const SITE: &[&str] = &["--mpc", "X05"];
+const SHELLS: &[&str] = &["--shells", "oneweb"];
+const HEADER: &str = "exposure_id,start_utc,duration_s,ra_deg,dec_deg\n";
+
+fn run(arguments: &[&[&str]]) -> (i32, String, String) {
+    let output = Command::new(STREAKCAST).args(arguments.concat()).output().unwrap();
+    let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+    (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+}
+
+/// One line of error that holds every part, nothing on standard output, exit code 2.
+#[track_caller]
+fn fails(arguments: &[&[&str]], parts: &[&str]) {
+    let (code, stdout, stderr) = run(arguments);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    let errors: Vec<&str> = stderr.lines().filter(|line| !line.starts_with("warning: ")).collect();
+    assert_eq!(errors.len(), 1, "{stderr}");
+    assert!(errors[0].starts_with("error: "), "{stderr}");
+    for part in parts {
+        assert!(errors[0].contains(part), "'{part}' is not in: {}", errors[0]);
+    }
+}
+
+fn file(folder: &TempDir, name: &str, bytes: &[u8]) -> String {
+    let path = folder.path().join(name);
+    fs::write(&path, bytes).unwrap();
+    path.display().to_string()
+}
+
+fn flag(schedule: &str) -> Vec<&str> {
+    [&["flag", "--schedule", schedule, "--fov", "3.5deg"], SITE, SHELLS].concat()
+}
+
+/// Nobody who asks for Parquet gets lines of text in its place.
+#[cfg(not(feature = "parquet"))]
+#[test]
+fn parquet_is_refused_where_it_cannot_be_written() {
+    let folder = TempDir::new().unwrap();
+    let schedule = file(&folder, "s.csv", HEADER.as_bytes());
+    for name in ["out.parquet", "OUT.PARQUET"] {
+        let out = folder.path().join(name);
+        fails(
+            &[&flag(&schedule), &["-o", out.to_str().unwrap()]],
+            &["'parquet' needs a build with", "allowed: table, csv"],
+        );
+        assert!(!out.exists());
+    }
+}
+
+/// A word that is no text is an unknown word as any other.
+#[cfg(unix)]
+#[test]
+fn a_word_that_is_no_text_gets_one_line() {
+    use std::os::unix::ffi::OsStrExt;
+    let word = std::ffi::OsStr::from_bytes(b"fore\xff");
+    let output = Command::new(STREAKCAST).arg(word).output().unwrap();
+    let said = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{said}");
+    assert!(said.starts_with("error: ") && said.contains("allowed: passes, flag"), "{said}");
+}
+
+/// An unknown word is told what words there are, and a number as it was typed.
+#[test]
+fn what_is_allowed_stands_beside_what_is_unknown() {
+    fails(&[&["plto"]], &["'plto'", "allowed: passes, flag, annotate"]);
+    fails(&[&["fit", "rnu"]], &["'rnu'", "reduce", "run"]);
+    #[cfg(feature = "plot")]
+    fails(&[&["plot", "plot"]], &["'plot'", "allowed: night, field"]);
+    #[cfg(feature = "plot")]
+    fails(&[&["plot", "nite"]], &["'nite'", "allowed: night, field, light-curve, sky-chart, sky-rate"]);
+    #[cfg(feature = "serve")]
+    fails(
+        &[&["serve", "--schedule", "x", "--bind", "nonsense"]],
+        &["'nonsense' for '--bind", "allowed: an IP address and a port of 0 to 65535, as 127.0.0.1:8642"],
+    );
+    fails(&[&["map", "sky", "--model", "v1.5", "--sun-altitude-deg", "120"]], &["120 deg: allowed -90 to 90 deg"]);
+}
+
+#[test]
+fn sites_and_satellites_that_are_not_there() {
+    fails(&[POINTING, SHELLS, &["--site", "Rubin Observatry at Mars"]], &["unknown site", "near it: "]);
+    fails(&[POINTING, SHELLS, &["--site", "Moon"]], &["unknown site \"Moon\"", "streakcast sites", "--lat"]);
+    fails(&[POINTING, SHELLS, &["--mpc", "ZZZ"]], &["unknown MPC observatory code \"ZZZ\""]);
+    fails(&[POINTING, SHELLS], &["no site; say --site NAME, --mpc CODE"]);
+    fails(&[POINTING, SHELLS, &["--lat", "95", "--lon", "0"]], &["95", "-90"]);
+    fails(&[POINTING, SITE], &["no satellites", "--elements FILE", "--shells starlink-gen1"]);
+    fails(&[POINTING, SITE, &["--shells", "starlnk"]], &["starlnk", "starlink-gen1"]);
+}
+
+#[test]
+fn element_files_that_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let elements = |path: &str, parts: &[&str]| fails(&[POINTING, SITE, &["--elements", path]], parts);
+    elements(&file(&folder, "empty.tle", b""), &["empty.tle", "is empty"]);
+    elements(&folder.path().display().to_string(), &["is a directory"]);
+    elements("/nowhere/at/all.tle", &["/nowhere/at/all.tle"]);
+    elements(&file(&folder, "noise.tle", b"this is not\nan element set\n"), &["noise.tle", "TLE"]);
+    let mut packed = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::default());
+    packed.write_all(&b"1 25544U 98067A\n".repeat(400)).unwrap();
+    let packed = packed.finish().unwrap();
+    elements(&file(&folder, "cut.tle.gz", &packed[..packed.len() / 2]), &["cut.tle.gz", "broken gzip"]);
+}
+
+#[test]
+fn times_and_angles_that_are_none() {
+    let with = |change: &[&str], parts: &[&str]| {
+        let others = POINTING[1..].chunks(2).filter(|pair| pair[0] != change[0]).flatten();
+        let arguments: Vec<&str> = POINTING[..1].iter().chain(others).chain(change).copied().collect();
+        fails(&[&arguments, SITE, SHELLS], parts);
+    };
+    with(&["--start", "2024-08-14T03:30:00"], &["names no time scale", "37 s", "--time-scale"]);
+    with(&["--start", "60536.1"], &["names no time scale", "37 s"]);
+    with(&["--start", "1850-01-01T00:00:00Z"], &["1957", "2099"]);
+    with(&["--start", "3000-01-01T00:00:00Z"], &["1957", "2099"]);
+    with(&["--start", "2024-08-14T23:59:60Z"], &["no leap second"]);
+    with(&["--start", "yesterday"], &["'yesterday' is not a time", "ISO 8601"]);
+    with(&["--exposure", "30"], &["exposure 30 has no unit", "30s"]);
+    with(&["--exposure", "-30s"], &["exposure -30 s: allowed 0 s or more"]);
+    with(&["--fov", "0deg"], &["fov 0 deg: allowed above 0 deg, at most 180 deg"]);
+    with(&["--ra", "nan"], &["nan", "right ascension"]);
+    with(&["--dec", "inf"], &["inf", "declination"]);
+    with(&["--fov", "3.5"], &["fov 3.5 has no unit", "3.5deg"]);
+    with(&["--ra", "25h"], &["25h", "right ascension"]);
+    with(&["--dec", "-91"], &["-91", "declination"]);
+    with(&["--dec", "85"], &["below the horizon", "allowed: 0 deg or more"]);
+    fails(
+        &[&["passes", "--exposure", "30s", "--ra", "0", "--dec", "0", "--fov", "1deg"], SITE, SHELLS],
+        &["no start", "--start"],
+    );
+    fails(
+        &[&["passes", "--start", "2024-08-14T03:30:00Z", "--ra", "0", "--dec", "0"], SITE, SHELLS],
+        &["no length of the exposure"],
+    );
+}
+
+#[test]
+fn numbers_that_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
+    for (name, allowed) in [
+        ("rotation", "-360 to 360 deg"),
+        ("limit-mag", "-30 to 40 mag"),
+        ("min-probability", "above 0, at most 1"),
+        ("lat", "-90 to 90 deg"),
+        ("lon", "-180 to 360 deg"),
+        ("height", "-11000 to 100000 m"),
+    ] {
+        for (typed, shown) in [("nan", "NaN"), ("inf", "inf"), ("1e300", "1000")] {
+            let typed = format!("--{name}={typed}");
+            let parts = [&*format!("error: {name} {shown}"), &*format!(": allowed {allowed}")];
+            fails(&[POINTING, SITE, SHELLS, &[&typed]], &parts);
+            fails(&[&flag(&schedule), &[&typed]], &parts);
+        }
+    }
+    fails(&[POINTING, SITE, SHELLS, &["--samples", "nan"]], &["nan", "--samples"]);
+}
+
+#[test]
+fn schedules_that_are_none() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = |name: &str, bytes: &[u8], parts: &[&str]| fails(&[&flag(&file(&folder, name, bytes))], parts);
+    schedule("empty.csv", b"", &["empty.csv is empty"]);
+    schedule("blank.csv", b"\n \n", &["blank.csv is empty"]);
+    schedule("header.csv", HEADER.as_bytes(), &["columns but no exposures"]);
+    schedule(
+        "short.csv",
+        b"exposure_id,start_utc\n1,2024-08-14T03:30:00Z\n",
+        &["missing duration_s, ra_deg, dec_deg", "found exposure_id, start_utc", "allowed: exposure_id"],
+    );
+    schedule("noise.bin", &[0xff, 0x00, 0x81, 0x7f], &["noise.bin"]);
+    schedule("rows.json", b"{\"visits\": []}", &["without an array 'exposures'"]);
+    schedule("cut.json", b"[{\"exposure_id\": ", &["cut.json, line 1"]);
+    schedule("none.json", b"[]", &["none.json is empty"]);
+    schedule("page.html", b"<html></html>", &["XML or HTML", "allowed: opsim SQLite"]);
+    schedule("cut.db", b"SQLite format 3\0 and then nothing", &["cut.db"]);
+    fails(&[&flag(&folder.path().display().to_string())], &["is a directory"]);
+    fails(&[&flag("/nowhere.csv")], &["/nowhere.csv"]);
+    let mjd = b"exposure_id,start_mjd,duration_s,ra_deg,dec_deg\n1,60536.14,30,280,-30\n";
+    schedule("mjd.csv", mjd, &["start_mjd names no time scale", "--time-scale utc, tai or tt", "37 s"]);
+    let early = format!("{HEADER}1,1850-08-14T03:30:00Z,30,280,-30\n");
+    // Rows that cannot be judged are an answer, not a failure.
+    let (code, stdout, stderr) = run(&[&flag(&file(&folder, "early.csv", early.as_bytes())), &["--format", "json"]]);
+    assert_eq!(code, 0, "{stderr}");
+    for part in ["warning: ", "none of its 1 rows can be judged", "no ephemeris", "1957 to 2099"] {
+        assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
+    }
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(answer["flags"][0]["verdict"], "invalid");
+    assert!(answer["provenance"]["schedule"]["first_start_utc"].is_null());
+}
+
+#[test]
+fn words_that_mean_nothing() {
+    let folder = tempfile::tempdir().unwrap();
+    fails(&[POINTING, SITE, SHELLS, &["--format", "xlsx"]], &["'xlsx'", "table, csv, ecsv, json, jsonl"]);
+    fails(&[POINTING, SITE, SHELLS, &["--band", "q"]], &["unknown band \"q\""]);
+    fails(&[POINTING, SITE, SHELLS, &["--telescope", "hubble"]], &["unknown telescope \"hubble\"", "rubin"]);
+    fails(&[POINTING, SITE, SHELLS, &["--time-scale", "ut"]], &["time scale 'ut'", "utc, tai, tt"]);
+    fails(&[POINTING, SITE, SHELLS, &["--threads", "0"]], &["threads 0; allowed: 1 to 1024"]);
+    fails(&[POINTING, SITE, SHELLS, &["--threads", "100000"]], &["threads 100000; allowed: 1 to 1024"]);
+    fails(
+        &[POINTING, SITE, SHELLS, &["--min-probability", "1.5"]],
+        &["min-probability 1.5: allowed above 0, at most 1"],
+    );
+    fails(&[POINTING, SITE, SHELLS, &["--field", "x.json"]], &["--fov and --field exclude each other"]);
+    fails(&[POINTING, SITE, SHELLS, &["--samples", "100001"]], &["samples 100001: allowed 0 to 100000"]);
+    fails(&[POINTING, SITE, SHELLS, &["--nonsense"]], &["--nonsense"]);
+    fails(&[&["passses"]], &["passses", "passes"]);
+    let config = file(&folder, "c.toml", b"limitmag = 7\n");
+    fails(&[POINTING, SITE, SHELLS, &["--config", &config]], &["c.toml", "limitmag"]);
+    let policy = file(&folder, "p.toml", b"limit = 7\n");
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["p.toml: line 1: unknown field `limit`", "limit_mag"]);
+    let (_, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
+    assert_eq!(stderr.matches("max_delay_s").count(), 1, "{stderr}");
+    let policy = file(&folder, "r.toml", b"margin_s = -1\n");
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["r.toml: margin_s is -1, allowed 0 to 3600 s"]);
+    for (verb, told) in
+        [("passes", "how many of the crossings"), ("flag", "one to avoid"), ("annotate", "one to avoid")]
+    {
+        let (_, help, _) = run(&[&[verb, "-h"]]);
+        let (_, after) = help.split_once("--limit-mag").unwrap();
+        let own = after.split(" --").next().unwrap_or_default();
+        let own = own.split_whitespace().collect::<Vec<_>>().join(" ");
+        assert!(own.contains(told), "{verb}: {own}");
+    }
+    fails(&[&flag(&schedule), &["--fail-on", "clear"]], &["clear", "streaked", "avoid"]);
+    fails(&[&["model", "show", "nonsense"]], &["unknown model 'nonsense'", "starlink-v1.5"]);
+    fails(&[&["model", "check", &config]], &["c.toml"]);
+    fails(&[&["model", "check", "--data", "no-such-folder"]], &["no photometry in no-such-folder", "pomenis"]);
+}
+
+#[test]
+fn a_failure_leaves_no_file_and_the_old_one_as_it_was() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = file(&folder, "s.csv", b"exposure_id,start_utc\n1,nan\n");
+    let new = folder.path().join("new.csv").display().to_string();
+    fails(&[&flag(&schedule), &["-o", &new]], &["missing duration_s"]);
+    assert!(!Path::new(&new).exists());
+    let old = file(&folder, "old.csv", b"mine");
+    fails(&[&flag(&schedule), &["-o", &old]], &["missing duration_s"]);
+    assert_eq!(fs::read(&old).unwrap(), b"mine");
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 2);
+    fails(&[POINTING, SITE, SHELLS, &["-o", &folder.path().display().to_string()]], &["is a directory"]);
+    fails(
+        &[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]],
+        &["cannot write /nowhere/at/all.csv: folder /nowhere/at: No such file"],
+    );
+    // The folder is asked about before the schedule is even read.
+    fails(&[&flag("/nowhere.csv"), &["-o", "/nowhere/at/all.csv"]], &["cannot write /nowhere/at/all.csv"]);
+    let (_, _, stderr) = run(&[POINTING, SITE, SHELLS, &["-o", "/nowhere/at/all.csv"]]);
+    assert!(!stderr.contains(".part"), "{stderr}");
+}
+
+#[test]
+fn rows_that_cannot_be_judged_stay_with_their_reason_and_the_rest_goes_on() {
+    let folder = tempfile::tempdir().unwrap();
+    let rows = [
+        ("ok", "2024-08-14T03:30:00Z", "30", "280", "-30", ""),
+        ("nan", "2024-08-14T03:30:00Z", "30", "NaN", "-30", "right ascension is NaN"),
+        ("below", "2024-08-14T03:30:00Z", "30", "280", "80", "below the horizon"),
+        ("dec", "2024-08-14T03:30:00Z", "30", "280", "-91", "declination is -91, allowed -90 to 90"),
+        ("ra", "2024-08-14T03:30:00Z", "30", "361", "-30", "right ascension is 361"),
+        ("long", "2024-08-14T03:30:00Z", "1e9", "280", "-30", "duration is 1000000000"),
+        ("negative", "2024-08-14T03:30:00Z", "-1", "280", "-30", "duration is -1"),
+        ("text", "2024-08-14T03:30:00Z", "thirty", "280", "-30", "duration 'thirty' is not a number"),
+        ("gap", "", "30", "280", "-30", "start is missing"),
+        ("early", "1850-01-01T00:00:00Z", "30", "280", "-30", "no ephemeris"),
+        ("", "2024-08-14T03:30:00Z", "30", "280", "-30", ""),
+    ];
+    let mut text = HEADER.to_owned();
+    for (id, start, duration, ra, dec, _) in rows {
+        text += &format!("{id},{start},{duration},{ra},{dec}\n");
+    }
+    text += "short,2024-08-14T03:30:00Z\n";
+    let schedule = file(&folder, "s.csv", text.as_bytes());
+    let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json"]]);
+    assert_eq!(code, 0, "{stderr}");
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let flags = answer["flags"].as_array().unwrap();
+    assert_eq!(flags.len(), rows.len() + 1);
+    for (flag, (id, .., reason)) in flags.iter().zip(rows) {
+        let judged = reason.is_empty();
+        assert_eq!(flag["verdict"] == "invalid", !judged, "{flag}");
+        assert_eq!(flag["exposure_id"], if id.is_empty() { "11" } else { id });
+        if !judged {
+            assert!(flag["reasons"][0].as_str().unwrap().contains(reason), "{flag}");
+            assert!(flag["p_any"].is_null() && flag["next_clear_start_utc"].is_null(), "{flag}");
+        }
+    }
+    assert_eq!(flags[rows.len()]["verdict"], "invalid");
+    assert!(flags[rows.len()]["reasons"][0].as_str().unwrap().contains("2 cells, the header 5"));
+}
+
+#[test]
+fn what_may_go_unnoticed_in_a_schedule_is_a_warning() {
+    let folder = tempfile::tempdir().unwrap();
+    let header = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n";
+    let rows = "a,2024-08-14T03:30:00Z,30,280,-30,g\na,2024-08-14T03:31:00Z,30,280,-30,q\nb,2024-08-14T03:32:00Z,30,280,-30,\n";
+    let schedule = file(&folder, "s.csv", format!("{header}{rows}").as_bytes());
+    let policy = file(&folder, "p.toml", b"limit_mag = {g = 7.0}\n");
+    let (code, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("warning: 1 exposures carry the id of an earlier one"), "{stderr}");
+    assert!(
+        stderr.contains("warning: the policy's limit_mag has no number for band none, q and no default"),
+        "{stderr}"
+    );
+    let (_, _, quiet) = run(&[&flag(&schedule), &["--policy", &policy, "--quiet"]]);
+    assert_eq!(quiet, "");
+}
+
+#[test]
+fn a_reader_that_has_seen_enough_is_no_failure() {
+    let mut child = Process::new(STREAKCAST)
+        .args(["sites", "--format", "csv"])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    // Closed before anything is read: the first write already fails.
+    drop(child.stdout.take());
+    let mut stderr = String::new();
+    child.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();
+    assert_eq!((child.wait().unwrap().code(), stderr.as_str()), (Some(0), ""));
+}
+
+#[test]
+fn elements_a_year_old_are_a_warning_and_a_wide_sigma() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let elements = data.join("tle/active/starlink_2023-10-16.txt").display().to_string();
+    let year_later = [
+        "passes",
+        "--start",
+        "2024-10-16T00:30:00Z",
+        "--exposure",
+        "60s",
+        "--ra",
+        "300",
+        "--dec",
+        "-30",
+        "--fov",
+        "40deg",
+    ];
+    let (code, stdout, stderr) =
+        run(&[&year_later, SITE, &["--elements", &elements, "--format", "json", "--include-dark"]]);
+    assert!(code < 2, "{stderr}");
+    let warning = stderr.lines().find(|line| line.contains("more than 14 days")).unwrap_or_default();
+    assert!(
+        warning.starts_with("warning: ")
+            && warning.contains("of 4870 element sets")
+            && warning.contains("(the farthest by "),
+        "{stderr}"
+    );
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    let passes = answer["passes"].as_array().unwrap();
+    assert!(!passes.is_empty());
+    for pass in passes {
+        assert!(
+            pass["element_age_days"].as_f64().unwrap() > 300.0 && pass["along_track_sigma_s"].as_f64().unwrap() > 10.0,
+            "{pass}"
+        );
+    }
+}
+
+#[test]
+fn messy_element_files_are_read_with_their_rejects_counted() {
+    let Some(data) = crate::common::data_dir() else { return };
+    for entry in fs::read_dir(data.join("tle/messy")).unwrap() {
+        let path = entry.unwrap().path().display().to_string();
+        let (code, _, stderr) = run(&[POINTING, SITE, &["--elements", &path]]);
+        assert!(code < 2, "{path}: {stderr}");
+        assert!(stderr.lines().all(|line| line.starts_with("warning: ") || line == "no passes"), "{path}: {stderr}");
+    }
+}
+
+#[test]
+fn misspelt_columns_are_guessed_and_other_alphabets_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = |name: &str, bytes: &[u8], parts: &[&str]| fails(&[&flag(&file(&folder, name, bytes))], parts);
+    let misspelt = b"Exposure ID,start_utc,duraton_s,RA_deg,band\n1,2024-08-14T03:30:00Z,30,280,r\n";
+    schedule(
+        "m.csv",
+        misspelt,
+        &["exposure_id (is it Exposure ID?)", "duration_s (is it duraton_s?)", "ra_deg (is it RA_deg?), dec_deg;"],
+    );
+    // 0xf3 is ó in Latin-1.
+    let latin = [HEADER.as_bytes(), b"Pach\xf3n,2024-08-14T03:30:00Z,30,280,-30\n"].concat();
+    schedule("l.csv", &latin, &["not UTF-8 text from line 2", "Latin-1", "iconv -f LATIN1 -t UTF-8"]);
+    let elements = file(&folder, "empty.xml", b"<ndm><omm id=\"a\"><body><segment/></body></omm></ndm>");
+    fails(&[POINTING, SITE, &["--elements", &elements]], &["OMM XML", "this message holds no elements"]);
+}
+
+#[test]
+fn an_annotation_that_cannot_be_written_is_refused_before_any_work() {
+    let folder = tempfile::tempdir().unwrap();
+    // A schedule that is not even there: the folder is what is told of.
+    let nowhere = folder.path().join("no/such/out.csv").display().to_string();
+    fails(
+        &[&["annotate", "--schedule", "/nowhere.csv", "-o", &nowhere, "--fov", "1deg"], SITE, SHELLS],
+        &["no/such", "cannot"],
+    );
+    let (_, help, _) = run(&[&["annotate", "--help"]]);
+    assert!(help.contains("The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV"), "{help}");
+}
+
+#[test]
+fn a_configurations_time_scale_yields_where_a_flags_contradicts() {
+    let folder = tempfile::tempdir().unwrap();
+    let row = "1,60536.1,30,280,-30\n";
+    let named =
+        file(&folder, "n.csv", format!("exposure_id,start_mjd_utc,duration_s,ra_deg,dec_deg\n{row}").as_bytes());
+    let bare = file(&folder, "b.csv", format!("exposure_id,start_mjd,duration_s,ra_deg,dec_deg\n{row}").as_bytes());
+    let config = file(&folder, "c.toml", b"time_scale = 'tai'\n");
+    let start = |schedule: &str, more: &[&str]| {
+        let (code, stdout, stderr) = run(&[&flag(schedule), &["--format", "json"], more]);
+        assert_eq!(code, 0, "{stderr}");
+        let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+        answer["provenance"]["schedule"]["first_start_utc"].as_str().unwrap()[14..19].to_owned()
+    };
+    assert_eq!(start(&named, &["--config", &config]), "24:00");
+    assert_eq!(start(&bare, &["--config", &config]), "23:23");
+    assert_eq!(start(&bare, &["--config", &config, "--time-scale", "utc"]), "24:00");
+    fails(&[&flag(&named), &["--time-scale", "tai"]], &["start_mjd_utc is in UTC", "--time-scale says TAI"]);
+}
+
+#[test]
+fn rows_that_cannot_be_judged_rest_on_no_moment() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,nan\n").as_bytes());
+    let (code, stdout, stderr) = run(&[&flag(&schedule), &["--format", "json"]]);
+    assert_eq!(code, 0, "{stderr}");
+    let answer: serde_json::Value = serde_json::from_str(&stdout).unwrap();
+    assert_eq!(answer["flags"][0]["verdict"], "invalid");
+    let provenance = answer["provenance"].as_object().unwrap();
+    assert!(provenance["schedule"]["first_start_utc"].is_null());
+    for nothing in ["earth_orientation", "shells", "satellites", "models"] {
+        assert!(!provenance.contains_key(nothing), "{nothing}");
+    }
+}
+
+#[test]
+fn a_policy_that_asks_for_the_telescopes_limits_needs_a_telescope() {
+    let folder = tempfile::tempdir().unwrap();
+    let schedule = file(&folder, "s.csv", format!("{HEADER}1,2024-08-14T03:30:00Z,30,280,-30\n").as_bytes());
+    let policy = file(&folder, "p.toml", b"saturation_mag = 'telescope'\n");
+    fails(
+        &[&flag(&schedule), &["--policy", &policy]],
+        &["no telescope, whose limits the policy asks for", "--telescope"],
+    );
+    let (code, _, stderr) = run(&[&flag(&schedule), &["--policy", &policy, "--telescope", "rubin"]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("saturation_mag has no number for band none in the file of the telescope"), "{stderr}");
+    // A telescope that has none of these limits at all cannot be asked for them.
+    fails(
+        &[&flag(&schedule), &["--policy", &policy, "--telescope", "decam"]],
+        &["the policy says saturation_mag = \"telescope\", but the file of decam has no such limit in any band"],
+    );
+    let policy = file(&folder, "r.toml", b"max_lost_fraction = 0.001\n");
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["no telescope", "max_lost_fraction", "--telescope"]);
+    let policy = file(&folder, "q.toml", b"saturation_mag = 'Telescope'\n");
+    fails(&[&flag(&schedule), &["--policy", &policy]], &["allowed: a number, a table of numbers by band, or"]);
+    fails(&[&flag(&schedule), &["--limit-mag", "g=7,g=6"]], &["band g has two limits in 'g=7,g=6'"]);
+}

@@ -1,0 +1,189 @@
+//! `streakcast doctor`: what would be wrong, told before the night.
+
+use crate::common::cli::{path, run};
+use crate::common::elements::pair;
+use serde_json::Value;
+
+fn doctor(words: &[&str]) -> (i32, String, String) {
+    run(&[&["doctor", "--now", "2026-08-14T12:00:00Z"], words])
+}
+
+fn findings(words: &[&str]) -> (i32, Vec<(String, String, String)>, Value) {
+    let (code, stdout, stderr) = doctor(&[words, &["--format", "json"]].concat());
+    let answer: Value = serde_json::from_str(&stdout).unwrap_or_else(|_| panic!("{stderr}"));
+    let text = |one: &Value, key: &str| one[key].as_str().unwrap_or_default().to_owned();
+    let all = answer["findings"].as_array().unwrap();
+    let all = all.iter().map(|one| (text(one, "severity"), text(one, "subject"), text(one, "finding"))).collect();
+    (code, all, answer)
+}
+
+/// Element sets of ages 0.5 to 40 days, one of the future, one there twice, one with a broken record.
+fn file(folder: &tempfile::TempDir) -> String {
+    let days = ["226.00000000", "225.00000000", "216.00000000", "186.00000000", "234.00000000"];
+    let mut text: String = days.iter().zip(90_000..).map(|(day, id)| pair(id, day)).collect();
+    text += &pair(90_000, "226.00000000");
+    text += &pair(90_009, "226.00000000").replace("1 90009", "1 90008");
+    let path = path(folder, "a.tle");
+    std::fs::write(&path, text).unwrap();
+    path
+}
+
+#[test]
+fn ages_repetitions_and_rejections_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let (elements, cache) = (file(&folder), path(&folder, "cache"));
+    let words = ["--elements", &elements, "--mpc", "X05", "--cache", &cache];
+    let (code, all, answer) = findings(&words);
+    assert_eq!(code, 0, "warnings are no failure unless --strict: {all:?}");
+    let ages = answer["element_ages"].as_array().unwrap();
+    assert_eq!(ages.iter().map(|bin| bin["count"].as_u64().unwrap()).sum::<u64>(), 5);
+    assert_eq!((&ages[0]["from_days"], &ages[0]["count"]), (&Value::Null, &1.into()));
+    for (severity, words) in [
+        ("warning", "1 of 7 records rejected"),
+        ("note", "1 records are there twice"),
+        ("warning", "1 of 5 are older than 14 days"),
+        ("warning", "1 of 5 are more than 1.5 days ahead of 2026-08-14T12:00:00Z: up to 2026-08-22"),
+    ] {
+        assert!(all.iter().any(|one| one.0 == severity && one.2.contains(words)), "{words}: {all:?}");
+    }
+    assert_eq!(doctor(&[&words[..], &["--strict"]].concat()).0, 1);
+}
+
+#[test]
+fn the_page_has_bars_and_what_to_do() {
+    let folder = tempfile::tempdir().unwrap();
+    let (elements, cache) = (file(&folder), path(&folder, "cache"));
+    let (code, page, _) = doctor(&["--elements", &elements, "--mpc", "X05", "--cache", &cache]);
+    assert_eq!(code, 0);
+    assert!(page.starts_with("What would be wrong at 2026-08-14T12:00:00Z\n"), "{page}");
+    for expected in [
+        "warning   elements: ",
+        "          -> ",
+        "Age of the element sets",
+        "from 1.5 d ahead       1 ####",
+        "Satellites by model",
+    ] {
+        assert!(page.contains(expected), "{expected}: {page}");
+    }
+    // The worst first.
+    let severities: Vec<&str> = page
+        .lines()
+        .skip(2)
+        .take_while(|line| !line.is_empty())
+        .filter(|line| !line.starts_with(' '))
+        .map(|line| line.split_whitespace().next().unwrap())
+        .collect();
+    let rank =
+        |word: &str| ["error", "warning", "unchecked", "note", "fine"].iter().position(|one| *one == word).unwrap();
+    assert!(severities.windows(2).all(|pair| rank(pair[0]) <= rank(pair[1])), "{severities:?}");
+}
+
+#[test]
+fn what_cannot_be_read_is_an_error_and_the_rest_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = path(&folder, "cache");
+    let (code, all, _) = findings(&["--elements", "missing.tle", "--mpc", "ZZZ", "--cache", &cache]);
+    assert_eq!(code, 2);
+    for subject in ["elements", "site"] {
+        assert!(all.iter().any(|one| one.0 == "error" && one.1 == subject), "{subject}: {all:?}");
+    }
+    assert!(all.iter().any(|one| one.1 == "leap seconds" && one.0 == "fine"));
+    let (code, stdout, stderr) = doctor(&["--elements", "missing.tle", "--cache", &cache]);
+    assert!(code == 2 && stdout.contains("error     elements: cannot read missing.tle"), "{stdout}");
+    assert_eq!(stderr.lines().count(), 1, "{stderr}");
+}
+
+#[test]
+fn the_cache_is_looked_at() {
+    let folder = tempfile::tempdir().unwrap();
+    let cache = folder.path().display().to_string();
+    let record = r#"{"source": "CelesTrak", "url": "u", "fetched_utc": "2026-08-01T00:00:00Z", "records": 7,
+        "asked_utc": "2026-08-14T11:00:00Z", "answer": "403 Forbidden", "not_before_utc": "2026-08-14T13:00:00Z"}"#;
+    std::fs::write(folder.path().join("celestrak-active.csv.fetch.json"), record).unwrap();
+    let (_, all, _) = findings(&["--cache", &cache]);
+    assert!(
+        all.iter().any(|one| one.0 == "warning" && one.2.contains("answered at 2026-08-14T11:00:00Z: 403 Forbidden")),
+        "{all:?}"
+    );
+    assert!(all.iter().any(|one| one.0 == "warning" && one.2.contains("fetched and is gone")), "{all:?}");
+    std::fs::write(folder.path().join("celestrak-active.csv"), "x").unwrap();
+    let (_, all, answer) = findings(&["--cache", &cache]);
+    assert!(all.iter().any(|one| one.0 == "note" && one.2.contains("7 records, fetched 13.5 days ago")), "{all:?}");
+    assert_eq!(answer["cache"][0]["not_before_utc"], "2026-08-14T13:00:00Z");
+}
+
+#[test]
+fn what_was_not_looked_at_is_told_and_strict_does_not_pass_it() {
+    let folder = tempfile::tempdir().unwrap();
+    let (elements, cache) = (file(&folder), path(&folder, "none"));
+    let (code, page, _) = doctor(&["--cache", &cache]);
+    assert_eq!(code, 0, "{page}");
+    for line in ["unchecked elements: none were said", "unchecked site: none was said"] {
+        assert!(page.contains(line), "{line}: {page}");
+    }
+    assert_eq!(doctor(&["--cache", &cache, "--strict"]).0, 1);
+    // Nothing wrong, but no site.
+    let synthetic = ["--shells", "oneweb", "--cache", &cache, "--strict"];
+    assert_eq!(doctor(&synthetic).0, 1);
+    assert_eq!(doctor(&[&synthetic[..], &["--mpc", "X05"]].concat()).0, 0);
+    let (_, all, _) = findings(&["--elements", &elements, "--cache", &cache]);
+    let unchecked: Vec<_> = all.iter().filter(|one| one.0 == "unchecked").map(|one| one.1.as_str()).collect();
+    assert_eq!(unchecked, ["site"]);
+    let (code, _, stderr) = run(&[&["doctor", "--now", "yesterday"]]);
+    assert!(code == 2 && stderr.lines().count() == 1, "{stderr}");
+}
+
+#[test]
+fn limits_are_flags_and_a_policy_that_cannot_be_read_is_an_error() {
+    let folder = tempfile::tempdir().unwrap();
+    let (policy, cache) = (path(&folder, "p.toml"), path(&folder, "none"));
+    let about = |words: &[&str]| {
+        let (code, all, _) = findings(&[words, &["--cache", &cache]].concat());
+        let found: Vec<_> = all.into_iter().filter(|one| one.1 == "policy").map(|one| (one.0, one.2)).collect();
+        assert_eq!(found.len(), 1, "{found:?}");
+        (code, found[0].0.clone(), found[0].1.clone())
+    };
+    assert!(about(&[]).2.starts_with("no limit was said"));
+    assert_eq!(about(&["--limit-mag", "6.5"]), (0, "fine".into(), "limit_mag 6.5".into()));
+    std::fs::write(&policy, "limit_mag = 7\nmargin_s = 3\n").unwrap();
+    let (code, severity, words) = about(&["--policy", &policy, "--max-delay", "2min"]);
+    assert_eq!((code, severity.as_str()), (0, "fine"));
+    for part in ["limit_mag 7", "margin_s 3", "max_delay_s 120"] {
+        assert!(words.contains(part), "{words}");
+    }
+    std::fs::write(&policy, "margin_s = 5\n").unwrap();
+    let (_, _, words) = about(&["--policy", &policy]);
+    assert!(words.starts_with("no limit was said") && words.contains("margin_s 5"), "{words}");
+    std::fs::write(&policy, "limit_magg = 7\n").unwrap();
+    let (code, severity, words) = about(&["--policy", &policy]);
+    assert!(code == 2 && severity == "error" && words.contains("limit_magg"), "{words}");
+}
+
+/// No two findings say opposite things: of another time than the clock's nobody is told to set the clock, old elements are not "newer" for an old
+/// question, and the models that were counted add up.
+#[test]
+fn no_finding_contradicts_another() {
+    let folder = tempfile::tempdir().unwrap();
+    let (elements, cache) = (path(&folder, "late.tle"), path(&folder, "none"));
+    let late: String = (90_000..90_004).map(|id| pair(id, "240.00000000")).collect();
+    std::fs::write(&elements, late).unwrap();
+    let (code, page, _) = doctor(&["--elements", &elements, "--mpc", "X05", "--cache", &cache]);
+    assert_eq!(code, 2, "{page}");
+    assert!(
+        page.contains("4 of 4 are more than 1.5 days ahead") && page.contains("half of them more than 13.5 days ahead")
+    );
+    for wrong in ["clock right", "fetch newer", "median age -", "clock: "] {
+        assert!(!page.contains(wrong), "{wrong}: {page}");
+    }
+    assert!(
+        page.contains("time: 2026-08-14T12:00:00Z was asked about") && page.contains("satchecker --epoch"),
+        "{page}"
+    );
+    assert_eq!(page.matches(" models: ").count(), 1, "{page}");
+    // Models that cannot be read: no word that every satellite has one.
+    let config = path(&folder, "c.toml");
+    std::fs::write(&config, "[models]\nfiles = ['no-such-model.json']\n").unwrap();
+    let (code, page, _) = doctor(&["--elements", &elements, "--config", &config, "--cache", &cache]);
+    assert!(code == 2 && page.contains("error     models: "), "{page}");
+    assert_eq!(page.matches(" models: ").count(), 1, "{page}");
+}

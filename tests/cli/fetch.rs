@@ -1,0 +1,493 @@
+//! `streakcast fetch` against servers that misbehave: a good cached file is never replaced but by a better one, and nobody is asked twice.
+
+use std::io::{Read, Write};
+use std::net::{TcpListener, TcpStream};
+use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex};
+use std::time::Duration;
+
+use assert_cmd::Command;
+use serde_json::Value;
+use tempfile::TempDir;
+
+const NAME: &str = "celestrak-starlink.csv";
+const NOON: &str = "2024-08-14T12:00:00Z";
+
+fn elements(file: &str) -> Vec<u8> {
+    crate::common::elements::sample(file)
+}
+
+/// A server on loopback that answers each connection in turn, and keeps what it was asked.
+struct Server {
+    url: String,
+    asked: Arc<Mutex<Vec<String>>>,
+}
+
+type Reply = Box<dyn Fn(&mut TcpStream) + Send>;
+
+impl Server {
+    fn new(replies: Vec<Reply>) -> Self {
+        let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+        let url = format!("http://{}", listener.local_addr().unwrap());
+        let asked = Arc::new(Mutex::new(Vec::new()));
+        let kept = asked.clone();
+        std::thread::spawn(move || {
+            for reply in replies {
+                let Ok((mut stream, _)) = listener.accept() else { return };
+                kept.lock().unwrap().push(request(&mut stream));
+                reply(&mut stream);
+            }
+        });
+        Self { url, asked }
+    }
+
+    fn one(reply: impl Fn(&mut TcpStream) + Send + 'static) -> Self {
+        Self::new(vec![Box::new(reply)])
+    }
+
+    fn asked(&self) -> Vec<String> {
+        self.asked.lock().unwrap().clone()
+    }
+}
+
+/// Head and, where its length is told, body of a request.
+fn request(stream: &mut TcpStream) -> String {
+    let mut bytes = Vec::new();
+    let mut buffer = [0; 4096];
+    loop {
+        let text = String::from_utf8_lossy(&bytes).into_owned();
+        if let Some((head, body)) = text.split_once("\r\n\r\n") {
+            let length = head.lines().find_map(|line| {
+                line.to_ascii_lowercase().strip_prefix("content-length: ").map(|n| n.parse().unwrap_or(0))
+            });
+            if body.len() >= length.unwrap_or(0) {
+                return text;
+            }
+        }
+        match stream.read(&mut buffer) {
+            Ok(count) if count > 0 => bytes.extend_from_slice(&buffer[..count]),
+            _ => return text,
+        }
+    }
+}
+
+fn send(stream: &mut TcpStream, bytes: &[u8]) {
+    // A client that has gone is part of the play.
+    let _ = stream.write_all(bytes);
+}
+
+fn answer(stream: &mut TcpStream, status: &str, headers: &str, body: &[u8]) {
+    send(
+        stream,
+        format!("HTTP/1.1 {status}\r\nConnection: close\r\n{headers}Content-Length: {}\r\n\r\n", body.len()).as_bytes(),
+    );
+    send(stream, body);
+}
+
+fn ok(body: Vec<u8>, headers: &'static str) -> impl Fn(&mut TcpStream) + Send + 'static {
+    move |stream| answer(stream, "200 OK", headers, &body)
+}
+
+struct Cache(TempDir);
+
+impl Cache {
+    fn new() -> Self {
+        Self(tempfile::tempdir().unwrap())
+    }
+
+    fn folder(&self) -> &Path {
+        self.0.path()
+    }
+
+    fn file(&self) -> PathBuf {
+        self.folder().join(NAME)
+    }
+
+    fn record(&self) -> Value {
+        serde_json::from_slice(&std::fs::read(self.folder().join(format!("{NAME}.fetch.json"))).unwrap()).unwrap()
+    }
+
+    fn run(&self, server: &str, now: &str, more: &[&str]) -> (i32, String, String) {
+        self.source(&["celestrak", "--group", "starlink"], server, now, more)
+    }
+
+    fn source(&self, source: &[&str], server: &str, now: &str, more: &[&str]) -> (i32, String, String) {
+        let mut command = Command::new(env!("CARGO_BIN_EXE_streakcast"));
+        // A proxy of this machine has nothing to say about loopback.
+        for name in ["http_proxy", "HTTP_PROXY", "https_proxy", "HTTPS_PROXY", "all_proxy", "ALL_PROXY"] {
+            command.env_remove(name);
+        }
+        command.arg("fetch").args(source).args(["--cache", &self.folder().display().to_string()]);
+        let output = command.args(["--base-url", server, "--now", now]).args(more).output().unwrap();
+        let text = |bytes: Vec<u8>| String::from_utf8(bytes).unwrap();
+        (output.status.code().unwrap(), text(output.stdout), text(output.stderr))
+    }
+
+    /// With a good file of two days before, so that the wait is over.
+    fn filled() -> Self {
+        let cache = Self::new();
+        let headers = "Content-Type: text/csv\r\nETag: \"abc\"\r\nLast-Modified: Mon, 12 Aug 2024 10:00:00 GMT\r\n";
+        let server = Server::one(ok(elements("sample.csv"), headers));
+        let (code, stdout, stderr) = cache.run(&server.url, "2024-08-12T12:00:00Z", &[]);
+        assert_eq!(code, 0, "{stderr}");
+        assert_eq!(stdout.trim_end(), cache.file().display().to_string());
+        cache
+    }
+}
+
+#[test]
+fn what_comes_is_kept_with_where_it_came_from() {
+    let cache = Cache::filled();
+    assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
+    let record = cache.record();
+    assert!(record["url"].as_str().unwrap().ends_with("/NORAD/elements/gp.php?GROUP=starlink&FORMAT=csv"), "{record}");
+    assert_eq!((&record["fetched_utc"], &record["etag"]), (&"2024-08-12T12:00:00Z".into(), &"\"abc\"".into()));
+    assert_eq!(record["sha256"].as_str().unwrap().len(), 64);
+    assert_eq!((&record["records"], &record["answer"]), (&1.into(), &"200 OK".into()));
+    assert_eq!(record["not_before_utc"], "2024-08-12T14:00:00Z");
+}
+
+#[test]
+fn within_the_wait_nobody_is_asked_and_the_cached_file_serves() {
+    let cache = Cache::filled();
+    let server = Server::new(Vec::new());
+    let (code, stdout, stderr) = cache.run(&server.url, "2024-08-12T13:59:00Z", &[]);
+    assert_eq!((code, stdout.trim_end()), (0, cache.file().display().to_string().as_str()), "{stderr}");
+    assert!(
+        stderr.contains("https://celestrak.org/usage-policy.php") && stderr.contains("not asked again for 1 min"),
+        "{stderr}"
+    );
+    assert!(server.asked().is_empty());
+    // Without a file there is nothing to serve.
+    std::fs::remove_file(cache.file()).unwrap();
+    let (code, stdout, stderr) = cache.run(&server.url, "2024-08-12T13:59:00Z", &[]);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    assert!(stderr.contains("there is no cached file"), "{stderr}");
+}
+
+#[test]
+fn later_questions_are_conditional_and_304_keeps_the_file() {
+    let cache = Cache::filled();
+    let server = Server::one(|stream| answer(stream, "304 Not Modified", "", b""));
+    let (code, stdout, stderr) = cache.run(&server.url, NOON, &[]);
+    assert_eq!((code, stdout.trim_end()), (0, cache.file().display().to_string().as_str()), "{stderr}");
+    let asked = server.asked()[0].to_ascii_lowercase();
+    assert!(
+        asked.contains("if-none-match: \"abc\"") && asked.contains("if-modified-since: mon, 12 aug 2024"),
+        "{asked}"
+    );
+    let record = cache.record();
+    assert_eq!((&record["fetched_utc"], &record["asked_utc"]), (&"2024-08-12T12:00:00Z".into(), &NOON.into()));
+    assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
+    // A file that somebody else wrote is not what the source means by "not modified".
+    std::fs::write(cache.file(), elements("sample.2le")).unwrap();
+    let server = Server::one(ok(elements("sample.csv"), ""));
+    assert_eq!(cache.run(&server.url, "2024-08-15T12:00:00Z", &[]).0, 0);
+    assert!(!server.asked()[0].to_ascii_lowercase().contains("if-none-match"));
+}
+
+#[test]
+fn a_newer_file_takes_the_place_of_the_old() {
+    let cache = Cache::filled();
+    let newer = crate::common::elements::gzip(&elements("sample.csv"));
+    let server = Server::one(ok(newer, "Content-Encoding: gzip\r\nContent-Type: text/csv\r\n"));
+    let (code, _, stderr) = cache.run(&server.url, NOON, &[]);
+    assert_eq!(code, 0, "{stderr}");
+    assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
+    assert_eq!(cache.record()["fetched_utc"], NOON);
+}
+
+/// Every way in which a server can fail: the good file stays, the record says why, and the next question waits.
+#[test]
+fn nothing_bad_replaces_a_good_file() {
+    let status = |status: &'static str, headers: &'static str, body: &'static str| -> Reply {
+        Box::new(move |stream| answer(stream, status, headers, body.as_bytes()))
+    };
+    let good = elements("sample.csv");
+    let (half, long) = (good.clone(), good.clone());
+    let cases: Vec<(Reply, &[&str], &str)> = vec![
+        (
+            status("403 Forbidden", "", "GP data has not updated since your last successful download"),
+            &[],
+            "403 Forbidden; it begins: GP data has not",
+        ),
+        (status("404 Not Found", "", ""), &[], "404 Not Found"),
+        (status("429 Too Many Requests", "Retry-After: 60\r\n", ""), &[], "429"),
+        (status("500 Internal Server Error", "", "oops"), &[], "500 Internal Server Error; it begins: oops"),
+        (
+            status("301 Moved Permanently", "Location: http://127.0.0.1:9/\r\n", ""),
+            &[],
+            "to http://127.0.0.1:9/ (not followed)",
+        ),
+        (status("302 Found", "Location: /NORAD/elements/gp.php?GROUP=starlink&FORMAT=csv\r\n", ""), &[], "302 Found"),
+        (status("206 Partial Content", "", "x"), &[], "206"),
+        (
+            status("200 OK", "Content-Type: text/html\r\n", "<!DOCTYPE html><html><body>Maintenance</body></html>"),
+            &[],
+            "no element sets (it begins: <!DOCTYPE html>",
+        ),
+        (status("200 OK", "", "No GP data found"), &[], "it begins: No GP data found"),
+        (status("200 OK", "Content-Type: image/png\r\n", "\u{1}PNG"), &[], "no element sets"),
+        (status("200 OK", "", ""), &[], "nothing"),
+        (status("200 OK", "Content-Encoding: gzip\r\n", "this is not gzip"), &[], "the answer broke off"),
+        // More bytes were announced than came.
+        (
+            Box::new(move |stream| {
+                send(stream, format!("HTTP/1.1 200 OK\r\nContent-Length: {}\r\n\r\n", half.len()).as_bytes());
+                send(stream, &half[..half.len() / 2]);
+            }),
+            &[],
+            "the answer broke off",
+        ),
+        // Without any length, cut within the record.
+        (
+            Box::new(move |stream| {
+                send(stream, b"HTTP/1.1 200 OK\r\nConnection: close\r\n\r\n");
+                send(stream, &long[..long.len() - 40]);
+            }),
+            &[],
+            "what came is",
+        ),
+        // Chunks that end before the last.
+        (
+            Box::new(|stream| send(stream, b"HTTP/1.1 200 OK\r\nTransfer-Encoding: chunked\r\n\r\n5\r\nOBJEC\r\n")),
+            &[],
+            "the answer broke off",
+        ),
+        // More than is taken.
+        (Box::new(ok(vec![b'1'; 5_000], "")), &["--max-bytes", "1000"], "more than the 1000 bytes"),
+        // A byte now and then.
+        (
+            Box::new(|stream| {
+                send(stream, b"HTTP/1.1 200 OK\r\nContent-Length: 1000\r\n\r\n");
+                for _ in 0..100 {
+                    if stream.write_all(b"1").is_err() {
+                        return;
+                    }
+                    std::thread::sleep(Duration::from_millis(50));
+                }
+            }),
+            &["--timeout", "1s"],
+            "the answer broke off",
+        ),
+        // Silence.
+        (Box::new(|_| std::thread::sleep(Duration::from_secs(3))), &["--timeout", "0.5s"], "no answer"),
+        // Hung up at once; not HTTP at all.
+        (Box::new(|_| {}), &[], "no answer"),
+        (Box::new(|stream| send(stream, b"SSH-2.0-OpenSSH_9.6\r\n")), &[], "no answer"),
+    ];
+    for (reply, more, expected) in cases {
+        let cache = Cache::filled();
+        let server = Server::new(vec![reply]);
+        let (code, stdout, stderr) = cache.run(&server.url, NOON, more);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{expected}: {stderr}");
+        let error = stderr.lines().last().unwrap();
+        assert!(error.starts_with("error: CelesTrak: ") && error.contains(expected), "{expected}: {stderr}");
+        assert!(error.contains("stays as it was; not asked again before 2024-08-14T14:00:00Z"), "{stderr}");
+        assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"), "{expected}");
+        let record = cache.record();
+        assert_eq!(
+            (&record["fetched_utc"], &record["asked_utc"]),
+            (&"2024-08-12T12:00:00Z".into(), &NOON.into()),
+            "{record}"
+        );
+        assert_eq!(server.asked().len(), 1, "{expected}");
+        // The refusal is remembered: the old file serves with a warning, nobody is asked.
+        let (code, stdout, stderr) = cache.run(&server.url, "2024-08-14T13:00:00Z", &[]);
+        assert_eq!((code, stdout.trim_end()), (0, cache.file().display().to_string().as_str()), "{stderr}");
+        assert!(stderr.contains("warning: CelesTrak was asked for this at 2024-08-14T12:00:00Z"), "{stderr}");
+        assert_eq!(server.asked().len(), 1);
+        // Nothing half-written lies about.
+        let left: Vec<_> = std::fs::read_dir(cache.folder())
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        assert!(left.iter().all(|name| name.starts_with(NAME)), "{left:?}");
+    }
+}
+
+/// A name without an address, a port where nobody listens, a service whose TLS is none: nobody was asked, so no wait begins.
+#[test]
+fn who_was_not_reached_was_not_asked() {
+    let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let plain = Server::one(|stream| send(stream, b"HTTP/1.1 400 Bad Request\r\n\r\n"));
+    for url in
+        [format!("http://{gone}"), "http://no-such-host.invalid".to_owned(), plain.url.replace("http:", "https:")]
+    {
+        let cache = Cache::filled();
+        let before = cache.record();
+        let (code, stdout, stderr) = cache.run(&url, NOON, &[]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{url}: {stderr}");
+        let error = stderr.lines().last().unwrap();
+        assert!(error.starts_with("error: CelesTrak: not reached: "), "{url}: {stderr}");
+        assert!(error.contains("stays as it was; it was not asked, and may be at once"), "{url}: {stderr}");
+        assert_eq!(std::fs::read(cache.file()).unwrap(), elements("sample.csv"));
+        assert_eq!(cache.record(), before, "{url}");
+        // A minute later the network is back.
+        let server = Server::one(|stream| answer(stream, "304 Not Modified", "", b""));
+        assert_eq!(cache.run(&server.url, "2024-08-14T12:01:00Z", &[]).0, 0, "{url}");
+        assert_eq!(server.asked().len(), 1, "{url}");
+    }
+    // The first question of all leaves nothing behind that could bind.
+    let cache = Cache::new();
+    assert_eq!(cache.run(&format!("http://{gone}"), NOON, &[]).0, 2);
+    assert!(!cache.folder().join(format!("{NAME}.fetch.json")).exists());
+    let server = Server::one(ok(elements("sample.csv"), ""));
+    assert_eq!(cache.run(&server.url, NOON, &[]).0, 0);
+}
+
+/// A login that comes to nobody binds no more than a question.
+#[test]
+fn a_login_that_reaches_nobody_is_not_counted() {
+    let cache = Cache::new();
+    let account = cache.folder().join("account");
+    std::fs::write(&account, "me\nsecret\n").unwrap();
+    let words = ["space-track", "--credentials", &account.display().to_string()];
+    let gone = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
+    let (code, _, stderr) = cache.source(&words, &format!("http://{gone}"), NOON, &[]);
+    assert!(code == 2 && stderr.contains("it was not asked, and may be at once"), "{stderr}");
+    // Reached, and hung up: that counts.
+    let server = Server::one(|_| {});
+    let (code, _, stderr) = cache.source(&words, &server.url, NOON, &[]);
+    assert!(code == 2 && stderr.contains("no answer to the login") && stderr.contains("not asked again"), "{stderr}");
+}
+
+#[test]
+fn a_cache_that_is_a_file_says_what_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = folder.path().join("a-file");
+    std::fs::write(&file, "x").unwrap();
+    for (cache, expected) in [
+        (file.clone(), "this is a file; allowed: a folder, or the name of one to make"),
+        (file.join("below"), "allowed: a folder that can be written to, or made"),
+    ] {
+        let output = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+            .args(["fetch", "celestrak", "--group", "starlink", "--cache"])
+            .arg(&cache)
+            .args(["--base-url", "http://127.0.0.1:9", "--now", NOON])
+            .output()
+            .unwrap();
+        let stderr = String::from_utf8(output.stderr).unwrap();
+        assert!(output.status.code() == Some(2) && stderr.contains(expected), "{stderr}");
+    }
+}
+
+#[test]
+fn a_file_that_has_lost_most_of_its_records_is_not_taken_unasked() {
+    let cache = Cache::new();
+    let many: String = (0..10).map(|id| crate::common::elements::pair(90_000 + id, "223.50000000")).collect();
+    let tle = ["celestrak", "--group", "starlink", "--elements-format", "tle"];
+    let server = Server::one(ok(many.clone().into_bytes(), ""));
+    let (code, stdout, stderr) = cache.source(&tle, &server.url, "2024-08-12T12:00:00Z", &[]);
+    assert_eq!(code, 0, "{stderr}");
+    let few = crate::common::elements::pair(90_000, "224.50000000").into_bytes();
+    let server = Server::one(ok(few.clone(), ""));
+    let (code, _, stderr) = cache.source(&tle, &server.url, NOON, &[]);
+    assert!(code == 2 && stderr.contains("1 records where there were 10"), "{stderr}");
+    assert_eq!(std::fs::read_to_string(stdout.trim_end()).unwrap(), many);
+    let server = Server::one(ok(few, ""));
+    let (code, _, stderr) = cache.source(&tle, &server.url, "2024-08-16T12:00:00Z", &["--accept-fewer"]);
+    assert_eq!(code, 0, "{stderr}");
+}
+
+#[test]
+fn space_track_logs_in_asks_and_logs_out_and_the_account_is_nowhere_to_be_read() {
+    let cache = Cache::new();
+    let account = cache.folder().join("account");
+    std::fs::write(&account, "me@example.org\nhunter+2&x=y\n").unwrap();
+    #[cfg(unix)]
+    std::fs::set_permissions(&account, std::os::unix::fs::PermissionsExt::from_mode(0o600)).unwrap();
+    let server = Server::new(vec![
+        Box::new(|stream| answer(stream, "200 OK", "Set-Cookie: chocolatechip=123; path=/; HttpOnly\r\n", b"\"\"")),
+        Box::new(ok(elements("sample.csv"), "")),
+        Box::new(|stream| answer(stream, "200 OK", "", b"\"Successfully logged out\"")),
+    ]);
+    let words = ["space-track", "--credentials", &account.display().to_string()];
+    let (code, stdout, stderr) = cache.source(&words, &server.url, NOON, &[]);
+    assert_eq!(code, 0, "{stderr}");
+    let asked = server.asked();
+    assert!(
+        asked[0].starts_with("POST /ajaxauth/login ")
+            && asked[0].ends_with("identity=me%40example.org&password=hunter%2B2%26x%3Dy"),
+        "{}",
+        asked[0]
+    );
+    assert!(
+        asked[1].starts_with("GET /basicspacedata/query/class/gp/decay_date/null-val/epoch/%3Enow-30/"),
+        "{}",
+        asked[1]
+    );
+    assert!(asked[1].to_ascii_lowercase().contains("cookie: chocolatechip=123"), "{}", asked[1]);
+    assert!(asked[2].starts_with("GET /ajaxauth/logout "), "{}", asked[2]);
+    let record = std::fs::read_to_string(format!("{}.fetch.json", stdout.trim_end())).unwrap();
+    for text in [&stdout, &stderr, &record] {
+        assert!(!text.contains("hunter") && !text.contains("example.org"), "{text}");
+    }
+    // A wrong password comes with 200.
+    let server =
+        Server::one(|stream| answer(stream, "200 OK", "Set-Cookie: chocolatechip=1\r\n", b"{\"Login\":\"Failed\"}"));
+    let (code, _, stderr) = cache.source(&words, &server.url, "2024-08-15T12:00:00Z", &[]);
+    assert!(code == 2 && stderr.contains("the account was refused") && !stderr.contains("hunter"), "{stderr}");
+    assert_eq!(server.asked().len(), 1);
+    // From the environment, by name.
+    let (code, _, stderr) = cache.source(
+        &["space-track", "--identity-env", "NO_SUCH_A", "--password-env", "NO_SUCH_B"],
+        &server.url,
+        "2024-08-16T12:00:00Z",
+        &[],
+    );
+    assert!(code == 2 && stderr.contains("NO_SUCH_A is not set"), "{stderr}");
+}
+
+#[test]
+fn supgp_and_satchecker_have_their_own_addresses() {
+    let cache = Cache::new();
+    let server = Server::one(ok(elements("sample.csv"), ""));
+    let (code, _, stderr) = cache.source(&["supgp", "--file", "starlink"], &server.url, NOON, &[]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(server.asked()[0].starts_with("GET /NORAD/elements/supplemental/sup-gp.php?FILE=starlink&FORMAT=csv "));
+    let server = Server::one(ok(elements("sample.2le"), ""));
+    let (code, stdout, stderr) =
+        cache.source(&["satchecker", "--epoch", "2024-08-14T00:00:00Z"], &server.url, NOON, &[]);
+    assert_eq!(code, 0, "{stderr}");
+    // JD 2460536.5 is 2024-08-14 00:00.
+    assert!(
+        server.asked()[0].starts_with("GET /tools/tles-at-epoch/?epoch=2460536.5000&format=txt "),
+        "{:?}",
+        server.asked()
+    );
+    assert!(stdout.trim_end().ends_with("satchecker-2460536.5000.tle"), "{stdout}");
+}
+
+#[test]
+fn what_is_typed_wrongly_asks_nobody() {
+    let cache = Cache::new();
+    let server = Server::new(Vec::new());
+    for (words, expected) in [
+        (vec!["celestrak", "--group", "../../etc"], "group '../../etc'; allowed"),
+        (vec!["celestrak", "--group", "a&b"], "allowed: 1 to 64 letters"),
+        (vec!["satchecker", "--epoch", "yesterday"], "yesterday"),
+        (vec!["celestrak", "--group", "x", "--timeout", "5"], "no unit"),
+        (vec!["space-track"], "--credentials"),
+        (vec!["space-track", "--credentials", "/no/such/file"], "credentials /no/such/file"),
+    ] {
+        let (code, stdout, stderr) = cache.source(&words, &server.url, NOON, &[]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{words:?}");
+        assert!(stderr.lines().last().unwrap().contains(expected), "{words:?}: {stderr}");
+    }
+    assert!(server.asked().is_empty());
+}
+
+/// A crash between the question and the answer: the stamp is there already.
+#[test]
+fn a_question_without_an_answer_counts() {
+    let cache = Cache::filled();
+    let path = cache.folder().join(format!("{NAME}.fetch.json"));
+    let mut record = cache.record();
+    record["asked_utc"] = NOON.into();
+    record["answer"] = "asking".into();
+    std::fs::write(&path, record.to_string()).unwrap();
+    let server = Server::new(Vec::new());
+    let (code, _, stderr) = cache.run(&server.url, "2024-08-14T12:30:00Z", &[]);
+    assert!(code == 0 && stderr.contains("(asking) and is not asked again for 90 min"), "{stderr}");
+}

@@ -1,0 +1,413 @@
+//! `forecast`: its columns and formats, its filters, an empty night, and what it refuses.
+
+use std::fs;
+
+use crate::common::cli::{SKY, done, json, path, records, run};
+use serde_json::Value;
+
+const HEADER: &str = "norad_id,name,rise_utc,culmination_utc,set_utc,rise_azimuth_deg,max_altitude_deg,set_azimuth_deg,shadow_entry_utc,shadow_exit_utc,peak_utc,peak_magnitude,peak_magnitude_sigma,peak_altitude_deg,peak_azimuth_deg,range_km,mag_source,element_age_days";
+const NIGHT: &[&str] = &["forecast", "--night", "2024-08-14"];
+/// Twenty planes of the constellation: some are seen in the evening, some in the morning.
+const FEW: &[&str] = &["--name", "S1 P2", "S1 P6"];
+
+/// Peaks come out with three decimals.
+const MAGNITUDE_DECIMALS: f64 = 5e-4;
+
+fn number(value: &Value) -> f64 {
+    value.as_f64().unwrap_or_else(|| panic!("{value} is no number"))
+}
+
+#[test]
+fn verif_columns_rows_and_json_say_the_same() {
+    let text = done(&[NIGHT, SKY, FEW, &["--format", "csv"]]);
+    assert!(text.starts_with("# "), "provenance first");
+    let rows = records(&text);
+    assert_eq!(rows[0].iter().collect::<Vec<_>>().join(","), HEADER);
+    assert!(rows.len() > 30, "{} rows", rows.len());
+    let answer = json(&[NIGHT, SKY, FEW]);
+    let passes = answer["passes"].as_array().unwrap();
+    assert_eq!(passes.len(), rows.len() - 1);
+    for (row, pass) in rows[1..].iter().zip(passes) {
+        for (name, cell) in rows[0].iter().zip(row) {
+            let value = &pass[name];
+            let text = value.as_str().map_or_else(|| value.to_string(), str::to_owned);
+            assert!(
+                cell == text || cell.is_empty() && value.is_null() || cell.parse::<f64>().ok() == value.as_f64(),
+                "{name}: {cell} {text}"
+            );
+        }
+        // What can be seen lies within the pass, and its brightest moment within what can be seen (or in the half shadow beside it).
+        let time = |name: &str| pass[name].as_str().unwrap_or_default().to_owned();
+        assert!(time("begin_utc") <= time("highest_utc") && time("highest_utc") <= time("end_utc"), "{pass}");
+        assert!(time("rise_utc") <= time("begin_utc") && time("end_utc") <= time("set_utc"), "{pass}");
+        assert!(number(&pass["highest_altitude_deg"]) <= number(&pass["max_altitude_deg"]) + 0.001, "{pass}");
+        if pass["ends_by"] == "shadow" {
+            assert_eq!(pass["end_utc"], pass["shadow_entry_utc"]);
+        }
+        if pass["begins_by"] == "shadow" {
+            assert_eq!(pass["begin_utc"], pass["shadow_exit_utc"]);
+        }
+    }
+    let night = &answer["night"][0];
+    assert!((8.0..14.0).contains(&number(&night["dark_h"])) && night["why_empty"].is_null(), "{night}");
+    let began = |pass: &Value| pass["begin_utc"].as_str().unwrap().to_owned();
+    assert!(passes.iter().all(|pass| began(pass).as_str() >= night["dark_from_utc"].as_str().unwrap()));
+    assert!(
+        passes.iter().any(|pass| pass["ends_by"] == "shadow")
+            && passes.iter().any(|pass| pass["begins_by"] == "shadow")
+    );
+}
+
+#[test]
+fn verif_filters_leave_out_what_they_say_and_nothing_else() {
+    let all = json(&[NIGHT, SKY, FEW]);
+    let all = all["passes"].as_array().unwrap();
+    let keep = |holds: &dyn Fn(&Value) -> bool| all.iter().filter(|pass| holds(pass)).cloned().collect::<Vec<_>>();
+    let found = |more: &[&str]| json(&[NIGHT, SKY, FEW, more]);
+    let bright = found(&["--max-mag", "5.5"]);
+    let expected = keep(&|pass| pass["peak_magnitude"].as_f64().is_some_and(|magnitude| magnitude <= 5.5));
+    assert!(!expected.is_empty() && expected.len() < all.len());
+    assert_eq!(bright["passes"].as_array().unwrap(), &expected);
+    assert_eq!(bright["night"][0]["passes_too_faint"].as_u64().unwrap() as usize, all.len() - expected.len());
+    let high = found(&["--min-culmination", "40"]);
+    let expected = keep(&|pass| number(&pass["max_altitude_deg"]) >= 40.0);
+    assert!(!expected.is_empty() && expected.len() < all.len());
+    assert_eq!(high["passes"].as_array().unwrap(), &expected);
+    let one = number(&all[0]["norad_id"]) as u32;
+    let ours = found(&["--norad", &one.to_string()]);
+    assert_eq!(ours["passes"].as_array().unwrap(), &keep(&|pass| pass["norad_id"] == one));
+    assert_eq!(found(&["--generation", "starlink-v1.5"])["passes"].as_array().unwrap(), all);
+    // All passes, seen or not, hold those that are seen.
+    let dark = found(&["--include-dark"]);
+    let dark = dark["passes"].as_array().unwrap();
+    assert!(dark.len() > all.len() + 50, "{} {}", dark.len(), all.len());
+    // Another search ends elsewhere by rounding: to the second, no root lies that near to a full one here.
+    let second = |pass: &Value| pass["begin_utc"].as_str().unwrap_or_default().chars().take(19).collect::<String>();
+    for pass in all {
+        assert!(
+            dark.iter().any(|other| other["norad_id"] == pass["norad_id"] && second(other) == second(pass)),
+            "{pass}"
+        );
+    }
+    let late = found(&["--sun-altitude-deg", "-18"]);
+    assert!(late["passes"].as_array().unwrap().len() < all.len());
+}
+
+#[test]
+fn verif_light_curves_hold_the_peak() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "curves.csv");
+    let sky = [SKY, FEW, &["--max-mag", "6"]].concat();
+    let answer = json(&[NIGHT, &sky, &["--light-curves", &file, "--samples", "41"]]);
+    let passes = answer["passes"].as_array().unwrap();
+    let curves = records(&fs::read_to_string(&file).unwrap());
+    assert_eq!(curves.len() - 1, 41 * passes.len());
+    for (pass, rows) in passes.iter().zip(curves[1..].chunks(41)) {
+        let samples = pass["samples"].as_array().unwrap();
+        assert_eq!(samples.len(), 41);
+        assert_eq!(
+            (&rows[0][3], &rows[40][3]),
+            (pass["rise_utc"].as_str().unwrap(), pass["set_utc"].as_str().unwrap())
+        );
+        let (begin, end) = (pass["begin_utc"].as_str().unwrap(), pass["end_utc"].as_str().unwrap());
+        let peak = number(&pass["peak_magnitude"]);
+        for sample in samples.iter().filter(|sample| (begin..=end).contains(&sample["utc"].as_str().unwrap())) {
+            if let Some(magnitude) = sample["magnitude"].as_f64() {
+                assert!(magnitude >= peak - MAGNITUDE_DECIMALS * 2.0, "{magnitude} outshines the peak of {pass}");
+            }
+        }
+        assert!(
+            samples
+                .iter()
+                .filter(|sample| sample["illumination"] == "umbra")
+                .all(|sample| sample["magnitude"].is_null())
+        );
+    }
+}
+
+#[test]
+fn verif_a_night_that_never_gets_dark_says_why() {
+    let polar: &[&str] = &["--shells", "starlink-gen1", "--lat", "78.2", "--lon", "15.6", "--night", "2024-06-21"];
+    let (code, stdout, stderr) = run(&[&["forecast"], polar, &["--format", "csv"]]);
+    assert_eq!(code, 0);
+    assert!(stdout.lines().filter(|line| !line.starts_with('#')).eq([HEADER]), "{stdout}");
+    let why = "no passes: it does not get dark at the site between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the Sun sinks to 11.6 deg at the lowest";
+    assert!(stderr.contains(why) && stderr.contains("and -6.0 deg was asked for"), "{stderr}");
+    let answer = json(&[&["forecast"], polar]);
+    assert!(answer["passes"].as_array().unwrap().is_empty());
+    let night = &answer["night"][0];
+    assert!(why.ends_with(night["why_empty"].as_str().unwrap().split(" (").next().unwrap()), "{night}");
+    assert!(night["dark_from_utc"].is_null() && number(&night["lowest_sun_altitude_deg"]) > 11.0);
+    // And one that is dark, with nothing bright enough, says that.
+    let (_, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--max-mag", "-8", "--format", "csv"]]);
+    assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -8"), "{stderr}");
+}
+
+#[test]
+fn verif_documents() {
+    let sky = [SKY, FEW, &["--max-mag", "6"]].concat();
+    let answer = json(&[NIGHT, &sky]);
+    let passes = answer["passes"].as_array().unwrap();
+    let calendar = done(&[NIGHT, &sky, &["--format", "ics", "--alarm", "5min"]]);
+    assert!(calendar.split("\r\n").all(|line| line.len() <= 75 && !line.contains('\n')));
+    let unfolded = calendar.replace("\r\n ", "");
+    let starting =
+        |with: &str| unfolded.lines().filter(|line| line.starts_with(with)).map(str::to_owned).collect::<Vec<_>>();
+    let starts: Vec<String> = passes
+        .iter()
+        .map(|pass| format!("DTSTART:{}Z", &pass["begin_utc"].as_str().unwrap().replace(['-', ':'], "")[..15]))
+        .collect();
+    assert_eq!(starting("DTSTART:"), starts);
+    assert_eq!(starting("TRIGGER:-PT300S").len(), passes.len());
+    let mut ids = starting("UID:");
+    ids.dedup();
+    assert_eq!(ids.len(), passes.len());
+
+    for (angles, first) in [("radec", "REFERENCE_FRAME = ICRF"), ("azel", "ANGLE_TYPE = AZEL")] {
+        let message = done(&[NIGHT, &sky, &["--format", "tdm", "--angle-type", angles, "--samples", "11"]]);
+        assert!(message.starts_with("CCSDS_TDM_VERS = 2.0\n"));
+        assert_eq!(message.matches("META_START").count(), passes.len());
+        assert_eq!(message.matches(first).count(), passes.len());
+        let times = |name: &str| message.lines().filter(|line| line.starts_with(name)).count();
+        assert!(times("ANGLE_1 = ") == times("ANGLE_2 = ") && times("MAG = ") > 3 * passes.len(), "{angles}");
+        assert!(message.contains("CREATION_DATE = ") && message.contains("PATH = 2,1"));
+    }
+
+    let report = done(&[NIGHT, &sky, &["--format", "score"]]);
+    let rows = records(&report);
+    assert_eq!(rows.len() - 1, passes.len());
+    assert_eq!((rows[0].len(), &rows[0][0], &rows[0][26]), (27, "satellite_name", "mpc_code"));
+    for (row, pass) in rows[1..].iter().zip(passes) {
+        assert_eq!(row[4].parse::<f64>().ok(), pass["peak_magnitude"].as_f64());
+        assert!(row[24].starts_with("predicted by streakcast") && &row[26] == "X05", "{row:?}");
+        // What only a measurement has.
+        assert!([3, 9, 10, 11, 13, 14, 17, 18, 19, 21, 22, 23].iter().all(|&cell| row[cell].is_empty()), "{row:?}");
+    }
+
+    let table = done(&[NIGHT, &sky, &["--format", "table", "--utc-offset=-04:00"]]);
+    assert_eq!(table.lines().count(), passes.len() + 1);
+    assert!(table.lines().next().unwrap().contains("start (local)"));
+    let votable = done(&[NIGHT, &sky, &["--format", "votable"]]);
+    assert_eq!(votable.matches("<TR>").count(), passes.len());
+    assert!(votable.starts_with("<?xml") && votable.trim_end().ends_with("</VOTABLE>"));
+}
+
+/// A satellite of which nobody knows how bright it is: told, shown or hidden.
+#[test]
+fn verif_priors_are_told() {
+    let elements = crate::common::golden_dir().join("elements/sample.3le").display().to_string();
+    let asked = ["forecast", "--elements", &elements, "--lat", "35", "--lon", "10", "--format", "csv"];
+    let time = ["--start", "2026-03-18T00:00:00Z", "--end", "2026-03-23T00:00:00Z"];
+    let prior = |more: &[&str]| {
+        let (code, stdout, stderr) = run(&[&asked, &time, more]);
+        assert_eq!(code, 0, "{stderr}");
+        let told = stderr.lines().find(|line| line.contains("prior alone")).map(str::to_owned);
+        (records(&stdout), told, stderr)
+    };
+    let (all, told, _) = prior(&[]);
+    let (count, source) = (all.len() - 1, all[0].iter().position(|name| name == "mag_source").unwrap());
+    assert!(count > 1 && all[1..].iter().all(|row| &row[source] == "prior"), "{all:?}");
+    let told = told.expect("a warning");
+    assert!(
+        told.starts_with("warning: ") && told.contains(&format!("({count} passes shown); --qs-mag FILE")),
+        "{told}"
+    );
+    // The faintest peak as the limit but for a bit: one is hidden, and the grammar holds.
+    let peak = all[0].iter().position(|name| name == "peak_magnitude").unwrap();
+    let mut peaks: Vec<f64> = all[1..].iter().map(|row| row[peak].parse().unwrap()).collect();
+    peaks.sort_by(f64::total_cmp);
+    let limit = (0.5 * (peaks[count - 2] + peaks[count - 1])).to_string();
+    let (_, told, _) = prior(&["--max-mag", &limit]);
+    let expected = format!("{} shown, 1 pass left out as fainter than mag {limit})", passes(count - 1));
+    assert!(told.as_ref().is_some_and(|told| told.contains(&expected)), "{told:?}: {expected}");
+    let (_, told, stderr) = prior(&["--max-mag", "-9"]);
+    assert!(told.is_some_and(|told| told.contains(&format!("({count} passes left out as fainter than mag -9)"))));
+    assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -9"), "{stderr}");
+    // Nobody of a kind that has a model is told of.
+    let (code, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--format", "csv"]]);
+    assert!(code == 0 && !stderr.contains("prior"), "{stderr}");
+}
+
+fn passes(count: usize) -> String {
+    format!("{count} {}", if count == 1 { "pass" } else { "passes" })
+}
+
+/// Numbers come back as numbers, all else as the text of CSV; what it rests on stands in the file.
+#[cfg(feature = "parquet")]
+#[test]
+fn verif_parquet_has_the_rows_of_csv() {
+    use ::parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+    use arrow_array::cast::AsArray;
+    use arrow_array::types::{Float64Type, Int64Type};
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "night.parquet");
+    done(&[NIGHT, SKY, FEW, &["-o", &file]]);
+    let rows = records(&done(&[NIGHT, SKY, FEW, &["--format", "csv"]]));
+    let builder = ParquetRecordBatchReaderBuilder::try_new(fs::File::open(&file).unwrap()).unwrap();
+    let said = builder.metadata().file_metadata().key_value_metadata().unwrap().clone();
+    assert!(said.iter().any(|one| one.key == "provenance" && one.value.as_ref().unwrap().contains("starlink-gen1")));
+    let batches: Vec<_> = builder.build().unwrap().map(Result::unwrap).collect();
+    assert_eq!(batches.iter().map(|batch| batch.num_rows()).sum::<usize>(), rows.len() - 1);
+    let names: Vec<_> = batches[0].schema().fields().iter().map(|field| field.name().clone()).collect();
+    assert_eq!(names.join(","), HEADER);
+    let (ids, magnitudes) = (
+        batches[0].column(0).as_primitive::<Int64Type>(),
+        names.iter().position(|name| name == "peak_magnitude").unwrap(),
+    );
+    let magnitude = batches[0].column(magnitudes).as_primitive::<Float64Type>();
+    let peaks = batches[0].column(10).as_string::<i32>();
+    for (row, cells) in rows[1..].iter().enumerate().take(batches[0].num_rows()) {
+        assert_eq!(ids.value(row).to_string(), cells[0]);
+        assert_eq!(magnitude.value(row), cells[magnitudes].parse::<f64>().unwrap());
+        assert_eq!(peaks.value(row), &cells[10]);
+    }
+}
+
+#[test]
+fn one_is_no_plural() {
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "one.tle");
+    let good = fs::read_to_string(crate::common::golden_dir().join("elements/sample.2le")).unwrap();
+    // The last digit of each line is its sum.
+    let wrong = |line: &str| format!("{}{}\n", &line[..68], (line.as_bytes()[68] - b'0' + 1) % 10);
+    fs::write(&file, good.lines().take(2).map(wrong).collect::<String>()).unwrap();
+    let asked = ["forecast", "--elements", &file, "--accept-bad-checksums", "--mpc", "X05", "--night", "2026-03-20"];
+    let (code, _, stderr) = run(&[&asked]);
+    assert!(code == 0 && stderr.contains("1 record taken in spite of a wrong checksum"), "{stderr}");
+    // One satellite and one high pass: found by asking for nothing but the highest.
+    let all = json(&[NIGHT, SKY, FEW]);
+    let all = all["passes"].as_array().unwrap();
+    let one = all.iter().map(|pass| number(&pass["max_altitude_deg"])).fold(0.0, f64::max);
+    let just_below = format!("{:.3}", one - 0.001);
+    let (_, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--min-culmination", &just_below, "--format", "csv"]]);
+    assert!(stderr.contains("1 pass of 1 satellite"), "{stderr}");
+    let (_, _, stderr) =
+        run(&[NIGHT, &SKY[..4], FEW, &["--min-culmination", &just_below, "--max-mag", "-9", "--format", "csv"]]);
+    assert!(stderr.contains("1 pass stays fainter than mag -9"), "{stderr}");
+}
+
+#[test]
+fn bad_input_is_one_line_that_says_what_is_allowed() {
+    let folder = tempfile::tempdir().unwrap();
+    let elsewhere = path(&folder, "nowhere/x.csv");
+    for (arguments, parts) in [
+        (&["--night", "14.8.2024"][..], &["night '14.8.2024' is not a date", "2024-08-14"][..]),
+        (&[], &["no time", "--night 2024-08-14"]),
+        (&["--start", "2024-08-14T00:00:00Z"], &["--end"]),
+        (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-10-14T00:00:00Z"], &["allowed 0 to 31 days"]),
+        (&["--start", "2024-08-14T00:00:00Z", "--end", "2024-08-13T00:00:00Z"], &["the end not before the start"]),
+        (&["--night", "2024-08-14", "--min-altitude", "95"], &["min-altitude 95 deg", "below 90 deg"]),
+        (&["--night", "2024-08-14", "--min-altitude", "NaN"], &["min-altitude NaN"]),
+        (&["--night", "2024-08-14", "--sun-altitude-deg", "-100"], &["sun-altitude-deg -100 deg", "-90 to 90 deg"]),
+        (&["--night", "2024-08-14", "--max-mag", "99"], &["max-mag 99 mag", "-30 to 40 mag"]),
+        (&["--night", "2024-08-14", "--samples", "1000000"], &["samples 1000000", "0 to 10000"]),
+        (&["--night", "2024-08-14", "--generation", "starlink"], &["generation 'starlink'", "starlink-v2mini"]),
+        (
+            &["--night", "2024-08-14", "--name", "ISS (ZARYA)"],
+            &["none of the 4408 satellites has a name with ISS (ZARYA)"],
+        ),
+        (&["--night", "2024-08-14", "--norad", "x"], &["'x'", "NORAD catalogue numbers, 1 to 999999999"]),
+        (&["--night", "2024-08-14", "--norad", "0"], &["'0'", "1 to 999999999"]),
+        (&["--night", "2024-08-14", "--alarm", "5min"], &["--alarm is for calendars alone", "--format ics"]),
+        (&["--night", "2024-08-14", "--alarm", "5min", "--format", "csv"], &["--alarm is for calendars alone"]),
+        (&["--night", "2024-08-14", "--angle-type", "azel"], &["--angle-type is for tracking data", "--format tdm"]),
+        (&["--night", "2024-08-14", "--utc-offset", "CET"], &["invalid value 'CET'", "--utc-offset", "+01:00"]),
+        (&["--night", "2024-08-14", "--alarm", "5"], &["alarm", "30s, 2.5min, 1h"]),
+        (&["--night", "2024-08-14", "--angle-type", "xyz"], &["angle-type 'xyz'", "radec, azel"]),
+        (&["--night", "2024-08-14", "--format", "xlsx"], &["format 'xlsx'", "votable", ", ics, tdm, score"]),
+        #[cfg(not(feature = "parquet"))]
+        (
+            &["--night", "2024-08-14", "--format", "parquet"],
+            &["'parquet' needs a build with the cargo feature parquet"],
+        ),
+        (&["--night", "2024-08-14", "--light-curves", &elsewhere], &["cannot write", "nowhere"]),
+        (&["--night", "2024-08-14", "--light-curves", "lc.foo"], &["lc.foo ends in no format", ".ecsv, .json"]),
+        (
+            &["--night", "2024-08-14", "-o", "x.png"],
+            &["x.png ends in no format", ".vot", ".ics, .tdm, .score", "--format"],
+        ),
+        (&["--night", "2024-08-14", "--fov", "3deg"], &["--fov changes nothing of what passes over a site"]),
+        (&["--night", "2024-08-14", "--rotation", "3"], &["--rotation changes nothing"]),
+        (&["--night", "2024-08-14", "--telescope", "rubin"], &["--telescope changes nothing"]),
+        (&["--night", "2024-08-14", "--min-probability", "5"], &["--min-probability changes nothing"]),
+        (
+            &["--night", "2024-08-14", "--norad", "1", "99999"],
+            &["none of the 4408 satellites has NORAD number 1 or 99999"],
+        ),
+        (&["--night", "1850-08-14"], &["1957 to 2099"]),
+    ] {
+        let (code, stdout, stderr) = run(&[&["forecast"], SKY, arguments]);
+        assert_eq!(code, 2, "{arguments:?}: {stderr}");
+        assert!(
+            stdout.is_empty() && stderr.starts_with("error: ") && stderr.lines().count() == 1,
+            "{arguments:?}: {stderr}"
+        );
+        for part in parts {
+            assert!(stderr.contains(part), "{arguments:?}: {stderr}");
+        }
+    }
+}
+
+/// What is counted as in the shadow is up while it is dark, within the time asked about, and lit at no such moment.
+#[test]
+fn verif_shadow_counts_the_dark_alone() {
+    // Sunlit, and gone before it gets dark.
+    let evening = ["--start", "2026-08-14T22:10:00Z", "--end", "2026-08-14T22:45:00Z", "--norad", "900002031"];
+    let night = json(&[&["forecast"], SKY, &evening])["night"][0].clone();
+    assert_eq!(night["passes_in_shadow"], 0, "{night}");
+    let why = night["why_empty"].as_str().unwrap();
+    assert!(why.starts_with("the one satellite does not stand above 10.0 deg while it is dark"), "{why}");
+    assert!(!json(&[&["forecast"], SKY, &evening, &["--include-dark"]])["passes"].as_array().unwrap().is_empty());
+    // By brute force: every pass of a time that is all dark, less those that are seen. Ten seconds at midnight, and the last hours of a night.
+    for (start, end) in
+        [("2026-08-15T04:00:00Z", "2026-08-15T04:00:10Z"), ("2026-08-15T08:00:00Z", "2026-08-15T10:30:00Z")]
+    {
+        let time = ["--start", start, "--end", end, "--name", "S1"];
+        let answer = json(&[&["forecast"], SKY, &time]);
+        let all = json(&[&["forecast"], SKY, &time, &["--include-dark"]]);
+        let unseen = |pass: &&Value| pass["begin_utc"].is_null();
+        let expected = all["passes"].as_array().unwrap().iter().filter(unseen).count();
+        let counted = answer["night"][0]["passes_in_shadow"].as_u64().unwrap() as usize;
+        assert!(expected > 20 && counted == expected, "{start}: {counted} counted, {expected} there");
+    }
+}
+
+#[test]
+fn verif_a_number_that_nobody_has_is_named() {
+    let (code, _, stderr) =
+        run(&[NIGHT, &SKY[..4], &["--norad", "900000001", "99999", "--include-dark", "--format", "csv"]]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("warning: none of the 4408 satellites has NORAD number 99999\n"), "{stderr}");
+}
+
+#[test]
+fn verif_an_empty_night_is_a_whole_calendar_and_no_message() {
+    let empty: &[&str] = &["--max-mag", "-8"];
+    let calendar = done(&[NIGHT, SKY, FEW, empty, &["--format", "ics", "--alarm", "5min"]]).replace("\r\n ", "");
+    assert_eq!((calendar.matches("BEGIN:VEVENT").count(), calendar.matches("BEGIN:VALARM").count()), (1, 0));
+    for line in ["SUMMARY:No satellite to be seen over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
+        assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
+    }
+    assert!(calendar.contains("fainter than mag -8"), "{calendar}");
+    // By its name, however that is written.
+    let folder = tempfile::tempdir().unwrap();
+    let file = path(&folder, "NIGHT.ICS");
+    done(&[NIGHT, SKY, FEW, empty, &["-o", &file]]);
+    assert!(fs::read_to_string(&file).unwrap().starts_with("BEGIN:VCALENDAR"));
+    // Of passes none of which can be seen, too.
+    let unseen = ["forecast", "--start", "2026-08-15T04:00:00Z", "--end", "2026-08-15T04:00:10Z", "--include-dark"];
+    let calendar = done(&[&unseen, SKY, &["--format", "ics"]]);
+    assert!(calendar.matches("BEGIN:VEVENT").count() == 1 && calendar.contains("all passes are in the Earth's shadow"));
+    assert_eq!(run(&[&unseen, SKY, &["--format", "tdm"]]).0, 2);
+    let (code, stdout, stderr) = run(&[NIGHT, SKY, FEW, empty, &["--format", "tdm"]]);
+    assert!(code == 2 && stdout.is_empty(), "{stdout}");
+    assert!(stderr.contains("fainter than mag -8") && stderr.contains("one segment at least"), "{stderr}");
+}
+
+#[test]
+fn help_names_every_format() {
+    let help = done(&[&["forecast", "--help"]]).split_whitespace().collect::<Vec<_>>().join(" ");
+    for format in ["votable;", "ics (calendar)", "tdm (CCSDS tracking data message)", "score (columns of SCORE)"] {
+        assert!(help.contains(format), "{format}: {help}");
+    }
+}

@@ -1,0 +1,491 @@
+//! The gate: what hosts see of it (exit codes, standard input, status file), what it asks of a mount, and that no fault of ours stalls a night.
+
+use std::fs;
+use std::io::{Read, Write};
+use std::net::TcpListener;
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant, SystemTime};
+
+use crate::common::cli::{json, path, run};
+use serde_json::Value;
+use tempfile::TempDir;
+
+/// Dusk over Rubin Observatory: in a field of 8 deg a synthetic Starlink crosses every minute.
+const GATE: &[&str] = &["gate", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--exposure", "10s"];
+const POINTING: &[&str] = &["--ra", "217.5", "--dec=-30"];
+const LIMIT: &[&str] = &["--limit-mag", "7", "--max-wait", "10min"];
+/// The clock of the rehearsals.
+const NOW: &str = "2024-08-14T23:30:00.000Z";
+/// The same evening of the year of the invented satellite, whose elements are made half a day older.
+const ELEMENTS_NOW: &str = "2026-08-14T23:30:00.000Z";
+/// Any answer that is not a stall.
+const PROMPT: Duration = Duration::from_secs(120);
+
+#[track_caller]
+fn gate(folder: &TempDir, more: &[&str]) -> (i32, String, Value) {
+    let status = path(folder, "status.json");
+    let (code, stdout, stderr) = run(&[GATE, more, &["--status-file", &status]]);
+    assert_eq!(stdout, "", "data of nobody's asking");
+    let text = fs::read_to_string(status).unwrap_or_else(|_| "null".to_owned());
+    (code, stderr, serde_json::from_str(&text).unwrap())
+}
+
+/// As Ekos: the gate with something on its standard input.
+fn ekos(folder: &TempDir, input: &[u8], close: bool, more: &[&str]) -> (i32, Value) {
+    let status = path(folder, "status.json");
+    let arguments = [GATE, &["--stdin", "ekos", "--status-file", &status, "--timeout", "1s"], more].concat();
+    let mut child = Command::new(env!("CARGO_BIN_EXE_streakcast"))
+        .args(arguments)
+        .stdin(Stdio::piped())
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .unwrap();
+    let mut pipe = child.stdin.take().unwrap();
+    pipe.write_all(input).unwrap();
+    pipe.flush().unwrap();
+    let kept = (!close).then_some(pipe);
+    let code = child.wait().unwrap().code().unwrap();
+    drop(kept);
+    (code, serde_json::from_str(&fs::read_to_string(status).unwrap()).unwrap())
+}
+
+fn utc_seconds(text: &str) -> f64 {
+    let epoch = streakcast::schedule::parse_instant(text, None).unwrap();
+    epoch.to_unix_seconds()
+}
+
+#[test]
+fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
+    let folder = tempfile::tempdir().unwrap();
+    let mut waited = 0;
+    for minute in [30, 33, 36, 39] {
+        let now = format!("2024-08-14T23:{minute}:00.000Z");
+        let (code, stderr, status) = gate(&folder, &[POINTING, LIMIT, &["--now", &now]].concat());
+        assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{stderr}");
+        let start = status["start_utc"].as_str().unwrap();
+        let wait_s = status["waited_s"].as_f64().unwrap();
+        assert!((utc_seconds(start) - utc_seconds(&now) - wait_s).abs() < 2e-3, "{status}");
+        waited += u32::from(wait_s > 0.0);
+        let brighter = |start: &str, exposure: &str| {
+            let passes = ["passes", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--quiet"];
+            let (code, stdout, _) =
+                run(&[&passes, POINTING, &["--start", start, "--exposure", exposure, "--format", "json"]]);
+            assert!(code < 2);
+            let answer: Value = serde_json::from_str(&stdout).unwrap();
+            let rows = answer["passes"].as_array().unwrap().clone();
+            rows.iter().filter(|row| row["magnitude_peak"].as_f64().is_some_and(|magnitude| magnitude < 7.0)).count()
+        };
+        assert_eq!(brighter(start, "10s"), 0, "{status}");
+        // The shutter may open as late as the margin.
+        let late = streakcast::schedule::parse_instant(start, None).unwrap() + 2.0 * hifitime::Unit::Second;
+        assert_eq!(brighter(&streakcast::output::format_utc(late, 3), "10s"), 0, "{status}");
+        if wait_s > 0.0 {
+            // What was waited for stands there: now, or within the margins.
+            let early = streakcast::schedule::parse_instant(&now, None).unwrap() - 2.0 * hifitime::Unit::Second;
+            assert!(brighter(&streakcast::output::format_utc(early, 3), "14s") > 0, "{status}");
+            assert!(status["n_dodged"].as_u64().unwrap() > 0);
+        }
+    }
+    assert!(waited > 0, "all of them were clear: the test has seen no wait");
+}
+
+#[test]
+fn exit_codes_and_counters_are_those_of_the_contract() {
+    let folder = tempfile::tempdir().unwrap();
+    // Every lit satellite within 60 deg: never clear.
+    let never: &[&str] = &["--fov", "60deg", "--max-wait", "20s", "--now", NOW];
+    let never: Vec<&str> =
+        GATE[1..5].iter().chain(&["--exposure", "60s"]).chain(POINTING).chain(never).copied().collect();
+    let status = path(&folder, "status.json");
+    let run_never = |strict: &[&str]| run(&[&["gate"], &never, strict, &["--status-file", &status]]);
+    let (code, _, stderr) = run_never(&[]);
+    assert_eq!(code, 0, "{stderr}");
+    assert!(stderr.contains("warning: gate: no clear start within 20 s"), "{stderr}");
+    assert_eq!(run_never(&["--strict"]).0, 1);
+    let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    assert_eq!((told["verdict"].as_str(), told["exit_code"].as_i64()), (Some("not_clear"), Some(1)));
+    assert_eq!((told["counters"]["runs"].as_i64(), told["counters"]["not_clear"].as_i64()), (Some(2), Some(2)));
+    // Nothing as bright as -20: clear now.
+    let (code, stderr, told) = gate(&folder, &[POINTING, &["--limit-mag=-20", "--now", NOW]].concat());
+    assert_eq!((code, told["verdict"].as_str(), told["waited_s"].as_f64()), (0, Some("clear"), Some(0.0)), "{stderr}");
+    assert_eq!(told["counters"]["clear"], 1);
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1, "no half-written file stays");
+    // A status file that is not one, or cannot be written, stalls nobody.
+    fs::write(&status, "{\"counters\": {\"runs\": 3").unwrap();
+    let (code, _, told) = gate(&folder, &[POINTING, &["--limit-mag=-20", "--now", NOW]].concat());
+    assert_eq!((code, told["counters"]["runs"].as_i64()), (0, Some(1)));
+    let nowhere = &["--limit-mag=-20", "--now", NOW, "--status-file", "/nowhere/at/all.json"];
+    assert_eq!(run(&[GATE, POINTING, nowhere]).0, 0);
+    assert_eq!(run(&[GATE, POINTING, nowhere, &["--strict"]]).0, 2);
+}
+
+#[test]
+fn errors_of_usage_are_two_whatever_is_forgiven() {
+    for (arguments, part) in [
+        (&[GATE][..], "no pointing; say --ra and --dec"),
+        (&[GATE, &["--ra", "10"]], "--dec"),
+        (&[&GATE[..7], POINTING], "no length of the exposure"),
+        (&[GATE, POINTING, &["--max-wait", "90"]], "max-wait 90 has no unit"),
+        (&[GATE, POINTING, &["--max-wait", "25h"]], "allowed 0 to 86400 s"),
+        (&[GATE, POINTING, &["--now", "yesterday"]], "'yesterday' is not a time"),
+        (&[GATE, &["--ra", "25h", "--dec", "0"]], "25h"),
+        (&[GATE, POINTING, &["--stdin", "nina"]], "nina"),
+        (&[&["gate", "--mpc", "X05", "--fov", "1deg", "--exposure", "1s"], POINTING], "no satellites"),
+        (&[&["gate", "--shells", "oneweb", "--fov", "1deg", "--exposure", "1s"], POINTING], "no site"),
+        (&[&["gate", "--shells", "oneweb", "--mpc", "ZZZ", "--fov", "1deg", "--exposure", "1s"], POINTING], "ZZZ"),
+    ] {
+        let (code, stdout, stderr) = run(arguments);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        assert!(stderr.starts_with("error: ") && stderr.contains(part), "'{part}' is not in: {stderr}");
+    }
+}
+
+#[test]
+fn faults_of_elements_open_the_gate_and_are_counted() {
+    let folder = tempfile::tempdir().unwrap();
+    let elements = path(&folder, "elements.tle");
+    let base: &[&str] =
+        &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
+    let status = path(&folder, "status.json");
+    let check = |kind: &str, part: &str, count: i64, now: &str| {
+        for (strict, expected) in [(&[][..], 0), (&["--strict"][..], 2)] {
+            let (code, _, stderr) = run(&[base, POINTING, &["--now", now, "--status-file", &status], strict]);
+            assert_eq!(code, expected, "{kind}: {stderr}");
+            let lines = stderr.lines().filter(|line| line.contains(part)).count();
+            assert_eq!(lines, 1, "'{part}' is not one line of: {stderr}");
+        }
+        let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+        assert_eq!((told["verdict"].as_str(), told["fault"].as_str()), (Some("fault"), Some(kind)));
+        assert_eq!(told["counters"]["faults"][kind], 2 * count, "{told}");
+    };
+    let all =
+        crate::common::elements::pair(25544, "227.50000000") + &crate::common::elements::pair(25545, "227.50000000");
+    let many: String = (0..40).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect();
+    check("elements", "elements.tle", 1, ELEMENTS_NOW);
+    // Half a record, as a copy over a slow line leaves it.
+    fs::write(&elements, &all[..100]).unwrap();
+    check("elements", "elements.tle", 2, ELEMENTS_NOW);
+    fs::write(&elements, "").unwrap();
+    check("elements", "is empty", 3, ELEMENTS_NOW);
+    // Whole, and clear: the sky has few satellites.
+    fs::write(&elements, &many).unwrap();
+    let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--status-file", &status]]);
+    assert_eq!(code, 0, "{stderr}");
+    let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    assert_eq!((told["satellites"].as_i64(), told["verdict"].as_str()), (Some(40), Some("clear")), "{told}");
+    // A quarter of what was there the last time, cut between two records: fewer than half, so it is not believed until it has stayed so for minutes.
+    let is_believed = |text: &str, minutes: i64, part: &str| {
+        fs::write(&elements, text).unwrap();
+        let apart = Duration::from_secs(60 * minutes.unsigned_abs());
+        let now = SystemTime::now();
+        let changed = if minutes < 0 { now + apart } else { now - apart };
+        fs::File::options().append(true).open(&elements).unwrap().set_modified(changed).unwrap();
+        let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--status-file", &status]]);
+        assert_eq!(code, 0, "{stderr}");
+        assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
+        let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+        told["verdict"] != "fault"
+    };
+    let quarter: String = many.split_inclusive('\n').take(20).collect();
+    let fewer = "half-written elements? 10 satellites, 0 records rejected, 40 the last time";
+    // A date in the future is another machine's, and tells nothing.
+    for minutes in [-60, 0, 1, 9] {
+        assert!(!is_believed(&quarter, minutes, fewer));
+    }
+    // Cut within a record: fewer than nine in ten are not believed, however long they stay.
+    let torn: String = many.split_inclusive('\n').take(60).collect::<String>() + &many[..100];
+    let broken = "half-written elements? 30 satellites, 1 records rejected, 40 the last time";
+    assert!(!is_believed(&torn, 60, broken));
+    let last: String = many.split_inclusive('\n').take(79).collect();
+    assert!(is_believed(&last, 1, "ends with a broken record"));
+    assert!(is_believed(&many, 0, "clear now"));
+    assert!(is_believed(&quarter, 11, "clear now"));
+    // Weeks old: no wait can be trusted.
+    fs::write(&elements, &many).unwrap();
+    check("stale_elements", "100 % of the elements are more than 14 days from now", 1, "2026-09-14T23:30:00Z");
+}
+
+#[test]
+fn elements_that_are_just_being_replaced_are_read_again() {
+    let folder = tempfile::tempdir().unwrap();
+    let elements = path(&folder, "elements.tle");
+    let whole: String = (0..40).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect();
+    fs::write(&elements, &whole[..60]).unwrap();
+    let (late, target) = (whole.clone(), elements.clone());
+    let writer = thread::spawn(move || {
+        thread::sleep(Duration::from_millis(150));
+        fs::write(target, late).unwrap();
+    });
+    let base: &[&str] =
+        &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
+    let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--strict"]]);
+    writer.join().unwrap();
+    assert_eq!(code, 0, "{stderr}");
+}
+
+const TARGETS: &str =
+    "[targets.'M 31']\nra = '00h42m44s'\ndec = '+41d16m09s'\n[targets.field_1]\nra = 217.5\ndec = -30\n";
+
+#[test]
+fn ekos_hands_over_its_job_and_is_let_through_with_darks() {
+    let folder = tempfile::tempdir().unwrap();
+    let targets = path(&folder, "targets.toml");
+    fs::write(&targets, TARGETS).unwrap();
+    let more: &[&str] = &["--targets", &targets, "--limit-mag=L=-20,default=-21", "--now", NOW];
+    let job = |kind: &str, target: &str| {
+        format!(
+            "{{\"script_type\":\"PRE_CAPTURE\",\"job\":{{\"filter\":\"L\",\"exposure\":120.0,\"type\":\"{kind}\",\"binning_x\":1,\"binning_y\":1,\"target_name\":\"{target}\"}}}}"
+        )
+    };
+    // Ekos puts underscores for blanks; what it says of the exposure counts. The pipe stays open, as a host may leave it.
+    let (code, status) = ekos(&folder, job("Light", "Field 1").as_bytes(), false, more);
+    assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{status}");
+    assert_eq!((status["exposure_s"].as_f64(), status["ra_deg"].as_f64()), (Some(120.0), Some(217.5)));
+    assert_eq!((status["band"].as_str(), status["limit_mag"].as_f64()), (Some("L"), Some(-20.0)));
+    for kind in ["Dark", "Flat", "Bias"] {
+        let (code, status) = ekos(&folder, job(kind, "anything").as_bytes(), true, more);
+        assert_eq!((code, status["verdict"].as_str()), (0, Some("skipped")), "{status}");
+    }
+    // A target that nobody knows, below the horizon, no JSON, half of it, and silence: on with the night, counted.
+    for (input, close, kind) in [
+        (job("Light", "NGC 1"), true, "target"),
+        (job("Light", "M 31"), true, "target"),
+        (job("Light", ""), true, "target"),
+        ("not json\n".to_owned(), true, "host"),
+        ("{\"script_type\":\"PRE_CAPTURE\",\"job\":{".to_owned(), false, "host"),
+        ("{\"script_type\":\"POST_CAPTURE\",\"job\":{}}".to_owned(), true, "host"),
+        ("{\"job\":{\"exposure\":-5,\"target_name\":\"Field 1\"}}".to_owned(), true, "host"),
+    ] {
+        let before = Instant::now();
+        let (code, status) = ekos(&folder, input.as_bytes(), close, more);
+        assert_eq!((code, status["fault"].as_str()), (0, Some(kind)), "{input}: {status}");
+        assert!(before.elapsed() < PROMPT);
+        let strict: Vec<&str> = more.iter().chain(&["--strict"]).copied().collect();
+        assert_eq!(ekos(&folder, input.as_bytes(), close, &strict).0, 2, "{input}");
+    }
+    // Older KStars say nothing: what was typed counts.
+    let typed: Vec<&str> = ["--limit-mag=-20", "--now", NOW].iter().chain(POINTING).copied().collect();
+    for (input, close) in [("", true), ("", false), ("\n", false)] {
+        let (code, status) = ekos(&folder, input.as_bytes(), close, &typed);
+        assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{status}");
+        assert_eq!(status["exposure_s"].as_f64(), Some(10.0), "{status}");
+    }
+}
+
+/// As N.I.N.A.: a program with arguments; any code but 0 fails the sequence; the answer is read from the status file.
+#[test]
+fn nina_reads_the_status_file_and_is_never_failed_unless_strict() {
+    let folder = tempfile::tempdir().unwrap();
+    let targets = path(&folder, "targets.toml");
+    fs::write(&targets, TARGETS).unwrap();
+    let named = |target: &str, more: &[&str]| {
+        let named = ["--targets", &targets, "--target", target, "--limit-mag=-20", "--now", NOW];
+        gate(&folder, &[&named, more].concat())
+    };
+    let (code, stderr, status) = named("FIELD-1", &[]);
+    assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{stderr}");
+    for key in ["verdict", "message", "exit_code", "began_utc", "ended_utc", "start_utc", "clear_until_utc", "counters"]
+    {
+        assert!(!status[key].is_null(), "{key} in {status}");
+    }
+    let (code, stderr, status) = named("nowhere", &[]);
+    assert_eq!((code, status["fault"].as_str()), (0, Some("target")));
+    assert!(stderr.contains("no target 'nowhere'; known: M 31, field_1"), "{stderr}");
+    assert_eq!(named("nowhere", &["--strict"]).0, 2);
+}
+
+/// A server that says these pieces, one after the other, to whoever connects, and then keeps the line open, or closes it.
+fn fake_indi(pieces: Vec<String>, pause: Duration, close: bool) -> String {
+    let listener = TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = listener.local_addr().unwrap().to_string();
+    thread::spawn(move || {
+        let (mut stream, _) = listener.accept().unwrap();
+        let mut asked = [0; 256];
+        let read = stream.read(&mut asked).unwrap_or(0);
+        assert!(asked[..read].starts_with(b"<getProperties version="));
+        for piece in pieces {
+            if stream.write_all(piece.as_bytes()).is_err() {
+                return;
+            }
+            thread::sleep(pause);
+        }
+        if !close {
+            // Until the client has had enough.
+            let _ = stream.read(&mut asked);
+        }
+    });
+    address
+}
+
+fn numbers(device: &str, name: &str, state: &str, stamp: &str, numbers: &[(&str, &str)]) -> String {
+    let items: String = numbers
+        .iter()
+        .map(|(name, value)| {
+            format!("<defNumber name='{name}' format='%g' min='0' max='24' step='0'>\n{value}\n</defNumber>\n")
+        })
+        .collect();
+    format!(
+        "<defNumberVector device=\"{device}\" name=\"{name}\" label=\"x\" state=\"{state}\" perm=\"rw\" timestamp=\"{stamp}\">\n{items}</defNumberVector>\n"
+    )
+}
+
+fn eod(state: &str, stamp: &str) -> String {
+    // What stands at ICRS 217.5, -30 on 2024-08-14, of date: astropy 8.0.2, TETE.
+    numbers("Mount", "EQUATORIAL_EOD_COORD", state, stamp, &[("RA", "14:31:26.619"), ("DEC", "-30.110918")])
+}
+
+fn place(latitude: &str, longitude: &str) -> String {
+    numbers(
+        "Mount",
+        "GEOGRAPHIC_COORD",
+        "Ok",
+        "2024-08-14T23:30:00",
+        &[("LAT", latitude), ("LONG", longitude), ("ELEV", "2663")],
+    )
+}
+
+const STAMP: &str = "2024-08-14T23:30:00";
+const CCD: &str = "<defTextVector device='CCD' name='DRIVER_INFO' state='Idle'><defText name='A'>a &amp; b</defText></defTextVector>\n";
+
+/// The gate with a mount to ask; the answer must come, whatever the server does.
+#[track_caller]
+fn ask(folder: &TempDir, pieces: Vec<String>, close: bool, more: &[&str]) -> (i32, String, Value) {
+    let address = fake_indi(pieces, Duration::from_millis(20), close);
+    let before = Instant::now();
+    let answer = gate(folder, &[&["--indi", &address, "--timeout", "2s", "--limit-mag=-20"], more].concat());
+    assert!(before.elapsed() < PROMPT);
+    answer
+}
+
+#[test]
+fn a_mount_says_where_it_points_of_date_and_where_it_stands() {
+    let folder = tempfile::tempdir().unwrap();
+    let now = &["--now", NOW];
+    let good = || vec![CCD.to_owned(), eod("Ok", STAMP), place("-30:14:40", "289.2506")];
+    let (code, stderr, status) = ask(&folder, good(), false, now);
+    assert_eq!(
+        (code, status["verdict"].as_str(), status["mount"].as_str()),
+        (0, Some("clear"), Some("Mount")),
+        "{stderr}"
+    );
+    // A third of a degree from what the mount said, back to 0.1 arcsec.
+    let (ra, dec) = (status["ra_deg"].as_f64().unwrap(), status["dec_deg"].as_f64().unwrap());
+    assert!((ra - 217.5).abs() < 3e-5 && (dec + 30.0).abs() < 3e-5, "{ra} {dec}");
+    // A message in pieces, and a mount that comes to rest while we listen.
+    let cut = eod("Busy", STAMP) + &place("-30.2446", "289.2506");
+    let moved = eod("Ok", STAMP)
+        .replace("def", "set")
+        .replace("setNumber name", "oneNumber name")
+        .replace("</setNumber>", "</oneNumber>");
+    let pieces = cut.as_bytes().chunks(50).map(|piece| String::from_utf8(piece.to_vec()).unwrap()).chain([moved]);
+    let (code, stderr, status) = ask(&folder, pieces.collect(), false, now);
+    assert_eq!((code, status["verdict"].as_str()), (0, Some("clear")), "{stderr}");
+    // J2000 is taken as it is.
+    let j2000 = numbers("Mount", "EQUATORIAL_COORD", "Idle", STAMP, &[("RA", "14.5"), ("DEC", "-30")]);
+    let (_, stderr, status) = ask(&folder, vec![j2000], false, now);
+    assert_eq!((status["ra_deg"].as_f64(), status["dec_deg"].as_f64()), (Some(217.5), Some(-30.0)), "{stderr}");
+    // Without a site of ours, the mount's.
+    let status_file = path(&folder, "own.json");
+    let address = fake_indi(good(), Duration::ZERO, false);
+    let own =
+        ["gate", "--shells", "starlink-gen1", "--fov", "8deg", "--exposure", "10s", "--limit-mag=-20", "--now", NOW];
+    let (code, _, stderr) = run(&[&own, &["--indi", &address, "--status-file", &status_file, "--strict"]]);
+    assert_eq!(code, 0, "{stderr}");
+}
+
+#[test]
+fn servers_that_are_down_silent_or_mad_stall_nobody() {
+    let folder = tempfile::tempdir().unwrap();
+    let second = eod("Ok", STAMP).replace("\"Mount\"", "\"Other\"");
+    let wrong = numbers("Mount", "EQUATORIAL_EOD_COORD", "Ok", STAMP, &[("RA", "14.5"), ("DEC", "-300")]);
+    for (pieces, close, part) in [
+        (vec![], false, "no mount answers (I/O error: no answer in time)"),
+        (vec![], true, "closed the connection"),
+        (vec![CCD.to_owned()], false, "no mount"),
+        (vec![eod("Ok", STAMP)[..120].to_owned()], true, "no mount answers"),
+        (vec!["\u{1}<<<&&>>\"garbage\u{7f}".to_owned(); 3], true, "no mount answers"),
+        (vec![eod("Busy", STAMP)], false, "Mount is Busy, not at rest"),
+        (vec![eod("Busy", STAMP) + &second], false, "several mounts (Mount, Other)"),
+        (vec![eod("Ok", STAMP) + &place("-30.2446", "289.2506"), second], false, "several mounts (Mount, Other)"),
+        (vec![wrong], false, "points at 14.5 h, -300 deg"),
+    ] {
+        let (code, stderr, status) = ask(&folder, pieces, close, &["--now", NOW]);
+        assert_eq!((code, status["fault"].as_str()), (0, Some("indi")), "{stderr}");
+        assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
+    }
+    let nobody = TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
+    let (code, stderr, status) = gate(&folder, &["--indi", &nobody, "--now", NOW]);
+    assert_eq!((code, status["fault"].as_str()), (0, Some("indi")), "{stderr}");
+    assert_eq!(gate(&folder, &["--indi", &nobody, "--now", NOW, "--strict"]).0, 2);
+}
+
+#[test]
+fn a_site_elsewhere_and_a_clock_that_is_wrong_are_noticed() {
+    let folder = tempfile::tempdir().unwrap();
+    // 0.02 deg are 2.2 km; 0.005 deg are half a kilometre.
+    let (code, stderr, status) =
+        ask(&folder, vec![eod("Ok", STAMP), place("-30.2646", "289.2506")], false, &["--now", NOW]);
+    assert_eq!((code, status["fault"].as_str()), (0, Some("site")), "{stderr}");
+    assert!(stderr.contains("the mount Mount stands 2.2 km from"), "{stderr}");
+    let (_, stderr, status) =
+        ask(&folder, vec![eod("Ok", STAMP), place("-30.2496", "289.2506")], false, &["--now", NOW]);
+    assert_eq!(status["verdict"], "clear", "{stderr}");
+
+    // Against the machine's own clock: right, and 37 s wrong.
+    let stamp = |offset_s: f64| {
+        let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();
+        streakcast::output::format_utc(hifitime::Epoch::from_unix_seconds(now + offset_s), 0).replace('Z', "")
+    };
+    let place = place("-30.2446", "289.2506");
+    let (_, stderr, status) = ask(&folder, vec![eod("Ok", &stamp(0.0)), place.clone()], false, &[]);
+    assert_ne!(status["fault"], "clock", "{stderr}");
+    let (code, stderr, status) = ask(&folder, vec![eod("Ok", &stamp(37.0)), place], false, &[]);
+    assert_eq!((code, status["fault"].as_str()), (0, Some("clock")), "{stderr}");
+    assert!(stderr.contains("the clock of the INDI server is +3"), "{stderr}");
+}
+
+#[test]
+fn the_machines_clock_is_waited_for() {
+    // A field that never sets from the pole; what is asked is that real time passes, not how much of it.
+    let folder = tempfile::tempdir().unwrap();
+    let status = path(&folder, "status.json");
+    let began = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();
+    let arguments = [
+        "gate",
+        "--shells",
+        "starlink-gen1",
+        "--lat=-89",
+        "--lon",
+        "0",
+        "--fov",
+        "3deg",
+        "--exposure",
+        "1s",
+        "--ra",
+        "0",
+        "--dec=-80",
+    ];
+    let (code, _, stderr) = run(&[&arguments, &["--limit-mag", "9", "--max-wait", "30s", "--status-file", &status]]);
+    assert_eq!(code, 0, "{stderr}");
+    let told: Value = serde_json::from_str(&fs::read_to_string(&status).unwrap()).unwrap();
+    let ended = utc_seconds(told["ended_utc"].as_str().unwrap());
+    assert!(ended >= began, "{told}");
+    if let Some(start) = told["start_utc"].as_str() {
+        assert!(ended >= utc_seconds(start) - 1e-3, "{told}");
+    }
+}
+
+#[test]
+fn the_sky_of_a_gate_is_that_of_passes() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, _, status) = gate(&folder, &[POINTING, LIMIT, &["--now", NOW]].concat());
+    let dodged = status["dodged"].as_array().unwrap();
+    assert!(!dodged.is_empty(), "{status}");
+    let first = &dodged[0];
+    let passes = ["passes", "--shells", "starlink-gen1", "--mpc", "X05", "--fov", "8deg", "--quiet", "--start", NOW];
+    let answer = json(&[&passes, POINTING, &["--exposure", "10min"]]);
+    let rows = answer["passes"].as_array().unwrap();
+    assert!(rows.iter().any(|row| row["norad_id"] == first["norad_id"]), "{first}");
+}

@@ -1,0 +1,167 @@
+//! `streakcast identify`: every way of saying a streak, and what is said of those that are none.
+
+use crate::common::cli::{SKY, done, json, path, records, run};
+use serde_json::Value;
+
+/// A pass of a synthetic constellation, for which nothing is needed.
+fn pass() -> Value {
+    let answer = json(&[
+        &["passes"],
+        SKY,
+        &["--fov", "3.5deg", "--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--ra", "198.9", "--dec", "7.7"],
+    ]);
+    answer["passes"][0].clone()
+}
+
+fn end(pass: &Value, which: &str) -> String {
+    format!("{},{}", pass[format!("{which}_ra_deg")], pass[format!("{which}_dec_deg")])
+}
+
+fn first(words: &[&str]) -> (Value, Value) {
+    let answer = json(&[&["identify"], SKY, words]);
+    (answer["candidates"][0].clone(), answer)
+}
+
+#[test]
+fn a_pass_is_identified_however_it_is_said() {
+    let pass = pass();
+    let (enter, exit) = (end(&pass, "enter"), end(&pass, "exit"));
+    let times = [pass["enter_utc"].as_str().unwrap(), pass["exit_utc"].as_str().unwrap()];
+    let angle = pass["position_angle_deg"].to_string();
+    let (ra, dec) = (pass["mid_ra_deg"].to_string(), pass["mid_dec_deg"].to_string());
+    let shutter = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s"];
+    let length = format!("{}deg", pass["streak_length_deg"]);
+    let ways: [Vec<&str>; 4] = [
+        vec!["--end", &enter, "--end", &exit, "--times", times[0], times[1]],
+        [vec!["--end", &exit, "--end", &enter], shutter.to_vec()].concat(),
+        [vec!["--ra", &ra, "--dec", &dec, "--position-angle", &angle], shutter.to_vec()].concat(),
+        [vec!["--ra", &ra, "--dec", &dec, "--position-angle", &angle, "--length", &length], shutter.to_vec()].concat(),
+    ];
+    for way in ways {
+        let (candidate, answer) = first(&way);
+        assert_eq!(candidate["norad_id"], pass["norad_id"], "{way:?}: {answer}");
+        assert!(candidate["cross_track_offset_arcsec"].as_f64().unwrap().abs() < 30.0, "{candidate}");
+        assert!(candidate["magnitude"].is_number() && candidate["probability"].as_f64().unwrap() > 0.5, "{candidate}");
+        assert_eq!(answer["streak"].as_array().unwrap().len(), 1);
+        assert!(answer["provenance"]["options"]["unknown_probability"].is_number());
+    }
+}
+
+#[test]
+fn the_same_rows_in_every_format() {
+    let pass = pass();
+    let ends = [end(&pass, "enter"), end(&pass, "exit")];
+    let times = [pass["enter_utc"].as_str().unwrap(), pass["exit_utc"].as_str().unwrap()];
+    let words = ["--end", &ends[0], "--end", &ends[1], "--times", times[0], times[1], "--top", "1"];
+    let said = |format: &str| done(&[&["identify"], SKY, &words, &["--format", format]]);
+    let id = pass["norad_id"].to_string();
+    for format in ["csv", "ecsv", "jsonl", "json", "table"] {
+        assert!(said(format).contains(&id), "{format}: {}", said(format));
+    }
+    let rows = records(&said("csv"));
+    assert_eq!((rows.len(), &rows[0][0], &rows[1][0]), (2, "norad_id", id.as_str()));
+}
+
+#[test]
+fn no_candidate_ends_with_1() {
+    // Far south, where no shell of 53 degrees comes by.
+    let words = ["--end", "10,-86.5", "--end", "12,-86.6", "--start", "2026-08-14T23:29:05Z", "--exposure", "1s"];
+    let (code, stdout, stderr) = run(&[&["identify"], &SKY[..4], &words, &["--format", "csv"]]);
+    assert_eq!(code, 1, "{stderr}");
+    assert_eq!(records(&stdout).len(), 1);
+    assert!(stderr.contains("no candidate"), "{stderr}");
+}
+
+#[test]
+fn what_is_no_streak_is_told_on_one_line() {
+    let folder = tempfile::tempdir().unwrap();
+    let region = path(&folder, "a.reg");
+    std::fs::write(&region, "fk5\ncircle(1,2,3\")\n").unwrap();
+    let shutter = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s"];
+    let with = |words: &[&'static str]| [words.to_vec(), shutter.to_vec()].concat();
+    #[cfg_attr(not(feature = "fits"), allow(unused_mut))]
+    let mut cases: Vec<(Vec<&str>, &str)> = vec![
+        (shutter.to_vec(), "no streak; say --end RA,DEC twice"),
+        (with(&["--end", "1,2"]), "--end was said once; allowed: twice"),
+        (with(&["--end", "1,2", "--end", "1,2"]), "both ends of the streak are at one place"),
+        (with(&["--end", "1;2", "--end", "1,2"]), "end '1;2' is no place"),
+        (with(&["--end", "1,2", "--end", "400,2"]), "is not a right ascension"),
+        (
+            with(&["--end", "1,2", "--end", "2,3", "--ra", "1", "--dec", "2", "--position-angle", "3"]),
+            "exclude each other",
+        ),
+        (vec!["--end", "1,2", "--end", "2,3"], "no start of the exposure"),
+        (vec!["--end", "1,2", "--end", "2,3", "--start", "2026-08-14T23:29:05Z"], "no length of the exposure"),
+        (
+            vec!["--end", "1,2", "--end", "2,3", "--times", "2026-08-14T23:29:05Z", "2026-08-14T23:29:05Z"],
+            "times: the second is 0 s after",
+        ),
+        (with(&["--end", "1,2", "--end", "2,3", "--place-sigma", "5"]), "has no unit"),
+        (with(&["--end", "1,2", "--end", "2,3", "--fov", "3deg"]), "--fov changes nothing"),
+        (with(&["--end", "10,80", "--end", "11,80"]), "the streak is below the horizon of Rubin Observatory"),
+        (with(&["--end", "1,2", "--end", "2,3", "--top", "0"]), "top 0; allowed: 1 or more"),
+        (with(&["--ra", "1", "--dec", "2", "--position-angle", "400"]), "position angle 400"),
+        (with(&["--ra", "1", "--dec", "2", "--position-angle", "4", "--whole-streak"]), "a streak of known length"),
+        ([vec!["--region", &region], shutter.to_vec()].concat(), "a.reg: line 2: 'circle' is not read"),
+        (with(&["--region", "missing.reg"]), "missing.reg"),
+    ];
+    #[cfg(feature = "fits")]
+    cases.extend([
+        (vec!["--image", "missing.fits", "--from-pix", "1,2", "--to-pix", "3,4"], "missing.fits"),
+        (vec!["--image", "missing.fits", "--from-pix", "1;2", "--to-pix", "3,4"], "pixel '1;2'; allowed: X,Y"),
+    ]);
+    for (words, expected) in cases {
+        let (code, stdout, stderr) = run(&[&["identify"], SKY, &words]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{words:?}: {stderr}");
+        assert!(stderr.lines().count() == 1 && stderr.contains(expected), "{words:?}: {stderr}");
+    }
+}
+
+/// Two forms of one frame of Boley et al. (2021): its region file, and its corner points as ends.
+#[test]
+fn valid_a_region_of_ds9_is_a_streak() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let folder = data.join("photometry/boley2021_plaskett");
+    let elements = folder.join("starlink.15JUL2021").display().to_string();
+    let region = folder.join("regFiles/box-000013.reg").display().to_string();
+    // Row 13 of plan.ran: STARLINK-1498 passes at 08:42:04.5.
+    let sky = ["--elements", &elements, "--mpc", "658", "-q", "--start", "2021-07-16T08:41:49.5Z", "--exposure", "30s"];
+    let answer = json(&[&["identify"], &sky, &["--region", &region]]);
+    assert_eq!(answer["candidates"][0]["name"], "STARLINK-1498", "{answer}");
+    let ends = ["--end", "325.40061,10.45796", "--end", "325.46328,10.48382"];
+    let answer = json(&[&["identify"], &sky, &ends]);
+    assert_eq!(answer["candidates"][0]["name"], "STARLINK-1498", "{answer}");
+}
+
+#[cfg(feature = "fits")]
+#[test]
+fn valid_a_frame_says_where_and_when() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let frame = data.join("frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz").display().to_string();
+    for file in ["supgp/starlink_supgp_2020-02-23.tle", "supgp/starlink_supgp_2020-02-25.tle"] {
+        let elements = data.join("tle").join(file).display().to_string();
+        let sky = ["identify", "--elements", &elements, "--mpc", "W84", "-q", "--image", &frame];
+        let (code, _, stderr) = run(&[&sky, &["--from-pix", "1,68.5", "--to-pix", "68.02,1"]]);
+        assert!(code == 2 && stderr.contains("images; say which: --hdu"), "{stderr}");
+        let hdu = hdu_of_s28(&frame).to_string();
+        for (from, to, outside) in [("1,68.5", "71,-2", "71,-2"), ("0.4,68.5", "68,1", "0.4,68.5")] {
+            let (code, _, stderr) = run(&[&sky, &["--hdu", &hdu, "--from-pix", from, "--to-pix", to]]);
+            let expected = format!(
+                "HDU {hdu}: pixel {outside} is outside of the frame; allowed: X from 0.5 to 100.5, Y from 0.5 to 100.5"
+            );
+            assert!(code == 2 && stderr.contains(&expected), "{stderr}");
+        }
+        let answer = json(&[
+            &sky,
+            &["--hdu", &hdu, "--from-pix", "1,68.5", "--to-pix", "68.02,1", "--place-sigma", "0.13arcsec"],
+        ]);
+        assert_eq!(answer["candidates"][0]["name"], "STARLINK-1102", "{answer}");
+        assert_eq!(answer["streak"][0]["start_utc"], "2020-03-06T00:04:15.410235Z", "{answer}");
+    }
+}
+
+#[cfg(feature = "fits")]
+fn hdu_of_s28(frame: &str) -> usize {
+    let frame = streakcast::images::FrameFile::open(std::path::Path::new(frame)).unwrap();
+    frame.hdus().iter().find(|hdu| hdu.name == "S28").unwrap().index
+}

@@ -1,0 +1,556 @@
+//! `inject` as a user types it: frames, masks, truth, bad input.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::cli::{done, path, records, run};
+use crate::common::injected::{RANDOM, SKY, column, numbers, unrounded, values, with_card};
+use streakcast::images::FrameFile;
+use tempfile::TempDir;
+
+fn synthetic(folder: &TempDir, name: &str, more: &[&str]) -> String {
+    let description = path(folder, "sky.toml");
+    fs::write(&description, SKY).unwrap();
+    let output = path(folder, name);
+    done(&[&["inject", "--synthetic", &description, "-o", &output], RANDOM, more]);
+    output
+}
+
+fn names(file: &str) -> Vec<String> {
+    FrameFile::open(Path::new(file)).unwrap().hdus().iter().map(|hdu| hdu.name.clone()).collect()
+}
+
+#[test]
+fn verif_light_alone_adds_up_to_the_truth_and_leaves_all_else_as_it_was() {
+    let folder = TempDir::new().unwrap();
+    let plain = path(&folder, "plain.fits");
+    let description = path(&folder, "sky.toml");
+    // Without whole counts, so that nothing is rounded.
+    fs::write(&description, SKY.replace(", quantisation = { greatest_adu = 65535 }", "")).unwrap();
+    done(&[&["inject", "--synthetic", &description, "-o", &plain, "--pixels-only", "--seed", "1"], RANDOM]);
+    let before = fs::read(&plain).unwrap();
+    let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
+    done(&[
+        &["inject", "--image", &plain, "-o", &output, "--truth", &truth, "--no-noise", "--seed", "5"],
+        &RANDOM[..4],
+        &["--seeing", "2.5arcsec"],
+    ]);
+    assert_eq!(fs::read(&plain).unwrap(), before, "the input is not touched");
+    assert_eq!(names(&output), ["", "MASK", "STREAKS", "STREAK_POINTS"]);
+
+    let rows = records(&fs::read_to_string(&truth).unwrap());
+    let counts: f64 = numbers(&rows, "counts").iter().sum();
+    let (old, new, mask) = (values(&plain, 0), values(&output, 0), values(&output, 1));
+    let added: f64 = old.iter().zip(&new).map(|(old, new)| f64::from(new - old)).sum();
+    // Single precision next to a sky of a thousand counts: 1e-4 of a count a pixel.
+    assert!((added - counts).abs() < 1e-4 * counts, "{added} {counts}");
+    // LSST's bits: STREAK 0, INJECTED 1. What changed is marked, but for the faintest fringe; what is marked as a streak is injected.
+    assert!(mask.iter().all(|&bits| [0.0, 2.0, 3.0].contains(&bits)));
+    let unmarked: f64 = old
+        .iter()
+        .zip(&new)
+        .zip(&mask)
+        .filter(|(_, mask)| **mask == 0.0)
+        .map(|((old, new), _)| f64::from(new - old))
+        .sum();
+    assert!(unmarked.abs() < 1e-2 * counts, "{unmarked}");
+    let stands_out = mask.iter().filter(|&&bits| bits == 3.0).count();
+    assert!(stands_out > 300, "{stands_out}");
+    // The ends of both streaks lie on the frame's border, or where the shutter closed on it.
+    for (x, y) in numbers(&rows, "x1_pix").into_iter().zip(numbers(&rows, "y1_pix")) {
+        assert!((0.5..=400.5).contains(&x) && (0.5..=300.5).contains(&y));
+    }
+}
+
+#[test]
+fn verif_a_seed_gives_one_frame_and_another_seed_another() {
+    let folder = TempDir::new().unwrap();
+    let [a, b, c] = [("a.fits", "7", "1"), ("b.fits", "7", "2"), ("c.fits", "8", "2")].map(|(name, seed, threads)| {
+        fs::read(synthetic(&folder, name, &["--seed", seed, "--threads", threads])).unwrap()
+    });
+    assert!(a == b, "the same at any number of threads");
+    assert!(a != c);
+}
+
+#[test]
+fn verif_many_frames_go_to_a_folder_each_with_its_own_streaks() {
+    let folder = TempDir::new().unwrap();
+    let (description, truth) = (path(&folder, "sky.toml"), path(&folder, "all.csv"));
+    fs::write(&description, SKY).unwrap();
+    let out = path(&folder, "set");
+    fs::create_dir(&out).unwrap();
+    done(&[
+        &["inject", "--synthetic", &description, "--frames", "3", "-o", &out, "--truth", &truth, "--seed", "3"],
+        RANDOM,
+    ]);
+    let mut found: Vec<String> =
+        fs::read_dir(&out).unwrap().map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    found.sort();
+    assert_eq!(found, ["frame-0001.fits", "frame-0002.fits", "frame-0003.fits"]);
+    let rows = records(&fs::read_to_string(&truth).unwrap());
+    assert_eq!(column(&rows, "image").iter().filter(|image| *image == "frame-0002.fits").count(), 2);
+    let mut lengths = column(&rows, "x1_pix");
+    lengths.dedup();
+    assert_eq!(lengths.len(), 6, "no two streaks are the same");
+    // Any frame of a set is made alone from the seed that its truth names.
+    let alone = path(&folder, "alone.fits");
+    let seed = column(&rows, "seed")[2].clone();
+    done(&[&["inject", "--synthetic", &description, "-o", &alone, "--seed", &seed], RANDOM]);
+    assert_eq!(values(&alone, 0), values(&format!("{out}/frame-0002.fits"), 0));
+}
+
+#[test]
+fn verif_satellites_of_a_shell_cross_a_wide_frame() {
+    let folder = TempDir::new().unwrap();
+    let description = path(&folder, "wide.toml");
+    fs::write(
+        &description,
+        SKY.replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+            .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 18.0"),
+    )
+    .unwrap();
+    let (output, truth, trails) = (path(&folder, "wide.fits"), path(&folder, "wide.json"), path(&folder, "trails.csv"));
+    let shot = [
+        "--start",
+        "2026-08-14T23:29:05Z",
+        "--exposure",
+        "30s",
+        "--ra",
+        "198.9",
+        "--dec",
+        "7.7",
+        "--seeing",
+        "60arcsec",
+    ];
+    let question = ["--shells", "starlink-gen1", "--mpc", "X05"];
+    done(&[
+        &["inject", "--synthetic", &description, "-o", &output, "--truth", &truth, "--trails", &trails, "--quiet"],
+        &shot,
+        &question,
+    ]);
+    let document: serde_json::Value = serde_json::from_str(&fs::read_to_string(&truth).unwrap()).unwrap();
+    let streaks = document["streaks"].as_array().unwrap();
+    assert!(!streaks.is_empty());
+    assert!(document["provenance"]["models"].to_string().contains("starlink"));
+    // The same satellites as `passes` finds in the circle about the frame, those that touch the frame itself.
+    let passes: serde_json::Value =
+        crate::common::cli::json(&[&["passes"], &shot[..8], &["--fov", "4.6deg", "--quiet"], &question]);
+    let known: Vec<i64> =
+        passes["passes"].as_array().unwrap().iter().map(|pass| pass["norad_id"].as_i64().unwrap()).collect();
+    for streak in streaks {
+        assert!(known.contains(&streak["norad_id"].as_i64().unwrap()), "{streak}");
+        assert!(streak["magnitude"].as_f64().unwrap() < 9.0 && streak["length_pix"].as_f64().unwrap() > 0.0);
+    }
+    // Trails: mag is of a pixel of length, so that the flux of all is that of the streak.
+    let rows = records(&fs::read_to_string(&trails).unwrap());
+    assert_eq!(column(&rows, "source_type")[0], "Trail");
+    let (mag, length) = (numbers(&rows, "mag")[0], numbers(&rows, "trail_length")[0]);
+    let first = &streaks[0];
+    let total = mag - 2.5 * length.log10();
+    assert!((total - first["total_magnitude"].as_f64().unwrap()).abs() < 2e-3);
+}
+
+/// A wide synthetic frame under a constellation, 4 s long, while its first satellite of the evening crosses it.
+fn wide(folder: &TempDir, more: &[&str]) -> Vec<csv::StringRecord> {
+    let pointing = ["--shells", "starlink-gen1", "--mpc", "X05", "--ra", "198.9", "--dec", "7.7"];
+    let evening = ["--start", "2026-08-14T23:29:05Z", "--exposure", "30s", "--fov", "2deg", "--quiet"];
+    let passes = crate::common::cli::json(&[&["passes"], &pointing, &evening]);
+    let middle: hifitime::Epoch = passes["passes"][0]["mid_utc"].as_str().unwrap().parse().unwrap();
+    let start = streakcast::output::format_utc(middle - hifitime::Unit::Second * 2.0, 3);
+    let (description, output, truth) = (path(folder, "wide.toml"), path(folder, "wide.fits"), path(folder, "wide.csv"));
+    let text = SKY
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 20.0");
+    fs::write(&description, text).unwrap();
+    let question = [&pointing[..], &["--start", &start, "--exposure", "4s"]].concat();
+    done(&[
+        &["inject", "--synthetic", &description, "-o", &output, "--truth", &truth, "--seeing", "60arcsec", "--quiet"],
+        &question,
+        more,
+    ]);
+    records(&fs::read_to_string(&truth).unwrap())
+}
+
+#[test]
+fn verif_a_followed_satellite_is_a_point_with_all_its_light() {
+    let folder = TempDir::new().unwrap();
+    let rows = wide(&folder, &[]);
+    let brightest = numbers(&rows, "magnitude")
+        .iter()
+        .enumerate()
+        .min_by(|a, b| a.1.total_cmp(b.1))
+        .map(|(index, _)| index)
+        .unwrap();
+    let [norad, length] = ["norad_id", "length_pix"].map(|name| column(&rows, name)[brightest].clone());
+    let [rate, angle, magnitude, zero_point] =
+        ["angular_rate_deg_s", "position_angle_deg", "magnitude", "zero_point_mag"]
+            .map(|name| numbers(&rows, name)[brightest]);
+    assert!(length.parse::<f64>().unwrap() > 20.0, "{length}");
+    let (sin, cos) = angle.to_radians().sin_cos();
+    let follow = format!("--track-rate={},{}", 3600.0 * rate * sin, 3600.0 * rate * cos);
+    let followed = wide(&folder, &[&follow]);
+    let index =
+        column(&followed, "norad_id").iter().position(|id| *id == norad).expect("the satellite is in the frame");
+    // It moves along its orbit, the telescope along a great circle at the rate of the middle: a few pixels of 30" in 4 s.
+    assert!(numbers(&followed, "length_pix")[index] < 6.0);
+    // All the light of the 4 s is in one place: 10^(-0.4 (m - ZP)), m that of the middle, which changes by a few hundredths over 4 s.
+    let expected = 10f64.powf(-0.4 * (magnitude - zero_point));
+    let counts = numbers(&followed, "counts")[index];
+    assert!((counts / expected - 1.0).abs() < 0.05, "{counts} {expected}");
+    // A point keeps its magnitude; a streak looks fainter.
+    let effective = |rows: &[csv::StringRecord], index: usize| numbers(rows, "effective_magnitude")[index];
+    assert!(
+        (effective(&followed, index) - magnitude).abs() < 1.5
+            && effective(&rows, brightest) > effective(&followed, index) + 1.0
+    );
+}
+
+#[test]
+fn verif_stars_trail_where_the_telescope_follows_something_else() {
+    let folder = TempDir::new().unwrap();
+    let [description, list] = ["sky.toml", "stars.csv"].map(|name| path(&folder, name));
+    // One star in the middle, in a frame without noise.
+    let sky = "columns = 400\nrows = 300\npixel_scale_arcsec = 0.5\nzero_point_1s_mag = 25.0\nsky_mag_arcsec2 = 40\n\
+        star_list = 'stars.csv'\ndetector = { shot_noise = false }\n";
+    fs::write(&description, sky).unwrap();
+    fs::write(&list, "ra_deg,dec_deg,magnitude\n40,10,12\n").unwrap();
+    let take = |name: &str, more: &[&str]| {
+        let output = path(&folder, name);
+        let centre = ["--ra", "40", "--dec", "10", "--random-streaks", "0", "--magnitude", "5", "--pixels-only"];
+        let shot = ["--exposure", "30s", "--seeing", "2arcsec", "--psf", "gaussian", "--quiet", "--seed", "2"];
+        done(&[&["inject", "--synthetic", &description, "-o", &output], &centre, &shot, more]);
+        values(&output, 0)
+    };
+    let moments = |pixels: &[f32]| {
+        let mut sums = [0.0f64; 6];
+        for (pixel, light) in pixels.iter().enumerate() {
+            let (x, y) = ((pixel % 400) as f64 - 199.5, (pixel / 400) as f64 - 149.5);
+            let terms = [1.0, x, y, x * x, y * y, x * y];
+            terms.iter().zip(&mut sums).for_each(|(term, sum)| *sum += f64::from(*light) * term);
+        }
+        sums
+    };
+    let (still, trailed) =
+        (moments(&take("still.fits", &[])), moments(&take("trailed.fits", &["--track-rate", "2,1"])));
+    // 2"/s east and 1"/s north for 30 s: 120 and 60 pixels. An even line of length L has a variance of L² / 12.
+    assert!((trailed[0] / still[0] - 1.0).abs() < 1e-3, "{} {}", trailed[0], still[0]);
+    let mean = |sums: &[f64; 6], index: usize| sums[index] / sums[0];
+    assert!((mean(&trailed, 1) - mean(&still, 1)).abs() < 0.05 && (mean(&trailed, 2) - mean(&still, 2)).abs() < 0.05);
+    for (index, expected) in [(3, 120.0f64 * 120.0 / 12.0), (4, 60.0 * 60.0 / 12.0)] {
+        let wider = mean(&trailed, index) - mean(&still, index);
+        assert!((wider / expected - 1.0).abs() < 0.01, "{index}: {wider} {expected}");
+    }
+    assert!((mean(&trailed, 5).abs() / 600.0 - 1.0).abs() < 0.01, "{}", mean(&trailed, 5));
+
+    // Random stars as many as without it, also where the telescope follows a satellite.
+    let field = "stars = { per_megapixel = 1000, slope = 0.6, brightest_mag = 14, faintest_mag = 16 }";
+    fs::write(&description, sky.replace("star_list = 'stars.csv'", field)).unwrap();
+    let total = |pixels: Vec<f32>| pixels.iter().map(|pixel| f64::from(*pixel)).sum::<f64>();
+    let still = total(take("field.fits", &[]));
+    for rate in ["--track-rate=0,0", "--track-rate=2,1", "--track-rate=-300,180"] {
+        let trailed = total(take("trails.fits", &[rate]));
+        assert!((trailed / still - 1.0).abs() < 0.4, "{rate}: {trailed} {still}");
+    }
+
+    // More trails than anybody waits for are refused; so is a star that is too bright, where it is over the frame.
+    let refused = |more: &[&str]| {
+        let output = path(&folder, "none.fits");
+        let centre = ["--ra", "40", "--dec", "10", "--random-streaks", "0", "--magnitude", "5", "--exposure", "30s"];
+        let (code, _, stderr) =
+            run(&[&["inject", "--synthetic", &description, "-o", &output, "--seeing", "2arcsec"], &centre, more]);
+        assert!(code == 2 && !Path::new(&output).exists(), "{stderr}");
+        stderr
+    };
+    assert!(refused(&["--track-rate=1e7,0"]).contains("stars that trail over the frame is"));
+    fs::write(&description, sky).unwrap();
+    fs::write(&list, "ra_deg,dec_deg,magnitude\n40,10,12\n220,-10,-26\n").unwrap();
+    for more in [&[][..], &["--track-rate=2,1"]] {
+        assert!((total(take("two.fits", more)) / moments(&take("still.fits", &[]))[0] - 1.0).abs() < 1e-3);
+    }
+    fs::write(&list, "ra_deg,dec_deg,magnitude\n40,10,-10\n").unwrap();
+    for more in [&[][..], &["--track-rate=2,1"]] {
+        assert!(refused(more).contains("flux_e is"), "{more:?}");
+    }
+}
+
+#[test]
+fn verif_the_middle_is_the_middle_and_a_flash_is_seen() {
+    let folder = TempDir::new().unwrap();
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
+    let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
+    let one = [
+        "--random-streaks",
+        "1",
+        "--magnitude",
+        "9",
+        "--streak-rate-deg-s",
+        "0.01",
+        "--seeing",
+        "2.5arcsec",
+        "--quiet",
+        "--seed",
+        "2",
+    ];
+    let ask = |more: &[&str]| {
+        done(&[&["inject", "--image", &plain, "-o", &output, "--truth", &truth], &one, more]);
+        records(&fs::read_to_string(&truth).unwrap())
+    };
+    let [two, eleven] = ["2", "11"].map(|points| ask(&["--truth-points", points]));
+    assert_eq!(column(&two, "magnitude"), column(&eleven, "magnitude"));
+    assert!(
+        (numbers(&two, "surface_brightness_mag_arcsec2")[0] - numbers(&eleven, "surface_brightness_mag_arcsec2")[0])
+            .abs()
+            < 2e-3
+    );
+    let flash = ask(&["--glint", "5,0,0.1"]);
+    // The flash of magnitude 5 on light of 9: 4.97 at its height, and its own light, 0.1 s × 1.064, in 30 s.
+    assert!((numbers(&flash, "magnitude_peak")[0] - 4.97).abs() < 0.03, "{:?}", column(&flash, "magnitude_peak"));
+    let gained = numbers(&flash, "counts")[0] - numbers(&eleven, "counts")[0];
+    let expected = 10f64.powf(-0.4 * (5.0 - numbers(&flash, "zero_point_mag")[0])) * 0.106_447 / 30.0;
+    assert!((gained / expected - 1.0).abs() < 0.01, "{gained} {expected}");
+}
+
+#[test]
+fn verif_faint_light_is_not_rounded_away() {
+    let folder = TempDir::new().unwrap();
+    // Whole counts of 16 bits: a streak whose brightest pixel is below one count.
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only", "--seed", "1"]);
+    let (output, truth) = (path(&folder, "out.fits"), path(&folder, "truth.csv"));
+    for (more, noise) in [(&["--no-noise"][..], 0.0), (&["--gain", "8"], 1.0 / 8.0)] {
+        let (mut added, mut wanted, mut pixels) = (0.0, 0.0, 0.0);
+        for seed in ["3", "4", "5", "6"] {
+            let streak = [
+                "--random-streaks",
+                "1",
+                "--magnitude",
+                "12.5",
+                "--streak-rate-deg-s",
+                "0.5",
+                "--seeing",
+                "4arcsec",
+                "--quiet",
+                "--seed",
+                seed,
+            ];
+            done(&[&["inject", "--image", &plain, "-o", &output, "--truth", &truth], &streak, more]);
+            let (old, new) = (values(&plain, 0), values(&output, 0));
+            added += old.iter().zip(&new).map(|(old, new)| f64::from(new - old)).sum::<f64>();
+            pixels += old.iter().zip(&new).filter(|(old, new)| old != new).count() as f64;
+            wanted += numbers(&records(&fs::read_to_string(&truth).unwrap()), "counts").iter().sum::<f64>();
+        }
+        // A pixel of x counts becomes 1 with probability x: the variance of each is below 1/4 of a count; photons add theirs. Five sigma.
+        let sigma = (4.0 * 0.25 * 400.0 * 40.0 + noise * wanted).sqrt();
+        assert!((added - wanted).abs() < 5.0 * sigma && pixels > 500.0, "{added} {wanted} ± {sigma}, {pixels} pixels");
+        assert!(wanted > 10.0 * sigma, "the test can fail: {wanted} {sigma}");
+    }
+}
+
+#[test]
+fn verif_resolved_panels_are_two_lights_side_by_side() {
+    let folder = TempDir::new().unwrap();
+    let rows = wide(&folder, &[]);
+    // A small frame with small pixels about a place that a satellite passes, 4 s about the moment.
+    let entered: hifitime::Epoch = column(&rows, "enter_utc")[0].parse().unwrap();
+    let start = streakcast::output::format_utc(entered - hifitime::Unit::Second * 2.0, 3);
+    let [ra, dec, norad] = ["ra1_deg", "dec1_deg", "norad_id"].map(|name| column(&rows, name)[0].clone());
+    let description = path(&folder, "small.toml");
+    fs::write(&description, unrounded().replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 0.4")).unwrap();
+    let ask = |name: &str, more: &[&str]| {
+        let (output, truth) = (path(&folder, name), path(&folder, "small.csv"));
+        let frame = ["--synthetic", &description, "-o", &output, "--truth", &truth, "--quiet", "--no-noise"];
+        let shot = ["--shells", "starlink-gen1", "--mpc", "X05", "--start", &start, "--exposure", "4s", "--ra", &ra];
+        done(&[&["inject"], &frame, &shot, &[&format!("--dec={dec}"), "--seeing", "0.8arcsec"], more]);
+        (records(&fs::read_to_string(&truth).unwrap()), values(&output, 0))
+    };
+    let (whole, whole_values) = ask("whole.fits", &[]);
+    let (apart, apart_values) = ask("apart.fits", &["--resolve-panels"]);
+    let of_satellite = |rows: &[csv::StringRecord]| -> Vec<(String, f64)> {
+        let ids = column(rows, "norad_id");
+        let parts = column(rows, "part").into_iter().zip(numbers(rows, "counts"));
+        parts.zip(ids).filter(|(_, id)| *id == norad).map(|(part, _)| part).collect()
+    };
+    let (whole, apart) = (of_satellite(&whole), of_satellite(&apart));
+    let labels = |parts: &[(String, f64)]| parts.iter().map(|(label, _)| label.clone()).collect::<Vec<_>>();
+    assert_eq!(labels(&whole), ["whole"]);
+    assert_eq!(labels(&apart), ["chassis", "array"]);
+    // Together they are as bright; over a corner of the frame one way is a few pixels longer than the other.
+    let together: f64 = apart.iter().map(|(_, counts)| counts).sum();
+    assert!((together / whole[0].1 - 1.0).abs() < 0.05, "{together} {}", whole[0].1);
+    // And the light lies elsewhere: beside itself.
+    let moved: f64 = whole_values.iter().zip(&apart_values).map(|(a, b)| f64::from((a - b).abs())).sum();
+    assert!(moved > 0.05 * together, "{moved} {together}");
+}
+
+#[test]
+fn verif_a_satellite_on_the_edge_of_a_chip_leaves_what_falls_on_it() {
+    let folder = TempDir::new().unwrap();
+    let truth_of_wide = wide(&folder, &["--no-noise"]);
+    let (x1, x2) = (numbers(&truth_of_wide, "x1_pix")[0], numbers(&truth_of_wide, "x2_pix")[0]);
+    let (y1, y2) = (numbers(&truth_of_wide, "y1_pix")[0], numbers(&truth_of_wide, "y2_pix")[0]);
+    assert!((y2 - y1).abs() > 4.0 && (x2 - x1).abs() >= 0.0, "{y1} {y2}");
+    // The same frame without the rows above the middle of the streak: its way leaves the chip there.
+    let whole = path(&folder, "plain.fits");
+    let description = path(&folder, "plain.toml");
+    let text = unrounded()
+        .replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 30.0")
+        .replace("zero_point_1s_mag = 25.0", "zero_point_1s_mag = 20.0");
+    fs::write(&description, text).unwrap();
+    let pointing = ["--ra", "198.9", "--dec", "7.7"];
+    let begun = fs::read(path(&folder, "wide.fits")).unwrap();
+    let date = begun.chunks_exact(80).find(|card| card.starts_with(b"DATE-OBS")).expect("DATE-OBS");
+    let date = String::from_utf8_lossy(date).split('\'').nth(1).unwrap().trim().to_owned() + "Z";
+    let shot = ["--start", &date, "--exposure", "4s", "--seeing", "60arcsec", "--quiet"];
+    let random = ["--random-streaks", "0", "--magnitude", "5", "--pixels-only"];
+    done(&[&["inject", "--synthetic", &description, "-o", &whole], &pointing, &shot, &random]);
+    let bytes = fs::read(&whole).unwrap();
+    let rows_kept = (0.5 * (y1 + y2)).floor() as usize;
+    let header = 2880 * (bytes.chunks_exact(80).position(|card| card.starts_with(b"END ")).unwrap() / 36 + 1);
+    let size = (bytes.len() - header) / (400 * 300);
+    let mut cut = with_card(&bytes, "NAXIS2", &rows_kept.to_string());
+    cut.truncate(header + rows_kept * 400 * size);
+    cut.resize(cut.len().div_ceil(2880) * 2880, 0);
+    let part = path(&folder, "part.fits");
+    fs::write(&part, &cut).unwrap();
+    let added = |input: &str| {
+        let (output, truth) = (path(&folder, "edge.fits"), path(&folder, "edge.csv"));
+        let from =
+            ["--image", input, "-o", &output, "--truth", &truth, "--no-noise", "--seeing", "60arcsec", "--quiet"];
+        done(&[&["inject"], &from, &["--shells", "starlink-gen1", "--mpc", "X05"]]);
+        let (old, new) = (values(input, 0), values(&output, 0));
+        let light: Vec<f32> = old.iter().zip(&new).map(|(old, new)| new - old).collect();
+        (light, records(&fs::read_to_string(&truth).unwrap()))
+    };
+    let ((all, _), (kept, truth)) = (added(&whole), added(&part));
+    // The same light in every pixel that is left, up to the last row, and an end of the way on the edge.
+    let peak = all.iter().copied().fold(0.0_f32, f32::max);
+    let worst = all.iter().zip(&kept).map(|(a, b)| (a - b).abs()).fold(0.0_f32, f32::max);
+    assert_eq!(kept.len(), 400 * rows_kept);
+    assert!(peak > 10.0 && worst < 2e-3 * peak, "{worst} {peak}");
+    assert!(kept[400 * (rows_kept - 1)..].iter().any(|light| *light > 0.1 * peak));
+    let edge = rows_kept as f64 + 0.5;
+    let ends = [numbers(&truth, "y1_pix"), numbers(&truth, "y2_pix")].concat();
+    assert!(ends.iter().any(|y| (y - edge).abs() < 0.01), "{ends:?} {edge}");
+}
+
+#[test]
+fn verif_names_with_brackets_and_pixels_without_a_value() {
+    let folder = TempDir::new().unwrap();
+    let (description, plain) = (path(&folder, "sky.toml"), path(&folder, "plain.fits"));
+    fs::write(&description, unrounded()).unwrap();
+    done(&[&["inject", "--synthetic", &description, "-o", &plain, "--pixels-only"], RANDOM]);
+    // Every seventh pixel has no value.
+    let mut bytes = fs::read(&plain).unwrap();
+    let header = 2880 * (bytes.chunks_exact(80).position(|card| card.starts_with(b"END ")).unwrap() / 36 + 1);
+    for pixel in (0..400 * 300).step_by(7) {
+        let at = header + 4 * pixel;
+        bytes[at..at + 4].copy_from_slice(&f32::NAN.to_be_bytes());
+    }
+    // To CFITSIO these would be sections, filters and compression.
+    let input = path(&folder, "night[1:100,*](2)+1.fits");
+    let output = path(&folder, "out[compress R][0].fits");
+    fs::write(&input, &bytes).unwrap();
+    let asked = ["--random-streaks", "2", "--magnitude", "5", "--seeing", "2.5arcsec", "--gain", "2", "--quiet"];
+    done(&[&["inject", "--image", &input, "-o", &output], &asked]);
+    assert_eq!(fs::read(&input).unwrap(), bytes);
+    let (old, new) = (values(&input, 0), values(&output, 0));
+    assert!(old.iter().zip(&new).all(|(old, new)| old.is_nan() == new.is_nan()));
+    let changed = old.iter().zip(&new).filter(|(old, new)| !old.is_nan() && old != new).count();
+    assert!(changed > 1000, "{changed}");
+}
+
+/// A disk that fills up, as a limit on the size of files (the signal that comes with it is ignored), and folders that take no files.
+#[cfg(target_os = "linux")]
+#[test]
+fn verif_no_room_and_no_right_to_write_leave_no_output() {
+    let folder = TempDir::new().unwrap();
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
+    let (before, output) = (fs::read(&plain).unwrap(), path(&folder, "out.fits"));
+    fs::write(&output, "an older file").unwrap();
+    let asked = ["--random-streaks", "1", "--magnitude", "5", "--seeing", "2arcsec", "--quiet"];
+    // 100 blocks of 512 (or 1024) bytes; the frame has 240,000.
+    let script = "trap '' XFSZ; ulimit -f 100; exec \"$0\" \"$@\"";
+    let full = std::process::Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_streakcast"), "inject", "--image", &plain, "-o", &output])
+        .args(asked)
+        .output()
+        .unwrap();
+    let stderr = String::from_utf8_lossy(&full.stderr).into_owned();
+    assert!(!full.status.success() && full.status.code() == Some(2), "{:?} {stderr}", full.status);
+    assert!(stderr.lines().count() == 1 && stderr.contains("out.fits") && stderr.contains("too large"), "{stderr}");
+    assert_eq!(fs::read_to_string(&output).unwrap(), "an older file", "what stood there stands there");
+    // Permissions do not hold for root; nobody makes files in /proc.
+    let (code, stdout, stderr) = run(&[&["inject", "--image", &plain, "-o", "/proc/out.fits"], &asked]);
+    assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
+    assert!(stderr.contains("/proc"), "{stderr}");
+    assert_eq!(fs::read(&plain).unwrap(), before);
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{left:?}");
+}
+
+#[test]
+fn verif_bad_input_gets_one_clear_line_and_no_output() {
+    let folder = TempDir::new().unwrap();
+    let plain = synthetic(&folder, "plain.fits", &["--pixels-only"]);
+    let output = path(&folder, "out.fits");
+    let cut = path(&folder, "cut.fits");
+    let bytes = fs::read(&plain).unwrap();
+    fs::write(&cut, &bytes[..bytes.len() - 5000]).unwrap();
+    let [cube, broad, negative, dark] = [("NAXIS", "3"), ("NAXIS1", "4000"), ("NAXIS2", "-300"), ("EXPTIME", "0.0")]
+        .map(|(keyword, value)| {
+            let file = path(&folder, &format!("{keyword}{value}.fits"));
+            fs::write(&file, with_card(&bytes, keyword, value)).unwrap();
+            file
+        });
+    let text = path(&folder, "text.fits");
+    fs::write(&text, "no FITS at all").unwrap();
+    let missing_folder = path(&folder, "nowhere/out.fits");
+    let plain_csv = path(&folder, "curve.csv");
+    fs::write(&plain_csv, "time_s,delta_mag\n0,0\n1,1\n").unwrap();
+    let image = |file: &str| vec!["inject".to_owned(), "--image".to_owned(), file.to_owned()];
+    let random = &RANDOM[..4];
+    let seeing = &["--seeing", "2arcsec"][..];
+    for (file, output, more, words) in [
+        (&cut, &output, [random, seeing].concat(), &["cut.fits", "HDU 0", "cut off"][..]),
+        (&cube, &output, [random, seeing].concat(), &["NAXIS3.fits", "HDU 0", "NAXIS3"]),
+        (&broad, &output, [random, seeing].concat(), &["NAXIS14000.fits", "HDU 0", "cut off"]),
+        (&negative, &output, [random, seeing].concat(), &["NAXIS2-300.fits", "NAXIS2 is -300"]),
+        (&dark, &output, [random, seeing].concat(), &["EXPTIME0.0.fits", "EXPTIME"]),
+        (&text, &output, [random, seeing].concat(), &["text.fits", "no FITS"]),
+        (&path(&folder, "none.fits"), &output, [random, seeing].concat(), &["none.fits"]),
+        (&plain, &missing_folder, [random, seeing].concat(), &["nowhere"]),
+        (&plain, &plain, [random, seeing].concat(), &["plain.fits", "input"]),
+        (&plain, &output, random.to_vec(), &["--seeing", "--telescope"]),
+        (&plain, &output, [random, seeing, &["--psf", "moffat:1"]].concat(), &["moffat:1", "2 to 100"]),
+        (&plain, &output, [random, seeing, &["--hdu", "4"]].concat(), &["no HDU 4", "0 to 0"]),
+        (&plain, &output, [random, seeing, &["--glint", "3,0"]].concat(), &["--glint", "3 numbers"]),
+        (&plain, &output, [random, seeing, &["--tumbling", "0,1"]].concat(), &["period", "0.02 to 1e5"]),
+        (&plain, &output, [random, seeing, &["--exposure", "0s"]].concat(), &["exposure", "above 0"]),
+        (&plain, &output, [random, seeing, &["--mask-bits", "sdss"]].concat(), &["sdss", "lsst, desdm"]),
+        (&plain, &output, [random, seeing, &["--truth", "t.parquet"]].concat(), &["t.parquet", ".csv"]),
+        (&plain, &output, [random, seeing, &["--gain=-1"]].concat(), &["gain -1", "above 0"]),
+        (&plain, &output, [&["--random-streaks", "1", "--magnitude", "9,3"], seeing].concat(), &["brighter first"]),
+        (&plain, &output, seeing.to_vec(), &["--elements", "--shells", "--random-streaks"]),
+        (&plain, &output, [&["--shells", "oneweb"], seeing].concat(), &["site", "--mpc"]),
+        (&plain, &output, [&["--magnitude", "5"], seeing].concat(), &["--random-streaks"]),
+        (&plain, &output, [random, seeing, &["--fov", "1deg"]].concat(), &["--fov", "the frame itself"]),
+        (&plain, &output, [random, seeing, &["--frames", "2"]].concat(), &["--frames", "--synthetic"]),
+        (&plain, &output, [random, seeing, &["--truth-points", "100000000"]].concat(), &["truth-points", "2 to 10000"]),
+        (
+            &plain,
+            &output,
+            [random, seeing, &["--truth", &plain_csv, "--light-curve", &plain_csv]].concat(),
+            &["input", "overwritten"],
+        ),
+    ] {
+        let command: Vec<String> = image(file);
+        let command: Vec<&str> = command.iter().map(String::as_str).collect();
+        let (code, stdout, stderr) = run(&[&command, &["-o", output], &more]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        assert_eq!(stderr.lines().count(), 1, "{stderr}");
+        assert!(words.iter().all(|word| stderr.contains(word)), "{stderr} lacks one of {words:?}");
+    }
+    assert!(!Path::new(&output).exists());
+    let left: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().ends_with(".part")), "{left:?}");
+    assert_eq!(fs::read(&plain).unwrap(), bytes);
+}

@@ -1,0 +1,103 @@
+//! `inject` through a detector: no light is lost beside large numbers, and masks know what bled and what ghosts are.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::cli::{done, path, records};
+use crate::common::injected::{RANDOM, SKY, numbers, values};
+use streakcast::images::{Card, CardValue, FrameFile, ImageValues, NewImage, Pixels, write_frame};
+use tempfile::TempDir;
+
+const SIDE: usize = 300;
+
+/// Pixels of the first HDU with all their digits.
+fn exact(file: &str) -> Vec<f64> {
+    FrameFile::open(Path::new(file)).unwrap().read_rows(0, 0..SIDE).unwrap()
+}
+
+#[test]
+fn verif_noise_beside_large_numbers_loses_no_light() {
+    let folder = TempDir::new().unwrap();
+    let pixels = |level: f64| [Pixels::F64(vec![level; SIDE * SIDE]), Pixels::I32(vec![level as i32; SIDE * SIDE])];
+    let cards = Card::with_value("EXPTIME", &CardValue::Real(30.0), "");
+    let frames = pixels(1e9).into_iter().chain(pixels(1e12).into_iter().take(1));
+    for (number, pixels) in frames.enumerate() {
+        let [input, output, truth] = ["fits", "out.fits", "csv"].map(|end| path(&folder, &format!("{number}.{end}")));
+        let image = ImageValues::new(SIDE, pixels).unwrap();
+        let image = NewImage { name: "", values: &image, cards: &cards, rice: None };
+        write_frame(Path::new(&input), &[image]).unwrap();
+        // A peak of some 30 counts: half of what single precision tells apart at a thousand million.
+        let light = ["--random-streaks", "1", "--magnitude", "8", "--zero-point-1s", "22", "--gain", "2"];
+        let sky =
+            ["--pixel-scale", "1arcsec", "--seeing", "2.5arcsec", "--start", "2024-08-14T00:30:00Z", "--seed", "3"];
+        done(&[&["inject", "--image", &input, "-o", &output, "--truth", &truth, "--quiet"], &light, &sky]);
+        let added: Vec<f64> = exact(&input).iter().zip(exact(&output)).map(|(old, new)| new - old).collect();
+        let counts: f64 = numbers(&records(&fs::read_to_string(&truth).unwrap()), "counts").iter().sum();
+        let (sum, peak) = (added.iter().sum::<f64>(), added.iter().copied().fold(0.0, f64::max));
+        assert!((5.0..200.0).contains(&peak), "{peak}");
+        // Electrons are twice the counts; six sigma.
+        let allowed = 6.0 * (counts / 2.0).sqrt();
+        assert!((sum - counts).abs() < allowed && allowed < 0.04 * counts, "{number}: {sum} {counts}");
+    }
+}
+
+#[test]
+fn verif_what_bled_and_ghosts_are_masked() {
+    let folder = TempDir::new().unwrap();
+    let [description, plain, output, detector] =
+        ["sky.toml", "plain.fits", "out.fits", "detector.toml"].map(|name| path(&folder, name));
+    fs::write(&description, SKY).unwrap();
+    done(&[
+        &["inject", "--synthetic", &description, "-o", &plain, "--random-streaks", "0", "--pixels-only"],
+        &RANDOM[2..],
+    ]);
+    // Wells of 4,000 electrons, the sky's 1,200 among them; a half of the chip has ghosts in the other one.
+    let text = "bias_adu = 300\nsaturation = { full_well_e = 4000, bleeding = 'columns' }\nquantisation = {}\n\
+        crosstalk = { coefficients = [[0, 0.03], [0.03, 0]], amplifiers = [\
+        { first_row = 0, rows = 300, first_column = 0, columns = 200 },\
+        { first_row = 0, rows = 300, first_column = 200, columns = 200, corner = 'first_row_last_column' }] }\n";
+    fs::write(&detector, text).unwrap();
+    let files = ["--image", &plain, "-o", &output, "--detector", &detector, "--quiet", "--seed", "5"];
+    done(&[&["inject"], &files, &["--random-streaks", "1", "--magnitude", "1", "--seeing", "2.5arcsec"]]);
+    let (old, new, mask) = (values(&plain, 0), values(&output, 0), values(&output, 1));
+    // The sky's noise is 17.5 counts; a count is drawn.
+    let [mut changed, mut unmasked, mut alone, mut idle] = [0; 4];
+    for ((old, new), bits) in old.iter().zip(&new).zip(&mask) {
+        let change = (new - old).abs();
+        changed += usize::from(change > 20.0);
+        unmasked += usize::from(change > 20.0 && *bits == 0.0);
+        alone += usize::from(change > 20.0 && *bits == 2.0);
+        idle += usize::from(change == 0.0 && *bits == 2.0);
+    }
+    assert!(changed > 3000 && unmasked == 0, "{unmasked} of {changed}");
+    assert!(alone > 1000, "bled columns and ghosts are injected and no streak: {alone}");
+    assert!(idle < changed / 50, "{idle} are masked and did not change");
+}
+
+#[test]
+fn verif_variances_of_a_masked_image_grow_with_the_light() {
+    let folder = TempDir::new().unwrap();
+    let [input, output] = ["in.fits", "out.fits"].map(|name| path(&folder, name));
+    let plane = |value: f32| ImageValues::new(SIDE, Pixels::F32(vec![value; SIDE * SIDE])).unwrap();
+    let (image, mask, variance) = (plane(0.0), plane(0.0), plane(629.0));
+    let cards = Card::with_value("EXPTIME", &CardValue::Real(30.0), "");
+    let named = [("IMAGE", &image), ("MASK", &mask), ("VARIANCE", &variance)];
+    let empty = ImageValues::new(1, Pixels::U8(vec![0])).unwrap();
+    let primary = NewImage { name: "", values: &empty, cards: &cards, rice: None };
+    let planes = named.map(|(name, values)| NewImage { name, values, cards: &[], rice: None });
+    write_frame(Path::new(&input), &[&[primary][..], &planes].concat()).unwrap();
+    let light = ["--random-streaks", "1", "--magnitude", "6", "--zero-point-1s", "26", "--gain", "4", "--hdu", "1"];
+    let sky = ["--pixel-scale", "1arcsec", "--seeing", "2.5arcsec", "--start", "2024-08-14T00:30:00Z", "--seed", "3"];
+    let asked: &[&str] = &["inject", "--image", &input, "-o", &output, "--quiet"];
+    done(&[asked, &light, &sky]);
+    let (added, variances) = (values(&output, 1), values(&output, 3));
+    let lit = added.iter().filter(|value| **value > 100.0).count();
+    assert!(lit > 100, "{lit}");
+    for (added, variance) in added.iter().zip(&variances) {
+        assert!((variance - 629.0 - added / 4.0).abs() < 1e-6 * variance, "{added} {variance}");
+    }
+    for option in ["--pixels-only", "--no-noise"] {
+        done(&[asked, &light, &sky, &[option]]);
+        assert!(values(&output, 3).iter().all(|variance| *variance == 629.0), "{option}");
+    }
+}

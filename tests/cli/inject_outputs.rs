@@ -1,0 +1,146 @@
+//! Where `inject` writes to: links, pipes, names that promise what is not done.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::cli::{path, run};
+use crate::common::injected::{RANDOM, SKY};
+use streakcast::images::{Card, FrameFile};
+use tempfile::TempDir;
+
+/// A description of synthetic frames.
+fn sky(folder: &TempDir) -> String {
+    let description = path(folder, "sky.toml");
+    fs::write(&description, SKY).unwrap();
+    description
+}
+
+#[cfg(unix)]
+#[test]
+fn verif_links_are_followed_and_pipes_are_refused() {
+    use std::os::unix::fs::{FileTypeExt, symlink};
+    let folder = TempDir::new().unwrap();
+    let description = sky(&folder);
+    fs::create_dir(folder.path().join("store")).unwrap();
+    let names = ["frame.fits", "truth.csv", "view.png"];
+    for name in names {
+        symlink(format!("store/{name}"), folder.path().join(name)).unwrap();
+    }
+    // One of them leads to a file, two to nothing yet.
+    fs::write(folder.path().join("store/truth.csv"), "old").unwrap();
+    let [frame, truth, view] = names.map(|name| path(&folder, name));
+    let asked: &[&str] = &["inject", "--synthetic", &description, "-o", &frame, "--truth", &truth];
+    let pictures: &[&str] = if cfg!(feature = "plot") { &["--preview", &view] } else { &[] };
+    let (code, _, stderr) = run(&[asked, pictures, RANDOM]);
+    assert_eq!(code, 0, "{stderr}");
+    for (name, begin) in names.iter().zip([&b"SIMPLE"[..], b"#", b"\x89PNG"]) {
+        let link = folder.path().join(name);
+        assert!(link.is_symlink(), "{name}");
+        if cfg!(feature = "plot") || *name != "view.png" {
+            let target = folder.path().join("store").join(name);
+            assert!(!target.is_symlink() && fs::read(&target).unwrap().starts_with(begin), "{name}");
+        }
+    }
+
+    let (pipe, link) = (path(&folder, "pipe.fits"), path(&folder, "link.fits"));
+    assert!(std::process::Command::new("mkfifo").arg(&pipe).status().unwrap().success());
+    symlink(&pipe, &link).unwrap();
+    for output in [&pipe, &link] {
+        // Before anything is read: there is no such frame, and nothing is said of it.
+        let none = path(&folder, "none.fits");
+        let (code, stdout, stderr) = run(&[&["inject", "--image", &none, "-o", output], RANDOM]);
+        assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
+        assert!(stderr.contains(output.as_str()) && stderr.contains("is a pipe"), "{stderr}");
+        assert!(fs::metadata(output).unwrap().file_type().is_fifo());
+    }
+    let same: &[&str] = &["-o", &path(&folder, "store/frame.fits"), "--truth", &truth, "--trails", &truth];
+    let (code, _, stderr) = run(&[&["inject", "--synthetic", &description], same, RANDOM]);
+    assert!(code == 2 && stderr.contains("two outputs"), "{stderr}");
+}
+
+#[test]
+fn verif_names_that_promise_packed_frames_are_refused() {
+    let folder = TempDir::new().unwrap();
+    let description = sky(&folder);
+    for (name, words) in [("out.fits.gz", "without .gz"), ("out.fits.fz", "not compressed in tiles")] {
+        let output = path(&folder, name);
+        let (code, stdout, stderr) = run(&[&["inject", "--synthetic", &description, "-o", &output], RANDOM]);
+        assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
+        assert!(stderr.contains(name) && stderr.contains(words) && !fs::exists(&output).unwrap(), "{stderr}");
+    }
+    // Tiles in, tiles out.
+    fs::write(&description, format!("compress = true\n{SKY}")).unwrap();
+    let [first, second] = ["first.fits.fz", "second.fits.fz"].map(|name| path(&folder, name));
+    assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &first], RANDOM]).0, 0);
+    assert_eq!(
+        run(&[&["inject", "--image", &first, "-o", &second], &RANDOM[..4], &["--seeing", "2arcsec", "--quiet"]]).0,
+        0
+    );
+}
+
+#[test]
+fn verif_a_batch_that_fails_says_which_frame_and_what_is_done() {
+    let folder = TempDir::new().unwrap();
+    let description = sky(&folder);
+    let [good, bad, out] = ["good.fits", "bad.fits", "out"].map(|name| path(&folder, name));
+    let plain: &[&str] = &["--random-streaks", "0", "--pixels-only"];
+    assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &good], plain, &RANDOM[2..]]).0, 0);
+    // Pixels of 1000 arcsec: an image of 2 arcsec is a point there, and cannot be drawn.
+    fs::write(&description, SKY.replace("pixel_scale_arcsec = 1.0", "pixel_scale_arcsec = 100.0")).unwrap();
+    let wide: &[&str] =
+        &["--random-streaks", "0", "--pixels-only", "--magnitude", "8", "--exposure", "30s", "--seeing", "100arcsec"];
+    assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &bad], wide]).0, 0);
+    fs::create_dir(&out).unwrap();
+    let truth = path(&folder, "truth.csv");
+    let (code, _, stderr) = run(&[
+        &["inject", "--image", &good, &bad, "-o", &out, "--truth", &truth, "--threads", "1", "--quiet"],
+        &["--random-streaks", "2", "--magnitude", "6,8", "--seeing", "2.5arcsec"],
+    ]);
+    assert_eq!((code, stderr.lines().count()), (2, 1), "{stderr}");
+    assert!(stderr.contains("bad.fits") && stderr.contains("1 of 2 frames are written"), "{stderr}");
+    assert!(fs::exists(path(&folder, "out/good.fits")).unwrap() && !fs::exists(&truth).unwrap());
+}
+
+#[test]
+fn verif_options_of_satellites_are_refused_for_random_streaks() {
+    let folder = TempDir::new().unwrap();
+    let (description, output) = (sky(&folder), path(&folder, "out.fits"));
+    let asked: &[&str] = &["inject", "--synthetic", &description, "-o", &output];
+    for option in [
+        &["--extinction", "0.1"][..],
+        &["--resolve-panels"],
+        &["--shadow", "atmosphere"],
+        &["--sun-distance"],
+        &["--no-earthshine"],
+        &["--lat", "40"],
+        &["--lon", "40"],
+        &["--mpc", "X05"],
+        &["--observer-norad", "20580"],
+    ] {
+        let (code, stdout, stderr) = run(&[asked, RANDOM, option]);
+        assert_eq!((code, stdout.as_str(), stderr.lines().count()), (2, "", 1), "{stderr}");
+        assert!(stderr.contains(&format!("{} is for satellites", option[0])), "{stderr}");
+    }
+    // A configuration file is for other verbs too.
+    let config = path(&folder, "config.toml");
+    fs::write(&config, "extinction = 0.1\nmpc = 'X05'\nshadow = 'atmosphere'\n").unwrap();
+    let (code, _, stderr) = run(&[asked, RANDOM, &["--config", &config]]);
+    assert_eq!(code, 0, "{stderr}");
+}
+
+#[test]
+fn verif_history_and_tables_say_what_is_known() {
+    let folder = TempDir::new().unwrap();
+    let (description, output) = (sky(&folder), path(&folder, "out.fits"));
+    assert_eq!(run(&[&["inject", "--synthetic", &description, "-o", &output, "--psf", "moffat:3"], RANDOM]).0, 0);
+    let file = FrameFile::open(Path::new(&output)).unwrap();
+    let history: Vec<String> = file.header(0).unwrap().cards().iter().map(Card::remark_text).collect();
+    let history = history.join(" ");
+    for words in ["moffat:3, FWHM 2.5 arcsec", " where brightest, zero point 27.940 mag"] {
+        assert!(history.contains(words), "{words}: {history}");
+    }
+    let table = file.hdus().iter().find(|hdu| hdu.name == "STREAKS").unwrap().index;
+    let header = file.header(table).unwrap();
+    let column = (1..).find(|number| header.text(&format!("TTYPE{number}")).as_deref() == Some("norad_id")).unwrap();
+    assert_eq!(header.integer(&format!("TNULL{column}")), Some(-1));
+}

@@ -1,0 +1,86 @@
+//! Switches of the photometry through the command line: each changes magnitudes as it says, and is named in the provenance.
+
+use crate::common::cli::{SKY, json, run};
+use serde_json::Value;
+
+/// A wide field at dusk: Starlink of both kinds of light, chassis and array.
+const PASSES: &[&str] = &[
+    "passes",
+    "--start",
+    "2024-08-14T23:30:00Z",
+    "--exposure",
+    "120s",
+    "--ra",
+    "217.5",
+    "--dec=-30",
+    "--fov",
+    "80deg",
+];
+
+/// (satellite, magnitude, altitude) of every pass that has one.
+fn magnitudes(answer: &Value) -> Vec<(u64, f64, f64)> {
+    let of = |pass: &Value| {
+        Some((pass["norad_id"].as_u64()?, pass["magnitude"].as_f64()?, pass["altitude_deg"].as_f64()?.to_radians()))
+    };
+    answer["passes"].as_array().unwrap().iter().filter_map(of).collect()
+}
+
+fn asked(flags: &[&str]) -> Value {
+    json(&[PASSES, SKY, flags])
+}
+
+#[test]
+fn extinction_dims_by_the_airmass() {
+    let (above, below) = (asked(&[]), asked(&["--extinction", "0.2"]));
+    let (above_air, below_air) = (magnitudes(&above), magnitudes(&below));
+    assert!(above_air.len() > 10 && above_air.len() == below_air.len(), "{}", above_air.len());
+    for ((id, above, altitude_rad), (same, below, _)) in above_air.into_iter().zip(below_air) {
+        assert_eq!(id, same);
+        // The plane-parallel airmass is good to 1 % above 20 degrees, and the altitude to the latitude's 0.2 degrees.
+        if altitude_rad > 0.35 {
+            assert!((below - above - 0.2 / altitude_rad.sin()).abs() < 0.01, "{id}: {above} {below} {altitude_rad}");
+        }
+        assert!(below > above + 0.199);
+    }
+    assert_eq!(below["provenance"]["extinction_mag_per_airmass"], 0.2);
+    assert!(above["provenance"]["extinction_mag_per_airmass"].is_null());
+}
+
+#[test]
+fn the_distance_of_the_sun_of_the_day() {
+    let (standard, of_the_day) = (magnitudes(&asked(&[])), magnitudes(&asked(&["--sun-distance"])));
+    assert!(standard.len() > 10);
+    for ((_, standard, _), (_, of_the_day, _)) in standard.into_iter().zip(of_the_day) {
+        // 1.0126 au on 14 August 2024 (astronomical almanacs): 5 log₁₀ R = 0.0272, printed to a thousandth.
+        assert!((of_the_day - standard - 0.0272).abs() < 0.0016, "{standard} {of_the_day}");
+    }
+}
+
+#[test]
+fn earthshine_only_brightens_and_is_named() {
+    let (with, without) = (asked(&[]), asked(&["--no-earthshine"]));
+    assert_eq!(
+        (&with["provenance"]["earthshine"], &without["provenance"]["earthshine"]),
+        (&"computed".into(), &"off".into())
+    );
+    let pairs: Vec<_> = magnitudes(&with).into_iter().zip(magnitudes(&without)).collect();
+    assert!(pairs.iter().all(|((_, with, _), (_, without, _))| with <= without));
+}
+
+#[test]
+fn passes_say_whether_the_model_was_asked_within_its_range() {
+    let answer = asked(&[]);
+    let passes = answer["passes"].as_array().unwrap();
+    let said = passes.iter().filter(|pass| pass["in_fitted_range"].is_boolean()).count();
+    assert_eq!(said, magnitudes(&answer).len());
+    assert!(passes.iter().any(|pass| pass["in_fitted_range"] == true));
+}
+
+#[test]
+fn an_impossible_extinction_is_refused() {
+    for wrong in ["-0.1", "9"] {
+        let flag = format!("--extinction={wrong}");
+        let (code, stdout, stderr) = run(&[PASSES, SKY, &[&flag]]);
+        assert!(code == 2 && stdout.is_empty() && stderr.contains("0 to 5 mag") && stderr.contains(wrong), "{stderr}");
+    }
+}

@@ -1,0 +1,37 @@
+//! The command line as a user runs it.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod annotate_formats;
+mod bad_input;
+#[cfg(feature = "cli")]
+mod doctor;
+#[cfg(feature = "fetch")]
+mod fetch;
+mod fit;
+mod forecast;
+mod gate;
+#[cfg(feature = "cli")]
+mod identify;
+#[cfg(all(feature = "cli", feature = "fits"))]
+mod inject;
+#[cfg(all(feature = "cli", feature = "fits"))]
+mod inject_detector;
+#[cfg(all(feature = "cli", feature = "fits"))]
+mod inject_outputs;
+#[cfg(all(feature = "cli", feature = "fits"))]
+mod inject_raw;
+mod magnitudes;
+mod main_job;
+mod maps;
+#[cfg(feature = "sqlite")]
+mod opsim;
+#[cfg(feature = "plot")]
+mod plot;
+#[cfg(all(feature = "serve", unix))]
+mod serve;
+#[cfg(all(feature = "serve", unix))]
+mod serve_errors;
+mod space_observer;
+mod windows;

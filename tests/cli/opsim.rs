@@ -1,0 +1,140 @@
+//! Rubin's opsim databases through the command line: judged, annotated, and not a cell lost.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::common::cli::{done, json, path, run};
+use serde_json::Value;
+
+fn dump(path: &Path) -> Vec<Vec<rusqlite::types::Value>> {
+    let connection = rusqlite::Connection::open_with_flags(path, rusqlite::OpenFlags::SQLITE_OPEN_READ_ONLY).unwrap();
+    let mut statement = connection.prepare("SELECT rowid, * FROM observations ORDER BY rowid").unwrap();
+    let width = statement.column_count();
+    let rows = statement.query_map([], |row| (0..width).map(|index| row.get(index)).collect::<Result<Vec<_>, _>>());
+    rows.unwrap().collect::<Result<_, _>>().unwrap()
+}
+
+fn real() -> Option<(PathBuf, String)> {
+    let data = crate::common::data_dir()?;
+    let elements = data.join("tle/active/active_2024-08-14.txt").display().to_string();
+    Some((data.join("schedules/opsim_prenight_2024-08-13_1.db"), elements))
+}
+
+#[test]
+fn rubins_night_is_flagged() {
+    let Some((schedule, elements)) = real() else { return };
+    let schedule = schedule.display().to_string();
+    let words = [
+        "flag",
+        "--elements",
+        &elements,
+        "--schedule",
+        &schedule,
+        "--time-scale",
+        "utc",
+        "--site",
+        "Rubin Observatory",
+        "--fov",
+        "3.5deg",
+        "--limit-mag",
+        "7",
+    ];
+    let answer = json(&[&words, &["--quiet"]]);
+    let flags = answer["flags"].as_array().unwrap();
+    assert_eq!(flags.len(), 242);
+    let count = |verdict: &str| flags.iter().filter(|flag| flag["verdict"] == verdict).count();
+    // A night in August with ten thousand satellites: most visits are clear, some are not, all stand above the horizon.
+    assert!(count("clear") > 150 && count("streaked") > 5 && count("avoid") > 5, "{} clear", count("clear"));
+    assert_eq!(count("invalid"), 0);
+    let (code, _, stderr) = run(&[&words[..5], &words[7..]]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("observationStartMJD names no time scale"), "{stderr}");
+}
+
+/// 37 seconds turn every answer wrong: of visits of 30 s that one satellite crosses, hardly one keeps it.
+#[test]
+fn tai_read_as_utc_finds_other_satellites() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let path = |name: &str| data.join(name).display().to_string();
+    let (schedule, elements) = (path("schedules/baseline_10klines_2.0.db"), path("tle/active/starlink_2023-10-16.txt"));
+    let flags = |scale: &str| {
+        let words = ["flag", "--elements", &elements, "--schedule", &schedule, "--time-scale", scale, "--mpc", "X05"];
+        json(&[&words, &["--fov", "3.5deg", "--limit-mag", "7", "--quiet"]])["flags"].as_array().unwrap().clone()
+    };
+    let (right, wrong) = (flags("utc"), flags("tai"));
+    assert_eq!(right.len(), 10_000);
+    let pairs: Vec<(&Value, &Value)> = right.iter().zip(&wrong).filter(|(flag, _)| flag["n_streaks"] == 1).collect();
+    let same = pairs.iter().filter(|(flag, wrong)| flag["norad_ids"] == wrong["norad_ids"]).count();
+    assert!(pairs.len() > 100 && same * 10 < pairs.len(), "{same} of {}", pairs.len());
+}
+
+#[test]
+fn a_next_clear_start_is_clear_of_what_is_only_probable_too() {
+    let Some((schedule, elements)) = real() else {
+        eprintln!("SKIPPED: no data");
+        return;
+    };
+    let flags_of = |schedule: &str| {
+        let sky = ["--elements", &elements, "--mpc", "X05", "--time-scale", "utc", "--fov", "3.5deg", "--quiet"];
+        json(&[&["flag", "--schedule", schedule, "--min-probability", "0.05"], &sky])["flags"].clone()
+    };
+    let copy = rusqlite::Connection::open(&schedule).unwrap();
+    let mut statement =
+        copy.prepare("SELECT visitExposureTime, fieldRA, fieldDec, rotSkyPos FROM observations").unwrap();
+    let rows = statement.query_map([], |row| Ok([row.get(0)?, row.get(1)?, row.get(2)?, row.get(3)?]));
+    let rows: Vec<[f64; 4]> = rows.unwrap().collect::<Result<_, _>>().unwrap();
+    let mut later = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,rotation_deg\n".to_owned();
+    let mut waiting = 0;
+    for (flag, [duration, ra, dec, rotation]) in
+        flags_of(&schedule.display().to_string()).as_array().unwrap().iter().zip(rows)
+    {
+        let (Some(start), true) = (flag["next_clear_start_utc"].as_str(), flag["verdict"] != "clear") else {
+            continue;
+        };
+        waiting += 1;
+        later += &format!("{},{start},{duration},{ra},{dec},{rotation}\n", flag["exposure_id"]);
+    }
+    assert!(waiting > 10, "{waiting} wait");
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(path(&folder, "later.csv"), later).unwrap();
+    for flag in flags_of(&path(&folder, "later.csv")).as_array().unwrap() {
+        assert_eq!(flag["verdict"], "clear", "{flag}");
+    }
+}
+
+#[test]
+fn rubins_night_is_annotated_without_a_lost_cell() {
+    let Some((schedule, elements)) = real() else { return };
+    let folder = tempfile::tempdir().unwrap();
+    let output = path(&folder, "annotated.db");
+    let shown = schedule.display().to_string();
+    done(&[&[
+        "annotate",
+        "--elements",
+        &elements,
+        "--schedule",
+        &shown,
+        "--time-scale",
+        "utc",
+        "--mpc",
+        "X05",
+        "--limit-mag",
+        "7",
+        "--telescope",
+        "rubin",
+        "-o",
+        &output,
+        "-q",
+    ]]);
+    assert_eq!(dump(&schedule), dump(Path::new(&output)));
+    assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 1);
+    let copy = rusqlite::Connection::open(&output).unwrap();
+    let number = |query: &str| copy.query_row(query, [], |row| row.get::<_, i64>(0)).unwrap();
+    assert_eq!(number("SELECT count(*) FROM streak_flags JOIN observations ON exposure_id = observationId"), 242);
+    assert_eq!(
+        number("SELECT sum(n_streaks) FROM streak_flags"),
+        number("SELECT count(*) FROM streaks JOIN observations ON exposure_id = observationId")
+    );
+    assert!(number("SELECT count(*) FROM streaks WHERE width_arcsec > 0.7 AND effective_magnitude > magnitude") > 20);
+    assert!(number("SELECT count(*) FROM streak_provenance WHERE name = 'elements'") == 1);
+}

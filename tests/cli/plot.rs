@@ -1,0 +1,573 @@
+//! `streakcast plot`: every plot writes PNG and SVG with its data beside, tables of other verbs are drawn again, and what it says to bad input.
+
+use std::fs;
+use std::path::Path;
+
+use crate::common::cli::{SKY, path, records, run};
+use tempfile::{TempDir, tempdir};
+
+const FIELD: &[&str] = &["--fov", "3.5deg"];
+const EXPOSURE: &[&str] = &["--ra", "198.9", "--dec", "7.7", "--start", "2026-08-14T23:29:05Z", "--exposure", "30s"];
+const SCHEDULE: &str = "exposure_id,start_utc,duration_s,ra_deg,dec_deg,band\n\
+    a,2026-08-14T23:28:00Z,30,198.9,7.7,r\n\
+    b,2026-08-14T23:29:05Z,30,198.9,7.7,r\n\
+    c,2026-08-14T23:30:00Z,30,198.9,7.7,r\n\
+    d,2026-08-15T04:10:00Z,30,0,-30,r\n\
+    broken,2026-08-14T23:31:00Z,-5,198.9,7.7,r\n";
+
+/// An asked picture as PNG and SVG; says what the command said on standard error.
+#[track_caller]
+fn drawn(folder: &TempDir, name: &str, plot: &[&[&str]], code: i32) -> String {
+    let (png, svg) = (path(folder, &format!("{name}.png")), path(folder, &format!("{name}.svg")));
+    let (got, stdout, stderr) = run(&[&["plot"], &plot.concat(), &["-o", &png, "-o", &svg]]);
+    assert_eq!((got, stdout.as_str()), (code, ""), "{stderr}");
+    let image = image::load_from_memory(&fs::read(&png).unwrap()).unwrap().to_rgb8();
+    let colours: std::collections::BTreeSet<_> = image.pixels().map(|pixel| pixel.0).collect();
+    assert!(image.width() > 600 && image.height() > 500 && colours.len() > 30, "{} colours", colours.len());
+    words(&svg);
+    stderr
+}
+
+/// The words of an SVG that is well-formed and has its font with it.
+#[track_caller]
+fn words(svg: &str) -> Vec<String> {
+    let text = fs::read_to_string(svg).unwrap();
+    assert!(text.contains("@font-face") && text.contains("data:font/ttf;base64,"), "no font in {svg}");
+    let mut reader = quick_xml::Reader::from_str(&text);
+    let mut words = Vec::new();
+    loop {
+        match reader.read_event().unwrap() {
+            quick_xml::events::Event::Eof => return words,
+            quick_xml::events::Event::Text(text) if !text.contains("@font-face") => words.push(text.trim().to_owned()),
+            _ => {}
+        }
+    }
+}
+
+#[track_caller]
+fn column(text: &str, name: &str) -> Vec<String> {
+    let rows = records(text);
+    let index = rows[0].iter().position(|known| known == name).unwrap_or_else(|| panic!("{name} in {:?}", rows[0]));
+    rows[1..].iter().map(|row| row[index].to_owned()).collect()
+}
+
+#[track_caller]
+fn fails(arguments: &[&[&str]], parts: &[&str]) {
+    let (code, stdout, stderr) = run(&[&["plot"], &arguments.concat()]);
+    assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+    let errors: Vec<&str> = stderr.lines().filter(|line| !line.starts_with("warning: ")).collect();
+    assert_eq!(errors.len(), 1, "{stderr}");
+    for part in parts {
+        assert!(errors[0].contains(part), "'{part}' is not in: {}", errors[0]);
+    }
+}
+
+fn schedule(folder: &TempDir) -> String {
+    let file = path(folder, "schedule.csv");
+    fs::write(&file, SCHEDULE).unwrap();
+    file
+}
+
+#[test]
+fn verif_a_night_has_the_numbers_of_flag() {
+    let folder = tempdir().unwrap();
+    let schedule = schedule(&folder);
+    let asked: &[&str] = &["--schedule", &schedule, "--limit-mag", "7"];
+    drawn(&folder, "night", &[&["night"], asked, SKY, FIELD], 0);
+    let data = fs::read_to_string(path(&folder, "night-data.ecsv")).unwrap();
+    let (_, flags, _) = run(&[&["flag"], asked, SKY, FIELD, &["--format", "csv"]]);
+    for name in ["exposure_id", "verdict", "n_streaks", "brightest_mag"] {
+        // The row that cannot be judged has no time and no night.
+        assert_eq!(column(&data, name), column(&flags, name)[..4], "{name}");
+    }
+    assert!(column(&flags, "n_streaks").iter().any(|number| number != "0"), "{flags}");
+    // In twilight it sinks; four hours later it is near midnight.
+    let sun: Vec<f64> = column(&data, "sun_altitude_deg").iter().map(|cell| cell.parse().unwrap()).collect();
+    assert!(sun[0] > sun[1] && sun[1] > sun[2] && (-25.0..-8.0).contains(&sun[0]) && sun[3] < -60.0, "{sun:?}");
+    let said = words(&path(&folder, "night.svg"));
+    assert!(
+        said.iter()
+            .any(|words| words.starts_with("4 exposures, ")
+                && words.contains("1 row of the schedule could not be judged")),
+        "{said:?}"
+    );
+    assert!(
+        said.contains(&"UTC, 2026-08-14/15".to_owned())
+            && said.iter().any(|words| words.starts_with("local mean solar time, 2026-08-14")),
+        "{said:?}"
+    );
+
+    // The data are drawn again, and so are flags with their schedule: the same pictures.
+    let png = fs::read(path(&folder, "night.png")).unwrap();
+    drawn(
+        &folder,
+        "again",
+        &[&["night", "--mpc", "X05", "--limit-mag", "7", "--from", &path(&folder, "night-data.ecsv")]],
+        0,
+    );
+    assert!(!Path::new(&path(&folder, "again-data.ecsv")).exists());
+    let flags_file = path(&folder, "flags.csv");
+    fs::write(&flags_file, &flags).unwrap();
+    drawn(&folder, "flags", &[&["night", "--from", &flags_file, "--mpc", "X05"], asked], 0);
+    assert_eq!(fs::read(path(&folder, "flags.png")).unwrap(), png);
+    // Of a table of one night alone, it is not said how many rows of the schedule there were beside.
+    let again = words(&path(&folder, "again.svg"));
+    assert!(again.iter().any(|words| words.starts_with("4 exposures, ")), "{again:?}");
+
+    // Without any satellite bright enough to be known.
+    let (code, _, stderr) =
+        run(&[&["plot", "night", "--night", "2026-08-20"], asked, SKY, FIELD, &["-o", &path(&folder, "x.png")]]);
+    assert!(code == 2 && stderr.contains("allowed: 2026-08-14"), "{stderr}");
+}
+
+#[test]
+fn verif_an_empty_night_says_so() {
+    let folder = tempdir().unwrap();
+    let file = path(&folder, "empty.csv");
+    let text = "start_utc,duration_s,verdict,n_streaks,brightest_mag\n2024-08-14T04:10:00Z,30,clear,0,\n2024-08-14T04:11:00Z,30,clear,0,\n";
+    fs::write(&file, text).unwrap();
+    drawn(&folder, "empty", &[&["night", "--from", &file]], 0);
+    let said = words(&path(&folder, "empty.svg"));
+    assert!(said.contains(&"no exposure of this night is struck".to_owned()), "{said:?}");
+    // No site: neither twilight nor a local clock.
+    assert!(!said.iter().any(|words| words.contains("local") || words.contains("twilight")), "{said:?}");
+}
+
+#[test]
+fn verif_a_field_has_the_table_of_passes() {
+    let folder = tempdir().unwrap();
+    drawn(&folder, "field", &[&["field"], EXPOSURE, SKY, FIELD, &["--data", &path(&folder, "field.csv")]], 0);
+    let (_, passes, _) = run(&[&["passes"], EXPOSURE, SKY, FIELD, &["--format", "csv"]]);
+    assert_eq!(fs::read_to_string(path(&folder, "field.csv")).unwrap(), passes);
+    let names = column(&passes, "name");
+    let said = words(&path(&folder, "field.svg"));
+    assert!(
+        !names.is_empty()
+            && said.iter().any(|words| words.len() > 12 && names.iter().any(|name| name.starts_with(words.as_str()))),
+        "{said:?}"
+    );
+    assert!(
+        said.contains(&"N".to_owned()) && said.contains(&"E".to_owned()) && said.contains(&"0.5°".to_owned())
+            || said.contains(&"1°".to_owned()),
+        "{said:?}"
+    );
+    // What passes wrote, in any of its formats, is the same picture.
+    let picture = fs::read(path(&folder, "field.png")).unwrap();
+    for format in ["csv", "ecsv", "json"] {
+        let file = path(&folder, &format!("passes.{format}"));
+        run(&[&["passes"], EXPOSURE, SKY, FIELD, &["-o", &file]]);
+        drawn(&folder, "again", &[&["field", "--from", &file]], 0);
+        assert!(fs::read(path(&folder, "again.png")).unwrap() == picture, "{format}");
+    }
+    // In the middle of a night nothing is lit: drawn, said, and exit code 1 as of passes.
+    let night: &[&str] =
+        &["--ra", "75", "--dec", "-30", "--start", "2024-12-14T04:45:00Z", "--exposure", "1s", "--fov", "3arcmin"];
+    let (code, ..) = run(&[&["passes"], night, SKY]);
+    assert_eq!(code, 1);
+    drawn(&folder, "none", &[&["field"], night, SKY], 1);
+    assert!(words(&path(&folder, "none.svg")).contains(&"no streak crosses this field".to_owned()));
+}
+
+#[test]
+fn verif_a_light_curve_goes_through_its_pass() {
+    let folder = tempdir().unwrap();
+    drawn(&folder, "curve", &[&["light-curve"], EXPOSURE, SKY, FIELD, &["--limit-mag", "7", "--utc-offset", "-4"]], 0);
+    let data = fs::read_to_string(path(&folder, "curve-data.ecsv")).unwrap();
+    let (_, passes, _) = run(&[&["passes"], EXPOSURE, SKY, FIELD, &["--format", "csv"]]);
+    let id = column(&data, "norad_id")[0].clone();
+    let row = column(&passes, "norad_id").iter().position(|other| *other == id).unwrap();
+    let peaks = column(&passes, "magnitude_peak");
+    let number = |text: &str| text.parse::<f64>().unwrap_or(f64::INFINITY);
+    assert!(peaks.iter().all(|peak| number(peak) >= number(&peaks[row])), "the brightest: {peaks:?} {row}");
+    // Entry, exit and the magnitude at mid are those of the table of passes.
+    let (utc, inside) = (column(&data, "utc"), column(&data, "in_field"));
+    let first = inside.iter().position(|cell| cell == "true").unwrap();
+    assert!(utc[first] >= column(&passes, "enter_utc")[row] && utc[first - 1] < column(&passes, "enter_utc")[row]);
+    let mid = column(&passes, "mid_utc")[row].clone();
+    let near = utc.iter().position(|moment| *moment > mid).unwrap();
+    let (magnitude, expected) = (number(&column(&data, "magnitude")[near]), number(&column(&passes, "magnitude")[row]));
+    // A step of the track is a third of a second at most.
+    assert!((magnitude - expected).abs() < 0.05, "{magnitude} {expected}");
+    let said = words(&path(&folder, "curve.svg"));
+    for expected in
+        ["enter", "exit", "magnitude, ±1σ", "shutter open", "limit 7.0 mag", "local time (UTC−4), 2026-08-14"]
+    {
+        assert!(said.iter().any(|words| words == expected), "{expected}: {said:?}");
+    }
+    let png = fs::read(path(&folder, "curve.png")).unwrap();
+    let again: &[&str] = &["--from", &path(&folder, "curve-data.ecsv"), "--limit-mag", "7", "--utc-offset", "-4"];
+    drawn(&folder, "again", &[&["light-curve"], again], 0);
+    assert!(fs::read(path(&folder, "again.png")).unwrap() == png);
+    fails(
+        &[&["light-curve"], EXPOSURE, SKY, FIELD, &["--norad", "1", "-o", &path(&folder, "x.png")]],
+        &["norad 1", "does not cross", "allowed: "],
+    );
+}
+
+#[test]
+fn verif_rates_over_the_sky_are_means_of_passes() {
+    let folder = tempdir().unwrap();
+    let asked: &[&str] = &[
+        "--start",
+        "2026-08-14T23:29:00Z",
+        "--exposure",
+        "30s",
+        "--nside",
+        "2",
+        "--repeats",
+        "2",
+        "--over",
+        "2min",
+        "--min-altitude",
+        "40",
+    ];
+    drawn(&folder, "rate", &[&["sky-rate"], asked, SKY, FIELD, &["--limit-mag", "5"]], 0);
+    let data = fs::read_to_string(path(&folder, "rate-data.ecsv")).unwrap();
+    let (all, bright) = (column(&data, "streaks_per_exposure"), column(&data, "bright_per_exposure"));
+    let sum = |cells: &[String]| cells.iter().map(|cell| cell.parse::<f64>().unwrap()).sum::<f64>();
+    assert!(sum(&all) > 0.0 && sum(&bright) < sum(&all), "{all:?} {bright:?}");
+    // Two exposures a cell: halves.
+    assert!(all.iter().all(|cell| (cell.parse::<f64>().unwrap() * 2.0).fract() == 0.0), "{all:?}");
+    let again: &[&str] = &["sky-rate", "--from", &path(&folder, "rate-data.ecsv")];
+    drawn(&folder, "again", &[again], 0);
+    assert!(fs::read(path(&folder, "again.png")).unwrap() == fs::read(path(&folder, "rate.png")).unwrap());
+    let at = ["--sun-altitude-deg", "-15"];
+    drawn(&folder, "sun", &[&["sky-rate"], asked, &at, SKY, FIELD], 0);
+    let data = fs::read_to_string(path(&folder, "sun-data.ecsv")).unwrap();
+    let said = data.split("\"sun_altitude_deg\":").nth(1).unwrap().split([',', '}']).next().unwrap();
+    // Its moment is closed to 0.1 s, in which the Sun sinks by 0.0004°.
+    assert!((said.parse::<f64>().unwrap() + 15.0).abs() < 0.001, "{said}");
+    fails(
+        &[&["sky-rate"], asked, &["--sun-altitude-deg", "85"], SKY, FIELD, &["-o", &path(&folder, "x.png")]],
+        &["does not stand there"],
+    );
+    fails(
+        &[
+            &["sky-rate", "--nside", "3", "--start", "2026-08-14T22:00:00Z", "--exposure", "30s"],
+            SKY,
+            FIELD,
+            &["-o", &path(&folder, "x.png")],
+        ],
+        &["nside 3", "allowed: 1, 2, 4"],
+    );
+}
+
+#[test]
+fn verif_trails_against_the_sun_of_a_schedule_and_of_a_grid() {
+    let folder = tempdir().unwrap();
+    let schedule = schedule(&folder);
+    drawn(&folder, "schedule", &[&["sun-altitude", "--schedule", &schedule, "--limit-mag", "7"], SKY, FIELD], 0);
+    let said = words(&path(&folder, "schedule.svg"));
+    assert!(
+        said.iter().any(|words| words.starts_with("4 exposures, ")) && said.contains(&"brighter than 7 mag".to_owned()),
+        "{said:?}"
+    );
+    let grid: &[&str] =
+        &["--start", "2026-08-14T21:30:00Z", "--exposure", "30s", "--step", "2h", "--min-altitude", "60"];
+    drawn(&folder, "grid", &[&["sun-altitude"], grid, SKY, FIELD], 0);
+    let data = fs::read_to_string(path(&folder, "grid-data.ecsv")).unwrap();
+    let sun: Vec<f64> = column(&data, "sun_altitude_deg").iter().map(|cell| cell.parse().unwrap()).collect();
+    let streaks: Vec<f64> = column(&data, "n_streaks").iter().map(|cell| cell.parse().unwrap()).collect();
+    assert!(sun.iter().all(|altitude| *altitude <= 0.0) && streaks.iter().sum::<f64>() > 0.0);
+    let again: &[&str] = &["sun-altitude", "--from", &path(&folder, "grid-data.ecsv")];
+    drawn(&folder, "again", &[again], 0);
+    fails(
+        &[&["sun-altitude", "--max-sun-altitude-deg", "-89"], grid, SKY, FIELD, &["-o", &path(&folder, "x.png")]],
+        &["does not sink", "--max-sun-altitude-deg"],
+    );
+    fails(&[again, &["--bin", "0", "-o", &path(&folder, "x.png")]], &["width of bins", "allowed: 0.1 to 30"]);
+}
+
+#[test]
+fn verif_the_pictures_of_maps_are_those_of_map() {
+    let folder = tempdir().unwrap();
+    let model: &[&str] = &["--model", "starlink-v1.5"];
+    for (name, angle) in [("sky", "--sun-altitude-deg"), ("body", "--sun-latitude-deg")] {
+        let picture = path(&folder, &format!("{name}.png"));
+        let (code, _, stderr) = run(&[&["plot", name], model, &[angle, "-16", "-o", &picture]]);
+        assert_eq!(code, 0, "{stderr}");
+        let other = path(&folder, "map.png");
+        let (_, table, _) = run(&[&["map", name], model, &[angle, "-16", "--picture", &other, "--format", "ecsv"]]);
+        assert!(fs::read(&picture).unwrap() == fs::read(&other).unwrap());
+        assert_eq!(fs::read_to_string(path(&folder, &format!("{name}-data.ecsv"))).unwrap(), table);
+    }
+}
+
+/// Points of a model itself, 0.1 mag fainter: all residuals are that.
+#[test]
+fn verif_residuals_are_observed_less_computed() {
+    let folder = tempdir().unwrap();
+    let (_, map, _) = run(&[&[
+        "map",
+        "body",
+        "--model",
+        "starlink-v1.5",
+        "--sun-latitude-deg",
+        "-14",
+        "--step-deg",
+        "5",
+        "--format",
+        "csv",
+    ]]);
+    let mut points =
+        "standard_magnitude,sun_latitude_deg,observer_longitude_deg,observer_latitude_deg,height_km\n".to_owned();
+    for row in &records(&map)[1..] {
+        if let Ok(magnitude) = row[2].parse::<f64>() {
+            points += &format!("{},-14,{},{},550\n", magnitude + 0.1, &row[0], &row[1]);
+        }
+    }
+    let file = path(&folder, "points.csv");
+    fs::write(&file, points).unwrap();
+    for plot in ["residuals", "histogram", "phase-curve"] {
+        drawn(&folder, plot, &[&[plot, "--model", "starlink-v1.5", "--from", &file]], 0);
+        let data = fs::read_to_string(path(&folder, &format!("{plot}-data.ecsv"))).unwrap();
+        let is_curve = plot == "phase-curve";
+        let said = words(&path(&folder, &format!("{plot}.svg")));
+        let title = if is_curve { "observed and computed" } else { "observed less computed" };
+        assert!(said.iter().any(|words| words == &format!("starlink-v1.5: {title}")), "{said:?}");
+        let residuals = column(&data, "residual_mag");
+        // The map has three decimals.
+        assert!(
+            residuals.len() > 500 && residuals.iter().all(|cell| (cell.parse::<f64>().unwrap() - 0.1).abs() < 0.001)
+        );
+    }
+    fails(
+        &[&["residuals", "--model", "nonesuch", "--from", &file, "-o", &path(&folder, "x.png")]],
+        &["unknown model 'nonesuch'"],
+    );
+    let what = ["points.csv: it is no .npz", "allowed: the chains that fit run --mcmc wrote"];
+    fails(&[&["corner", "--chains", &file, "-o", &path(&folder, "x.png")]], &what);
+    let (_, list, _) = run(&[&["plot", "--list"]]);
+    assert!(list.contains("a table of fit reduce") && !list.contains("fit photometry"), "{list}");
+}
+
+#[test]
+fn verif_bad_input_is_one_line_and_writes_nothing() {
+    let folder = tempdir().unwrap();
+    let out = path(&folder, "x.png");
+    let table = |text: &str| {
+        let file = path(&folder, "table.csv");
+        fs::write(&file, text).unwrap();
+        file
+    };
+    let from = |text: &str| ["night".to_owned(), "--from".to_owned(), table(text), "-o".to_owned(), out.clone()];
+    let cases: &[(&str, &[&str])] = &[
+        ("", &["table.csv is empty"]),
+        ("start_utc,n_streaks\n2024-08-14T00:00:00Z,1\n", &["no column duration_s", "start_utc, n_streaks"]),
+        (
+            "start_utc,duration_s,verdict,n_streaks,brightest_mag\nyesterday,30,clear,0,\n",
+            &["line 2", "start_utc is 'yesterday'", "allowed: a time"],
+        ),
+        (
+            "start_utc,duration_s,verdict,n_streaks,brightest_mag\n2024-08-14T00:00:00Z,30,clear,many,\n",
+            &["line 2", "n_streaks is 'many'", "a number"],
+        ),
+        ("start_utc,duration_s,verdict,n_streaks,brightest_mag\n", &["no row has a time"]),
+        ("a,b\n1\n", &["table.csv"]),
+        ("{\"flags\": 3}", &["no array 'exposures'"]),
+        ("{\"flags\": [", &["not JSON"]),
+    ];
+    for (text, parts) in cases {
+        let arguments = from(text);
+        fails(&[&arguments.iter().map(String::as_str).collect::<Vec<_>>()], parts);
+        assert!(!Path::new(&out).exists());
+    }
+    fails(&[&["night", "--from", "/nonesuch.csv", "-o", &out]], &["/nonesuch.csv"]);
+    fails(&[&["night", "--from", &table("a\n1\n"), "-o", &path(&folder, "x.gif")]], &["x.gif", ".png or .svg"]);
+    fails(
+        &[&["night", "--from", &table("a\n1\n"), "-o", &out, "--data", &path(&folder, "d.csv")]],
+        &["in a file already"],
+    );
+    fails(
+        &[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "--data", &path(&folder, "d.txt")]],
+        &["d.txt", "must end in .ecsv"],
+    );
+    fails(&[&["field"], EXPOSURE, SKY, FIELD, &["-o", &out, "-o", &out]], &["said twice"]);
+    fails(&[&["field", "--from", &table("norad_id\n1\n"), "-o", &out]], &["does not say which exposure"]);
+    fails(
+        &[&["light-curve", "--utc-offset", "30"], EXPOSURE, SKY, FIELD, &["-o", &out]],
+        &["invalid value '30'", "--utc-offset", "from -14:00 to +14:00"],
+    );
+    fails(&[&["light-curve", "--around", "2h"], EXPOSURE, SKY, FIELD, &["-o", &out]], &["around 2h", "at most 10min"]);
+    fails(&[&["sky-rate"], SKY, FIELD, &["-o", &out]], &["the moment is missing", "--start"]);
+    fails(&[&["night", "-o", &out]], &["--schedule"]);
+    assert!(fs::read_dir(folder.path()).unwrap().all(|file| file.unwrap().file_name() == "table.csv"));
+}
+
+#[test]
+fn verif_what_forecast_wrote_is_drawn() {
+    let folder = tempdir().unwrap();
+    let (curves, json, ecsv) = (path(&folder, "c.csv"), path(&folder, "n.json"), path(&folder, "c.ecsv"));
+    let night = ["forecast", "--night", "2026-08-14", "--max-mag", "5", "--min-culmination", "86", "--samples", "41"];
+    for (light_curves, output) in [(&curves, &json), (&ecsv, &path(&folder, "n.jsonl"))] {
+        let (code, _, stderr) = run(&[&night, SKY, &["--light-curves", light_curves, "-o", output]]);
+        assert_eq!(code, 0, "{stderr}");
+    }
+    // Rows of points, passes that hold them, in each format: one picture.
+    drawn(&folder, "sky", &[&["sky-chart", "--from", &curves]], 0);
+    let sky = words(&path(&folder, "sky.svg"));
+    for expected in ["Passes over Rubin Observatory, 2026-08-14 to 2026-08-15", "N", "E", "60°", "from UTC", "13"] {
+        assert!(sky.iter().any(|words| words == expected), "{expected}: {sky:?}");
+    }
+    let picture = fs::read(path(&folder, "sky.png")).unwrap();
+    for file in [&ecsv, &json, &path(&folder, "n.jsonl")] {
+        drawn(&folder, "again", &[&["sky-chart", "--from", file]], 0);
+        assert!(fs::read(path(&folder, "again.png")).unwrap() == picture, "{file}");
+    }
+    drawn(&folder, "local", &[&["sky-chart", "--from", &curves, "--utc-offset", "-4"]], 0);
+    let local = words(&path(&folder, "local.svg"));
+    assert!(local.iter().any(|words| words == "from") && !local.iter().any(|words| words == "from UTC"), "{local:?}");
+    assert!(local.join(" ").contains("Times: local time (UTC−4)."), "{local:?}");
+    // One pass has minutes along it, and its curve has the peak of the table.
+    let document: serde_json::Value = serde_json::from_str(&fs::read_to_string(&json).unwrap()).unwrap();
+    let passes = document["passes"].as_array().unwrap();
+    let peak = |pass: &serde_json::Value| pass["peak_magnitude"].as_f64().unwrap();
+    let brightest = passes.iter().min_by(|a, b| peak(a).total_cmp(&peak(b))).unwrap();
+    let id = brightest["norad_id"].to_string();
+    drawn(&folder, "one", &[&["sky-chart", "--from", &curves, "--norad", &id]], 0);
+    let one = words(&path(&folder, "one.svg"));
+    let clock = |name: &str| brightest[name].as_str().unwrap()[11..16].to_owned();
+    let minutes = |words: &String| words.len() == 5 && (clock("rise_utc")..=clock("set_utc")).contains(words);
+    assert!(one.iter().any(minutes) && !sky.iter().any(minutes), "{one:?}");
+    for (file, offset, clock) in [
+        (&curves, &["--utc-offset", "-04:00"][..], "local time (UTC−4), 2026-08-15"),
+        (&json, &[], "local mean solar time, 2026-08-15"),
+    ] {
+        drawn(&folder, "curve", &[&["light-curve", "--from", file], offset], 0);
+        let said = words(&path(&folder, "curve.svg"));
+        assert!(said.iter().any(|words| words == clock), "{clock}: {said:?}");
+        assert!(said.iter().any(|words| words.contains(" (synthetic) (NORAD ")), "{said:?}");
+        assert!(said.join(" ").contains("Satellites of shells are synthetic."), "{said:?}");
+        assert!(said.iter().any(|words| words.contains(&format!("(NORAD {id})"))), "{said:?}");
+        assert!(
+            said.iter().any(|words| words == "magnitude, ±1σ") && !said.iter().any(|words| words == "in the field")
+        );
+    }
+    // A night without a pass is an empty sky; of no pass there is no light curve.
+    let empty = path(&folder, "empty.json");
+    let (code, _, stderr) = run(&[&night[..3], &["--max-mag", "-9", "--samples", "5", "-o", &empty], SKY]);
+    assert_eq!(code, 0, "{stderr}");
+    drawn(&folder, "empty", &[&["sky-chart", "--from", &empty]], 0);
+    assert!(words(&path(&folder, "empty.svg")).iter().any(|words| words == "no pass"));
+    let out = path(&folder, "x.png");
+    fails(&[&["light-curve", "--from", &empty, "-o", &out]], &["it has no pass"]);
+    let table = path(&folder, "plain.csv");
+    run(&[&night[..7], SKY, &["-o", &table]]);
+    for plot in ["sky-chart", "light-curve"] {
+        fails(&[&[plot, "--from", &table, "-o", &out]], &["no points along passes", "--light-curves FILE"]);
+        fails(&[&[plot, "--from", &curves, "--norad", "25544", "-o", &out]], &["norad 25544: table", "no pass of it"]);
+        fails(&[&[plot, "--from", &curves, "--norad", "ISS", "-o", &out]], &["'ISS'", "1 to 999999999"]);
+    }
+    fails(&[&["sky-chart", "-o", &out]], &["--from"]);
+}
+
+#[test]
+fn verif_the_list_names_every_plot() {
+    let (code, list, _) = run(&[&["plot", "--list"]]);
+    assert_eq!(code, 0);
+    let (_, help, _) = run(&[&["plot", "--help"]]);
+    let named: Vec<String> = column(&list, "plot");
+    let commands =
+        help.lines().skip_while(|line| !line.starts_with("Commands:")).skip(1).take_while(|line| !line.is_empty());
+    // Longer words go on in lines that are set in farther.
+    let commands = commands.filter(|line| line.starts_with("  ") && !line.starts_with("   "));
+    let commands: Vec<&str> =
+        commands.filter_map(|line| line.split_whitespace().next()).filter(|name| *name != "help").collect();
+    assert_eq!(named, commands);
+}
+
+/// A picture of synthetic satellites says so, one drawn again from its table too, with its site, its limit and its twilight.
+#[test]
+fn what_a_table_says_of_itself_is_drawn_again() {
+    let folder = tempdir().unwrap();
+    let schedule = schedule(&folder);
+    let asked: &[&str] =
+        &["night", "--schedule", &schedule, "--shells", "starlink-gen1", "--mpc", "X05", "--limit-mag", "6"];
+    let table = path(&folder, "n.ecsv");
+    let (first, again, bare) = (path(&folder, "a.svg"), path(&folder, "b.svg"), path(&folder, "c.svg"));
+    let (code, _, stderr) = run(&[&["plot"], asked, FIELD, &["-o", &first, "--data", &table]]);
+    assert_eq!(code, 0, "{stderr}");
+    let text = |path: &str| fs::read_to_string(path).unwrap();
+    assert!(text(&first).contains("All satellites are synthetic.") && text(&first).contains("limit"), "{}", &first);
+    let (code, _, stderr) = run(&[&["plot", "night", "--from", &table, "-o", &again]]);
+    assert_eq!(code, 0, "{stderr}");
+    // All but the count of rows that could not be judged, which the data of a night leave out.
+    let kept =
+        |path: &str| words(path).into_iter().filter(|words| !words.contains("could not be judged")).collect::<Vec<_>>();
+    let (drawn_first, drawn_again) = (kept(&first), kept(&again));
+    assert!(drawn_first.iter().all(|one| drawn_again.contains(one)), "{drawn_first:?} {drawn_again:?}");
+    assert!(drawn_again.iter().any(|one| one.contains("Rubin Observatory")), "{drawn_again:?}");
+    assert!(text(&again).contains("All satellites are synthetic."));
+    // Without a site neither twilight nor clock can be drawn, and that is said.
+    let stripped: String = text(&table)
+        .lines()
+        .filter(|line| !line.contains("\"site\"") && !line.contains("# site"))
+        .fold(String::new(), |all, line| all + line + "\n");
+    let without = path(&folder, "w.csv");
+    fs::write(
+        &without,
+        stripped.lines().filter(|line| !line.starts_with('#')).fold(String::new(), |all, line| all + line + "\n"),
+    )
+    .unwrap();
+    let (code, _, stderr) = run(&[&["plot", "night", "--from", &without, "-o", &bare]]);
+    assert!(code == 0 && stderr.contains("no site was said, and the table names none"), "{stderr}");
+}
+
+/// Where among the stars: the whole sky that the site reaches, means over the dark hours, drawn again from its table.
+#[test]
+fn verif_the_rate_over_right_ascension_and_declination() {
+    let folder = tempdir().unwrap();
+    let asked: &[&str] = &[
+        "sky-rate",
+        "--equatorial",
+        "--night",
+        "2026-08-14",
+        "--exposure",
+        "30s",
+        "--nside",
+        "2",
+        "--step",
+        "1h",
+        "--min-altitude",
+        "40",
+        "--shells",
+        "starlink-gen1",
+        "--mpc",
+        "X05",
+    ];
+    drawn(&folder, "stars", &[asked, FIELD], 0);
+    let data = fs::read_to_string(path(&folder, "stars-data.ecsv")).unwrap();
+    let numbers = |name: &str| column(&data, name).iter().map(|cell| cell.parse::<f64>().unwrap()).collect::<Vec<_>>();
+    let (dec, exposures, rate) = (numbers("dec_deg"), numbers("exposures"), numbers("streaks_per_exposure"));
+    // At latitude -30.2 a place 40 deg high has a declination between -80 and +20 deg, and half a cell of 29 deg more by its centre.
+    assert!(dec.iter().all(|dec| *dec < 20.0 + 15.0), "{dec:?}");
+    // Every exposure of every dark hour is in one cell: as many in all as moments times cells of the horizon above 40 deg.
+    let all: f64 = exposures.iter().sum();
+    let above = 12.0;
+    assert!(all % above == 0.0 && all >= 5.0 * above, "{all}");
+    assert!(rate.iter().zip(&exposures).all(|(rate, n)| (rate * n - (rate * n).round()).abs() < 1e-3 * n));
+    // A night said twice is one night, and a configuration may say the exposure.
+    let config = path(&folder, "config.toml");
+    fs::write(&config, "exposure = \"30s\"\n").unwrap();
+    let night: Vec<&str> = asked.iter().copied().filter(|word| !["--exposure", "30s"].contains(word)).collect();
+    drawn(&folder, "twice", &[&night[..], FIELD, &["--night", "2026-08-14", "--config", &config]], 0);
+    assert!(fs::read(path(&folder, "twice.png")).unwrap() == fs::read(path(&folder, "stars.png")).unwrap());
+    let again: &[&str] = &["sky-rate", "--from", &path(&folder, "stars-data.ecsv")];
+    drawn(&folder, "again", &[again], 0);
+    assert!(fs::read(path(&folder, "again.png")).unwrap() == fs::read(path(&folder, "stars.png")).unwrap());
+    let x = path(&folder, "x.png");
+    for (words, part) in [
+        (vec!["--equatorial", "--exposure", "30s"], "--night"),
+        (vec!["--equatorial", "--night", "2026-08-14", "--repeats", "3", "--exposure", "30s"], "--repeats"),
+        (
+            vec!["--equatorial", "--night", "2026-12-21", "--exposure", "30s", "--max-sun-altitude-deg", "-80"],
+            "does not sink to -80 deg",
+        ),
+        (
+            vec!["--equatorial", "--night", "2026-08-14", "--exposure", "30s", "--nside", "2", "--min-altitude", "80"],
+            "no cell of nside 2 has its centre above 80 deg",
+        ),
+    ] {
+        fails(&[&["sky-rate"], &words[..], SKY, FIELD, &["-o", &x]], &[part]);
+    }
+}

@@ -1,0 +1,414 @@
+//! The server: its numbers are the command line's, and so are its warnings.
+
+use std::collections::BTreeSet;
+use std::io::{Read, Write};
+use std::sync::OnceLock;
+
+use crate::common::cli::{json as command, run};
+use crate::common::server::{RULES, SHARED, Server, parse, serve, shared};
+use serde_json::{Value, json};
+
+/// The first exposure of the example, and where it is.
+const FIRST: &str = "start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=198.9&dec_deg=7.7";
+
+fn flags_of_the_command_line() -> &'static Value {
+    static FLAGS: OnceLock<Value> = OnceLock::new();
+    FLAGS.get_or_init(|| command(&[&["flag"], SHARED, RULES, &["--telescope", "rubin"]]))
+}
+
+#[test]
+fn the_night_is_that_of_flag() {
+    let server = shared();
+    let night = server.json("/api/v1/night");
+    let flags = flags_of_the_command_line();
+    assert_eq!(night["flags"], flags["flags"]);
+    assert_eq!(night["flags"].as_array().unwrap().len(), 21);
+    assert_eq!(night["nights"], json!([{"night": "2026-08-14", "exposures": 21}]));
+    assert_eq!(night["exposures"][0]["start_utc"], "2026-08-14T23:29:05.000000Z");
+    for statement in ["version", "shells", "site", "models", "earth_orientation", "band"] {
+        assert_eq!(night["provenance"][statement], flags["provenance"][statement], "{statement}");
+    }
+    // Day at both ends, dark in between.
+    let sun: Vec<f64> =
+        night["sun"].as_array().unwrap().iter().map(|one| one["sun_altitude_deg"].as_f64().unwrap()).collect();
+    assert!(sun[0] > 30.0 && sun[sun.len() - 1] > 30.0 && sun.iter().copied().fold(90.0, f64::min) < -40.0, "{sun:?}");
+    let problem = server.get("/api/v1/night?night=2026-08-15");
+    assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some("night")));
+    assert!(problem.json()["detail"].as_str().unwrap().contains("allowed: 2026-08-14"));
+}
+
+#[test]
+fn every_exposure_is_that_of_flag_and_passes() {
+    let server = shared();
+    let flags = flags_of_the_command_line();
+    let night = server.json("/api/v1/night");
+    let mut crossings = 0;
+    for (row, flag) in night["exposures"].as_array().unwrap().iter().zip(flags["flags"].as_array().unwrap()) {
+        let text = |name: &str| row[name].as_str().unwrap().to_owned();
+        let (ra, dec, duration) =
+            (row["ra_deg"].to_string(), row["dec_deg"].to_string(), row["duration_s"].to_string());
+        let target = format!(
+            "/api/v1/exposure?start_utc={}&duration_s={duration}&ra_deg={ra}&dec_deg={dec}&band={}&samples=5",
+            text("start_utc"),
+            text("band")
+        );
+        let answer = server.json(&target);
+        let mut expected = flag.clone();
+        expected["exposure_id"] = json!("1");
+        assert_eq!(answer["flags"][0], expected, "{target}");
+        // Shells are made for the beginning of the UTC day of what is asked: of the schedule's first here.
+        if !text("start_utc").starts_with("2026-08-14") {
+            continue;
+        }
+        let (start, exposure) = (text("start_utc"), format!("{duration}s"));
+        let one = ["--start", &start, "--exposure", &exposure, "--ra", &ra, &format!("--dec={dec}"), "--samples", "5"];
+        let (code, stdout, stderr) = run(&[&["passes"], SHARED, &["--telescope", "rubin", "--format", "json"], &one]);
+        assert!(code < 2, "{stderr}");
+        let passes: Value = serde_json::from_str(&stdout).unwrap();
+        for section in ["exposures", "passes", "left_out"] {
+            assert_eq!(answer[section], passes[section], "{target}: {section}");
+        }
+        crossings += passes["passes"].as_array().unwrap().len();
+    }
+    assert!(crossings > 4, "only {crossings} crossings compared");
+}
+
+#[test]
+fn another_start_and_another_limit_are_what_a_schedule_of_them_says() {
+    let server = shared();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("shifted.csv");
+    let starts = ["23:29:10", "23:29:15.5", "23:29:24", "23:31:00"];
+    let lines: String = starts.iter().map(|start| format!("a,2026-08-14T{start}Z,45,198.9,7.7\n")).collect();
+    std::fs::write(&path, format!("exposure_id,start_utc,duration_s,ra_deg,dec_deg\n{lines}")).unwrap();
+    let shown = path.display().to_string();
+    let flags = command(&[&["flag"], SHARED, &["--telescope", "rubin", "--schedule", &shown, "--limit-mag", "6.62"]]);
+    let mut verdicts = BTreeSet::new();
+    for (start, flag) in starts.iter().zip(flags["flags"].as_array().unwrap()) {
+        let target = format!(
+            "/api/v1/exposure?start_utc=2026-08-14T{start}Z&duration_s=45&ra_deg=198.9&dec_deg=7.7&limit_mag=6.62"
+        );
+        let answer = server.json(&target);
+        for key in ["verdict", "n_streaks", "brightest_mag", "next_clear_start_utc", "delay_s", "reasons"] {
+            assert_eq!(answer["flags"][0][key], flag[key], "{target}: {key}");
+        }
+        verdicts.insert(flag["verdict"].as_str().unwrap().to_owned());
+    }
+    assert!(verdicts.len() > 1, "{verdicts:?}");
+    // The start that is called clear is clear.
+    let first = server.json(&format!("/api/v1/exposure?{FIRST}"));
+    let next = first["flags"][0]["next_clear_start_utc"].as_str().unwrap();
+    let then = server.json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", next)));
+    assert_eq!(then["flags"][0]["verdict"], "clear");
+}
+
+#[test]
+fn crossings_before_and_after_are_those_of_a_longer_exposure() {
+    let server = shared();
+    let answer = server.json(&format!("/api/v1/exposure?{FIRST}&around_s=120"));
+    let passes = command(&[
+        &["passes"],
+        SHARED,
+        &["--start", "2026-08-14T23:27:05Z", "--exposure", "270s", "--ra", "198.9", "--dec", "7.7"],
+    ]);
+    let (around, passes) = (answer["around"].as_array().unwrap(), passes["passes"].as_array().unwrap());
+    assert_eq!(around.len(), passes.len());
+    assert!(
+        around.len() > answer["passes"].as_array().unwrap().len(),
+        "the time around it is as empty as the exposure"
+    );
+    for (one, pass) in around.iter().zip(passes) {
+        let enter_s = pass["chords"][0]["enter_s"].as_f64().unwrap() - 120.0;
+        assert!((one["enter_s"].as_f64().unwrap() - enter_s).abs() < 2e-3, "{one} {pass}");
+        assert_eq!((&one["norad_id"], &one["magnitude_peak"]), (&pass["norad_id"], &pass["magnitude_peak"]));
+    }
+}
+
+/// An element set that is two years old at the schedule's night.
+fn old(norad_id: u32, bstar_per_earth_radius: f64) -> String {
+    let now =
+        crate::common::elements::read(crate::common::elements::pair(norad_id, "226.52426840").as_bytes()).unwrap();
+    let mut set = now.element_sets[0].clone();
+    set.epoch -= hifitime::Unit::Day * 730;
+    set.bstar_per_earth_radius = bstar_per_earth_radius;
+    streakcast::elements::format_tle(&set).unwrap().map(|line| line + "\n").concat()
+}
+
+/// A server of old elements: one set holds, SGP4 gives up another soon, and a third is broken.
+fn stale() -> (tempfile::TempDir, Server) {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("old.tle").display().to_string();
+    let broken = old(90003, 0.0).replacen("1 90003", "1 90x03", 1);
+    std::fs::write(&path, old(90001, 0.0) + &old(90002, 0.05) + &broken).unwrap();
+    let asked = ["--elements", &path, "--mpc", "X05", "--fov", "3.5deg", "--quiet", "--utc-offset=-04:30"];
+    let server = Server::start(&[&asked, RULES].concat());
+    (folder, server)
+}
+
+#[test]
+fn what_the_command_line_warns_of_is_in_the_answers() {
+    let (folder, server) = stale();
+    let path = folder.path().join("old.tle").display().to_string();
+    let (_, _, stderr) = run(&[&["flag", "--elements", &path, "--mpc", "X05", "--fov", "3.5deg"], RULES]);
+    let warned: Vec<Value> =
+        stderr.lines().filter_map(|line| line.strip_prefix("warning: ")).map(Value::from).collect();
+    let night = server.json("/api/v1/night");
+    assert_eq!(night["warnings"], json!(warned));
+    assert_eq!((&night["left_out_count"], &night["utc_offset_h"]), (&json!(1), &json!(-4.5)));
+    assert!(warned.iter().any(|one| one.as_str().unwrap().contains("element sets are more than 14 days")), "{stderr}");
+    for (start, words) in [
+        ("2026-08-14T23:29:05Z", "(the farthest by 730."),
+        ("2030-08-14T00:10:00Z", "(the farthest by 2190."),
+        ("1990-08-14T00:10:00Z", "element sets are more than 14 days"),
+    ] {
+        let answer = server.json(&format!("/api/v1/exposure?{}", FIRST.replace("2026-08-14T23:29:05Z", start)));
+        let warnings = answer["warnings"].as_array().unwrap();
+        let has = |words: &str| warnings.iter().any(|one| one.as_str().unwrap().contains(words));
+        assert!(has(words) && has("rejected"), "{start}: {warnings:?}");
+        let left_out = answer["left_out"].as_array().unwrap().len();
+        assert_eq!(
+            (answer["left_out_count"].as_u64(), has("left out")),
+            (Some(left_out as u64), left_out > 0),
+            "{start}"
+        );
+    }
+    // The same of the sky and of SatChecker's paths; at what moment a satellite was lost differs by what was asked.
+    let words = |answer: &Value| -> Vec<String> {
+        let warnings = answer["warnings"].as_array().unwrap().iter();
+        warnings.map(|one| one.as_str().unwrap().split("SGP4").next().unwrap().to_owned()).collect()
+    };
+    let exposure = server.json(&format!("/api/v1/exposure?{FIRST}"));
+    for target in at_the_first_exposure() {
+        let answer = server.json(&target);
+        assert_eq!(words(&answer), words(&exposure), "{target}");
+        assert_eq!((&answer["left_out_count"], &exposure["left_out_count"]), (&json!(1), &json!(1)), "{target}");
+    }
+    // Shells stand where they stand on the day of the schedule: other days are told.
+    let answer = shared().json(&format!("/api/v1/exposure?{}", FIRST.replace("2026", "2036")));
+    assert!(answer["warnings"].to_string().contains("the shells were made for 2026-08-14"), "{}", answer["warnings"]);
+    let answer = shared().json(&format!("/api/v1/exposure?{FIRST}"));
+    assert_eq!(answer["warnings"], shared().json("/api/v1/night")["warnings"]);
+    assert_eq!(answer["warnings"].as_array().unwrap().len(), 1);
+    for target in at_the_first_exposure() {
+        let same = shared().json(&target);
+        assert_eq!((&same["warnings"], &same["left_out_count"]), (&answer["warnings"], &json!(0)), "{target}");
+    }
+    let later = shared().json("/fov/satellites-above-horizon/?site=rubin&julian_date=2465000.5");
+    assert!(later["warnings"].to_string().contains("the shells were made for 2026-08-14"), "{}", later["warnings"]);
+}
+
+/// Everything else that is asked of satellites, at the first exposure.
+fn at_the_first_exposure() -> [String; 4] {
+    let field = "duration=30&ra=198.9&dec=7.7&fov_radius=1.75";
+    let passes = format!("/fov/satellite-passes/?site=rubin&start_time_jd=2461267.4785300926&{field}");
+    [
+        "/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30".to_owned(),
+        passes.clone(),
+        format!("{passes}&group_by=satellite"),
+        "/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4785300926".to_owned(),
+    ]
+}
+
+#[test]
+fn a_sky_that_nobody_can_tell_of_is_not_empty() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("old.tle").display().to_string();
+    // Holds at the night of the schedule, and is long gone years later.
+    std::fs::write(&path, old(90001, 0.001)).unwrap();
+    let server = Server::start(&[&["--elements", &path, "--mpc", "X05", "--fov", "3.5deg", "--quiet"], RULES].concat());
+    let later = |target: &str| target.replace("2026-08-14", "2090-08-14").replace("2461267.", "2484643.");
+    let exposure = server.get(&later(&format!("/api/v1/exposure?{FIRST}")));
+    assert_eq!(exposure.status, 400);
+    for target in at_the_first_exposure() {
+        assert_eq!(server.get(&target).status, 200, "{target}");
+        let refused = server.get(&later(&target));
+        assert_eq!(refused.status, 400, "{target}");
+        let words = refused.json()["detail"].as_str().unwrap().to_owned();
+        assert!(words.contains("90001") || words.contains("satellite"), "{words}");
+    }
+}
+
+#[test]
+fn a_field_below_the_horizon_is_told() {
+    let server = shared();
+    let answer = server.json("/api/v1/exposure?start_utc=2026-08-14T23:29:05Z&duration_s=30&ra_deg=18.9&dec_deg=80");
+    assert_eq!(answer["flags"][0]["verdict"], "invalid");
+    assert!(answer["flags"][0]["reasons"][0].as_str().unwrap().contains("horizon"));
+    assert_eq!((&answer["passes"], &answer["around"]), (&json!([]), &json!([])));
+    assert!(answer["pointing"][0]["altitude_deg"].as_f64().unwrap() < 0.0);
+}
+
+#[test]
+fn the_dome_holds_what_crosses_the_field() {
+    let server = shared();
+    let dome = server.json("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&height_km=550");
+    let exposure = server.json(&format!("/api/v1/exposure?{FIRST}"));
+    let up = dome["satellites"].as_array().unwrap();
+    assert!(up.len() > 50, "{} satellites up at dusk", up.len());
+    for pass in exposure["passes"].as_array().unwrap() {
+        let found = up.iter().find(|one| one["norad_id"] == pass["norad_id"]).expect("on the dome");
+        // Mid of the pass lies between the ends of the track.
+        let altitudes: Vec<f64> =
+            found["track_deg"].as_array().unwrap().iter().map(|place| place[1].as_f64().unwrap()).collect();
+        let (low, high) =
+            altitudes.iter().fold((90.0_f64, -90.0_f64), |(low, high), one| (low.min(*one), high.max(*one)));
+        let altitude = pass["altitude_deg"].as_f64().unwrap();
+        assert!((low - 2.0..=high + 2.0).contains(&altitude), "{altitude} {altitudes:?}");
+    }
+    // The map is that of `map sky` for the same Sun.
+    let sun = (dome["sun"]["altitude_deg"].to_string(), dome["sun"]["azimuth_deg"].to_string());
+    let map = command(&[
+        &["map", "sky", "--model", "starlink-v1.5", "--height-km", "550", "--mpc", "X05", "--step-deg", "5", "--quiet"],
+        &["--sun-altitude-deg", &sun.0, "--sun-azimuth-deg", &sun.1],
+    ]);
+    let table = map["directions"].as_array().unwrap();
+    let ours: Vec<&Value> =
+        dome["map"]["magnitudes"].as_array().unwrap().iter().flat_map(|row| row.as_array().unwrap()).collect();
+    assert_eq!(table.len(), ours.len());
+    for (theirs, ours) in table.iter().zip(ours) {
+        match (theirs["magnitude"].as_f64(), ours.as_f64()) {
+            // Both are rounded, and the Sun of the question is.
+            (Some(theirs), Some(ours)) => assert!((theirs - ours).abs() < 0.02, "{theirs} {ours}"),
+            (theirs, ours) => assert_eq!(theirs.is_some(), ours.is_some(), "{theirs:?} {ours:?}"),
+        }
+    }
+    let edge = dome["shadow_edge_deg"].as_array().unwrap();
+    assert!(
+        edge.iter().any(|place| place[1].as_f64().unwrap() > 0.0),
+        "the Sun is low: the shadow has come up in the east"
+    );
+    assert_eq!(server.get("/api/v1/dome?start_utc=2026-08-14T23:29:05Z&duration_s=30&model=none").status, 400);
+}
+
+/// Keys of the example bodies of SatChecker's docs (docs/source/fov.rst, 2026): clients read these.
+const POSITION: &[&str] = &["altitude", "angle", "azimuth", "date_time", "dec", "julian_date", "ra", "tle_epoch"];
+const ABOVE: &[&str] = &["altitude", "azimuth", "dec", "julian_date", "name", "norad_id", "ra", "range", "tle_epoch"];
+
+#[test]
+fn satchecker_shapes_carry_magnitudes() {
+    let server = shared();
+    // 2026-08-14T23:29:05Z; X05 by its own numbers.
+    let site = server.json("/api/v1/night")["site"].clone();
+    let place =
+        format!("latitude={}&longitude={}&elevation={}", site["latitude_deg"], site["longitude_deg"], site["height_m"]);
+    let query =
+        format!("{place}&start_time_jd=2461267.4785300926&duration=30&ra=198.9&dec=7.7&fov_radius=1.75&async=false");
+    let exposure = server.json(&format!("/api/v1/exposure?{FIRST}"));
+    let grouped = server.json(&format!("/fov/satellite-passes/?{query}&illuminated_only=True&group_by=satellite"));
+    let satellites = grouped["data"]["satellites"].as_object().unwrap();
+    let passes = exposure["passes"].as_array().unwrap();
+    assert_eq!(satellites.len(), passes.len());
+    for pass in passes {
+        let key = format!("{} ({})", pass["name"].as_str().unwrap(), pass["norad_id"]);
+        let satellite = &satellites[&key];
+        let positions = satellite["positions"].as_array().unwrap();
+        for position in positions {
+            assert!(POSITION.iter().all(|key| !position[key].is_null()), "{position}");
+            let magnitude = position["apparent_magnitude"].as_f64().unwrap();
+            assert!(magnitude >= pass["magnitude_peak"].as_f64().unwrap() - 1e-3, "{position} {pass}");
+            assert!(position["angle"].as_f64().unwrap() <= 1.75 + 1e-4 && position["illuminated"] == true);
+        }
+        // Once a second at least, from entry to exit.
+        let jd: Vec<f64> = positions.iter().map(|one| one["julian_date"].as_f64().unwrap()).collect();
+        assert!(jd.windows(2).all(|pair| (0.0..=1.05 / 86_400.0).contains(&(pair[1] - pair[0]))), "{jd:?}");
+        let streak = &satellite["streaks"][0];
+        assert_eq!(streak["enter_utc"].as_str().unwrap()[..22], pass["enter_utc"].as_str().unwrap()[..22]);
+        assert_eq!(streak["magnitude_peak"], pass["magnitude_peak"]);
+    }
+    assert_eq!(grouped["data"]["total_satellites"], json!(passes.len()));
+    let by_time =
+        server.json(&format!("/fov/satellite-passes?{query}&illuminated_only=true&include_orbital_data=true"));
+    let listed = by_time["data"].as_array().unwrap();
+    assert_eq!(by_time["count"], grouped["data"]["total_position_results"]);
+    let times: Vec<f64> = listed.iter().map(|one| one["julian_date"].as_f64().unwrap()).collect();
+    assert!(
+        times.is_sorted() && listed.iter().all(|one| one["norad_id"].is_number() && one["orbital_data"].is_object())
+    );
+
+    let above =
+        server.json(&format!("/fov/satellites-above-horizon/?{place}&julian_date=2461267.4785300926&min_altitude=20"));
+    let up = above["data"].as_array().unwrap();
+    assert_eq!(above["count"], json!(up.len()));
+    assert!(up.len() > 20 && up.iter().all(|one| ABOVE.iter().all(|key| !one[key].is_null())));
+    assert!(up.iter().all(|one| one["altitude"].as_f64().unwrap() >= 20.0));
+    assert!(up.iter().any(|one| one["apparent_magnitude"].is_number()));
+    // From a known site by name, and from the other side of the Earth.
+    let named = server.json("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4785300926&min_altitude=20");
+    assert_eq!(named["count"], above["count"]);
+    let elsewhere =
+        "/fov/satellites-above-horizon/?latitude=40&longitude=120&elevation=0&julian_date=2461267.4785300926";
+    let elsewhere = server.json(&format!("{elsewhere}&constellation=starlink&max_range=1500&illuminated_only=true"));
+    let names = |answer: &Value| -> BTreeSet<String> {
+        answer["data"].as_array().unwrap().iter().map(|one| one["norad_id"].to_string()).collect()
+    };
+    assert!(names(&elsewhere).is_disjoint(&names(&above)));
+    assert!(elsewhere["data"].as_array().unwrap().iter().all(|one| one["range_km"].as_f64().unwrap() <= 1500.0));
+    for (query, parameter) in [
+        ("start_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1", "site"),
+        ("site=rubin&latitude=3&start_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1", "site"),
+        ("site=rubin&duration=30&ra=1&dec=1&fov_radius=1", "start_time_jd"),
+        (
+            "site=rubin&start_time_jd=2461267.4&mid_obs_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1",
+            "start_time_jd",
+        ),
+        ("site=rubin&start_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1&async=true", "async"),
+        ("site=rubin&start_time_jd=2461267.4&duration=30&ra=1&dec=91&fov_radius=1", "dec"),
+    ] {
+        let problem = server.get(&format!("/fov/satellite-passes/?{query}"));
+        assert_eq!((problem.status, problem.json()["parameter"].as_str()), (400, Some(parameter)), "{query}");
+    }
+    let words = |target: &str| server.get(target).json()["detail"].as_str().unwrap().to_owned();
+    let both = "site=rubin&start_time_jd=2461267.4&mid_obs_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1";
+    let both = words(&format!("/fov/satellite-passes/?{both}"));
+    assert_eq!(both, "start_time_jd and mid_obs_time_jd are both said; allowed: one of them");
+    let twice = words("/api/v1/night?night=2026-08-14&night=2026-08-14");
+    assert_eq!(twice, "night is said more than once; allowed: once");
+    let crowd = "site=rubin&start_time_jd=2461267.4785&duration=3600&ra=254&dec=-30&fov_radius=45";
+    assert_eq!(server.get(&format!("/fov/satellite-passes/?{crowd}")).status, 400);
+}
+
+#[test]
+fn openapi_says_what_there_is() {
+    let server = shared();
+    let document = server.json("/openapi.json");
+    assert_eq!(document["openapi"], "3.1.0");
+    for (path, operations) in document["paths"].as_object().unwrap() {
+        assert_eq!(operations.as_object().unwrap().keys().collect::<Vec<_>>(), ["get"]);
+        // Every path is there, and asks for what it says that it asks for.
+        let missing: Vec<&Value> = operations["get"]["parameters"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .filter(|parameter| parameter["required"] == true)
+            .collect();
+        let answer = server.get(path);
+        assert_eq!(answer.status, if missing.is_empty() && !path.starts_with("/fov") { 200 } else { 400 }, "{path}");
+        assert!(operations["get"]["responses"][answer.status.to_string()].is_object(), "{path}");
+        assert_eq!(server.send("POST", path, &[]).status, 405, "{path}");
+    }
+    let health = server.json("/health");
+    assert_eq!(
+        (&health["status"], &health["satellites"], &health["exposures"]),
+        (&json!("ok"), &json!(4408), &json!(21))
+    );
+}
+
+#[test]
+fn a_stop_finishes_what_is_open() {
+    for signal in ["-TERM", "-INT"] {
+        let server = serve(&[]);
+        // Half a request is open as the signal comes: it is answered all the same, and then the server ends.
+        let mut stream = server.connect();
+        let head = format!("GET /api/v1/exposure?{FIRST} HTTP/1.1\r\nHost: localhost\r\n");
+        stream.write_all(head.as_bytes()).unwrap();
+        assert_eq!(server.get("/health").status, 200);
+        server.signal(signal);
+        stream.write_all(b"\r\n").unwrap();
+        let mut answer = Vec::new();
+        stream.read_to_end(&mut answer).unwrap();
+        let answer = parse(&answer);
+        assert_eq!(answer.status, 200, "{}", String::from_utf8_lossy(&answer.body));
+        assert_eq!(answer.json()["flags"][0]["verdict"], "avoid");
+        assert_eq!(server.stop("-0"), 0);
+    }
+}

@@ -1,0 +1,250 @@
+//! What the server refuses: as problem documents, whatever came, and nothing stops it or gets past its door.
+
+use std::io::{Read, Write};
+use std::net::{Shutdown, TcpStream};
+use std::time::Duration;
+
+use crate::common::cli::run;
+use crate::common::server::{RULES, Response, SHARED, Server, parse, serve, shared};
+use serde_json::json;
+
+#[test]
+fn errors_are_problem_documents_and_everything_carries_its_headers() {
+    let server = shared();
+    for (method, target, headers, status) in [
+        ("GET", "/nothing", vec![], 404),
+        ("GET", "/../Cargo.toml", vec![], 404),
+        ("GET", "/%2e%2e/Cargo.toml", vec![], 404),
+        ("GET", "/api/v1/exposure", vec![], 400),
+        ("GET", "/api/v1/exposure?start_utc=x", vec![], 400),
+        ("GET", "/health?a=b", vec![], 400),
+        ("PUT", "/health", vec![], 405),
+        ("OPTIONS", "/", vec![], 405),
+        ("GET", "/health", vec![("Host", "attacker.example")], 403),
+        ("GET", "/health", vec![("Sec-Fetch-Site", "cross-site")], 403),
+        ("GET", "/health", vec![("Content-Length", "3")], 413),
+    ] {
+        let answer = server.send(method, target, &headers);
+        assert_eq!(answer.status, status, "{method} {target} {headers:?}");
+        assert_eq!(answer.header("content-type"), Some("application/problem+json"));
+        let document = answer.json();
+        assert_eq!(document["status"], json!(status));
+        assert!(!document["detail"].as_str().unwrap().is_empty() && document["title"].is_string());
+        assert_eq!(answer.header("allow"), (status == 405).then_some("GET, HEAD"));
+    }
+    for target in ["/", "/main.js", "/health", "/nothing"] {
+        let answer = server.get(target);
+        assert!(answer.header("content-security-policy").unwrap().starts_with("default-src 'none';"), "{target}");
+        assert_eq!(answer.header("x-content-type-options"), Some("nosniff"));
+        assert!(answer.header("access-control-allow-origin").is_none());
+        let head = server.send("HEAD", target, &[]);
+        assert_eq!((head.status, head.body.len()), (answer.status, 0), "{target}");
+        assert_eq!(head.header("content-length"), answer.header("content-length"));
+    }
+}
+
+/// What everything carries.
+const HEADERS: [&str; 6] = [
+    "content-security-policy",
+    "x-content-type-options",
+    "referrer-policy",
+    "cross-origin-resource-policy",
+    "cross-origin-opener-policy",
+    "cache-control",
+];
+
+/// One answer of this status alone: a problem document with every header, and the connection closed.
+#[track_caller]
+fn is_last_problem(answer: &Response, status: u16, words: &str) {
+    let text = String::from_utf8_lossy(&answer.body);
+    assert_eq!(answer.status, status, "{text}");
+    assert_eq!(answer.header("content-type"), Some("application/problem+json"), "{text}");
+    assert_eq!(answer.header("connection"), Some("close"), "{text}");
+    assert_eq!(answer.header("content-length"), Some(answer.body.len().to_string().as_str()), "{text}");
+    assert!(HEADERS.iter().all(|name| answer.header(name).is_some()), "{:?}", answer.headers);
+    let date = answer.header("date").unwrap();
+    assert!(date.len() == 29 && date.ends_with(" GMT") && date.as_bytes()[7] == b' ', "{date}");
+    let document = answer.json();
+    assert_eq!((&document["status"], &document["type"]), (&json!(status), &json!("about:blank")));
+    assert!(document["title"].is_string() && document["detail"].as_str().unwrap().contains(words), "{document}");
+}
+
+/// A request for `/health` with these lines of head, and what follows it.
+fn request(method: &str, lines: &str, body: &str) -> Vec<u8> {
+    format!("{method} /health HTTP/1.1\r\nHost: localhost\r\n{lines}\r\n{body}").into_bytes()
+}
+
+#[test]
+fn what_cannot_be_read_is_told_why() {
+    let server = shared();
+    let lines = |count: usize| -> String { (0..count).map(|number| format!("X-{number}: 1\r\n")).collect() };
+    for (bytes, status, words) in [
+        (format!("GET /{} HTTP/1.1\r\nHost: localhost\r\n\r\n", "a".repeat(40_000)).into_bytes(), 414, "2000 bytes"),
+        (request("GET", &format!("X: {}\r\n", "a".repeat(40_000)), ""), 431, "16 kB or 64 lines"),
+        (request("GET", &lines(100), ""), 431, "16 kB or 64 lines"),
+        (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03".to_vec(), 400, "without TLS"),
+        (b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\x04\0\0\0\0\0".to_vec(), 400, "HTTP2 preface"),
+        (b"GET\r\n\r\n".to_vec(), 400, "cannot be read"),
+        (b"GET /health\r\n".to_vec(), 400, "cannot be read"),
+        (b"GET / HTTP/9.9\r\n\r\n".to_vec(), 400, "HTTP/1.1 and 1.0"),
+        (b"\0\0\0\0\r\n\r\n".to_vec(), 400, "cannot be read"),
+        (request("G\u{e9}T", "", ""), 400, "invalid HTTP method"),
+        (request("GET", "no colon\r\n", ""), 400, "invalid HTTP header"),
+        (request("GET", "Content-Length: -5\r\n", ""), 400, "content-length"),
+        (request("GET", "Content-Length: 5\r\nContent-Length: 6\r\n", ""), 400, "content-length"),
+        (request("GET", "Transfer-Encoding: gzip\r\n", ""), 400, "transfer-encoding"),
+        (request("GET", "Transfer-Encoding: chunked, identity\r\n", ""), 400, "transfer-encoding"),
+    ] {
+        is_last_problem(&server.raw(&bytes), status, words);
+    }
+    // After answers of our own on the same connection, which stay as they are.
+    let mut both = request("GET", "", "");
+    both.extend(request("HEAD", "", ""));
+    both.extend(b"bad\x01\r\n\r\n");
+    let answer = server.raw(&both);
+    let whole = server.get("/health").body;
+    assert!(answer.status == 200 && answer.body.starts_with(&whole), "{}", String::from_utf8_lossy(&answer.body));
+    let second = parse(&answer.body[whole.len()..]);
+    assert_eq!((second.status, second.header("content-type")), (200, Some("application/json")));
+    is_last_problem(&parse(&second.body), 400, "invalid HTTP method");
+    assert_eq!(server.get("/health").status, 200);
+}
+
+fn read(mut stream: TcpStream) -> Response {
+    let mut answer = Vec::new();
+    stream.read_to_end(&mut answer).unwrap();
+    parse(&answer)
+}
+
+#[test]
+fn heads_that_break_off_or_never_come_are_told_so() {
+    let server = shared();
+    let mut broken = server.connect();
+    broken.write_all(b"GET /health HTTP/1.1\r\nHost: local").unwrap();
+    broken.shutdown(Shutdown::Write).unwrap();
+    is_last_problem(&read(broken), 400, "breaks off");
+    // Bytes one at a time do not make the time longer, and who asks nothing is told nothing.
+    let (mut slow, silent) = (server.connect(), server.connect());
+    for byte in b"GET /health" {
+        slow.write_all(&[*byte]).unwrap();
+        std::thread::sleep(Duration::from_millis(50));
+    }
+    is_last_problem(&read(slow), 408, "10 s");
+    assert_eq!((read(silent).status, server.get("/health").status), (0, 200));
+}
+
+#[test]
+fn nothing_in_a_body_is_taken_for_a_request() {
+    let server = shared();
+    let hidden = "0\r\n\r\nGET /nothing HTTP/1.1\r\nHost: localhost\r\n\r\n";
+    for (method, lines, status) in [
+        ("GET", "Content-Length: 5\r\nTransfer-Encoding: chunked\r\n", 413),
+        ("GET", "Transfer-Encoding: chunked\r\nContent-Length: 5\r\n", 413),
+        ("GET", "Transfer-Encoding: chunked\r\n", 413),
+        ("POST", "Transfer-Encoding: chunked\r\n", 405),
+        ("POST", "Content-Length: 5\r\n", 405),
+        ("POST", "Content-Length: 5\r\nExpect: 100-continue\r\n", 405),
+        ("BREW", "Content-Length: 5\r\n", 405),
+    ] {
+        // The body that is read is one answer's, and JSON to its end.
+        is_last_problem(&server.raw(&request(method, lines, hidden)), status, "");
+    }
+    // A body that is none brings no second answer.
+    is_last_problem(&server.raw(&request("POST", "Transfer-Encoding: chunked\r\n", "ZZ\r\nabc")), 405, "");
+    // Who is still sending hears the answer all the same.
+    let large = "a".repeat(8 << 20);
+    is_last_problem(&server.raw(&request("POST", &format!("Content-Length: {}\r\n", large.len()), &large)), 405, "");
+}
+
+#[test]
+fn what_is_unusual_is_answered() {
+    let server = shared();
+    for (head, status) in [
+        ("GET /health HTTP/1.0\r\nHost: localhost\r\n", 200),
+        ("GET /health HTTP/1.0\r\n", 403),
+        ("GET http://localhost/health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n", 200),
+        ("GET /health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nExpect: tea\r\n", 200),
+        ("GET /health HTTP/1.1\r\nHost: localhost\r\nConnection: upgrade, close\r\nUpgrade: h2c\r\n", 200),
+        ("BREW /health HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n", 405),
+        ("OPTIONS * HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n", 404),
+        ("CONNECT localhost:80 HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n", 404),
+    ] {
+        let answer = server.raw(format!("{head}\r\n").as_bytes());
+        assert_eq!(answer.status, status, "{head}");
+        assert_eq!(answer.json()["status"], if status == 200 { json!("ok") } else { json!(status) }, "{head}");
+    }
+}
+
+#[test]
+fn queries_of_any_signs_are_read() {
+    let server = shared();
+    let long = format!("/health?{}", "a".repeat(3000));
+    assert_eq!(server.get(&long).status, 414);
+    // Bytes that are no UTF-8, and signs that mean something elsewhere.
+    for query in
+        ["%ff%fe", "start_utc=%00", "a=<script>", "start_utc=2026-08-14T23:29:60Z&duration_s=1e400&ra_deg=1&dec_deg=1"]
+    {
+        assert_eq!(server.get(&format!("/api/v1/exposure?{query}")).status, 400, "{query}");
+    }
+    assert_eq!(server.get("/health").status, 200);
+}
+
+#[test]
+fn who_asks_too_often_is_told_when_to_come_again() {
+    let server = serve(&["--rate", "1"]);
+    let answers: Vec<u16> = (0..4).map(|_| server.get("/health").status).collect();
+    assert!(answers.contains(&200) && answers.contains(&429), "{answers:?}");
+    let told = std::iter::repeat_with(|| server.get("/health")).take(20).find(|answer| answer.status == 429).unwrap();
+    assert_eq!(told.header("retry-after"), Some("1"));
+    assert_eq!(told.json()["status"], 429);
+}
+
+#[test]
+fn off_loopback_a_token_is_needed() {
+    let open = [&["serve"], SHARED, RULES, &["--bind", "0.0.0.0:0"]].concat();
+    let (code, _, stderr) = run(&[&open]);
+    assert_eq!(code, 2);
+    assert!(stderr.contains("--token-file FILE or --token-env NAME"), "{stderr}");
+    let (code, _, stderr) = run(&[&open, &["--token-env", "STREAKCAST_TEST_NO_SUCH"]]);
+    assert!(code == 2 && stderr.contains("holds no token"), "{stderr}");
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("token").display().to_string();
+    std::fs::write(&path, "short\n").unwrap();
+    let (code, _, stderr) = run(&[&open, &["--token-file", &path]]);
+    assert!(code == 2 && stderr.contains("a token of 5 letters"), "{stderr}");
+
+    let token = "correct-horse-battery";
+    let arguments = [SHARED, RULES, &["--bind", "0.0.0.0:0", "--token-env", "STREAKCAST_TEST_TOKEN"]].concat();
+    let server = Server::start_with(&arguments[..], &[("STREAKCAST_TEST_TOKEN", token)]);
+    let unsaid = server.get("/api/v1/night");
+    assert_eq!((unsaid.status, unsaid.header("www-authenticate")), (401, Some("Bearer")));
+    for wrong in ["Bearer correct-horse-batterz", "Bearer ", "Basic abc", "correct-horse-battery"] {
+        assert_eq!(server.send("GET", "/api/v1/night", &[("Authorization", wrong)]).status, 401, "{wrong}");
+    }
+    let right = format!("Bearer {token}");
+    assert_eq!(
+        server.send("GET", "/api/v1/night", &[("Authorization", &right), ("Host", "telescope.example")]).status,
+        200
+    );
+    // The page itself tells nothing, and asks for the token.
+    assert_eq!((server.get("/").status, server.get("/health").status), (200, 200));
+    assert_eq!(server.get("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4").status, 401);
+}
+
+#[test]
+fn what_cannot_be_served_is_refused_on_one_line() {
+    let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
+    let address = taken.local_addr().unwrap().to_string();
+    for (arguments, words) in [
+        (vec!["--bind", address.as_str()], "cannot listen at"),
+        (vec!["--bind", "localhost"], "invalid value 'localhost'"),
+        (vec!["--bind", "127.0.0.1:0", "--rate", "0"], "invalid value '0'"),
+        (vec!["--bind", "127.0.0.1:0", "--utc-offset", "40"], "allowed: hours ahead of UTC from -14:00 to +14:00"),
+        (vec!["--bind", "127.0.0.1:0", "--schedule", "no-such-file.csv"], "no-such-file.csv"),
+    ] {
+        let rules: &[&str] = if arguments.contains(&"--schedule") { &[] } else { RULES };
+        let (code, stdout, stderr) = run(&[&["serve"], SHARED, rules, &arguments]);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        assert!(stderr.contains(words) && stderr.lines().count() == 1, "{stderr}");
+    }
+}

@@ -1,0 +1,227 @@
+//! Clear windows: held against `passes` at random times, and in every shape that schedulers take.
+
+use std::fs;
+
+use crate::common::cli::{SKY, done, json, path, records, run};
+use crate::common::random::Random;
+use hifitime::Epoch;
+use serde_json::Value;
+use streakcast::config::Setup;
+use streakcast::frames::{EopTable, Orientation, seconds_after, seconds_between};
+use streakcast::geometry::SunState;
+use streakcast::passes::{Exposure, PassOptions};
+use streakcast::schedule::{
+    Blocking, FlagRequest, Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad, parse_instant,
+};
+
+const LIMIT_MAG: f64 = 6.5;
+const MARGIN_S: f64 = 1.0;
+/// Openings tried for each target.
+const TRIED: usize = 400;
+
+fn utc(text: &str) -> Epoch {
+    parse_instant(text, None).unwrap()
+}
+
+/// Windows against single exposures at random times: inside nothing crosses, outside something does, or target or Sun forbid it.
+#[test]
+fn verif_windows_are_what_passes_says() {
+    let setup = Setup::from_toml("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '6deg'", "t.toml").unwrap();
+    let (from, to) = (utc("2024-08-14T22:40:00Z"), utc("2024-08-15T01:00:00Z"));
+    let prepared = setup.prepare(from, to).unwrap();
+    let (field, photometry) = (setup.field_of_view().unwrap(), setup.photometry().unwrap());
+    let policy = Policy::from_toml(&format!("limit_mag = {LIMIT_MAG}\nmargin_s = {MARGIN_S}")).unwrap();
+    let (min_altitude_deg, max_sun_altitude_deg) = (30.0_f64, -10.0_f64);
+    let request = WindowRequest {
+        against: FlagRequest {
+            sky: &prepared.sky,
+            field: &field,
+            policy: &policy,
+            telescope: None,
+            photometry: &photometry,
+        },
+        blocking: Blocking::Limits,
+        min_altitude_rad: min_altitude_deg.to_radians(),
+        max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
+    };
+    let target = |ra_deg: f64, dec_deg: f64, duration_s: f64| WindowTarget {
+        exposure: Exposure {
+            id: format!("{ra_deg} {dec_deg}"),
+            start: from,
+            duration_s,
+            pointing: streakcast::frames::Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians()),
+            rotation_rad: 0.0,
+        },
+        band: None,
+    };
+    let targets =
+        [target(217.5, -30.0, 15.0), target(255.0, -60.0, 60.0), target(200.0, -5.0, 5.0), target(0.0, 60.0, 30.0)];
+    let report = clear_windows(&targets, from, to, &request).unwrap();
+    assert!(report.by_target[3].windows.is_empty() && report.by_target[3].observable.is_empty());
+
+    let observer = prepared.sky.viewpoint().site().unwrap().clone();
+    let sun_deg = |epoch: Epoch| {
+        let state = observer.state(&Orientation::at(epoch, &EopTable::embedded().without_polar_motion()));
+        state.sine_of_altitude(&(SunState::at(epoch).sun - state.position)).asin().to_degrees()
+    };
+    let mut random = Random(20240814);
+    let (mut inside, mut crossed, mut forbidden) = (0, 0, 0);
+    for (target, found) in targets.iter().zip(&report.by_target) {
+        let windows = &found.windows;
+        assert!(windows.iter().all(|window| window.first <= window.last && window.first >= from && window.last <= to));
+        assert!(windows.windows(2).all(|pair| pair[0].last < pair[1].first));
+        // Random openings, and the very ends of windows.
+        let mut starts: Vec<Epoch> =
+            (0..TRIED).map(|_| seconds_after(from, random.between(0.0, seconds_between(from, to)))).collect();
+        starts.extend(windows.iter().take(40).flat_map(|window| [window.first, window.last]));
+        // With the margin at both ends, as the windows keep it.
+        let exposures: Vec<Exposure> = starts
+            .iter()
+            .map(|start| Exposure {
+                start: seconds_after(*start, -MARGIN_S),
+                duration_s: target.exposure.duration_s + 2.0 * MARGIN_S,
+                ..target.exposure.clone()
+            })
+            .collect();
+        let answer = prepared.sky.field_passes(&exposures, &field, &PassOptions::default()).unwrap();
+        for ((start, exposure), passes) in starts.iter().zip(&exposures).zip(&answer.by_exposure) {
+            let peaks = passes.iter().filter_map(|pass| Some(pass.peak.as_ref()?.brightness.as_ref()?.magnitude.0));
+            let bright = peaks.filter(|magnitude| *magnitude < LIMIT_MAG).count();
+            let is_inside = windows.iter().any(|window| (window.first..=window.last).contains(start));
+            let shutter = Exposure { start: *start, ..target.exposure.clone() };
+            let lowest_deg = lowest_altitudes_rad(&[&shutter], prepared.sky.viewpoint(), &prepared.eop)[0].to_degrees();
+            let end = seconds_after(*start, target.exposure.duration_s);
+            let highest_sun_deg = sun_deg(*start).max(sun_deg(end));
+            if is_inside {
+                inside += 1;
+                assert_eq!(bright, 0, "{} {start}", exposure.id);
+                assert!(lowest_deg >= min_altitude_deg - 1e-4, "{start}: {lowest_deg}");
+                assert!(highest_sun_deg <= max_sun_altitude_deg + 1e-4, "{start}: {highest_sun_deg}");
+            } else if lowest_deg >= min_altitude_deg + 1e-3 && highest_sun_deg <= max_sun_altitude_deg - 1e-3 {
+                crossed += 1;
+                if bright == 0 {
+                    // The whole pass counts: what the exposure sees of it may be its faint or dark part, and the guard is 2 ms wide.
+                    let begin = seconds_after(exposure.start, -0.003);
+                    let end = seconds_after(exposure.start, exposure.duration_s + 0.003);
+                    let touches = found.dodged.iter().any(|pass| pass.enter.epoch <= end && pass.exit.epoch >= begin);
+                    assert!(touches, "{} {start}: outside of all windows, and nothing crosses", exposure.id);
+                }
+            } else {
+                forbidden += 1;
+            }
+        }
+    }
+    assert!(
+        inside > 300 && crossed > 60 && forbidden > 100,
+        "{inside} inside, {crossed} crossed, {forbidden} forbidden"
+    );
+}
+
+const CSV: &str = "name,ra,dec,exposure,unique_id\nA,14h30m,-30d00m,30,17\nlost,,,30,18\nnorth,10,80,30,19\n";
+const RANGE: &[&str] = &["--start", "2024-08-14T23:20:00Z", "--end", "2024-08-14T23:50:00Z"];
+
+#[test]
+fn lists_in_every_syntax_give_the_same_windows() {
+    let folder = tempfile::tempdir().unwrap();
+    let list = |name: &str, text: &str| {
+        let path = path(&folder, name);
+        fs::write(&path, text).unwrap();
+        path
+    };
+    let csv = list("t.csv", CSV);
+    let windows = |path: &str| {
+        json(&[&["windows", "--targets", path, "--fov", "6deg", "--limit-mag", "7"], RANGE, SKY])["windows"].clone()
+    };
+    let expected = windows(&csv);
+    assert!(expected.as_array().unwrap().len() > 3, "{expected}");
+    let ecsv = "# %ECSV 1.0\n# ---\n# datatype:\n# - {name: name, datatype: string}\n# - {name: ra_deg, unit: deg, datatype: float64}\n\
+                # - {name: dec_deg, unit: deg, datatype: float64}\n# - {name: exposure_s, unit: s, datatype: float64}\n# - {name: unique_id, datatype: string}\n\
+                name ra_deg dec_deg exposure_s unique_id\nA 217.5 -30 30 17\n";
+    assert_eq!(windows(&list("t.ecsv", ecsv)), expected);
+    let text = r#"{"targets": [{"name": "A", "ra_deg": 217.5, "dec_deg": -30, "exposure_s": 30, "unique_id": 17}]}"#;
+    assert_eq!(windows(&list("t.json", text)), expected);
+
+    let answer = json(&[&["windows", "--targets", &csv, "--fov", "6deg", "--limit-mag", "7"], RANGE, SKY]);
+    let reasons: Vec<&str> =
+        answer["targets"].as_array().unwrap().iter().map(|one| one["reason"].as_str().unwrap_or("")).collect();
+    assert_eq!(reasons, ["", "right ascension is missing: the target has no place", "never up in the dark"]);
+    // A target without a place is told, and the others go on.
+    let loud: Vec<&str> = SKY.iter().copied().filter(|word| *word != "--quiet").collect();
+    let (code, _, stderr) = run(&[&["windows", "--targets", &csv, "--fov", "6deg", "--limit-mag", "7"], RANGE, &loud]);
+    assert_eq!(code, 0);
+    assert!(stderr.contains("warning: target lost: right ascension is missing"), "{stderr}");
+}
+
+#[test]
+fn schedulers_get_their_shapes() {
+    let folder = tempfile::tempdir().unwrap();
+    let targets = path(&folder, "t.csv");
+    fs::write(&targets, CSV).unwrap();
+    let shaped = |format: &str| {
+        done(&[
+            &["windows", "--targets", &targets, "--fov", "6deg", "--limit-mag", "7", "--format", format],
+            RANGE,
+            SKY,
+        ])
+    };
+    let rows = records(&shaped("csv"));
+    assert_eq!(
+        rows[0].iter().collect::<Vec<_>>().join(","),
+        "name,unique_id,first_start_utc,last_start_utc,length_s,ra_deg,dec_deg,exposure_s"
+    );
+    let spans: Vec<(Epoch, Epoch)> = rows[1..].iter().map(|row| (utc(&row[2]), utc(&row[3]))).collect();
+    let clear = |start: Epoch, end: Epoch| {
+        spans.iter().any(|(first, last)| *first <= start && end <= seconds_after(*last, 30.0))
+    };
+
+    let lco: Value = serde_json::from_str(&shaped("lco")).unwrap();
+    let windows = lco["requests"][0]["windows"].as_array().unwrap();
+    assert!(!windows.is_empty());
+    assert!(windows.iter().all(|one| clear(utc(one["start"].as_str().unwrap()), utc(one["end"].as_str().unwrap()))));
+    let p2: Value = serde_json::from_str(&shaped("eso-p2")).unwrap();
+    let p2_windows = p2[0]["absoluteTimeConstraints"].as_array().unwrap();
+    assert!(p2_windows.iter().all(|one| one["from"].as_str().unwrap().len() == 16));
+    let minute = |one: &Value| utc(&format!("{}:00Z", one.as_str().unwrap()));
+    assert!(
+        p2_windows
+            .iter()
+            .all(|one| spans.iter().any(|(first, last)| *first <= minute(&one["from"]) && minute(&one["to"]) <= *last))
+    );
+    let astroq = shaped("astroq");
+    assert!(astroq.starts_with("unique_id,starname,start,stop\n17,A,2024-08-14T23:"), "{astroq}");
+    let astroq = records(&astroq);
+    assert_eq!(astroq.len() - 1, windows.len());
+    assert!(astroq[1..].iter().all(|row| clear(utc(&format!("{}Z", &row[2])), utc(&format!("{}Z", &row[3])))));
+    // A whole night by its name holds these windows.
+    let night =
+        json(&[&["windows", "--targets", &targets, "--fov", "6deg", "--limit-mag", "7", "--night", "2024-08-14"], SKY]);
+    let firsts: Vec<Epoch> =
+        night["windows"].as_array().unwrap().iter().map(|one| utc(one["first_start_utc"].as_str().unwrap())).collect();
+    assert!(spans[1..].iter().all(|(first, _)| firsts.iter().any(|one| seconds_between(*first, *one).abs() < 5e-3)));
+}
+
+#[test]
+fn what_cannot_be_asked_is_told() {
+    let folder = tempfile::tempdir().unwrap();
+    let targets = path(&folder, "t.csv");
+    fs::write(&targets, CSV).unwrap();
+    let policy = path(&folder, "p.toml");
+    fs::write(&policy, "max_lost_fraction = 0.1").unwrap();
+    let base: &[&str] = &["windows", "--targets", &targets, "--fov", "6deg"];
+    for (arguments, part) in [
+        (&[base, SKY][..], "no time; say --night"),
+        (&[base, SKY, &["--night", "tomorrow"]], "night 'tomorrow' is not a date"),
+        (
+            &[base, SKY, &["--start", "2024-08-14T23:20:00Z", "--end", "2024-08-14T22:20:00Z"]],
+            "the end not before the start",
+        ),
+        (&[base, SKY, RANGE, &["--format", "xlsx"]], "lco, eso-p2, astroq"),
+        (&[base, SKY, RANGE, &["--min-altitude", "95"]], "min-altitude 95 deg: allowed -90 to 90"),
+        (&[base, SKY, RANGE, &["--policy", &policy, "--telescope", "rubin"]], "max_lost_fraction makes no windows"),
+        (&[&["windows", "--targets", "/nowhere.csv", "--fov", "6deg"], SKY, RANGE], "/nowhere.csv"),
+    ] {
+        let (code, stdout, stderr) = run(arguments);
+        assert_eq!((code, stdout.as_str()), (2, ""), "{stderr}");
+        assert!(stderr.contains(part), "'{part}' is not in: {stderr}");
+    }
+}

@@ -1,0 +1,11 @@
+//! Photometry, fits and model checks.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod fit_closed_circle;
+mod fit_panels;
+mod fit_two_panel;
+mod measured;
+mod measured_real;
+mod model_validation;

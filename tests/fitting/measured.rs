@@ -1,0 +1,537 @@
+//! Photometry without real data: goldens of the reduction, every reason for dropping a row, and a closed circle of simulated tracks.
+
+use crate::common::agreement::Agreement;
+use std::collections::HashMap;
+use std::io::{Cursor, Write};
+
+use flate2::Compression;
+use flate2::write::GzEncoder;
+use proptest::prelude::*;
+use streakcast::elements::{Constellation, ElementSet, History, NoradId, StationRule};
+use streakcast::fit::measurements::{
+    ColumnMap, DensityMode, DropReason, Format, MeasuredError, Measurement, Measurements, Place, Placement,
+    ReadOptions, RecordReader, RecordSource, Records, ReduceOptions, Selection, Simulation, SimulationOptions,
+    half_sample_mode, kernel_mode, kernel_sigma, measure, quantile, reduce, simulate, write_mmt_csv,
+};
+use streakcast::frames::seconds_after;
+use streakcast::geometry::{Site, ViewingGeometry};
+use streakcast::math::healpix::ring_cell;
+use streakcast::photometry::{Band, BrightnessModel, Earthshine, ModelLibrary, StandardMagnitude};
+
+fn golden(name: &str) -> csv::Reader<std::fs::File> {
+    csv::ReaderBuilder::new().comment(Some(b'#')).from_path(crate::common::golden_dir().join(name)).unwrap()
+}
+
+#[test]
+fn valid_modes_and_quartiles_against_scipy() {
+    // Goldens are printed to 1e-9; their grid for the kernel's mode is finer than 1e-5 mag.
+    const PRINTED_MAG: f64 = 2e-9;
+    const GRID_MAG: f64 = 2e-5;
+    let mut compared = 0;
+    let mut quartiles = Agreement::new("Quartiles and half-sample modes", "numpy, SciPy 1.17", PRINTED_MAG, "mag");
+    let mut modes = Agreement::new("Modes of kernel densities", "SciPy 1.17", GRID_MAG, "mag");
+    for row in golden("density_modes.csv").records() {
+        let row = row.unwrap();
+        let number = |at: usize| row[at].parse::<f64>().unwrap();
+        let sample: Vec<f64> = row[6].split(' ').map(|value| value.parse().unwrap()).collect();
+        for (at, p) in [0.25, 0.5, 0.75].into_iter().enumerate() {
+            quartiles.see(quantile(&sample, p) - number(at));
+        }
+        quartiles.see(kernel_sigma(&sample) - number(3));
+        modes.see(kernel_mode(&sample) - number(4));
+        quartiles.see(half_sample_mode(&sample) - number(5));
+        compared += 1;
+    }
+    assert_eq!(compared, 14);
+}
+
+#[test]
+fn valid_cells_against_healpy() {
+    let mut compared = 0;
+    for row in golden("healpix_cells.csv").records() {
+        let row = row.unwrap();
+        let [longitude, latitude] = [1, 2].map(|at: usize| row[at].parse::<f64>().unwrap().to_radians());
+        let cell = ring_cell(row[0].parse().unwrap(), longitude, latitude);
+        assert_eq!(cell, Some(row[3].parse().unwrap()), "{row:?}");
+        compared += 1;
+    }
+    assert_eq!(compared, 240);
+    assert_eq!([ring_cell(0, 0.0, 0.0), ring_cell(32, f64::NAN, 0.0), ring_cell(32, 0.0, 1.6)], [None; 3]);
+}
+
+const HEADER: &str = "Date,StdMag,Mag,Filter,Penumbra,Distance,Phase,Channel,Track,NORAD\n";
+const GOOD: &str = "2021-01-01 15:18:04.795000,8.167,7.18581,Clear,0,697.324,78.267,7,18903315,46056\n";
+
+fn read(text: &str, options: &ReadOptions) -> Result<Records, MeasuredError> {
+    let mut reader = RecordReader::from_reader("t.csv", Box::new(Cursor::new(text.to_owned())), options)?;
+    Records::collect(&mut reader)
+}
+
+fn measured(text: &str, placement: &Placement, selection: &Selection) -> Measurements {
+    let records = read(text, &ReadOptions::default()).unwrap();
+    measure(&mut records.source(), placement, selection).unwrap()
+}
+
+#[test]
+fn verif_each_reason_is_counted_with_its_first_row() {
+    let row = |from: &str, to: &str| GOOD.replace(from, to).replace("7.18581", "7.18582");
+    let at_550 = Placement::recorded(Some(550.0));
+    for (reason, bad, told) in [
+        (DropReason::Unparsable, row("2021-01-01 15:18:04.795000", "yesterday"), "Date 'yesterday', expected a moment"),
+        (DropReason::Unparsable, row("2021-01-01", "2191-01-01"), "1957 to 2100"),
+        (DropReason::Unparsable, row(",0,", ",2,"), "Penumbra '2', expected 0 or 1"),
+        (DropReason::Unparsable, row("697.324", "-697"), "Distance '-697'"),
+        (DropReason::Unparsable, row("46056", "star"), "NORAD 'star'"),
+        (DropReason::Unparsable, row(GOOD.trim_end(), "2021-01-01,8.1,7.1"), "Date '2021-01-01', expected"),
+        (DropReason::WrongFilter, row("Clear", "Pol"), "Filter 'Pol'"),
+        (DropReason::NoMagnitude, GOOD.replace("7.18581", "99.0"), "Mag '99.0'"),
+        (DropReason::NoMagnitude, GOOD.replace("7.18581", "nan"), "Mag 'nan'"),
+        (DropReason::NoMagnitude, GOOD.replace("7.18581", ""), "Mag ''"),
+        (DropReason::Duplicate, GOOD.to_owned(), ""),
+        (DropReason::PenumbraFlag, row(",0,", ",1,"), ""),
+        // A satellite 2900 km away at midnight of January, at 550 km.
+        (DropReason::NoGeometry, row("697.324", "350.0"), ""),
+        (DropReason::NoGeometry, row(",78.267,", ",,"), ""),
+    ] {
+        // A row cut short has no filter and no distance: nothing of it is used either.
+        let measured = measured(&format!("{HEADER}{GOOD}{bad}"), &at_550, &Selection::default());
+        if reason == DropReason::Unparsable && bad.starts_with("2021-01-01,8.1") {
+            assert_eq!((measured.points.len(), measured.dropped.total()), (1, 1), "{bad}");
+            continue;
+        }
+        assert_eq!(measured.points.len(), 1, "{bad}: {:?}", measured.dropped);
+        assert_eq!((measured.dropped.count(reason), measured.dropped.total()), (1, 1), "{bad}: {:?}", measured.dropped);
+        let example = measured.dropped.example(reason).unwrap();
+        assert_eq!((example.file.as_str(), example.row), ("t.csv", 2), "{bad}");
+        assert!(example.to_string().contains(told), "{example}");
+    }
+    // The same text with one magnitude of two.
+    let table = measured(&format!("{HEADER}{GOOD}{GOOD}"), &at_550, &Selection::default()).dropped.table();
+    assert_eq!(table.rows.len(), 1);
+    let kept = ReadOptions { keep_duplicates: true, ..ReadOptions::default() };
+    assert_eq!(read(&format!("{HEADER}{GOOD}{GOOD}"), &kept).unwrap().records.len(), 2);
+}
+
+fn shell(epoch: &str) -> Vec<ElementSet> {
+    let text = "[[constellation]]\nname = 'shell'\nshell = [{ altitude_km = 550, inclination_deg = 53, planes = 12, satellites_per_plane = 10, phasing = 5 }]";
+    let epoch = epoch.parse().unwrap();
+    Constellation::from_toml(text).unwrap().remove(0).element_sets(epoch)
+}
+
+fn model() -> BrightnessModel {
+    ModelLibrary::embedded().get("starlink-v1.5").unwrap().as_ref().clone()
+}
+
+/// A night of MMT-9 without any trouble.
+fn quiet() -> SimulationOptions {
+    let first = "2023-05-20T12:00:00 UTC".parse().unwrap();
+    SimulationOptions {
+        tracks_per_night: 25,
+        cadence_s: 2.0,
+        noise_mag: 0.0,
+        point_scatter_mag: 0.0,
+        track_scatter_mag: 0.0,
+        wrong_association_share: 0.0,
+        outlier_track_share: 0.0,
+        outlier_point_share: 0.0,
+        ..SimulationOptions::mmt9(first, 2).unwrap()
+    }
+}
+
+#[test]
+fn verif_reasons_that_need_element_sets() {
+    let (model, options) = (model(), quiet());
+    let history = History::new(shell("2023-05-20T20:00:00 UTC"));
+    let Simulation { mut records, .. } = simulate(&model, &history, &options).unwrap();
+    records.records.truncate(200);
+    let count = |records: &Records, placement: &Placement, selection: &Selection, reason: DropReason| {
+        let measured = measure(&mut records.source(), placement, selection).unwrap();
+        let (count, total) = (measured.dropped.count(reason), measured.points.len() as u64 + measured.dropped.total());
+        assert_eq!(total, 200, "{:?}", measured.dropped);
+        count
+    };
+    let (placement, all) = (Placement::elements(&history), Selection::default());
+    let sound = measure(&mut records.source(), &placement, &all).unwrap();
+    assert_eq!((sound.points.len(), sound.dropped.total()), (200, 0), "{:?}", sound.dropped);
+    // Nobody of this number.
+    let mut other = records.clone();
+    other.records.iter_mut().for_each(|record| record.norad_id = Some(NoradId(5)));
+    assert_eq!(count(&other, &placement, &all, DropReason::NoElements), 200);
+    other.records.iter_mut().for_each(|record| record.norad_id = None);
+    assert_eq!(count(&other, &placement, &all, DropReason::NoElements), 200);
+    let identified: HashMap<String, NoradId> = records
+        .records
+        .iter()
+        .map(|record| (records.groups[record.group as usize].clone(), record.norad_id.unwrap()))
+        .collect();
+    let by_group = Placement { identified, ..Placement::elements(&history) };
+    assert_eq!(measure(&mut other.source(), &by_group, &all).unwrap().points, sound.points);
+    // The neighbour in the plane is somewhere else, mostly below the horizon.
+    let ids: Vec<NoradId> = history.element_sets().iter().map(|set| set.norad_id).collect();
+    let next = |id: NoradId| ids[(ids.iter().position(|one| *one == id).unwrap() + 1) % ids.len()];
+    other.records.iter_mut().zip(&records.records).for_each(|(other, one)| other.norad_id = one.norad_id.map(next));
+    assert!(count(&other, &placement, &all, DropReason::BelowHorizon) > 0);
+    let blind = Selection { least_altitude_rad: None, least_grazing_height_km: None, ..Selection::default() };
+    assert_eq!(count(&other, &placement, &blind, DropReason::WrongAssociation), 200);
+    let by_phase = Selection { max_range_difference_km: None, max_phase_difference_rad: Some(0.01), ..blind };
+    assert!(count(&other, &placement, &by_phase, DropReason::WrongAssociation) > 190);
+    // Elements of a month before.
+    let stale = History::new(shell("2023-04-10T20:00:00 UTC"));
+    assert_eq!(count(&records, &Placement::elements(&stale), &all, DropReason::StaleElements), 200);
+    // A single element set tells no station; three do, and three higher than the last rise.
+    let station = Selection { station: Some(StationRule::default()), ..Selection::default() };
+    assert_eq!(count(&records, &placement, &station, DropReason::OffStation), 200);
+    let days =
+        ["2023-05-18T20:00:00 UTC", "2023-05-19T20:00:00 UTC", "2023-05-20T20:00:00 UTC", "2023-05-21T20:00:00 UTC"];
+    let steady = History::new(days.iter().flat_map(|day| shell(day)).collect());
+    assert_eq!(count(&records, &Placement::elements(&steady), &station, DropReason::OffStation), 0);
+    let rising = History::new(
+        days.iter()
+            .enumerate()
+            .flat_map(|(day, at)| shell(at).into_iter().map(move |set| (day, set)))
+            .map(|(day, set)| ElementSet { mean_motion_rev_day: set.mean_motion_rev_day - 1e-3 * day as f64, ..set })
+            .collect(),
+    );
+    assert_eq!(
+        count(
+            &records,
+            &Placement::elements(&rising),
+            &Selection { station: Some(StationRule::default()), ..Selection::everything() },
+            DropReason::OffStation
+        ),
+        200
+    );
+    // An element set that SGP4 cannot start from.
+    let broken =
+        history.element_sets().iter().map(|set| ElementSet { mean_motion_rev_day: 0.0, ..set.clone() }).collect();
+    let broken = History::new(broken);
+    assert_eq!(count(&records, &Placement::elements(&broken), &all, DropReason::NoPosition), 200);
+    // The 100 km rule: everything is shaded where 3000 km are asked for.
+    let high = Selection { least_grazing_height_km: Some(3000.0), ..Selection::default() };
+    assert!(count(&records, &placement, &high, DropReason::Shaded) > 150);
+}
+
+#[test]
+fn verif_questions_that_cannot_be_answered() {
+    let records = read(&format!("{HEADER}{GOOD}"), &ReadOptions::default()).unwrap();
+    let history = History::new(Vec::new());
+    let nobody = Placement { history: None, ..Placement::elements(&history) };
+    let error = measure(&mut records.source(), &nobody, &Selection::default()).unwrap_err();
+    assert!(matches!(error, MeasuredError::NoHistory { .. }));
+    let station = Selection { station: Some(StationRule::default()), ..Selection::default() };
+    assert!(measure(&mut records.source(), &Placement::recorded(Some(550.0)), &station).is_err());
+    let negative = Selection { max_range_difference_km: Some(-1.0), ..Selection::default() };
+    assert!(measure(&mut records.source(), &Placement::recorded(Some(550.0)), &negative).is_err());
+    assert!(measure(&mut records.source(), &Placement::recorded(Some(-5.0)), &Selection::default()).is_err());
+    let fit = Placement { place: Place::Elements { fit_offset_s: Some(f64::NAN) }, ..Placement::elements(&history) };
+    assert!(measure(&mut records.source(), &fit, &Selection::default()).is_err());
+    for options in [
+        ReduceOptions { nside: 0, ..ReduceOptions::default() },
+        ReduceOptions { layer_width_rad: 0.0, ..ReduceOptions::default() },
+        ReduceOptions { most_iqr_mag: f64::NAN, ..ReduceOptions::default() },
+    ] {
+        assert!(matches!(reduce(&[], options), Err(MeasuredError::Setting { .. })), "{options:?}");
+    }
+    assert!(reduce(&[], ReduceOptions::default()).unwrap().pixels.is_empty());
+    assert!(simulate(&model(), &history, &quiet()).is_err());
+    let shares = SimulationOptions { outlier_track_share: 1.5, ..quiet() };
+    assert!(simulate(&model(), &History::new(shell("2023-05-20T20:00:00 UTC")), &shares).is_err());
+}
+
+#[test]
+fn verif_files_that_cannot_be_read() {
+    let told = |text: &str, options: &ReadOptions| read(text, options).unwrap_err().to_string();
+    let plain = ReadOptions::default();
+    assert!(told("", &plain).contains("has no rows"));
+    assert!(told(HEADER, &plain).contains("has no rows"));
+    assert!(told("a,b\n1,2\n", &plain).contains("belongs to no known format"));
+    let named = |format: Format| ReadOptions { format: Some(format), ..ReadOptions::default() };
+    assert!(told("a,b\n1,2\n", &named(Format::Mmt)).contains("no column 'Date'"));
+    assert!(told("a,b\n1,2\n", &named(Format::Csv)).contains("needs a column map"));
+    assert!(Format::by_name("fits").unwrap_err().to_string().contains("pomenis, mmt, score, slingshot, csv"));
+    assert_eq!(Format::by_name("MMT"), Ok(Format::Mmt));
+    let missing = RecordReader::open(&["no such file"], &plain).unwrap().next_chunk().unwrap_err();
+    assert!(missing.to_string().starts_with("cannot read no such file"));
+    assert_eq!(RecordReader::open::<&str>(&[], &plain).err(), Some(MeasuredError::NoFiles));
+    // A gzip file cut short.
+    let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
+    packed.write_all(format!("{HEADER}{}", GOOD.repeat(1000)).as_bytes()).unwrap();
+    let mut packed = packed.finish().unwrap();
+    packed.truncate(packed.len() - 20);
+    let reader = RecordReader::from_reader("cut.gz", Box::new(Cursor::new(packed)), &plain);
+    let error = reader.and_then(|mut reader| Records::collect(&mut reader)).unwrap_err();
+    assert!(matches!(error, MeasuredError::Unreadable { .. }), "{error}");
+}
+
+#[test]
+fn verif_mixed_filters_are_refused_unless_named() {
+    let map =
+        "time=t,time_scale=utc,magnitude=m,filter=f,distance=d,phase=p,latitude=43.6,longitude=41.4,site_height=2000";
+    let columns = Some(ColumnMap::from_text(map).unwrap());
+    let text = "t,m,f,d,p\n2021-01-01T15:18:04Z,7.1,V,700,80\n2021-01-01T15:18:05Z,7.2,B,700,80\n2021-01-01T15:18:06Z,7.3,v,700,80\n";
+    let options = ReadOptions { columns: columns.clone(), ..ReadOptions::default() };
+    let error = read(text, &options).unwrap_err();
+    assert_eq!(
+        error.to_string(),
+        "t.csv data row 2: filter 'B' after rows of filter 'V'; name the filters that are wanted"
+    );
+    let options = ReadOptions { filters: vec!["V".into()], ..options };
+    let records = read(text, &options).unwrap();
+    assert_eq!((records.records.len(), records.dropped.count(DropReason::WrongFilter)), (2, 1));
+    let both = ReadOptions { filters: vec!["V".into(), "b".into()], ..options };
+    assert_eq!(read(text, &both).unwrap().records.len(), 3);
+    let mut reader = RecordReader::from_reader("t.csv", Box::new(Cursor::new(text.to_owned())), &both).unwrap();
+    Records::collect(&mut reader).unwrap();
+    let filters: Vec<(Option<&str>, u64)> = reader.filters().iter().collect();
+    assert_eq!(filters, [(Some("V"), 1), (Some("B"), 1), (Some("v"), 1)]);
+    assert!(reader.filters().doubt(Band::V).unwrap().to_string().starts_with("mixed filters: "));
+    // MMT-9 has a filter of its own; the polarised rows come only where they are named.
+    let polarised = format!("{HEADER}{GOOD}{}", GOOD.replace("Clear", "Pol"));
+    assert_eq!(read(&polarised, &ReadOptions::default()).unwrap().dropped.count(DropReason::WrongFilter), 1);
+    let named = ReadOptions { filters: vec!["pol".into()], ..ReadOptions::default() };
+    assert_eq!(read(&polarised, &named).unwrap().records.len(), 1);
+    // Named, and nobody can tell.
+    let map = ColumnMap::from_text("magnitude=m,distance=d,phase=p").unwrap();
+    let options = ReadOptions { columns: Some(map), filters: vec!["V".into()], ..ReadOptions::default() };
+    assert!(read(text, &options).unwrap_err().to_string().contains("no column of filters"));
+}
+
+/// Spreadsheets write the hour of an upload to SCORE without its zero.
+#[test]
+fn verif_hours_of_one_digit_are_hours() {
+    let head = "satellite_name,norad_cat_id,observation_time_utc,apparent_magnitude,apparent_magnitude_uncertainty,\
+                observer_latitude_deg,observer_longitude_deg,observer_altitude_m,observing_filter";
+    let row = |time: &str| format!("S,46056,{time},6.1,0.1,43.65,41.43,2030,V\n");
+    let times = ["2024-01-02 05:03:04.5", "2024-01-02 5:03:04.5", "2024-01-02T5:03:04.5Z", "2024-01-02  5:03:04.5"];
+    let text = format!("{head}\n{}", times.map(row).concat());
+    let records = read(&text, &ReadOptions { keep_duplicates: true, ..ReadOptions::default() }).unwrap();
+    assert_eq!(records.records.len(), 4, "{:?}", records.dropped);
+    assert!(records.records.iter().all(|record| record.epoch == records.records[0].epoch));
+    let wrong = ["2024-01-02 :03:04", "2024-01-02 5-03-04", "2024-01-02 25:03:04", "5:03:04"].map(row).concat();
+    let records = read(&format!("{head}\n{wrong}"), &ReadOptions::default()).unwrap();
+    assert_eq!(records.dropped.count(DropReason::Unparsable), 4);
+}
+
+#[test]
+fn verif_a_column_map_says_the_same_in_other_units_and_scales() {
+    let usual = measured(&format!("{HEADER}{GOOD}"), &Placement::recorded(Some(550.0)), &Selection::default());
+    let site = Site::by_name("MMT-9").unwrap();
+    let (latitude, longitude) = (site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees());
+    let map = format!(
+        "time=when,time_scale=tai,magnitude=mag,distance=metres,distance_unit=m,phase=angle,angle_unit=rad,\
+         norad=id,track=of,latitude={latitude},longitude={longitude},site_height={}",
+        site.height_m
+    );
+    let phase = 78.267_f64.to_radians();
+    // TAI is 37 s ahead; the same moment as a modified Julian date and as a Julian date, of UTC.
+    let tai = format!("when;mag;metres;angle;id;of\n2021-01-01T15:18:41.795;7.18581;697324.0;{phase};46056;18903315\n");
+    let options =
+        |map: &str| ReadOptions { columns: Some(ColumnMap::from_text(map).unwrap()), ..ReadOptions::default() };
+    let days = 59_215.0 + (15.0 * 3600.0 + 18.0 * 60.0 + 4.795) / 86_400.0;
+    let utc = map.replace("=tai", "=utc");
+    for (map, text, tolerance_s) in [
+        (&map, tai.clone(), 1e-9),
+        (&utc, tai.replace("2021-01-01T15:18:41.795", &format!("{days:.12}")), 1e-5),
+        (&utc, tai.replace("2021-01-01T15:18:41.795", &format!("{:.10}", days + 2_400_000.5)), 1e-4),
+        (&utc, tai.replace("2021-01-01T15:18:41.795", "2021-01-01T15:18:04.795Z"), 1e-9),
+    ] {
+        let records = read(&text, &options(map)).unwrap();
+        let same = measure(&mut records.source(), &Placement::recorded(Some(550.0)), &Selection::default()).unwrap();
+        let (one, other) = (&same.points[0], &usual.points[0]);
+        assert!((one.epoch.unwrap() - other.epoch.unwrap()).abs().to_seconds() < tolerance_s, "{text}");
+        assert!((one.magnitude.0 - other.magnitude.0).abs() < 1e-12);
+        let apart = one.geometry.observer_longitude_rad - other.geometry.observer_longitude_rad;
+        assert!(apart.abs() < 1e-7, "{apart}");
+        assert_eq!((one.norad_id, &same.groups), (other.norad_id, &usual.groups));
+    }
+    // Z says UTC, the map says TAI.
+    let records = read(&tai.replace("41.795", "41.795Z"), &options(&map)).unwrap();
+    assert_eq!(records.dropped.count(DropReason::Unparsable), 1);
+}
+
+#[test]
+fn verif_long_files_come_in_chunks_and_lose_nothing() {
+    let row = |i: usize| {
+        GOOD.replace("04.795000", &format!("{:09.6}", (i % 600_000) as f64 * 1e-4))
+            .replace("7.18581", &format!("{:.5}", 5.0 + i as f64 * 1e-5))
+    };
+    let rows: String = (0..120_000).map(row).collect();
+    let text = format!("{HEADER}{rows}{rows}");
+    let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
+    packed.write_all(text.as_bytes()).unwrap();
+    let packed = packed.finish().unwrap();
+    let mut reader =
+        RecordReader::from_reader("long.gz", Box::new(Cursor::new(packed)), &ReadOptions::default()).unwrap();
+    let (mut all, mut longest, mut chunks) = (Vec::new(), 0, 0);
+    while let Some(chunk) = reader.next_chunk().unwrap() {
+        longest = longest.max(chunk.len());
+        chunks += 1;
+        all.extend(chunk);
+    }
+    assert!(chunks > 2 && longest < 120_000, "{chunks} chunks, the longest of {longest}");
+    assert_eq!(all.len(), 120_000);
+    assert!(all.iter().enumerate().all(|(at, record)| record.row as usize == at + 1));
+    let duplicates = reader.dropped();
+    assert_eq!(duplicates.count(DropReason::Duplicate), 120_000);
+    assert_eq!(duplicates.example(DropReason::Duplicate).unwrap().row, 120_001);
+    assert_eq!(read(&text, &ReadOptions::default()).unwrap().records, all);
+}
+
+#[test]
+fn verif_simulated_photometry_comes_back_through_a_file() {
+    // Times to a microsecond, distances to a metre, phases to 0.001 deg, magnitudes to 1e-5.
+    const ROUNDING_MAG: f64 = 1e-4;
+    let (model, options) = (model(), quiet());
+    let history = History::new(shell("2023-05-20T20:00:00 UTC"));
+    let simulation = simulate(&model, &history, &options).unwrap();
+    assert!(simulation.records.records.len() > 1000 && simulation.truth.len() == simulation.records.groups.len());
+    let mut text = Vec::new();
+    write_mmt_csv(&mut text, &simulation.records).unwrap();
+    let records = read(&String::from_utf8(text).unwrap(), &ReadOptions::default()).unwrap();
+    assert_eq!((records.records.len(), records.dropped.total()), (simulation.records.records.len(), 0));
+    assert_eq!(records.groups, simulation.records.groups);
+    let placement = Placement::elements(&history);
+    let measured = measure(&mut records.source(), &placement, &Selection::default()).unwrap();
+    assert_eq!(measured.dropped.total(), 0, "{:?}", measured.dropped);
+    for point in &measured.points {
+        let truth = model.standard_magnitude(&point.geometry).unwrap();
+        assert!((truth.0 - point.magnitude.0).abs() < ROUNDING_MAG, "{point:?} {truth}");
+        assert!(point.geometry.sun_latitude_rad < 0.0);
+    }
+    // By distance and phase: the radius of SGP4 is that of the truth, up to the mirror image.
+    let by_radius = Placement {
+        place: Place::Recorded { radius: Some(streakcast::fit::measurements::OrbitRadius::Elements) },
+        ..Placement::elements(&history)
+    };
+    let other = measure(&mut records.source(), &by_radius, &Selection::everything()).unwrap();
+    let apart: Vec<f64> = {
+        let of = |points: &[Measurement]| -> HashMap<_, ViewingGeometry> {
+            points.iter().map(|p| ((p.group, format!("{:?}", p.epoch)), p.geometry.folded())).collect()
+        };
+        let (one, two) = (of(&measured.points), of(&other.points));
+        two.iter()
+            .map(|(key, g)| (g.observer_longitude_rad - one[key].observer_longitude_rad).abs().to_degrees())
+            .collect()
+    };
+    let mut sorted = apart.clone();
+    sorted.sort_by(f64::total_cmp);
+    // The Sun's parallax and rounding, blown up near α = 0 and π.
+    assert!(quantile(&sorted, 0.9) < 0.1, "{}", quantile(&sorted, 0.9));
+}
+
+#[test]
+fn verif_the_same_seed_is_the_same_photometry_on_any_threads() {
+    let model = model();
+    let history = History::new(shell("2023-05-20T20:00:00 UTC"));
+    let noisy = SimulationOptions {
+        noise_mag: 0.1,
+        point_scatter_mag: 0.2,
+        track_scatter_mag: 0.1,
+        wrong_association_share: 0.3,
+        outlier_track_share: 0.3,
+        outlier_point_share: 0.1,
+        earthshine: Earthshine::Off,
+        ..quiet()
+    };
+    let on = |threads: usize, seed: u64| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| simulate(&model, &history, &SimulationOptions { seed, ..noisy.clone() }).unwrap())
+    };
+    let one = on(1, 7);
+    assert_eq!(one, on(3, 7));
+    assert_ne!(one.records.records, on(2, 8).records.records);
+    let wrong = one.truth.iter().filter(|track| track.norad_id != track.booked_as).count() as f64;
+    let turned = one.truth.iter().filter(|track| track.attitude_mag != 0.0).count() as f64;
+    let tracks = one.truth.len() as f64;
+    // Thirty in a hundred of fifty tracks, within three sigma.
+    assert!((wrong / tracks - 0.3).abs() < 0.2 && (turned / tracks - 0.3).abs() < 0.2, "{wrong} {turned} of {tracks}");
+    // What differs from the model is the noise, where nothing else is.
+    let placement = Placement::elements(&history);
+    let measured = measure(&mut one.records.source(), &placement, &Selection::everything()).unwrap();
+    let mut residuals: Vec<f64> = measured
+        .points
+        .iter()
+        .filter(|point| {
+            let truth = one.truth[point.group as usize];
+            truth.norad_id == truth.booked_as && truth.attitude_mag == 0.0
+        })
+        .map(|point| point.magnitude.0 - model.standard_magnitude(&point.geometry).unwrap().0)
+        .collect();
+    residuals.sort_by(f64::total_cmp);
+    let core = (quantile(&residuals, 0.75) - quantile(&residuals, 0.25)) / 1.349;
+    // √(0.1² + 0.2² + 0.1²) = 0.245, a little more for a tenth of the points that lie 1 mag apart.
+    assert!((0.22..0.32).contains(&core), "{core}");
+    // Reduced on any threads too.
+    let options = ReduceOptions { least_count: 5, nside: 8, ..ReduceOptions::default() };
+    let reduced = |threads: usize| {
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        pool.install(|| reduce(&measured.points, options).unwrap())
+    };
+    assert_eq!(reduced(1), reduced(3));
+}
+
+#[test]
+fn verif_a_late_satellite_is_found_by_its_ranges() {
+    let (model, options) = (model(), quiet());
+    let history = History::new(shell("2023-05-20T20:00:00 UTC"));
+    let simulation = simulate(&model, &history, &options).unwrap();
+    // Element sets that come 6 s late: the same orbits with an epoch shifted by as much.
+    let late =
+        history.element_sets().iter().map(|set| ElementSet { epoch: seconds_after(set.epoch, 6.0), ..set.clone() });
+    let late = History::new(late.collect());
+    let with =
+        |fit_offset_s: Option<f64>| Placement { place: Place::Elements { fit_offset_s }, ..Placement::elements(&late) };
+    let worst_km = |placement: &Placement| {
+        let measured = measure(&mut simulation.records.source(), placement, &Selection::everything()).unwrap();
+        let ranges = measured.points.iter().zip(&simulation.records.records);
+        ranges
+            .map(|(point, record)| (point.geometry.range_km - record.sighting.distance_and_phase().0.unwrap()).abs())
+            .fold(0.0, f64::max)
+    };
+    let (as_it_is, fitted) = (worst_km(&with(None)), worst_km(&with(Some(10.0))));
+    // 6 s are 45 km of way. The Earth's turn within them stays: 2.8 km at most, less in range, and short tracks hide some of it.
+    assert!(as_it_is > 20.0 && fitted < 3.0, "{as_it_is} {fitted}");
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(32))]
+    #[test]
+    fn verif_pixels_hold_their_points(
+        points in prop::collection::vec((-0.6..0.0_f64, 0.0..6.2_f64, -1.5..-0.2_f64, 3.0..9.0_f64), 1..300),
+    ) {
+        let points: Vec<Measurement> = points
+            .iter()
+            .map(|&(sun, longitude, latitude, magnitude)| Measurement {
+                magnitude: StandardMagnitude(magnitude),
+                sigma_mag: None,
+                geometry: ViewingGeometry::from_angles(sun, longitude, latitude, 900.0, 550.0).unwrap(),
+                group: 0,
+                norad_id: None,
+                epoch: None,
+            })
+            .collect();
+        let options = ReduceOptions { nside: 4, least_count: 1, mode: DensityMode::Kernel, ..ReduceOptions::default() };
+        let reduction = reduce(&points, options).unwrap();
+        prop_assert_eq!(reduction.points, points.len() as u64);
+        prop_assert_eq!(reduction.pixels.iter().map(|pixel| pixel.count as usize).sum::<usize>(), points.len());
+        for pixel in &reduction.pixels {
+            let inside: Vec<&Measurement> = points
+                .iter()
+                .filter(|point| {
+                    let g = point.geometry.folded();
+                    let layer = g.sun_latitude_rad.to_degrees().floor() as i32;
+                    layer == pixel.layer && ring_cell(4, g.observer_longitude_rad, g.observer_latitude_rad) == Some(pixel.cell)
+                })
+                .collect();
+            // A degree is not exactly its share of π: at a layer's very border a point may count to either side.
+            prop_assert!(inside.len().abs_diff(pixel.count as usize) <= 1);
+            prop_assert!((0.0..=std::f64::consts::PI + 1e-12).contains(&pixel.observer_longitude_rad));
+            prop_assert_eq!(pixel.sun_latitude_rad.to_degrees().floor() as i32, pixel.layer);
+            let magnitudes: Vec<f64> = inside.iter().map(|point| point.magnitude.0).collect();
+            let [low, high] = [f64::INFINITY, f64::NEG_INFINITY].map(|start| magnitudes.iter().copied().fold(start, if start > 0.0 { f64::min } else { f64::max }));
+            // Magnitudes are kept to 5e-7.
+            prop_assert!(pixel.mode_mag > low - 1e-6 && pixel.mode_mag < high + 1e-6);
+            prop_assert!(pixel.iqr_mag >= 0.0 && pixel.iqr_mag <= high - low + 1e-6);
+        }
+    }
+}

@@ -1,0 +1,198 @@
+//! When an exposure was, and what a count is worth, from headers as observatories write them.
+
+use hifitime::Epoch;
+use streakcast::frames::seconds_between;
+use streakcast::images::{Calibration, CountBasis, ExposureTime, Header};
+
+fn time(text: &str) -> Result<ExposureTime, String> {
+    ExposureTime::from_headers(&[&Header::from_text(text)]).map_err(|error| error.to_string())
+}
+
+#[track_caller]
+fn begins(text: &str, utc: &str, from: &str) {
+    let found = time(text).unwrap_or_else(|error| panic!("{error}"));
+    let expected: Epoch = format!("{utc} UTC").parse().expect("a moment");
+    // A microsecond: what one f64 of days holds.
+    assert!(seconds_between(expected, found.start).abs() < 1e-6, "{} is not {utc}", found.start);
+    assert_eq!(found.start_from, from);
+}
+
+const LENGTH: &str = "EXPTIME =                 60.0\n";
+
+#[test]
+fn verif_spellings_of_the_start() {
+    for (cards, utc, from) in [
+        ("DATE-OBS= '2020-03-06T00:04:15.410235'", "2020-03-06T00:04:15.410235", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06'\nTIME-OBS= '00:04:15.41'", "2020-03-06T00:04:15.41", "DATE-OBS + TIME-OBS"),
+        ("DATE_OBS= '2020-03-06'\nUTC_OBS = '00:04:15.41'", "2020-03-06T00:04:15.41", "DATE_OBS + UTC_OBS"),
+        (
+            "DATE-OBS= '2020-05-28'\nUT-STR  = '14:32:17.921'\nUT      = '14:32:20.9'",
+            "2020-05-28T14:32:17.921",
+            "DATE-OBS + UT-STR",
+        ),
+        ("DATE-OBS= '2020-05-28'\nUT      = '14:32:17.5'", "2020-05-28T14:32:17.5", "DATE-OBS + UT"),
+        ("DATE-OBS= '2020-03-06T00:04:52.410'\nTIMESYS = 'TAI'", "2020-03-06T00:04:15.410", "DATE-OBS"),
+        ("DATE-OBS= '2020-03-06T00:05:24.594'\nTIMESYS = 'TT'", "2020-03-06T00:04:15.410", "DATE-OBS"),
+        ("DATE-BEG= '2020-03-06T00:04:15'\nDATE-OBS= '2020-03-06T00:04:15.9'", "2020-03-06T00:04:15", "DATE-BEG"),
+        ("MJD-OBS =             58914.25", "2020-03-06T06:00:00", "MJD-OBS"),
+        ("DATE-OBS= '06/03/20'\nMJD-OBS =             58914.25", "2020-03-06T06:00:00", "MJD-OBS"),
+        ("DATE-OBS= '2020-03-06'\nMJD-OBS =             58914.25", "2020-03-06T06:00:00", "MJD-OBS"),
+        ("JD      =          2458914.75", "2020-03-06T06:00:00", "JD"),
+        ("JD      =          2458914.75 / end of exposure", "2020-03-06T05:59:00", "JD - the exposure"),
+        ("MJD     =            58914.25 / mid exposure", "2020-03-06T05:59:30", "MJD - half of the exposure"),
+        ("DATE-AVG= '2020-03-06T06:00:00'", "2020-03-06T05:59:30", "DATE-AVG - half of the exposure"),
+        ("DATE-END= '2020-03-06T06:00:00'", "2020-03-06T05:59:00", "DATE-END - the exposure"),
+        (
+            "DATE-OBS= '2009-10-17'\nTAIHMS  = '01:53:10.59'\nTIMESYS = 'TAI'\nTAI     =        4762461190.59",
+            "2009-10-17T01:52:36.59",
+            "DATE-OBS + TAIHMS",
+        ),
+        ("DATE-OBS= '2016-12-31T23:59:60.5'", "2017-01-01T00:00:00", "DATE-OBS"),
+    ] {
+        if cards.contains("23:59:60.5") {
+            // The leap second itself: half a second before the new year.
+            let found = time(&format!("{cards}\n{LENGTH}")).expect("a moment");
+            let expected: Epoch = format!("{utc} UTC").parse().expect("a moment");
+            assert!((seconds_between(found.start, expected) - 0.5).abs() < 1e-6, "{}", found.start);
+            continue;
+        }
+        begins(&format!("{cards}\n{LENGTH}"), utc, from);
+    }
+}
+
+#[test]
+fn verif_what_is_not_said_or_contradicts_itself() {
+    for (cards, words) in [
+        ("EXPTIME = 60.0", "no start of the exposure"),
+        ("DATE-OBS= '2020-03-06'\nEXPTIME = 60.0", "DATE-OBS is the date 2020-03-06 without a time"),
+        (
+            "DATE-OBS= '26/07/102'\nTIME-OBS= '19:36:37'\nEXPTIME = 60",
+            "DATE-OBS is \"26/07/102\": a year of two digits",
+        ),
+        ("DATE-OBS= '26/07/02'\nJD      = 2452482.31709\nEXPTIME = 60", "say the start: --start"),
+        ("DATE-OBS= 'soon'\nEXPTIME = 60", "DATE-OBS is \"soon\": a date as"),
+        ("DATE-OBS= '2020-03-06'\nTIME-OBS= 'noon'\nEXPTIME = 60", "TIME-OBS is \"noon\": a time as"),
+        ("MJD-OBS = 1.0\nEXPTIME = 60", "MJD-OBS is \"1.0\": a modified Julian date"),
+        ("DATE-OBS= '2020-03-06T00:00:00'\nTIMESYS = 'LST'\nEXPTIME = 60", "TIMESYS is \"LST\": UTC, TAI"),
+        (
+            "DATE-OBS= '2020-03-06T00:00:00'\nMJD-OBS = 58914.0010\nEXPTIME = 60",
+            "DATE-OBS (UTC) says that the exposure began at 2020-03-06T00:00:00 UTC, MJD-OBS (UTC) says 2020-03-06T00:01:26.4",
+        ),
+        ("DATE-OBS= '2020-03-06T00:00:00'\nDATE-AVG= '2020-03-06T00:01:07'\nEXPTIME = 60", "37.0 s apart"),
+        ("DATE-OBS= '2020-03-06T00:00:00'", "no length of the exposure"),
+        (
+            "DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 0.0",
+            "EXPTIME is 0 s: a streak needs an exposure longer than 0 s",
+        ),
+        ("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = -30", "EXPTIME is -30 s"),
+        ("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 'long'", "EXPTIME is \"long\": a number of seconds"),
+        (
+            "DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 30\nEXPOSURE= 60",
+            "EXPTIME says 30 s of exposure, EXPOSURE says 60 s",
+        ),
+    ] {
+        let error = time(cards).expect_err(words);
+        assert!(error.contains(words), "{error}");
+    }
+}
+
+#[test]
+fn verif_digits_that_were_left_out_are_no_conflict() {
+    // Five decimals of a day are 0.86 s.
+    let found =
+        time("DATE-OBS= '2021-04-07T12:03:57.256'\nMJD_OBS =          59311.50275\nEXPTIME = 120.27").expect("agree");
+    assert_eq!((found.start_from.as_str(), found.duration_s), ("DATE-OBS", 120.27));
+}
+
+#[test]
+fn verif_lengths_in_other_units() {
+    let at = "DATE-OBS= '2020-03-06T00:00:00'\n";
+    let seconds = |card: &str| time(&format!("{at}{card}")).expect(card).duration_s;
+    assert_eq!(seconds("EXPOSURE=                 65.0 /Observation: Exposure Minutes"), 3900.0);
+    assert_eq!(seconds("ITIME   =                250.0 / [ms] integration"), 0.25);
+    assert_eq!(seconds("EXPTIME = '53.907456'          / Exposure time (seconds)"), 53.907_456);
+}
+
+#[test]
+fn verif_the_image_counts_before_the_primary_header() {
+    let image = Header::from_text("EXPTIME = 10.0\nGAIN    = 2.0");
+    let primary = Header::from_text("DATE-OBS= '2020-03-06T00:00:00'\nEXPTIME = 20.0\nFILTER  = 'r'");
+    let found = ExposureTime::from_headers(&[&image, &primary]).expect("both");
+    assert_eq!((found.duration_s, found.start_from.as_str()), (10.0, "DATE-OBS"));
+    let calibration = Calibration::from_headers(&[&image, &primary]);
+    assert_eq!(calibration.band.expect("a band").value, "r");
+    assert_eq!(calibration.gain_e_adu.expect("a gain").value, 2.0);
+}
+
+#[test]
+fn verif_zero_points() {
+    let zero_point = |text: &str| Calibration::from_headers(&[&Header::from_text(text)]).zero_point;
+    for (cards, mag, basis, keyword) in [
+        ("MAGZERO = 25.1454997926978", 25.145_499_792_697_8, Some(CountBasis::Second), "MAGZERO"),
+        ("MAGZP   = 26.1", 26.1, Some(CountBasis::Frame), "MAGZP"),
+        ("MAGZPT  = 27.0", 27.0, None, "MAGZPT"),
+        ("ZP      = 27.0 / [mag] for 1 ADU/s", 27.0, Some(CountBasis::Second), "ZP"),
+        ("PHOTZP  = 27.0\nBUNIT   = 'electron/s'", 27.0, Some(CountBasis::Frame), "PHOTZP"),
+        ("FLUXMAG0= 63095734448.0194", 27.0, Some(CountBasis::Frame), "FLUXMAG0"),
+        ("BUNIT   = 'nanomaggy'", 22.5, Some(CountBasis::Frame), "BUNIT"),
+    ] {
+        let found = zero_point(cards).expect(cards);
+        assert!((found.mag - mag).abs() < 1e-9, "{cards}: {}", found.mag);
+        assert_eq!((found.basis, found.keyword.as_str()), (basis, keyword), "{cards}");
+    }
+    assert_eq!(zero_point("MAGZERO = 0.0\nZP      = 'none'"), None);
+}
+
+#[test]
+fn verif_amplifiers_and_nonsense() {
+    let of = |text: &str| Calibration::from_headers(&[&Header::from_text(text)]);
+    let pair = of("GAINA   = 3.9\nGAINB   = 4.1\nRDNOISEA= 6.0\nRDNOISEB= 7.0\nSATURATA= 46994.0\nSATURATB= 47770.0");
+    let gain = pair.gain_e_adu.expect("a gain");
+    assert_eq!((gain.value, gain.keyword.as_str()), (4.0, "GAINA, GAINB"));
+    assert_eq!(pair.read_noise_e.expect("a noise").value, 6.5);
+    assert_eq!(pair.saturation_adu.expect("a limit").value, 46_994.0);
+    assert_eq!(of("GAIN    = 0.0 / [electron/ADU]").gain_e_adu, None);
+    assert_eq!(of("GAIN    = 0.5 / [ADU/e-] inverse").gain_e_adu.expect("a gain").value, 2.0);
+}
+
+#[cfg(feature = "fits")]
+#[test]
+fn valid_real_headers() {
+    use streakcast::images::FrameFile;
+    let Some(data) = crate::common::data_dir() else { return };
+    // Start in UTC as the observatory's own page, paper or time keyword has it; or the words of the refusal.
+    for (name, hdu, expected, seconds) in [
+        ("galsim_wcs/tpv.fits", 0, Ok("2007-10-11T04:28:14.1"), 420.0),
+        ("galsim_wcs/tnx.fits", 0, Ok("2006-07-28T02:09:22.0"), 30.0),
+        ("galsim_wcs/sipsample.fits", 0, Ok("2007-06-29T03:15:33.555"), 10.4),
+        ("trailblazer/cutout_c4d_200306_000415_ori.fits.fz", 5, Ok("2020-03-06T00:04:15.410235"), 120.0),
+        ("trailblazer/cutout_HSCA21787010.fits", 0, Ok("2020-05-28T14:32:17.921"), 40.0),
+        ("trailblazer/cutout_GMOSN.i.2021-01-17T14_35_11.5_2PAC.fits", 0, Err("69.7 s apart"), 50.0),
+        ("trailblazer/cutout_LMI.VR.2021-06-01T04_06_03.67_1PA.fits", 0, Ok("2021-06-01T04:06:03.67"), 300.0),
+        ("trailblazer/cutout_A3671-C2018_F4-R-3.fit", 0, Ok("2020-12-09T12:33:40.0"), 300.0),
+        ("trailblazer/cutout_frame-i-008108-5-0025.fits", 0, Ok("2009-10-17T01:52:36.59"), 53.907_456),
+        ("trailblazer/cutout_lbcb.20210407.120357.fits", 2, Ok("2021-04-07T12:03:57.256"), 120.27),
+        ("clean/HorseHead.fits", 0, Ok("1990-12-22T13:49:00"), 3900.0),
+        ("clean/sep_image.fits", 0, Ok("1992-10-26T15:04:07.968"), 1200.0),
+        // Its MJD-OBS is 69.7 s later than its DATE-OBS (TT?); the primary header below says TAI of a DATE-OBS that is UTC.
+        ("trailblazer/cutout_calexp-0941420_23.fits", 1, Err("37.0 s apart"), 0.0),
+        ("astride/long.fits", 0, Err("DATE-OBS is \"26/07/102\""), 0.0),
+        ("clean/gc_2mass_k.fits", 0, Err("no length of the exposure"), 0.0),
+    ] {
+        let file = FrameFile::open(&data.join("frames").join(name)).unwrap_or_else(|error| panic!("{error}"));
+        let found = ExposureTime::from_headers(&[file.header(hdu).expect(name), file.header(0).expect(name)]);
+        match (found, expected) {
+            (Ok(found), Ok(utc)) => {
+                let start: Epoch = format!("{utc} UTC").parse().expect("a moment");
+                assert!(seconds_between(start, found.start).abs() < 1e-4, "{name}: {}", found.start);
+                assert_eq!(found.duration_s, seconds, "{name}");
+            }
+            (Err(error), Err(words)) => assert!(error.to_string().contains(words), "{name}: {error}"),
+            (found, _) => panic!("{name}: {found:?}"),
+        }
+    }
+    let file = FrameFile::open(&data.join("frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz")).expect("a file");
+    let calibration = Calibration::from_headers(&[file.header(1).expect("S1"), file.header(0).expect("primary")]);
+    assert!((calibration.gain_e_adu.expect("a gain").value - 4.031).abs() < 1e-9);
+    assert_eq!(calibration.band.expect("a band").value, "g DECam SDSS c0001 4720.0 1520.0");
+}

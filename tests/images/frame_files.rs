@@ -1,0 +1,480 @@
+//! Frames in files: read, copied with changes, made; and what is refused.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use streakcast::images::{
+    Bitpix, Card, CardValue, Cells, FrameCopy, FrameError, FrameFile, HduKind, Header, ImageValues, NewImage, Pixels,
+    Plane, Rice, TableColumn, write_frame,
+};
+
+/// A frame of numbers that differ everywhere, in every type.
+fn numbers(kind: &str) -> ImageValues {
+    let values = 0..30 * 20;
+    let pixels = match kind {
+        "u8" => Pixels::U8(values.map(|n| (n % 200) as u8).collect()),
+        "i16" => Pixels::I16(values.map(|n| n as i16 - 300).collect()),
+        "u16" => Pixels::U16(values.map(|n| n as u16 + 40_000).collect()),
+        "i32" => Pixels::I32(values.map(|n| n * 70_001 - 5).collect()),
+        "f32" => Pixels::F32(values.map(|n| n as f32 * 0.37 - 20.0).collect()),
+        _ => Pixels::F64(values.map(|n| f64::from(n) * 0.1 + 1e-9).collect()),
+    };
+    ImageValues::new(30, pixels).expect("full rows")
+}
+
+const KINDS: [&str; 6] = ["u8", "i16", "u16", "i32", "f32", "f64"];
+
+fn folder() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a folder")
+}
+
+fn cards(text: &str) -> Vec<Card> {
+    Header::from_text(text).cards().to_vec()
+}
+
+/// A file of one image.
+fn simple(folder: &Path, kind: &str, rice: Option<Rice>, extra: &str) -> PathBuf {
+    let path = folder.join(format!("{kind}.fits"));
+    let values = numbers(kind);
+    write_frame(&path, &[NewImage { name: "SCI", values: &values, cards: &cards(extra), rice }]).expect("written");
+    path
+}
+
+#[test]
+fn verif_every_type_is_written_and_read() {
+    let folder = folder();
+    for kind in KINDS {
+        let file = FrameFile::open(&simple(folder.path(), kind, None, "FILTER  = 'r'\n")).expect(kind);
+        let info = &file.hdus()[0];
+        assert_eq!(
+            (info.name.as_str(), &info.kind, info.image_size()),
+            ("SCI", &HduKind::Image, Some([20, 30])),
+            "{kind}"
+        );
+        assert_eq!(file.header(0).expect("a header").text("FILTER").as_deref(), Some("r"));
+        let plane = file.read_plane(0).expect(kind);
+        let rows = file.read_rows(0, 0..20).expect(kind);
+        for (index, (single, double)) in plane.values().iter().zip(&rows).enumerate() {
+            let n = index as f64;
+            let expected = match kind {
+                "u8" => n % 200.0,
+                "i16" => n - 300.0,
+                "u16" => n + 40_000.0,
+                "i32" => n * 70_001.0 - 5.0,
+                "f32" => f64::from(n as f32 * 0.37 - 20.0),
+                _ => n * 0.1 + 1e-9,
+            };
+            assert_eq!((*double, *single), (expected, expected as f32), "{kind} {index}");
+        }
+        assert_eq!(file.read_rows(0, 3..5).expect(kind), rows[90..150]);
+    }
+}
+
+#[test]
+fn verif_changed_pixels_and_nothing_else() {
+    let folder = folder();
+    for kind in KINDS {
+        let source = FrameFile::open(&simple(folder.path(), kind, None, "")).expect(kind);
+        let before = source.read_rows(0, 0..20).expect(kind);
+        let target = folder.path().join("out.fits");
+        let mut copy = FrameCopy::begin(&source, &target).expect(kind);
+        // 2.5 and 3.5 are both exact in every type of ours but the whole numbers, which are rounded half to even.
+        copy.add(0, 4, 10, &[2.5, 0.0, 3.5]).expect(kind);
+        copy.add(0, 4, 12, &[1.0, 1.0]).expect(kind);
+        let changed = copy.change(0, 19, 29..30, |pixels| pixels[0] = 77.0).expect(kind);
+        assert_eq!((changed.pixels, changed.clipped, changed.without_value), (1, 0, 0), "{kind}");
+        let changed = copy.finish().expect(kind)[&0];
+        assert_eq!((changed.pixels, changed.clipped, changed.without_value), (4, 0, 0), "{kind}");
+        let after = FrameFile::open(&target).expect(kind).read_rows(0, 0..20).expect(kind);
+        let is_whole = source.hdus()[0].format.bitpix.is_integer();
+        for index in 0..600 {
+            let added = match index {
+                130 => 2.5,
+                132 => 4.5,
+                133 => 1.0,
+                _ => 0.0,
+            };
+            let mut expected = before[index] + added;
+            if is_whole && expected.fract() != 0.0 {
+                // One of the two next to it.
+                assert!((after[index] - expected).abs() < 1.0 && after[index].fract() == 0.0, "{kind} {index}");
+                expected = after[index];
+            }
+            if index == 599 {
+                expected = 77.0;
+            }
+            if source.hdus()[0].format.bitpix == Bitpix::F32 {
+                assert!((after[index] - expected).abs() < 1e-5, "{kind} {index}");
+            } else {
+                assert_eq!(after[index], expected, "{kind} {index}");
+            }
+        }
+    }
+}
+
+#[test]
+fn verif_ranges_and_pixels_without_value() {
+    let folder = folder();
+    let path = simple(folder.path(), "u8", None, "BLANK   = 7\n");
+    let source = FrameFile::open(&path).expect("a file");
+    assert!(source.read_plane(0).expect("a plane").values()[7].is_nan());
+    let target = folder.path().join("out.fits");
+    let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
+    copy.add(0, 0, 5, &[1000.0, -1000.0, 50.0, f32::NAN]).expect("a change");
+    let changed = copy.finish().expect("finished")[&0];
+    assert_eq!((changed.pixels, changed.clipped, changed.without_value), (2, 2, 1));
+    let after = FrameFile::open(&target).expect("a file").read_rows(0, 0..1).expect("rows");
+    assert_eq!((after[5], after[6], after[8]), (255.0, 0.0, 8.0));
+    assert!(after[7].is_nan());
+}
+
+#[test]
+fn verif_new_extensions_are_behind_the_old_ones() {
+    let folder = folder();
+    let source = FrameFile::open(&simple(folder.path(), "f32", None, "HISTORY made\n")).expect("a file");
+    let target = folder.path().join("out.fits");
+    let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
+    copy.add_history(0, "streaks were added to this frame, and this text is so long that it goes on on another card")
+        .expect("history");
+    copy.set_card(0, "MJD-OBS", &CardValue::Real(60_000.123_456_789_01), "start").expect("a card");
+    copy.append_image(
+        "MASK",
+        &ImageValues::new(30, Pixels::I32(vec![3; 600])).expect("rows"),
+        &cards("MP_STREAK= 1\n"),
+        None,
+    )
+    .expect("an image");
+    copy.append_image("TRUTH", &Plane::zeros(20, 30).into(), &[], Some(Rice::default())).expect("an image");
+    let columns = [
+        TableColumn {
+            name: "ra_deg".into(),
+            unit: "deg".into(),
+            meaning: "right ascension".into(),
+            cells: Cells::Real(vec![1.5, f64::NAN]),
+        },
+        TableColumn {
+            name: "norad_id".into(),
+            unit: String::new(),
+            meaning: String::new(),
+            cells: Cells::Integer(vec![Some(44_238), None]),
+        },
+        TableColumn {
+            name: "name".into(),
+            unit: String::new(),
+            meaning: String::new(),
+            cells: Cells::Text(vec!["ISS".into(), "Ørsted".into()]),
+        },
+    ];
+    copy.append_table("STREAKS", &columns, &[]).expect("a table");
+    let uneven = [columns[0].clone(), TableColumn { cells: Cells::Integer(vec![Some(1)]), ..columns[1].clone() }];
+    let error = copy.append_table("BAD", &uneven, &[]).expect_err("uneven");
+    assert_eq!(error.to_string(), "\"BAD\" cannot be written: column norad_id has 1 cells, the first one 2");
+    copy.finish().expect("finished");
+    let file = FrameFile::open(&target).expect("a file");
+    let names: Vec<&str> = file.hdus().iter().map(|hdu| hdu.name.as_str()).collect();
+    assert_eq!(names, ["SCI", "MASK", "TRUTH", "STREAKS"]);
+    assert_eq!(file.hdus()[2].kind, HduKind::CompressedImage("RICE_1".into()));
+    assert_eq!(file.hdus()[3].kind, HduKind::Table);
+    assert_eq!(file.header(3).expect("a header").integer("TNULL2"), Some(-1));
+    assert_eq!(file.read_plane(1).expect("a plane").values()[0], 3.0);
+    let header = file.header(0).expect("a header");
+    assert_eq!(header.number("MJD-OBS"), Some(60_000.123_456_789_01));
+    let history: Vec<String> =
+        header.cards().iter().filter(|card| card.keyword() == "HISTORY").map(Card::remark_text).collect();
+    assert_eq!(history.len(), 3);
+    assert_eq!(history[0], "made");
+    assert_eq!(source.read_plane(0).expect("a plane"), file.read_plane(0).expect("a plane"));
+}
+
+#[test]
+fn verif_rice_out_and_in() {
+    let folder = folder();
+    for kind in KINDS {
+        let plain =
+            FrameFile::open(&simple(folder.path(), kind, None, "")).expect(kind).read_rows(0, 0..20).expect(kind);
+        let rice = Rice { steps_per_sigma: 16.0, dither_seed: 7 };
+        let file = FrameFile::open(&simple(folder.path(), kind, Some(rice), "")).expect(kind);
+        assert_eq!(file.hdus()[1].kind, HduKind::CompressedImage("RICE_1".into()));
+        assert_eq!(file.hdus()[1].image_size(), Some([20, 30]));
+        let packed = file.read_rows(1, 0..20).expect(kind);
+        // Whole numbers come back as they were; of others, a straight ramp has no noise and is kept exactly too.
+        for (index, (a, b)) in plain.iter().zip(&packed).enumerate() {
+            assert!((a - b).abs() <= if kind.starts_with('f') { 1e-6 } else { 0.0 }, "{kind} {index}: {a} {b}");
+        }
+    }
+}
+
+fn refused(path: &Path) -> String {
+    let error = FrameFile::open(path).expect_err("refused").to_string();
+    assert!(error.contains(&path.display().to_string()), "{error}");
+    error
+}
+
+#[test]
+fn verif_what_is_no_frame_is_refused() {
+    let folder = folder();
+    let at = |name: &str| folder.path().join(name);
+    let good = fs::read(simple(folder.path(), "i16", None, "")).expect("bytes");
+    assert!(refused(&at("missing.fits")).contains("No such file"));
+    assert!(refused(folder.path()).contains("is a directory"));
+    let with = |name: &str, bytes: &[u8]| {
+        fs::write(at(name), bytes).expect("written");
+        refused(&at(name))
+    };
+    let replaced = |from: &str, to: &str| {
+        let text = String::from_utf8_lossy(&good[..2880]).replace(from, to);
+        [text.as_bytes(), &good[2880..]].concat()
+    };
+    assert!(
+        with("text.fits", b"hello, this is a text").contains("is no FITS file (it begins with \"hello, this is a\"")
+    );
+    assert!(with("empty.fits", b"").contains("is no FITS file (it begins with \"\""));
+    assert!(with("a.fits.gz", b"\x1f\x8b\x08\x00").contains("packed with gzip; unpack it first"));
+    assert!(with("cut.fits", &good[..3000]).contains("HDU 0 is cut off: its data needs 4080 bytes, the file has 3000"));
+    assert!(
+        with("cut-header.fits", &good[..1000])
+            .contains("HDU 0 is cut off: its header needs 2880 bytes, the file has 1000")
+    );
+    let more = with("naxis-more.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                 2000"));
+    assert!(more.contains("its data needs 122880 bytes"), "{more}");
+    // Too few rows leave data where a header should be.
+    let large = ImageValues::new(100, Pixels::I16((0..10_000).map(|n| n as i16 | 1).collect())).expect("rows");
+    write_frame(&at("large.fits"), &[NewImage { name: "", values: &large, cards: &[], rice: None }]).expect("written");
+    let text = String::from_utf8_lossy(&fs::read(at("large.fits")).expect("bytes")[..2880])
+        .replace("NAXIS2  =                  100", "NAXIS2  =                   50");
+    let fewer =
+        with("naxis-fewer.fits", &[text.as_bytes(), &fs::read(at("large.fits")).expect("bytes")[2880..]].concat());
+    assert!(fewer.contains("behind HDU 0, no header begins") && fewer.contains("are its NAXISn right?"), "{fewer}");
+    let negative =
+        with("naxis-negative.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =                  -20"));
+    assert!(negative.contains("HDU 0: NAXIS2 is -20: a length of 0 or more"), "{negative}");
+    let missing = with("naxis-missing.fits", &replaced("NAXIS2  =", "NOXIS2  ="));
+    assert!(missing.contains("NAXIS2 is missing or no number"), "{missing}");
+    let bitpix = with("bitpix.fits", &replaced("BITPIX  =                   16", "BITPIX  =                   17"));
+    assert!(bitpix.contains("BITPIX is 17: 8, 16, 32, 64, -32 or -64"), "{bitpix}");
+    let huge = with("naxis-huge.fits", &replaced("NAXIS2  =                   20", "NAXIS2  =  9000000000000000000"));
+    assert!(huge.contains("whose product is a size that a file can have"), "{huge}");
+}
+
+#[test]
+fn verif_hdus_that_are_not_there_or_no_images() {
+    let folder = folder();
+    let file = FrameFile::open(&simple(folder.path(), "i16", Some(Rice::default()), "")).expect("a file");
+    assert!(file.read_plane(5).expect_err("none").to_string().ends_with("has no HDU 5; it has 0 to 1"));
+    assert!(file.header(2).is_err());
+    let error = file.read_plane(0).expect_err("no image").to_string();
+    assert!(error.ends_with("HDU 0 is a header alone, no image of two axes; images are [1]"), "{error}");
+    assert!(matches!(file.read_rows(1, 15..25), Err(FrameError::Outside { row: 24, .. })));
+    let mut copy = FrameCopy::begin(&file, &folder.path().join("out.fits")).expect("a copy");
+    for (row, column) in [(20, 0), (0, 30), (3, 28)] {
+        assert!(matches!(copy.add(1, row, column, &[1.0, 1.0, 1.0]), Err(FrameError::Outside { .. })));
+    }
+    assert!(copy.add_history(9, "x").is_err());
+}
+
+/// Names that are CFITSIO's own syntax are plain names here.
+#[test]
+fn verif_names_with_brackets_are_names() {
+    let folder = folder();
+    for name in ["a[1].fits", "!b.fits", "c(d).fits", "e+1.fits", "mem:f.fits", "g [compress R].fits", "h*.fits"] {
+        let path = folder.path().join(name);
+        let values = numbers("i16");
+        let image = NewImage { name: "", values: &values, cards: &[], rice: Some(Rice::default()) };
+        write_frame(&path, &[image]).expect(name);
+        let file = FrameFile::open(&path).expect(name);
+        assert_eq!(file.read_plane(1).expect(name).values()[1], -299.0, "{name}");
+        let target = folder.path().join(format!("out {name}"));
+        let mut copy = FrameCopy::begin(&file, &target).expect(name);
+        copy.add_history(1, "copied").expect(name);
+        copy.finish().expect(name);
+        assert_eq!(FrameFile::open(&target).expect(name).read_plane(1).expect(name).values()[1], -299.0, "{name}");
+        fs::remove_file(&target).expect(name);
+    }
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 7);
+}
+
+#[test]
+fn verif_the_input_stays_and_no_half_output_appears() {
+    let folder = folder();
+    let path = simple(folder.path(), "f32", None, "");
+    let bytes = fs::read(&path).expect("bytes");
+    let source = FrameFile::open(&path).expect("a file");
+    assert!(matches!(FrameCopy::begin(&source, &path), Err(FrameError::SameFile { .. })));
+    let missing = folder.path().join("missing").join("out.fits");
+    assert!(FrameCopy::begin(&source, &missing).expect_err("no folder").to_string().contains("No such file"));
+    assert!(FrameCopy::begin(&source, folder.path()).expect_err("a folder").to_string().contains("is a directory"));
+    let mut copy = FrameCopy::begin(&source, &folder.path().join("out.fits")).expect("a copy");
+    copy.add(0, 0, 0, &[1.0]).expect("a change");
+    drop(copy);
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+    // An input that is cut while we work: the output would be broken.
+    let mut copy = FrameCopy::begin(&source, &folder.path().join("out.fits")).expect("a copy");
+    copy.add(0, 0, 0, &[1.0]).expect("a change");
+    fs::write(&path, &bytes[..3000]).expect("cut");
+    let error = copy.finish().expect_err("cut").to_string();
+    assert!(error.contains("the input became shorter"), "{error}");
+    assert_eq!(fs::read_dir(folder.path()).expect("a folder").count(), 1);
+}
+
+/// What is not touched in a compressed image is the same to the bit; what is, to half a step of its quantisation.
+#[track_caller]
+fn change_compressed(path: &Path, hdu: usize, step: f64) {
+    let folder = folder();
+    let name = path.display().to_string();
+    let source = FrameFile::open(path).expect("a file");
+    let [rows, columns] = source.hdus()[hdu].image_size().expect("an image");
+    let before = source.read_rows(hdu, 0..rows).expect("rows");
+    let target = folder.path().join("out.fits");
+    let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
+    let touched = |row: usize, column: usize| row % 3 == 1 && (5..15).contains(&column);
+    for row in (0..rows).filter(|row| row % 3 == 1) {
+        copy.add(hdu, row, 5, &[60.0; 10]).expect("a change");
+        // Both ways of changing, one upon the other.
+        copy.change(hdu, row, 8..12, |pixels| pixels.iter_mut().for_each(|pixel| *pixel += 40.0)).expect("a change");
+        copy.add(hdu, row, 5, &[40.0; 3]).expect("a change");
+        copy.add(hdu, row, 12, &[40.0; 3]).expect("a change");
+    }
+    let changed = copy.finish().expect("finished")[&hdu];
+    assert!(changed.pixels > 10 && changed.clipped == 0, "{name}: {changed:?}");
+    let after = FrameFile::open(&target).expect("a file");
+    assert_eq!(after.hdus().len(), source.hdus().len());
+    let values = after.read_rows(hdu, 0..rows).expect("rows");
+    for row in 0..rows {
+        for column in 0..columns {
+            let (old, new) = (before[row * columns + column], values[row * columns + column]);
+            if old.is_nan() {
+                assert!(new.is_nan(), "{name} {row} {column}");
+            } else if touched(row, column) {
+                assert!((new - old - 100.0).abs() <= step, "{name} {row} {column}: {old} {new}");
+            } else {
+                assert_eq!(new, old, "{name} {row} {column}");
+            }
+        }
+    }
+    // The other HDUs are there, byte for byte.
+    for other in (0..source.hdus().len()).filter(|other| *other != hdu) {
+        assert_eq!(source.header(other).expect("a header"), after.header(other).expect("a header"), "{name}[{other}]");
+    }
+}
+
+#[test]
+fn verif_compressed_images_change_where_they_are_touched() {
+    let folder = folder();
+    for kind in ["i16", "u16", "i32", "f32", "f64"] {
+        let path = simple(folder.path(), kind, Some(Rice { steps_per_sigma: 4.0, dither_seed: 33 }), "");
+        change_compressed(&path, 1, if kind.starts_with('f') { 1e-4 } else { 0.0 });
+    }
+}
+
+#[test]
+fn verif_noisy_floats_keep_their_steps() {
+    let folder = folder();
+    let path = folder.path().join("noise.fits");
+    let mut random = crate::common::random::Random(5);
+    let mut values: Vec<f32> =
+        (0..200 * 60).map(|_| 1000.0 + 10.0 * (0..12).map(|_| random.uniform() as f32 - 0.5).sum::<f32>()).collect();
+    values[777] = f32::NAN;
+    let values = ImageValues::new(200, Pixels::F32(values)).expect("rows");
+    let rice = Rice { steps_per_sigma: 4.0, dither_seed: 9_999 };
+    write_frame(&path, &[NewImage { name: "", values: &values, cards: &[], rice: Some(rice) }]).expect("written");
+    // A quarter of the noise of 10 is a step, the most that light between two steps is off; CFITSIO's measure of the noise varies from row to row.
+    change_compressed(&path, 1, 4.0);
+}
+
+#[test]
+fn verif_real_compressed_frames() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let frames = data.join("frames/trailblazer");
+    change_compressed(&frames.join("cutout_c4d_200306_000415_ori.fits.fz"), 7, 0.0);
+    change_compressed(&frames.join("cutout_calexp-0941420_23.fits"), 1, 3.0);
+    change_compressed(&frames.join("cutout_calexp-0941420_23.fits"), 2, 0.0);
+}
+
+/// A folder that nobody may write to, and a disk that is full: no output, and the words of the system.
+#[cfg(target_os = "linux")]
+#[test]
+fn verif_disks_that_do_not_take_the_frame() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = folder();
+    let source = FrameFile::open(&simple(folder.path(), "f32", None, "")).expect("a file");
+    let closed = folder.path().join("closed");
+    fs::create_dir(&closed).expect("a folder");
+    fs::set_permissions(&closed, fs::Permissions::from_mode(0o555)).expect("closed");
+    // Root may write anywhere: the test is of use for others alone.
+    if fs::write(closed.join("probe"), b"x").is_err() {
+        let error = FrameCopy::begin(&source, &closed.join("out.fits")).expect_err("closed").to_string();
+        assert!(error.contains("Permission denied") && error.contains("out.fits"), "{error}");
+    }
+    // A limit on the size of files stands in for the full disk; the process that has it is a shell, which starts this test once more.
+    if std::env::var_os("STREAKCAST_FULL_DISK").is_none() {
+        let test = std::env::current_exe().expect("this test");
+        let command = format!(
+            "ulimit -f 64; trap '' XFSZ; exec {test:?} --exact verif_disks_that_do_not_take_the_frame --nocapture"
+        );
+        let output = std::process::Command::new("sh")
+            .args(["-c", &command])
+            .env("STREAKCAST_FULL_DISK", "1")
+            .output()
+            .expect("a shell");
+        let text = String::from_utf8_lossy(&output.stdout).into_owned() + &String::from_utf8_lossy(&output.stderr);
+        assert!(output.status.success() && text.contains("full: copy and new frame refused"), "{text}");
+        return;
+    }
+    // 64 blocks of 512 or 1024 bytes; the frame has 120 kB, its source was made small and is appended to.
+    let large = ImageValues::new(200, Pixels::F32(vec![1.0; 30_000])).expect("rows");
+    let target = folder.path().join("out.fits");
+    let mut copy = FrameCopy::begin(&source, &target).expect("a copy");
+    copy.append_image("LARGE", &large, &[], None).expect("an image");
+    let error = copy.finish().expect_err("full").to_string();
+    assert!(error.contains("out.fits") && error.contains("File too large"), "{error}");
+    let error = write_frame(&target, &[NewImage { name: "", values: &large, cards: &[], rice: None }])
+        .expect_err("full")
+        .to_string();
+    assert!(error.contains("out.fits") && error.contains("File too large"), "{error}");
+    let noise: Vec<i32> = (0..30_000u32).map(|n| n.wrapping_mul(2_654_435_761) as i32).collect();
+    let noise = ImageValues::new(200, Pixels::I32(noise)).expect("rows");
+    let rice = Some(Rice::default());
+    let error =
+        write_frame(&target, &[NewImage { name: "", values: &noise, cards: &[], rice }]).expect_err("full").to_string();
+    assert!(error.contains("CFITSIO"), "{error}");
+    let left: Vec<_> =
+        fs::read_dir(folder.path()).expect("a folder").map(|entry| entry.expect("an entry").file_name()).collect();
+    assert_eq!(left.len(), 2, "{left:?}");
+    println!("full: copy and new frame refused");
+}
+
+#[test]
+fn verif_an_image_of_three_axes_and_one_of_no_pixels() {
+    let folder = folder();
+    let path = simple(folder.path(), "i16", None, "");
+    let good = fs::read(&path).expect("bytes");
+    let text = String::from_utf8_lossy(&good[..2880]).into_owned();
+    let cube = text
+        .replace("NAXIS   =                    2", "NAXIS   =                    3")
+        .replace("NAXIS2  =                   20 / rows     ", "NAXIS2  =                   20            ");
+    let card = |text: &str| format!("{text:<80}");
+    let axes = |third: i64| {
+        cube.replacen(
+            &card("EXTEND  =                    T / extensions may follow"),
+            &card(&format!("NAXIS3  = {third:>20}")),
+            1,
+        )
+    };
+    let with = |name: &str, header: &str, data: &[u8]| {
+        let path = folder.path().join(name);
+        fs::write(&path, [header.as_bytes(), data].concat()).expect("written");
+        FrameFile::open(&path).expect(name)
+    };
+    // A third axis of one pixel does not count, one of two does.
+    let flat = with("flat.fits", &axes(1), &good[2880..]);
+    assert_eq!(flat.read_plane(0).expect("a plane").values()[1], -299.0);
+    let thick = with("thick.fits", &axes(2), &good[2880..]);
+    let error = thick.read_plane(0).expect_err("a cube").to_string();
+    assert!(
+        error.contains("HDU 0 is an image of axes [30, 20, 2], no image of two axes; images are nowhere in it"),
+        "{error}"
+    );
+    let none =
+        with("none.fits", &text.replace("NAXIS2  =                   20", "NAXIS2  =                    0"), b"");
+    assert!(none.read_plane(0).is_err());
+}

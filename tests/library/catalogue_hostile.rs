@@ -1,0 +1,238 @@
+//! Bad input: what is wrong is named and counted, the rest goes on, nothing panics.
+
+use std::path::Path;
+
+use crate::common::elements::{gzip, pair, read, reasons, sample};
+use proptest::prelude::*;
+use streakcast::elements::{Catalogue, CatalogueError, NoradId, ReadOptions};
+
+const LINE1: &str = "1 90001U 26001A   26079.52426840 -.00001234  12345-7  10370-3 0  9991";
+const LINE2: &str = "2 90001  53.0541 193.4497 0006669 272.1743  87.8481 15.06394766123458";
+
+#[test]
+fn verif_a_bad_record_is_named_and_the_rest_goes_on() {
+    let bad_checksum = LINE1.replace("9991", "9992");
+    let bad_number = LINE2.replace("53.0541", "53.O541");
+    let text = format!(
+        "GOOD\n{LINE1}\n{LINE2}\n\
+         BAD SUM\n{bad_checksum}\n{LINE2}\n\
+         BAD NUMBER\n{LINE1}\n{bad_number}\n\
+         NO LINE TWO\n{LINE1}\n\
+         CUT\n{LINE1}\n{}\n\
+         {LINE2}\n\
+         a stray line\n\
+         ALSO GOOD\n{}\
+         the end",
+        &LINE2[..63],
+        pair(90002, "079.52426840"),
+    );
+    let catalogue = read(text.as_bytes()).unwrap();
+    let ids: Vec<_> = catalogue.element_sets.iter().map(|set| (set.norad_id.0, set.name.to_string())).collect();
+    assert_eq!(ids, [(90001, "GOOD".into()), (90002, "ALSO GOOD".into())]);
+    let reason = |line, reason: &str| (line, reason.to_string());
+    assert_eq!(
+        reasons(&catalogue),
+        [
+            reason(5, "line 1: the checksum is '2', the line adds up to 1"),
+            reason(9, "line 2: inclination \"53.O541\" is not a number in columns 9-16"),
+            reason(11, "line 1 of an element set is not followed by its line 2"),
+            reason(14, "line 2 has 63 characters; 69 are allowed, or 68 where the checksum is missing"),
+            reason(15, "line 2 of an element set has no line 1 before it"),
+            reason(16, "\"a stray line\" is neither part of an element set nor the name of one"),
+            reason(20, "\"the end\" is neither part of an element set nor the name of one"),
+        ]
+    );
+    assert_eq!(catalogue.rejected[0].to_string(), "test:5: line 1: the checksum is '2', the line adds up to 1");
+    assert_eq!((catalogue.sources[0].records, catalogue.sources[0].rejected), (2, 7));
+
+    let options = ReadOptions { accept_bad_checksums: true, ..Default::default() };
+    let lenient = Catalogue::from_bytes("test", text.as_bytes(), &options).unwrap();
+    assert_eq!(lenient.rejected.len(), 6);
+    assert_eq!(lenient.sources[0].bad_checksums_accepted, 1);
+    assert_eq!(lenient.duplicates, 1);
+}
+
+#[test]
+fn verif_broken_messages_stay_alone() {
+    let json = String::from_utf8(sample("sample.json")).unwrap();
+    let good = json.trim().trim_start_matches('[').trim_end_matches(']');
+    let text = format!(
+        "[{good},\n{},\n{},\n{},\n{{\"NORAD_CAT_ID\": 7, oops}},\n{}",
+        good.replace("0.0006669", "1.5"),
+        good.replace("\"MEAN_MOTION\": 15.06394766,", ""),
+        good.replace("90001", "123456789"),
+        good.replace("90001", "90003").trim_end_matches('}'),
+    );
+    let catalogue = read(text.as_bytes()).unwrap();
+    let ids: Vec<_> = catalogue.element_sets.iter().map(|set| set.norad_id.0).collect();
+    assert_eq!(ids, [90001, 123_456_789]);
+    let words: Vec<_> = reasons(&catalogue).into_iter().map(|(_, reason)| reason).collect();
+    assert_eq!(
+        words,
+        [
+            "eccentricity 1.5 is out of range: 0 to below 1",
+            "MEAN_MOTION is missing",
+            "broken JSON: \"oops\" where a key, a value or a bracket is allowed",
+            "broken JSON: the file ends inside this object",
+        ]
+    );
+    assert_eq!(catalogue.rejected[2].line, 1 + text[..text.find("{\"NORAD").unwrap()].matches('\n').count());
+
+    // Lists in objects, an object a line, and records that carry nothing but the two lines.
+    let lines = format!("{{\"name\": \"X\", \"line1\": \"{LINE1}\", \"line2\": \"{LINE2}\"}}");
+    let wrapped = [
+        format!("{{\"name\": \"list\", \"total\": 1, \"data\": [{good}]}}"),
+        good.replace('\n', " "),
+        lines.clone(),
+        format!("{{\"@id\": 1, \"member\": [{lines}]}}"),
+    ];
+    for text in wrapped {
+        let catalogue = read(text.as_bytes()).unwrap_or_else(|error| panic!("{text}: {error}"));
+        assert_eq!(catalogue.element_sets[0].norad_id, NoradId(90001), "{text}");
+        assert_eq!((catalogue.element_sets.len(), reasons(&catalogue)), (1, vec![]), "{text}");
+    }
+    let a_line_each = format!("{}\n{}\n", good.replace('\n', " "), good.replace('\n', " ").replace("90001", "90002"));
+    assert_eq!(read(a_line_each.as_bytes()).unwrap().element_sets.len(), 2);
+
+    let csv = String::from_utf8(sample("sample.csv")).unwrap();
+    let row = csv.lines().nth(1).unwrap();
+    let text = format!(
+        "{csv}{}\nx,y\n{}\n{}\n{}\n",
+        row.replace("SAMPLE & SON", "\"SAMPLE, \"\"B\"\"\"").replace("90001", "90002.0"),
+        row.replace("2026-03-20", "2026-13-20"),
+        row.replace("90001", "\"90004"),
+        row.replace("90001", "A0005"),
+    );
+    let catalogue = read(text.as_bytes()).unwrap();
+    let ids: Vec<_> = catalogue.element_sets.iter().map(|set| (set.norad_id.0, set.name.to_string())).collect();
+    assert_eq!(
+        ids,
+        [(90001, "SAMPLE & SON".into()), (90002, "SAMPLE, \"B\"".into()), (100_005, "SAMPLE & SON".into())]
+    );
+    assert_eq!(
+        reasons(&catalogue),
+        [
+            (4, "broken CSV: 2 cells under 17 titles".to_string()),
+            (
+                5,
+                "epoch \"2026-13-20T12:34:56.789760\" is not a date: \
+                 UTC as YYYY-MM-DDThh:mm:ss.ssssss or YYYY-DDDThh:mm:ss.ssssss"
+                    .to_string()
+            ),
+            (6, "NORAD_CAT_ID \"\\\"90004\" is not a catalogue number (1 to 999999999, or Alpha-5)".to_string()),
+        ]
+    );
+
+    let xml = String::from_utf8(sample("sample.xml")).unwrap();
+    let message = &xml[xml.find("<omm").unwrap()..xml.find("</ndm>").unwrap()];
+    let text = format!(
+        "<ndm>{message}{}{}{}{}</ndm>",
+        message.replace("90001", "90002").replace("</EPOCH>", "</EPOK>"),
+        message.replace("90001", "90003").replace(">TEME<", ">EME2000<"),
+        message.replace("90001", "90004").replace(">SGP4<", ">SGP4-XP<"),
+        message.replace("90001", "90005").replace("SAMPLE &amp; SON", "&#83;AMPLE <![CDATA[& SON]]>"),
+    );
+    let catalogue = read(text.as_bytes()).unwrap();
+    let ids: Vec<_> = catalogue.element_sets.iter().map(|set| (set.norad_id.0, set.name.to_string())).collect();
+    assert_eq!(ids, [(90001, "SAMPLE & SON".into()), (90005, "SAMPLE & SON".into())]);
+    let words: Vec<_> = reasons(&catalogue).into_iter().map(|(_, reason)| reason).collect();
+    assert!(words[0].starts_with("broken XML: "), "{}", words[0]);
+    assert_eq!(
+        words[1..],
+        ["REF_FRAME \"EME2000\" is not supported: TEME", "MEAN_ELEMENT_THEORY \"SGP4-XP\" is not supported: SGP4"]
+    );
+
+    let kvn = String::from_utf8(sample("sample.kvn")).unwrap();
+    let text = format!(
+        "{kvn}\n{}\n{}\n{}",
+        kvn.replace("90001", "90002").replace("BSTAR   ", "BSTER   "),
+        kvn.replace("90001", "90003").replace("EPOCH              =", "EPOCH"),
+        kvn.replace("90001", "90004"),
+    );
+    let catalogue = read(text.as_bytes()).unwrap();
+    let ids: Vec<_> = catalogue.element_sets.iter().map(|set| set.norad_id.0).collect();
+    assert_eq!(ids, [90001, 90004]);
+    assert_eq!(
+        reasons(&catalogue),
+        [
+            (29, "BSTAR is missing".to_string()),
+            (69, "broken KVN: \"EPOCH 2026-03-20T12:34:56.789760\" is not KEYWORD = value".to_string())
+        ]
+    );
+}
+
+#[test]
+fn verif_a_whole_file_fails_with_one_clear_error() {
+    let allowed = "TLE, 2LE, 3LE or OMM (JSON, CSV, XML, KVN), plain or gzipped";
+    let packed = gzip(&sample("sample.3le"));
+    let cases: [(&[u8], String); 9] = [
+        (b"", format!("test is empty; it should hold element sets as {allowed}")),
+        (b" \r\n\n", format!("test is empty; it should hold element sets as {allowed}")),
+        (&gzip(b""), format!("test is empty; it should hold element sets as {allowed}")),
+        (
+            b"No GP data found",
+            format!("test holds no element sets (it begins \"No GP data found\"); allowed are {allowed}"),
+        ),
+        (
+            b"<!DOCTYPE html><html>403</html>",
+            format!("test holds no element sets (it is a web page or another kind of XML); allowed are {allowed}"),
+        ),
+        (
+            b"PK\x03\x04zip",
+            format!("test holds no element sets (it is a zip archive; unpack it); allowed are {allowed}"),
+        ),
+        (b"[]", "test (OMM JSON) holds no usable element set: it has no records".into()),
+        (
+            &LINE1.as_bytes()[..65],
+            "test (TLE) holds no usable element set: 1 rejected, the first at line 1: \
+             line 1 of an element set is not followed by its line 2"
+                .into(),
+        ),
+        (b"[list]\nx = 1\n", format!("test holds no element sets (it begins \"[list]\"); allowed are {allowed}")),
+    ];
+    for (bytes, expected) in cases {
+        assert_eq!(read(bytes).unwrap_err().to_string(), expected);
+    }
+    let error = read(&packed[..packed.len() - 12]).unwrap_err().to_string();
+    assert!(error.starts_with("test is a broken gzip file ("), "{error}");
+
+    let folder = tempfile::tempdir().unwrap();
+    let error = Catalogue::read(&[folder.path()], &ReadOptions::default()).unwrap_err();
+    assert!(matches!(error, CatalogueError::Directory { .. }), "{error}");
+    let missing = folder.path().join("missing.tle");
+    let error = Catalogue::read(&[&missing], &ReadOptions::default()).unwrap_err();
+    assert!(error.to_string().starts_with(&format!("cannot read {}: ", missing.display())), "{error}");
+    assert!(matches!(Catalogue::read::<&Path>(&[], &ReadOptions::default()), Err(CatalogueError::NoFiles)));
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+
+    /// Whatever stands in a file, reading ends with an answer.
+    #[test]
+    fn verif_reading_never_panics(bytes in proptest::collection::vec(any::<u8>(), 0..600)) {
+        let _ = read(&bytes);
+        let _ = read(&gzip(&bytes));
+    }
+
+    /// The same for texts that look right at first.
+    #[test]
+    fn verif_damaged_files_never_panic(
+        which in 0_usize..7,
+        at in any::<prop::sample::Index>(),
+        length in 0_usize..30,
+        with in proptest::collection::vec(any::<u8>(), 0..30),
+    ) {
+        let names =
+            ["sample.2le", "sample.3le", "sample.json", "sample_strings.json", "sample.csv", "sample.xml", "sample.kvn"];
+        let mut bytes = sample(names[which]);
+        let start = at.index(bytes.len());
+        let end = (start + length).min(bytes.len());
+        bytes.splice(start..end, with);
+        if let Ok(catalogue) = read(&bytes) {
+            for set in &catalogue.element_sets {
+                prop_assert!(set.mean_motion_rev_day > 0.0 && (0.0..1.0).contains(&set.eccentricity));
+            }
+        }
+    }
+}

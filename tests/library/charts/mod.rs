@@ -1,0 +1,49 @@
+//! Charts: the words and numbers they hold, their size, their colours, and input that cannot be drawn.
+
+mod fits;
+mod layers;
+mod observers;
+
+use image::RgbImage;
+use streakcast::plot::Picture;
+
+/// Averaging of four pixels and rounding, in steps of 255.
+const COLOUR_STEPS: u8 = 2;
+
+fn pixels(picture: &Picture) -> RgbImage {
+    let image = image::load_from_memory(&picture.to_png().unwrap()).unwrap().to_rgb8();
+    let (width, height) = picture.size();
+    assert_eq!((image.width() as usize, image.height() as usize), (width, height));
+    assert!(width <= 1600 && height <= 1600, "{width} {height}");
+    image
+}
+
+/// The words of an SVG that is well-formed, one a line.
+fn words(picture: &Picture) -> Vec<String> {
+    let text = picture.to_svg().unwrap();
+    let mut reader = quick_xml::Reader::from_str(&text);
+    let mut words = Vec::new();
+    loop {
+        match reader.read_event().unwrap() {
+            quick_xml::events::Event::Eof => return words,
+            quick_xml::events::Event::Text(text) if !text.contains("@font-face") => words.push(text.trim().to_owned()),
+            _ => {}
+        }
+    }
+}
+
+fn has(picture: &Picture, expected: &[&str]) {
+    let words = words(picture);
+    for one in expected {
+        assert!(words.iter().any(|words| words == one), "{one} is not in {words:?}");
+    }
+}
+
+fn close(a: [u8; 3], b: [u8; 3]) -> bool {
+    a.iter().zip(b).all(|(a, b)| a.abs_diff(b) <= COLOUR_STEPS)
+}
+
+#[track_caller]
+fn near(a: [u8; 3], b: [u8; 3]) {
+    assert!(close(a, b), "{a:?} {b:?}");
+}

@@ -1,0 +1,331 @@
+//! Nights, fields, light curves, rates and passes over a site.
+
+use streakcast::math::healpix::{cell_count, ring_centre_rad};
+use streakcast::plot::{
+    FieldChart, FieldStreak, LightCurve, LocalClock, NightTimeline, SkyChart, SkyRate, SkyTrack, SunAltitude,
+    field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
+};
+
+use super::{close, has, near, pixels, words};
+
+/// Two hours of exposures a minute apart, every fifth struck.
+fn night(magnitude: impl Fn(usize) -> f64) -> [Vec<f64>; 4] {
+    let n = 120;
+    let start = (0..n).map(|k| 60_536.0 + k as f64 / 1440.0).collect();
+    let magnitude: Vec<f64> = (0..n).map(|k| if k % 5 == 0 { magnitude(k) } else { f64::NAN }).collect();
+    let streaks = (0..n).map(|k| if k % 5 == 0 { 1.0 + (k % 3) as f64 } else { 0.0 }).collect();
+    [start, vec![30.0; n], streaks, magnitude]
+}
+
+fn timeline<'a>([start, duration, streaks, magnitude]: &'a [Vec<f64>; 4], sun: &'a [(f64, f64)]) -> NightTimeline<'a> {
+    NightTimeline {
+        title: "Night",
+        caption: "Test.",
+        start_mjd: start,
+        duration_s: duration,
+        n_streaks: streaks,
+        brightest_mag: magnitude,
+        limit_mag: Some(6.5),
+        sun,
+        local: Some(LocalClock { ahead_of_utc_h: -4.0, name: "UTC−4" }),
+    }
+}
+
+#[test]
+fn verif_a_night_shows_its_exposures_in_their_colours() {
+    let columns = night(|k| 5.0 + k as f64 / 40.0);
+    let sun = [(60_535.9, 5.0), (60_536.2, -25.0)];
+    let picture = night_timeline(&timeline(&columns, &sun)).unwrap();
+    let counts = "120 exposures, 24 struck (20.0 %), 12 by one brighter than the limit. Test.";
+    has(&picture, &[counts, "UTC, 2024-08-13/14", "UTC−4, 2024-08-13", "01:00", "21:00", "limit 6.5 mag", "nautical"]);
+    let image = pixels(&picture);
+    let scale = picture.scales()[0];
+    // The strip: exposure 60, struck at 6.5 mag, and the clear one after it; the axis from 1.2 % before to 1.2 % after.
+    let span = (119.0 * 60.0 + 30.0) / 86_400.0;
+    let across = |k: f64| 92.0 + (0.012 * span + (k + 0.25) / 1440.0) / (1.024 * span) * (1040.0 - 92.0);
+    let at = |k: f64| image.get_pixel(across(k) as u32, 551).0;
+    near(at(60.0), scale.colour(6.5));
+    assert_eq!(at(61.0), [208, 208, 208]);
+    // Above, bright is up: the first dot lies higher than the last.
+    let dot = |k: f64, colour: [u8; 3]| {
+        let column: Vec<u32> = (112..430).filter(|y| close(image.get_pixel(across(k) as u32, *y).0, colour)).collect();
+        column.iter().sum::<u32>() as f64 / column.len() as f64
+    };
+    let (first, last) = (dot(0.0, scale.colour(5.0)), dot(115.0, scale.colour(7.875)));
+    assert!(first + 100.0 < last, "{first} {last}");
+    // Nothing known of the Sun: no bands, and no words of them.
+    let without = night_timeline(&NightTimeline { sun: &[], local: None, ..timeline(&columns, &[]) }).unwrap();
+    assert!(!words(&without).iter().any(|words| words.contains("twilight") || words.contains("UTC−4")));
+}
+
+#[test]
+fn verif_nights_that_are_empty_say_so_and_others_are_refused() {
+    let [start, duration, _, magnitude] = night(|_| f64::NAN);
+    let clear = [start.clone(), duration.clone(), vec![0.0; 120], magnitude.clone()];
+    has(&night_timeline(&timeline(&clear, &[])).unwrap(), &["no exposure of this night is struck"]);
+    let unknown = night(|_| f64::NAN);
+    let picture = night_timeline(&timeline(&unknown, &[])).unwrap();
+    has(&picture, &["no magnitude is known of any streak of this night", "struck, no magnitude"]);
+    let refused =
+        |columns: &[Vec<f64>; 4]| night_timeline(&timeline(columns, &[])).map(|_| ()).unwrap_err().to_string();
+    assert!(refused(&Default::default()).contains("there are no exposures"));
+    let mut long = clear.clone();
+    long[0][119] += 3.0;
+    assert!(refused(&long).contains("allowed: 2 d"));
+    let mut uneven = clear.clone();
+    uneven[3].pop();
+    assert!(refused(&uneven).contains("brightest magnitudes: 119 values, but there must be 120"));
+    let mut wrong = clear;
+    wrong[0][3] = f64::NAN;
+    assert!(refused(&wrong).contains("value 3, counted from 0, is NaN"));
+    // One exposure alone is drawn.
+    let one = [vec![60_536.0], vec![15.0], vec![1.0], vec![4.2]];
+    pixels(&night_timeline(&timeline(&one, &[])).unwrap());
+}
+
+fn streak(name: &str, from: [f64; 2], to: [f64; 2], magnitude: f64) -> FieldStreak {
+    let name = name.to_owned();
+    let [enter_mjd, exit_mjd] = [1801.0, 1804.5].map(|seconds| 60_536.0 + seconds / 86_400.0);
+    FieldStreak { name, track_deg: vec![from, to], enter_mjd, exit_mjd, magnitude, sigma_mag: 0.4 }
+}
+
+#[test]
+fn verif_east_is_left_and_north_is_up_in_a_field() {
+    let outlines = [vec![[11.0, -1.0], [11.0, 1.0], [9.0, 1.0], [9.0, -1.0]]];
+    // From the middle to the east, and from the middle to the north.
+    let streaks = [streak("EAST", [10.0, 0.0], [10.8, 0.0], 4.0), streak("NORTH", [10.0, 0.0], [10.0, 0.8], 7.0)];
+    let chart = |outlines: &[Vec<[f64; 2]>], streaks: &[FieldStreak]| {
+        field_chart(&FieldChart { title: "Field", caption: "Test.", ra_deg: 10.0, dec_deg: 0.0, outlines, streaks })
+    };
+    let picture = chart(&outlines, &streaks).unwrap();
+    // The brightest first, in whatever order they come.
+    let turned = [streaks[1].clone(), streaks[0].clone()];
+    assert_eq!(chart(&outlines, &turned).unwrap().to_svg().unwrap(), picture.to_svg().unwrap());
+    has(
+        &picture,
+        &["EAST", "NORTH", "4.0 ±0.4", "00:30:01.0", "00:30:04.5", "N", "E", "0.5°", "offset to the east, °"],
+    );
+    let (image, scale) = (pixels(&picture), picture.scales()[0]);
+    let (bright, faint) = (scale.colour(4.0), scale.colour(7.0));
+    // The chart's box; its middle is at (432, 412).
+    let of = |colour: [u8; 3]| -> Vec<(f64, f64)> {
+        let all = image.enumerate_pixels().filter(|(x, y, _)| (92..772).contains(x) && (72..752).contains(y));
+        all.filter(|(.., pixel)| close(pixel.0, colour)).map(|(x, y, _)| (f64::from(x), f64::from(y))).collect()
+    };
+    let mean = |all: &[(f64, f64)]| {
+        let n = all.len() as f64;
+        (all.iter().map(|place| place.0).sum::<f64>() / n, all.iter().map(|place| place.1).sum::<f64>() / n)
+    };
+    let ((east_x, east_y), (north_x, north_y)) = (mean(&of(bright)), mean(&of(faint)));
+    assert!(east_x < 370.0 && (east_y - 412.0).abs() < 6.0, "{east_x} {east_y}");
+    assert!(north_y < 350.0 && (north_x - 432.0).abs() < 6.0, "{north_x} {north_y}");
+
+    let empty = chart(&outlines, &[]).unwrap();
+    has(&empty, &["no streak crosses this field"]);
+    let refused = |outlines: &[Vec<[f64; 2]>], streaks: &[FieldStreak]| {
+        chart(outlines, streaks).map(|_| ()).unwrap_err().to_string()
+    };
+    assert!(refused(&[], &[]).contains("no border of the field is known"));
+    assert!(refused(&[], &[streak("FAR", [10.0, 0.0], [100.0, 0.0], 4.0)]).contains("at most 75°"));
+    assert!(refused(&[], &[streak("NOWHERE", [10.0, 0.0], [10.0, 91.0], 4.0)]).contains("a place of the chart"));
+    // Thirty are drawn, and the list says how many are left.
+    let many: Vec<FieldStreak> =
+        (0..30).map(|k| streak("MANY", [9.5, -0.9], [10.5, -0.9 + 0.06 * f64::from(k)], 5.0)).collect();
+    has(&chart(&outlines, &many).unwrap(), &["and 8 more, in the data"]);
+    // Small fields are in arcminutes, and a dark streak has no magnitude.
+    let small = [vec![[10.01, 0.0], [10.0, 0.06], [9.99, 0.0]]];
+    has(
+        &chart(&small, &[streak("DARK", [10.0, 0.0], [10.0, 0.02], f64::NAN)]).unwrap(),
+        &["offset to the east, ′", "dark"],
+    );
+}
+
+#[test]
+fn verif_a_light_curve_has_its_band_and_its_marks() {
+    let n = 101;
+    let time: Vec<f64> = (0..n).map(|k| 60_536.0 + k as f64 / 86_400.0).collect();
+    let magnitude: Vec<f64> = (0..n).map(|k| if k > 80 { f64::NAN } else { 6.0 + 0.01 * k as f64 }).collect();
+    let sigma = vec![0.4; n];
+    let second = 1.0 / 86_400.0;
+    let curve = |time: &[f64], magnitude: &[f64], sigma: &[f64]| {
+        light_curve(&LightCurve {
+            title: "Curve",
+            caption: "Test.",
+            time_mjd: time,
+            magnitude,
+            sigma_mag: sigma,
+            in_field: &[[60_536.0 + 40.0 * second, 60_536.0 + 50.0 * second]],
+            shutter: Some([60_536.0 + 30.0 * second, 60_536.0 + 60.0 * second]),
+            limit_mag: Some(7.0),
+            local: None,
+        })
+    };
+    let picture = curve(&time, &magnitude, &sigma).unwrap();
+    has(
+        &picture,
+        &[
+            "enter",
+            "exit",
+            "magnitude, ±1σ",
+            "in the field",
+            "shutter open",
+            "nothing seen",
+            "limit 7.0 mag",
+            "UTC, 2024-08-13/14",
+        ],
+    );
+    let image = pixels(&picture);
+    // Columns of the track at 20 s: the line, and the band as wide as two sigmas.
+    let x = (92.0 + 998.0 * (0.015 + 0.2) / 1.03) as u32;
+    let shade: Vec<u32> =
+        (118..540).filter(|y| image.get_pixel(x, *y).0[2] > image.get_pixel(x, *y).0[0].saturating_add(20)).collect();
+    let (least, most) = (5.6 - 0.112, 7.2 + 0.112);
+    let expected = 0.8 / (most - least) * 422.0;
+    assert!((shade.len() as f64 - expected).abs() < 6.0, "{} {expected}", shade.len());
+    let refused = |time: &[f64], magnitude: &[f64], sigma: &[f64]| {
+        curve(time, magnitude, sigma).map(|_| ()).unwrap_err().to_string()
+    };
+    assert!(refused(&time, &vec![f64::NAN; n], &sigma).contains("there are no magnitudes along the track"));
+    assert!(refused(&time, &magnitude[..50], &sigma).contains("magnitudes: 50 values, but there must be 101"));
+    assert!(refused(&[], &[], &[]).contains("there are no points along the track"));
+    assert!(refused(&[1.0, 1.0], &[5.0; 2], &[0.1; 2]).contains("each later than the one before"));
+}
+
+#[test]
+fn verif_a_rate_has_its_colour_where_it_is() {
+    let cells: Vec<(u64, f64)> = (0..cell_count(8))
+        .filter_map(|cell| Some((cell, ring_centre_rad(8, cell)?)))
+        .filter(|(_, (_, altitude))| *altitude > 0.4)
+        .map(|(cell, (azimuth, _))| (cell, 1.0 + azimuth.sin()))
+        .collect();
+    let (cells, rate): (Vec<u64>, Vec<f64>) = cells.into_iter().unzip();
+    let drawn = |nside: u32, cells: &[u64], rate: &[f64]| {
+        sky_rate(&SkyRate {
+            title: "Rate",
+            subtitle: "Sun",
+            caption: "Test.",
+            nside,
+            cells,
+            rate,
+            sun_azimuth_deg: 250.0,
+        })
+    };
+    let picture = drawn(8, &cells, &rate).unwrap();
+    has(&picture, &["Rate", "N", "E", "S", "W", "streaks", "not asked", "0.0", "2.0"]);
+    let (image, scale) = (pixels(&picture), picture.scales()[0]);
+    // Most in the east, which is left of the middle (336, 414).
+    near(image.get_pixel(336 - 130, 410).0, scale.colour(2.0));
+    near(image.get_pixel(336 + 130, 410).0, scale.colour(0.0));
+    near(image.get_pixel(336 + 250, 410).0, [205, 205, 205]);
+    let refused = |nside, cells: &[u64], rate: &[f64]| drawn(nside, cells, rate).map(|_| ()).unwrap_err().to_string();
+    assert!(refused(8, &[], &[]).contains("there are no rates"));
+    assert!(refused(8, &[1], &[-1.0]).contains("0 streaks or more"));
+    assert!(refused(8, &[1, 1], &[1.0; 2]).contains("each once"));
+    assert!(refused(1, &[12], &[1.0]).contains("a cell is 12"));
+    assert!(refused(0, &[1], &[1.0]).contains("nside is 0"));
+    assert!(refused(8, &[1, 2], &[1.0]).contains("cells: 2 values"));
+}
+
+#[test]
+fn verif_trails_against_the_sun_go_from_day_to_night() {
+    let sun: Vec<f64> = (0..600).map(|k| -0.1 * f64::from(k)).collect();
+    let trails: Vec<f64> = sun.iter().map(|altitude| if *altitude > -30.0 { 3.0 } else { 1.0 }).collect();
+    let bright = vec![0.5; 600];
+    let drawn = |sun: &[f64], trails: &[f64], bin_deg: f64| {
+        let n_bright = Some((&bright[..trails.len().min(600)], 7.0));
+        sun_altitude(&SunAltitude {
+            title: "Trails",
+            caption: "Test.",
+            sun_altitude_deg: sun,
+            n_trails: trails,
+            n_bright,
+            bin_deg,
+        })
+    };
+    let picture = drawn(&sun, &trails, 2.0).unwrap();
+    has(
+        &picture,
+        &[
+            "600 exposures, 2.00 trails each on average. Test.",
+            "altitude of the Sun, °",
+            "civil",
+            "brighter than 7 mag",
+        ],
+    );
+    let image = pixels(&picture);
+    // The line of means: above while the Sun is high (left), below when it is low.
+    let blue = |x: u32| (62..430).filter(|y| close(image.get_pixel(x, *y).0, [0, 114, 178])).min().unwrap();
+    assert!(blue(250) + 100 < blue(850), "{} {}", blue(250), blue(850));
+    let refused = |sun: &[f64], trails: &[f64], bin| drawn(sun, trails, bin).map(|_| ()).unwrap_err().to_string();
+    assert!(refused(&[], &[], 2.0).contains("there are no exposures"));
+    assert!(refused(&sun, &trails[..3], 2.0).contains("numbers of trails: 3 values"));
+    assert!(refused(&sun, &trails, 0.0).contains("allowed: 0.1 to 30°"));
+    assert!(refused(&[-100.0], &[1.0], 2.0).contains("allowed: -90 to 90°"));
+    pixels(&drawn(&[-5.0], &[0.0], 2.0).unwrap());
+}
+
+/// A pass from west over the zenith to east in ten minutes, fading into the shadow.
+fn pass(name: &str) -> SkyTrack {
+    let points = 41;
+    let share = |k: usize| k as f64 / (points - 1) as f64;
+    SkyTrack {
+        name: name.to_owned(),
+        time_mjd: (0..points).map(|k| 60_536.0 + (5.0 + 600.0 * share(k)) / 86_400.0).collect(),
+        azimuth_deg: (0..points).map(|k| if share(k) < 0.5 { 270.0 } else { 90.0 }).collect(),
+        altitude_deg: (0..points).map(|k| 10.0 + 80.0 * (1.0 - (2.0 * share(k) - 1.0).abs())).collect(),
+        magnitude: (0..points).map(|k| if share(k) > 0.7 { f64::NAN } else { 5.0 - 2.0 * share(k) }).collect(),
+        sigma_mag: vec![0.4; points],
+    }
+}
+
+#[test]
+fn verif_a_sky_chart_says_who_when_and_how_bright() {
+    let one = [pass("SAMPLE 1")];
+    let drawn =
+        |tracks: &[SkyTrack]| sky_chart(&SkyChart { title: "A night", caption: "Invented.", tracks, local: None });
+    let picture = drawn(&one).unwrap();
+    // Minutes along a pass that is alone; the ends to a second; the brightest magnitude.
+    has(&picture, &["A night", "N", "E", "S", "W", "30°", "60°", "00:01", "SAMPLE 1", "00:00:05", "00:10:05"]);
+    has(&picture, &["3.6 ±0.4"]);
+    assert!(words(&picture).join(" ").contains("the brightest of each pass. Invented."));
+    pixels(&picture);
+    let many: Vec<SkyTrack> = (1..=30).map(|k| pass(&format!("SAMPLE {k}"))).collect();
+    let picture = drawn(&many).unwrap();
+    has(&picture, &["SAMPLE 22", "22"]);
+    assert!(words(&picture).join(" ").contains("The 22 brightest of 30 passes."));
+    // The brightest stay, in the order of the list.
+    let mut one_bright = many.clone();
+    one_bright[29].magnitude[0] = -3.0;
+    let picture_of_it = drawn(&one_bright).unwrap();
+    has(&picture_of_it, &["SAMPLE 21", "SAMPLE 30", "−3.0 ±0.4"]);
+    assert!(!words(&picture_of_it).iter().any(|words| words == "SAMPLE 22"));
+    assert!(!words(&picture).iter().any(|words| words == "00:01"));
+    pixels(&picture);
+    // Dark all along is drawn too, and a night without a pass.
+    let dark = SkyTrack { magnitude: vec![f64::NAN; 41], ..pass("DARK") };
+    has(&drawn(&[dark]).unwrap(), &["dark"]);
+    has(&drawn(&[]).unwrap(), &["no pass", "30°"]);
+}
+
+#[test]
+fn verif_a_sky_chart_refuses_what_it_cannot_draw() {
+    let said = |track: SkyTrack| {
+        let tracks = [track];
+        sky_chart(&SkyChart { title: "", caption: "", tracks: &tracks, local: None })
+            .map(|_| ())
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(said(SkyTrack { sigma_mag: vec![0.4], ..pass("A") }).contains("sigmas of A: 1 values"));
+    assert!(said(SkyTrack { altitude_deg: vec![-5.0; 41], ..pass("A") }).contains("allowed: 0 to 90 deg"));
+    assert!(said(SkyTrack { time_mjd: vec![60_536.0; 41], ..pass("A") }).contains("each later than the one before"));
+    assert!(said(SkyTrack { azimuth_deg: vec![f64::NAN; 41], ..pass("A") }).contains("only finite numbers"));
+}
+
+#[test]
+fn verif_an_svg_carries_its_font() {
+    let one = [vec![60_536.0], vec![15.0], vec![1.0], vec![4.2]];
+    let text = night_timeline(&timeline(&one, &[])).unwrap().to_svg().unwrap();
+    assert!(text.contains("@font-face{font-family:\"DejaVu Sans\";src:url(data:font/ttf;base64,AAEAAAA"));
+    assert!(!text.contains("http://") || text.matches("http").count() == 2, "only the two names of SVG itself");
+}

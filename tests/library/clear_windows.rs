@@ -1,0 +1,162 @@
+//! Clear windows hold what they promise: exposures that start within are clear, and those between two of them are not.
+
+use hifitime::Epoch;
+use streakcast::elements::Constellation;
+use streakcast::frames::{Direction, EopTable, seconds_after, seconds_between};
+use streakcast::geometry::{EarthLimb, Observer, Site};
+use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, Sky, SkyError};
+use streakcast::photometry::{ModelLibrary, PhotometryOptions};
+use streakcast::schedule::{
+    Blocking, ClearWindow, FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, Verdict, WindowRequest,
+    WindowTarget, clear_windows, clear_windows_alone, flag_exposures, lowest_altitudes_rad,
+};
+
+const EXPOSURE_S: f64 = 30.0;
+const MARGIN_S: f64 = 2.0;
+const SPAN_S: f64 = 3600.0;
+/// Ends are root-found to a millisecond and guarded by two; this far beyond them the answer must turn, seconds.
+const TURN_S: f64 = 0.01;
+
+fn dusk() -> Epoch {
+    Epoch::from_gregorian_utc_hms(2026, 8, 14, 23, 20, 0)
+}
+
+fn sky() -> Sky {
+    let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    let elements = Constellation::by_name("starlink-gen1").expect("shells").element_sets(dusk());
+    Sky::new(elements, Observer::new(site), EopTable::embedded(), &choice)
+}
+
+fn exposure(start: Epoch, duration_s: f64, number: usize) -> Exposure {
+    let (ra_deg, dec_deg) = (185.0 + 7.0 * number as f64, -50.0 + 12.0 * number as f64);
+    let pointing = Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
+    Exposure { id: number.to_string(), start, duration_s, pointing, rotation_rad: 0.0 }
+}
+
+/// Verdicts of one target's exposures that start so long after dusk.
+fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<Verdict> {
+    let rows: Vec<ScheduledExposure> = starts_s
+        .iter()
+        .enumerate()
+        .map(|(row, start_s)| ScheduledExposure {
+            id: row.to_string(),
+            row,
+            band: None,
+            exposure: Ok(exposure(seconds_after(dusk(), *start_s), EXPOSURE_S, number)),
+        })
+        .collect();
+    let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), request).expect("flags");
+    report.flags.iter().map(|flag| flag.verdict).collect()
+}
+
+/// Windows of four targets within an hour of dusk, exposures included.
+fn windows(min_altitude_rad: f64, blocking: Blocking, against: &FlagRequest<'_>) -> Vec<Vec<ClearWindow>> {
+    let target = |number| WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, number), band: None };
+    let targets: Vec<WindowTarget> = (0..4).map(target).collect();
+    let request = WindowRequest { against: *against, blocking, min_altitude_rad, max_sun_altitude_rad: None };
+    let report = clear_windows(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
+    let by_target = report.expect("windows").by_target;
+    assert!(by_target.iter().any(|one| !one.dodged.is_empty()));
+    let alone = clear_windows_alone(&targets, dusk(), seconds_after(dusk(), SPAN_S - EXPOSURE_S), &request);
+    for (alone, one) in alone.expect("windows").by_target.iter().zip(&by_target) {
+        assert_eq!((&alone.windows, &alone.observable, alone.dodged.len()), (&one.windows, &one.observable, 0));
+    }
+    by_target.into_iter().map(|one| one.windows).collect()
+}
+
+fn ends_s(window: &ClearWindow) -> (f64, f64) {
+    (seconds_between(dusk(), window.first), seconds_between(dusk(), window.last))
+}
+
+#[test]
+fn verif_starts_within_are_clear_and_between_are_not() {
+    let (sky, field) = (sky(), Field::circle(3.5f64.to_radians()).expect("a field"));
+    let photometry = PhotometryOptions::default();
+    let bright = Policy { limit_mag: Some(MagnitudeLimit::All(6.9)), ..Policy::default() };
+    let patient = Policy { margin_s: Some(MARGIN_S), max_delay_s: Some(0.0), ..Policy::default() };
+    let asked = [(&patient, Blocking::Any), (&bright, Blocking::Avoided), (&bright, Blocking::Limits)];
+    for (policy, blocking) in asked {
+        let request = FlagRequest { sky: &sky, field: &field, policy, telescope: None, photometry: &photometry };
+        let is_good = |verdict: &Verdict| match blocking {
+            Blocking::Any => *verdict == Verdict::Clear,
+            Blocking::Avoided | Blocking::Limits => matches!(verdict, Verdict::Clear | Verdict::Streaked),
+        };
+        let answer = windows(0.0, blocking, &request);
+        let (mut inside, mut outside) = (0, 0);
+        for (number, windows) in answer.iter().enumerate() {
+            assert!(!windows.is_empty(), "target {number}");
+            let within: Vec<f64> = windows
+                .iter()
+                .map(ends_s)
+                .flat_map(|(first_s, last_s)| [first_s, 0.5 * (first_s + last_s), last_s])
+                .collect();
+            let found = verdicts(&within, number, &request);
+            assert!(found.iter().all(is_good), "{blocking:?}, target {number}: {within:?} {found:?}");
+            let between: Vec<f64> = windows
+                .windows(2)
+                .map(|pair| (ends_s(&pair[0]).1, ends_s(&pair[1]).0))
+                .flat_map(|(last_s, next_s)| [last_s + TURN_S, 0.5 * (last_s + next_s), next_s - TURN_S])
+                .collect();
+            let found = verdicts(&between, number, &request);
+            assert!(!found.iter().any(is_good), "{blocking:?}, target {number}: {between:?} {found:?}");
+            (inside, outside) = (inside + within.len(), outside + between.len());
+        }
+        assert!(inside > 30 && outside > 20, "{blocking:?}: {inside} inside, {outside} between");
+    }
+}
+
+#[test]
+fn windows_end_at_the_altitude_asked_for() {
+    let (sky, field) = (sky(), Field::circle(3.5f64.to_radians()).expect("a field"));
+    let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
+    let request = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+    let eop = EopTable::embedded();
+    let altitude_rad = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], sky.viewpoint(), &eop)[0];
+    // As high as the second target stands half way: it sinks or rises through it.
+    let limit_rad = altitude_rad(&exposure(seconds_after(dusk(), 0.5 * SPAN_S), 0.0, 1));
+    let answer = windows(limit_rad, Blocking::Any, &request);
+    let starts: Vec<f64> = answer[1].iter().map(ends_s).flat_map(|(first_s, last_s)| [first_s, last_s]).collect();
+    assert!(!starts.is_empty());
+    for start_s in &starts {
+        let stands_rad = altitude_rad(&exposure(seconds_after(dusk(), *start_s), EXPOSURE_S, 1));
+        // A hundredth of a second of the sky's turning.
+        assert!(stands_rad > limit_rad - 1e-6, "{start_s} s: {} below", limit_rad - stands_rad);
+    }
+    let all = windows(0.0, Blocking::Any, &request);
+    let length_s = |windows: &[ClearWindow]| windows.iter().map(ends_s).map(|(first, last)| last - first).sum::<f64>();
+    assert!(length_s(&answer[1]) < 0.7 * length_s(&all[1]));
+    // Higher than anything stands: nothing.
+    let none = windows(1.57, Blocking::Any, &request);
+    assert!(none.iter().all(Vec::is_empty));
+}
+
+#[test]
+fn windows_from_an_orbit_end_at_the_limb() {
+    let elements = Constellation::by_name("starlink-gen1").expect("shells").element_sets(dusk());
+    let observer = OrbitingObserver::new(&elements[0], EarthLimb::default()).expect("an orbit");
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    let (sky, eop) = (Sky::new(elements, observer, EopTable::embedded(), &choice), EopTable::embedded());
+    let field = Field::circle(0.5f64.to_radians()).expect("a field");
+    let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
+    let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
+    // Two thirds of an orbit: every target that the limb covers at all rises or sets.
+    let target = WindowTarget { exposure: exposure(dusk(), EXPOSURE_S, 1), band: None };
+    let ask = |max_sun_altitude_rad| {
+        let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad };
+        clear_windows(std::slice::from_ref(&target), dusk(), seconds_after(dusk(), SPAN_S), &request)
+    };
+    let lowest_rad = |start: Epoch| lowest_altitudes_rad(&[&exposure(start, EXPOSURE_S, 1)], sky.viewpoint(), &eop)[0];
+    let found = ask(None).expect("windows").by_target.remove(0);
+    let (first, last) = (dusk(), seconds_after(dusk(), SPAN_S));
+    let ends: Vec<Epoch> = found.observable.iter().flat_map(|window| [window.first, window.last]).collect();
+    assert!(!ends.is_empty() && ends.iter().any(|end| *end != first && *end != last), "{ends:?}");
+    for window in &found.observable {
+        assert!(lowest_rad(window.first) >= -1e-5 && lowest_rad(window.last) >= -1e-5, "{window:?}");
+        // A second beyond, the limb stands in the way.
+        for beyond in [seconds_after(window.first, -1.0), seconds_after(window.last, 1.0)] {
+            assert!(beyond < first || beyond > last || lowest_rad(beyond) < 0.0, "{window:?}");
+        }
+    }
+    assert!(matches!(ask(Some(-0.2)), Err(SkyError::NoHorizon { .. })));
+}

@@ -1,0 +1,45 @@
+//! What the age of elements does to the sigma of a magnitude.
+
+use hifitime::{Epoch, Unit};
+use streakcast::elements::{Constellation, ElementSet, Origin};
+use streakcast::frames::EopTable;
+use streakcast::geometry::{Observer, Site};
+use streakcast::passes::{HorizonPass, ModelChoice, PassOptions, Sky};
+use streakcast::photometry::ModelLibrary;
+
+fn passes(elements: Vec<ElementSet>, start: Epoch) -> Vec<HorizonPass> {
+    let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    let sky = Sky::new(elements, Observer::new(site), EopTable::embedded(), &choice);
+    sky.horizon_passes(start, start + 2.0 * Unit::Hour, 0.3, &PassOptions::default()).expect("an answer").0
+}
+
+/// The same satellites with elements of the same moment called three months older: SGP4 gives other places, but the spread of
+/// the sigmas is what counts. Fresh elements leave the model's own sigma; old ones widen it, by no more than 3 mag.
+#[test]
+fn verif_old_elements_widen_the_sigma_of_a_magnitude() {
+    let start = Epoch::from_gregorian_utc(2026, 4, 25, 23, 30, 0, 0);
+    let shell = Constellation::by_name("starlink-gen1").expect("a shell");
+    let mut own = Vec::new();
+    for age_days in [0.0, 90.0] {
+        let elements = shell
+            .element_sets(start - age_days * Unit::Day)
+            .into_iter()
+            .step_by(9)
+            // Synthetic elements have no error.
+            .map(|elements| ElementSet { origin: Origin::Published, ..elements })
+            .collect();
+        let sigmas: Vec<f64> = passes(elements, start)
+            .iter()
+            .filter_map(|pass| pass.culmination.brightness.as_ref().map(|light| light.sigma_mag))
+            .collect();
+        assert!(sigmas.len() > 30, "{}", sigmas.len());
+        let mean = sigmas.iter().sum::<f64>() / sigmas.len() as f64;
+        let least = sigmas.iter().copied().fold(f64::INFINITY, f64::min);
+        let greatest = sigmas.iter().copied().fold(0.0, f64::max);
+        assert!(least >= 0.417 && greatest < 3.3, "{least} {greatest}");
+        own.push(mean);
+    }
+    let [fresh, old] = own[..] else { panic!("two ages") };
+    assert!(old > fresh + 0.05, "fresh {fresh}, old {old}");
+}

@@ -1,0 +1,36 @@
+//! Element sets, orbits, geometry, brightness, crossings, verdicts, forecasts, maps and charts.
+
+#[path = "../common/mod.rs"]
+mod common;
+
+mod catalogue;
+mod catalogue_history;
+mod catalogue_hostile;
+mod catalogue_real;
+mod chances;
+#[cfg(feature = "plot")]
+mod charts;
+mod clear_windows;
+mod crossings;
+mod earthshine;
+mod forecast_reference;
+mod frames;
+mod horizons;
+mod identify;
+mod magnitude_sigma;
+mod maps;
+#[cfg(any(feature = "fits", feature = "plot"))]
+mod maps_files;
+mod maps_paper;
+mod model_files;
+mod next_clear_start;
+mod orbit_uncertainty;
+mod overhead;
+mod passes_reference;
+mod photometry_model;
+mod photometry_panels;
+mod sgp4_verification;
+mod shadow;
+mod shells;
+mod space_observers;
+mod statistics;

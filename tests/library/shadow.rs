@@ -1,0 +1,82 @@
+//! Moments of shadow entry and exit against Skyfield's Sun with a cone, and with rays against the ellipsoid.
+
+use crate::common::agreement::Agreement;
+use std::collections::BTreeSet;
+
+use hifitime::Epoch;
+use streakcast::elements::{Catalogue, NoradId, ReadOptions};
+use streakcast::frames::{EopTable, Gcrs, OrientationTable, Position, seconds_after};
+use streakcast::geometry::{Illumination, SunTable, illumination};
+use streakcast::orbit::Propagator;
+
+/// Sun and Earth are of other makes (epv00 against DE421: 11 km), moments are bisected to 0.1 ms; high orbits that graze the shadow are the worst.
+const MOMENT_S: f64 = 0.02;
+
+/// The angle by which the Sun's edge clears the spherical Earth of the golden cone: the same closed form, with our satellite and our Sun.
+fn cone(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> [f64; 2] {
+    let to_sun = *sun - *satellite;
+    let (r, d) = (satellite.norm_km(), to_sun.norm_km());
+    let cosine = -satellite.vector().dot(to_sun.vector()) / (r * d);
+    let (angle, earth, disk) = (cosine.acos(), (6378.137 / r).asin(), (695_700.0 / d).asin());
+    [angle - earth - disk, angle - earth + disk]
+}
+
+#[test]
+fn valid_shadow_moments_against_skyfield() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let path = data.join("tle/active/active_2026-04-25.txt");
+    let sets = Catalogue::read(&[path], &ReadOptions::default()).expect("the catalogue reads").element_sets;
+    let eop = EopTable::embedded();
+    let (mut satellites, mut rows) = (BTreeSet::new(), 0);
+    let mut kinds_apart_s = 0.0_f64;
+    let mut of_ellipsoid = Agreement::new("Shadow entry and exit, ellipsoid", "Skyfield 1.55", MOMENT_S, "s");
+    let mut of_cone = Agreement::new("Shadow entry and exit, cone", "Skyfield 1.55", MOMENT_S, "s");
+    let text =
+        std::fs::read_to_string(crate::common::golden_dir().join("shadow_golden.csv")).expect("the golden numbers");
+    for line in text.lines().filter(|line| !line.starts_with('#')).skip(1) {
+        let cells: Vec<&str> = line.split(',').collect();
+        let id = NoradId(cells[0].parse().expect("an id"));
+        let propagator = Propagator::new(sets.iter().find(|set| set.norad_id == id).expect("known")).expect("an orbit");
+        let (umbra, entering) = (cells[1] == "umbra", cells[2] == "entry");
+        let start: Epoch = format!("{} UTC", cells[3]).parse().expect("an epoch");
+        let [by_cone_s, by_ellipsoid_s]: [f64; 2] = [4, 5].map(|cell: usize| cells[cell].parse().expect("seconds"));
+        let end = seconds_after(start, by_cone_s.max(by_ellipsoid_s) + 100.0);
+        let (orientation, sun) = (OrientationTable::new(start, end, &eop), SunTable::new(start, end));
+        let state = |seconds: f64| {
+            let place = propagator.state(seconds_after(start, seconds), &orientation.at_s(seconds).teme_to_gcrs);
+            (place.expect("a state").position, sun.at_s(seconds).sun)
+        };
+        let is_in = |seconds: f64| {
+            let (place, sun) = state(seconds);
+            match illumination(&place, &sun) {
+                Illumination::Sunlit => false,
+                Illumination::Penumbra { .. } => !umbra,
+                Illumination::Umbra => true,
+            }
+        };
+        let is_in_cone = |seconds: f64| {
+            let (place, sun) = state(seconds);
+            cone(&place, &sun)[usize::from(umbra)] < 0.0
+        };
+        // Bisected within half a minute of theirs.
+        let moment = |near_s: f64, is_in: &dyn Fn(f64) -> bool| {
+            let (mut low, mut high) = (near_s - 30.0, near_s + 30.0);
+            assert!(is_in(low) != entering && is_in(high) == entering, "{line}");
+            while high - low > 1e-4 {
+                let middle = 0.5 * (low + high);
+                if is_in(middle) == entering { high = middle } else { low = middle }
+            }
+            0.5 * (low + high)
+        };
+        of_ellipsoid.see(moment(by_ellipsoid_s, &is_in) - by_ellipsoid_s);
+        of_cone.see(moment(by_cone_s, &is_in_cone) - by_cone_s);
+        kinds_apart_s = kinds_apart_s.max((by_cone_s - by_ellipsoid_s).abs());
+        satellites.insert(id.0);
+        rows += 1;
+    }
+    println!(
+        "{} satellites, {rows} moments; cone and ellipsoid lie up to {kinds_apart_s:.1} s apart",
+        satellites.len()
+    );
+    assert!(satellites.len() == 56 && rows == 458, "{} {rows}", satellites.len());
+}

@@ -1,0 +1,291 @@
+//! Telescopes in orbit: directions against Skyfield, the cull against following every pair, the Earth in the way.
+
+use crate::common::agreement::Agreement;
+use crate::common::random::Random;
+use hifitime::{Epoch, TimeScale, Unit};
+use streakcast::elements::{Catalogue, ElementSet, NoradId, Origin, ReadOptions};
+use streakcast::frames::{Direction, EopTable, Gcrs, OrientationTable, seconds_after, seconds_between};
+use streakcast::geometry::{EarthLimb, SunTable, aspect};
+use streakcast::orbit::Propagator;
+use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, PassOptions, Sky, SkyError};
+use streakcast::photometry::ModelLibrary;
+
+fn active(data: &std::path::Path) -> Vec<ElementSet> {
+    let path = data.join("tle/active/active_2026-04-25.txt");
+    Catalogue::read(&[path], &ReadOptions::default()).expect("the catalogue reads").element_sets
+}
+
+fn by_id(sets: &[ElementSet], id: u32) -> &ElementSet {
+    sets.iter().find(|set| set.norad_id == NoradId(id)).expect("in the catalogue")
+}
+
+fn midnight() -> Epoch {
+    Epoch::from_gregorian_utc_at_midnight(2026, 4, 26)
+}
+
+fn sky(elements: Vec<ElementSet>, observer: &ElementSet) -> Sky {
+    let observer = OrbitingObserver::new(observer, EarthLimb::default()).expect("an orbit");
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    Sky::new(elements, observer, EopTable::embedded(), &choice)
+}
+
+/// Skyfield's UT1 is a table of its own; of it only TEME's turn by 10⁻⁴ s remains here. Its Sun and Earth are DE421: 0.01". All else is SGP4 alike.
+const DIRECTION_ARCSEC: f64 = 0.02;
+
+#[test]
+fn valid_directions_from_orbit_against_skyfield() {
+    let Some(data) = crate::common::data_dir() else { return };
+    let sets = active(&data);
+    let (start, eop) = (midnight(), EopTable::embedded());
+    let end = seconds_after(start, 86_400.0);
+    let (orientation, sun) = (OrientationTable::new(start, end, &eop), SunTable::new(start, end));
+    let mut rows = 0;
+    let mut directions = Agreement::new("Directions from an orbit", "Skyfield 1.55", DIRECTION_ARCSEC, "arcsec");
+    let mut ranges = Agreement::new("Ranges from an orbit", "Skyfield 1.55", 1e-3, "km");
+    for line in include_str!("../data/space_observer_golden.csv").lines().filter(|line| !line.starts_with('#')).skip(1)
+    {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().expect("a number")).collect();
+        let [observer, satellite, seconds, ra_deg, dec_deg, _, range_km, off_arcsec] = cells[..] else {
+            panic!("{line}")
+        };
+        let state = |id: f64| {
+            let propagator = Propagator::new(by_id(&sets, id as u32)).expect("an orbit");
+            propagator.state(seconds_after(start, seconds), &orientation.at_s(seconds).teme_to_gcrs).expect("a state")
+        };
+        let (here, there) = (state(observer), state(satellite));
+        let seen = aspect(&there.position, &there.velocity, &here.position, &sun.at_s(seconds).earth_velocity);
+        let theirs = Direction::<Gcrs>::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians());
+        let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
+        directions.see(arcsec(seen.direction.separation_rad(&theirs)));
+        ranges.see(seen.range_km - range_km);
+        // What is in question is really there: geometric directions are up to 25" off, here as there.
+        let plain = seen.geometric.direction().expect("apart").separation_rad(&theirs);
+        assert!((arcsec(plain) - off_arcsec).abs() < DIRECTION_ARCSEC, "{line}: {}", arcsec(plain));
+        rows += 1;
+    }
+    assert_eq!(rows, 60);
+}
+
+fn synthetic(id: u32, random: &mut Random, revolutions_day: f64, eccentricity: f64) -> ElementSet {
+    ElementSet {
+        norad_id: NoradId(id),
+        name: "".into(),
+        international_designator: "".into(),
+        epoch: midnight() - random.between(0.1, 4.0) * Unit::Day,
+        mean_motion_rev_day: revolutions_day,
+        eccentricity,
+        inclination_deg: random.between(0.0, 120.0),
+        right_ascension_of_node_deg: random.between(0.0, 360.0),
+        argument_of_perigee_deg: random.between(0.0, 360.0),
+        mean_anomaly_deg: random.between(0.0, 360.0),
+        bstar_per_earth_radius: 1e-4,
+        mean_motion_dot_rev_day2: 0.0,
+        mean_motion_ddot_rev_day3: 0.0,
+        revolution_at_epoch: 0,
+        origin: Origin::Synthetic,
+    }
+}
+
+/// Orbits close to the observers' own and far from them: the same shells, above, below, eccentric, geosynchronous.
+fn swarm(random: &mut Random, count: usize) -> Vec<ElementSet> {
+    (0..count)
+        .map(|number| {
+            let (revolutions_day, eccentricity) = match number % 10 {
+                0..=3 => (random.between(14.9, 15.6), random.between(0.0, 0.003)),
+                4..=6 => (random.between(12.0, 16.0), random.between(0.0, 0.005)),
+                7 => (random.between(2.0, 12.0), random.between(0.0, 0.1)),
+                8 => (random.between(2.0, 4.0), random.between(0.4, 0.65)),
+                _ => (random.between(0.95, 1.05), random.between(0.0, 0.01)),
+            };
+            synthetic(700_000_000 + number as u32, random, revolutions_day, eccentricity)
+        })
+        .collect()
+}
+
+/// No two places bound to the Earth part faster, km/s.
+const FASTEST_KM_S: f64 = 22.0;
+/// Inside a field for less than this a satellite may be stepped over, seconds.
+const FINEST_S: f64 = 5e-4;
+
+/// One pair followed without cull, arcs or roots: from each moment on by the time in which nothing could reach the field. True where it was inside.
+fn is_inside(
+    observer: &Propagator,
+    satellite: &Propagator,
+    exposure: &Exposure,
+    radius_rad: f64,
+    orientation: &OrientationTable,
+    sun: &SunTable,
+) -> bool {
+    let mut time_s = 0.0;
+    let minutes = |propagator: &Propagator| propagator.minutes_since_epoch(orientation.reference());
+    let (observer_minutes, satellite_minutes) = (minutes(observer), minutes(satellite));
+    let opened_s = seconds_between(orientation.reference(), exposure.start);
+    let teme_to_gcrs = orientation.at_s(opened_s).teme_to_gcrs;
+    let earth_velocity = sun.at_s(opened_s).earth_velocity;
+    while time_s <= exposure.duration_s {
+        let after = (opened_s + time_s) / 60.0;
+        let (Ok(here), Ok(there)) = (
+            observer.state_at_minutes(observer_minutes + after, &teme_to_gcrs),
+            satellite.state_at_minutes(satellite_minutes + after, &teme_to_gcrs),
+        ) else {
+            return false;
+        };
+        let seen = aspect(&there.position, &there.velocity, &here.position, &earth_velocity);
+        let angle_rad = seen.direction.separation_rad(&exposure.pointing);
+        if angle_rad <= radius_rad {
+            return EarthLimb::default().clearance_km(&here.position, &there.position) > 0.0;
+        }
+        // Square distance from the cone's edge.
+        let gap_km = seen.range_km * (angle_rad - radius_rad).min(1.5).sin();
+        time_s += (gap_km / FASTEST_KM_S).max(FINEST_S);
+    }
+    false
+}
+
+/// 120 exposures of 1,000 satellites: none that is inside a field is lost, none is invented.
+#[test]
+fn verif_no_crossing_is_lost_from_orbit() {
+    let mut random = Random(7);
+    let start = midnight();
+    let eop = EopTable::embedded();
+    let end = seconds_after(start, 6.0 * 3600.0);
+    let (orientation, sun) = (OrientationTable::new(start, end, &eop), SunTable::new(start, end));
+    let satellites = swarm(&mut random, 1000);
+    let propagators: Vec<Propagator> = satellites.iter().map(|set| Propagator::new(set).expect("an orbit")).collect();
+    let (mut pairs, mut crossings, mut near) = (0, 0, 0);
+    // Low circular, sun-synchronous height, transfer orbit, geosynchronous.
+    for (revolutions_day, eccentricity) in [(15.3, 0.0002), (14.2, 0.001), (2.3, 0.72), (1.0027, 0.0003)] {
+        let own = synthetic(600_000_000, &mut random, revolutions_day, eccentricity);
+        let observer = Propagator::new(&own).expect("an orbit");
+        let sky = sky(satellites.clone(), &own);
+        for number in 0..30 {
+            let diameter_deg = [0.05, 1.0, 10.0, 40.0][number % 4];
+            let field = Field::circle(f64::to_radians(diameter_deg)).expect("a field");
+            let exposure = Exposure {
+                id: number.to_string(),
+                start: seconds_after(start, random.between(0.0, 5.0 * 3600.0)),
+                duration_s: [0.0, 20.0, 120.0, 660.0][(number / 4) % 4],
+                pointing: Direction::from_lon_lat_rad(
+                    random.between(0.0, std::f64::consts::TAU),
+                    random.between(-1.0, 1.0).asin(),
+                ),
+                rotation_rad: 0.0,
+            };
+            let options = PassOptions { include_dark: true, ..PassOptions::default() };
+            let passes = sky.field_passes(std::slice::from_ref(&exposure), &field, &options).expect("an answer");
+            let found: Vec<usize> = passes.by_exposure[0].iter().map(|pass| pass.element_index).collect();
+            for (element_index, propagator) in propagators.iter().enumerate() {
+                let radius_rad = 0.5 * f64::to_radians(diameter_deg);
+                let inside = is_inside(&observer, propagator, &exposure, radius_rad, &orientation, &sun);
+                let told = found.contains(&element_index);
+                assert!(!inside || told, "{revolutions_day} {exposure:?}: {element_index} was lost");
+                if told && !inside {
+                    // It may have been there for less than a step, or behind the Earth as it came in.
+                    let pass = passes.by_exposure[0].iter().find(|pass| pass.element_index == element_index);
+                    let pass = pass.expect("told");
+                    let stay_s: f64 = pass.chords.iter().map(|chord| chord.exit_s - chord.enter_s).sum();
+                    let cut = pass.chords.iter().any(|chord| chord.enter_s > 0.0);
+                    assert!(stay_s < 2.0 * FINEST_S || cut, "{exposure:?}: {pass:?}");
+                    near += 1;
+                }
+                pairs += 1;
+                crossings += usize::from(inside);
+            }
+            // Each that is told of is clear of the Earth and has no horizon.
+            for pass in &passes.by_exposure[0] {
+                assert!(pass.mid.altitude_rad.is_none() && pass.mid.azimuth_rad.is_none());
+                assert!(pass.mid.range_km > 0.0 && pass.angular_rate_rad_s.is_finite());
+            }
+        }
+    }
+    println!("{pairs} pairs, {crossings} crossings, {near} cut by the limb");
+    assert!(pairs >= 100_000 && crossings > 400, "{pairs} {crossings}");
+    assert!(near * 10 < crossings, "{near} of {crossings}");
+}
+
+#[test]
+fn verif_close_encounters_are_seen_and_oneself_is_not() {
+    let mut random = Random(3);
+    let own = synthetic(600_000_000, &mut random, 15.3, 0.0002);
+    // The same orbit the other way round the same plane: it comes straight on at 15 km/s and passes within kilometres.
+    let mut other = own.clone();
+    other.norad_id = NoradId(600_000_001);
+    other.inclination_deg = 180.0 - own.inclination_deg + 0.1;
+    other.right_ascension_of_node_deg = (own.right_ascension_of_node_deg + 180.0).rem_euclid(360.0);
+    let sky = sky(vec![own.clone(), other.clone()], &own);
+    let (a, b) = (Propagator::new(&own).expect("an orbit"), Propagator::new(&other).expect("an orbit"));
+    let start = midnight();
+    let orientation = OrientationTable::new(start, seconds_after(start, 7200.0), &EopTable::embedded());
+    let apart = |seconds: f64| {
+        let state = |p: &Propagator| {
+            p.state(seconds_after(start, seconds), &orientation.at_s(seconds).teme_to_gcrs).expect("a state").position
+        };
+        state(&b) - state(&a)
+    };
+    let nearest_of = |from: f64, step_s: f64, count: u32| {
+        (0..count)
+            .map(|step| from + f64::from(step) * step_s)
+            .min_by(|s, t| apart(*s).norm_km().total_cmp(&apart(*t).norm_km()))
+            .expect("some")
+    };
+    let nearest = nearest_of(nearest_of(0.0, 1.0, 7000) - 1.0, 1e-3, 2000);
+    let miss_km = apart(nearest).norm_km();
+    assert!((0.5..60.0).contains(&miss_km), "{miss_km}");
+    // A field in the direction in which it stands as it passes, exposed for two minutes around.
+    let pointing = apart(nearest).direction().expect("apart");
+    let exposure = Exposure {
+        id: "1".into(),
+        start: seconds_after(start, nearest - 63.0),
+        duration_s: 120.0,
+        pointing,
+        rotation_rad: 0.0,
+    };
+    let field = Field::circle(2f64.to_radians()).expect("a field");
+    let options = PassOptions { include_dark: true, min_probability: Some(0.01), ..PassOptions::default() };
+    let passes = sky.field_passes(&[exposure], &field, &options).expect("an answer");
+    let pass = match &passes.by_exposure[0][..] {
+        [pass] => pass,
+        others => panic!("{others:?}"),
+    };
+    assert_eq!(pass.norad_id, NoradId(600_000_001));
+    // 15 km/s at its distance.
+    let rate = pass.angular_rate_rad_s * pass.mid.range_km;
+    println!("passes at {miss_km:.1} km, {:.1} deg/s", pass.angular_rate_rad_s.to_degrees());
+    assert!(pass.is_crossing() && (10.0..16.0).contains(&rate), "{rate}");
+    assert!((0.0..=1.0).contains(&pass.probability));
+}
+
+#[test]
+fn the_earth_hides_and_questions_of_a_horizon_are_refused() {
+    let mut random = Random(5);
+    let own = synthetic(600_000_000, &mut random, 12.5, 0.0002);
+    let sky = sky(swarm(&mut random, 3000), &own);
+    let start = midnight();
+    let orientation = OrientationTable::new(start, seconds_after(start, 60.0), &EopTable::embedded());
+    let place = Propagator::new(&own)
+        .and_then(|propagator| propagator.state(start, &orientation.at_s(0.0).teme_to_gcrs))
+        .expect("a state");
+    let up = place.position.direction().expect("in orbit");
+    let down = Direction::from_vector(-up.vector());
+    let seen = |pointing| {
+        let exposure = Exposure { id: "1".into(), start, duration_s: 10.0, pointing, rotation_rad: 0.0 };
+        let field = Field::circle(100f64.to_radians()).expect("a field");
+        let options = PassOptions { include_dark: true, ..PassOptions::default() };
+        sky.field_passes(&[exposure], &field, &options).expect("an answer").by_exposure.swap_remove(0)
+    };
+    // Downwards only what flies between the telescope and the ground is seen, upwards everything to the geosynchronous ring.
+    let below = seen(down);
+    assert!(!below.is_empty() && below.iter().all(|pass| pass.mid.range_km < 4800.0), "{}", below.len());
+    assert!(seen(up).iter().any(|pass| pass.mid.range_km > 20_000.0));
+    let refused = sky.horizon_passes(start, seconds_after(start, 60.0), 0.0, &PassOptions::default());
+    assert!(matches!(refused, Err(SkyError::NoHorizon { .. })));
+    // An observer that has decayed is an error of the question, not an empty sky.
+    let mut fallen = own.clone();
+    fallen.mean_motion_rev_day = 16.6;
+    fallen.bstar_per_earth_radius = 0.1;
+    fallen.epoch = (start - 20.0 * Unit::Day).to_time_scale(TimeScale::UTC);
+    let lost = self::sky(vec![own], &fallen);
+    let exposure = Exposure { id: "1".into(), start, duration_s: 10.0, pointing: up, rotation_rad: 0.0 };
+    let field = Field::circle(0.1).expect("a field");
+    assert!(matches!(lost.field_passes(&[exposure], &field, &PassOptions::default()), Err(SkyError::Observer { .. })));
+}
