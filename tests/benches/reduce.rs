@@ -19,8 +19,7 @@ use flate2::write::GzEncoder;
 use hifitime::Epoch;
 use streakcast::elements::{Constellation, History};
 use streakcast::fit::measurements::{
-    PhotometryOptions, Placement, RecordReader, ReduceOptions, Reducer, Selection, SimulationOptions, measure_each,
-    simulate, write_mmt_csv,
+    PhotometryOptions, Placement, RecordReader, ReduceOptions, Reducer, Selection, measure_each,
 };
 use streakcast::frames::seconds_after;
 use streakcast::photometry::ModelLibrary;
