@@ -1,34 +1,57 @@
-//! A brightness model out of photometry: a night is simulated, read back, reduced, fitted, and drawn from.
+//! A brightness model from photometry: points are reduced, fitted, and used to draw from the posterior.
 //!
 //! `cargo run --release --example fit_photometry`
 
-use streakcast::elements::{Constellation, History};
-use streakcast::fit::measurements::{Placement, Selection, SimulationOptions, measure, simulate};
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use streakcast::fit::measurements::{Measurement, Measurements};
 use streakcast::fit::{
     COEFFICIENTS, FitSettings, PosteriorSettings, Problem, RawWeights, TwoPanelForm, draw, faults,
     points_of_measurements, posterior, rms,
 };
-use streakcast::photometry::{Earthshine, ModelLibrary};
+use streakcast::geometry::ViewingGeometry;
+use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, StandardMagnitude};
+
+/// Tracks, points in each, and one sigma of a point, mag.
+const TRACKS: u32 = 120;
+const POINTS: u32 = 50;
+const NOISE_MAG: f64 = 0.2;
+
+/// Measurements of satellites at 550 km with a known model. Files of photometry are read with `RecordReader` and `measure` instead.
+fn measurements(truth: &BrightnessModel) -> Measurements {
+    let mut random = ChaCha8Rng::seed_from_u64(1);
+    let mut measured = Measurements::default();
+    for group in 0..TRACKS {
+        measured.groups.push(format!("track {group}"));
+        let mut between = |least: f64, greatest: f64| least + (greatest - least) * random.random::<f64>();
+        let (sun, longitude, latitude) = (between(-0.35, 0.0), between(0.0, 2.6), between(-1.3, -0.6));
+        for point in 0..POINTS {
+            let longitude = longitude + 0.5 * f64::from(point) / f64::from(POINTS);
+            let Some(geometry) = ViewingGeometry::from_angles(sun, longitude, latitude, 900.0, 550.0) else { continue };
+            let Some(magnitude) = truth.standard_magnitude(&geometry) else { continue };
+            let noise_mag = NOISE_MAG * random.sample::<f64, _>(StandardNormal);
+            measured.points.push(Measurement {
+                magnitude: StandardMagnitude(magnitude.0 + noise_mag),
+                sigma_mag: Some(NOISE_MAG),
+                geometry,
+                group,
+                norad_id: None,
+                epoch: None,
+            });
+        }
+    }
+    measured
+}
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
-    // 1. Photometry: here simulated, so that the truth is known; RecordReader reads files instead.
+    // 1. Measurements at 1000 km in the satellite's frame.
     let library = ModelLibrary::embedded();
-    let truth = library.get("starlink-v1.5").ok_or("no such model")?;
-    let shell = "[[constellation]]\nname = 'shell'\nshell = [{ altitude_km = 550, inclination_deg = 53, planes = 18, \
-                 satellites_per_plane = 15, phasing = 5 }]";
-    let first = "2023-05-20T12:00:00 UTC".parse()?;
-    let history = History::new(Constellation::from_toml(shell)?.remove(0).element_sets(first));
-    let photometry = simulate(
-        &truth,
-        &history,
-        &SimulationOptions { tracks_per_night: 60, cadence_s: 2.0, ..SimulationOptions::mmt9(first, 5)? },
-    )?;
+    let truth = library.get("starlink-v1.5").ok_or("unknown model")?;
+    let measured = measurements(&truth);
+    println!("{} measurements", measured.points.len());
 
-    // 2. Its geometry, by the nearest element set, and the paper's selection.
-    let measured = measure(&mut photometry.records.source(), &Placement::elements(&history), &Selection::default())?;
-    println!("{} measurements, {} rows left out", measured.points.len(), measured.dropped.total());
-
-    // 3. The paper's form, all seven coefficients free.
+    // 2. The form of Lu (2024) with all seven coefficients free.
     let file = truth.file().ok_or("a model without a file")?;
     let (band, system) = truth.band();
     let form = TwoPanelForm {
@@ -43,14 +66,14 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let fit = problem.solve()?;
     println!("RMS {:.3} mag", rms(&fit.residuals_mag));
     for (i, parameter) in fit.parameters.iter().enumerate() {
-        match fit.certainty.sigma(i) {
+        match fit.uncertainty.sigma(i) {
             Some(sigma) => println!("  {:<17} {:.5} +- {sigma:.5}", parameter.name, parameter.value),
             None => println!("  {:<17} {:.5}", parameter.name, parameter.value),
         }
     }
-    faults(&problem, &fit).iter().for_each(|fault| println!("  not sound: {fault}"));
+    faults(&problem, &fit).iter().for_each(|fault| println!("  fault: {fault}"));
 
-    // 4. A short walk through the posterior.
+    // 3. A short chain of draws from the posterior.
     let settings = PosteriorSettings { steps: 300, burn_in: 100, ..PosteriorSettings::default() };
     let chain = draw(&problem.objective(), &fit, &settings, None, |_| Ok(()))?;
     for marginal in posterior(&chain, &fit, settings.burn_in).marginals {

@@ -18,6 +18,7 @@
 pub mod config;
 pub mod constants;
 pub mod elements;
+#[cfg(feature = "fit")]
 pub mod fit;
 pub mod forecast;
 pub mod frames;

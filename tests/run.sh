@@ -86,6 +86,7 @@ else
     step "without features" cargo check --quiet --no-default-features
     step "cli alone" cargo check --quiet --no-default-features --features cli
     step "sqlite alone" cargo check --quiet --no-default-features --features sqlite
+    step "cli and fit" cargo check --quiet --no-default-features --features cli,fit
     step "serve alone" cargo check --quiet --no-default-features --features serve
     step "fits and plot alone" cargo check --quiet --no-default-features --features fits,plot
     step "example flag_exposures" cargo run --quiet --example flag_exposures

@@ -24,6 +24,7 @@ mod tle_write;
 
 pub use catalogue::{Catalogue, Keep, ReadOptions};
 pub use element_set::{ElementSet, NoradId, Origin};
+#[cfg(feature = "fit")]
 pub(crate) use epoch::parse_iso;
 pub use generation::{Certainty, Generation, GenerationTable};
 pub use history::History;

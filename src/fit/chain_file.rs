@@ -1,7 +1,7 @@
-//! Chains as NumPy's `.npz`, written whole or not at all, so that a run that was killed goes on where it was last saved.
+//! Chains in NumPy's `.npz` format, written atomically, so that an interrupted run can continue from the last saved step.
 //!
 //! Arrays: `chain` (n_step, n_walker, n_param), `log_prob` (n_step, n_walker), `accepted` (n_walker), and `about`, the bytes of
-//! a JSON text that says of what fit they are. `numpy.load(path)["chain"]` is what emcee's `get_chain()` gives.
+//! a JSON text that identifies the fit. `numpy.load(path)["chain"]` equals emcee's `get_chain()`.
 
 use std::fs::File;
 use std::io::{Read, Write};
@@ -17,24 +17,24 @@ use crate::output::AtomicFile;
 use super::error::FitError;
 use super::inference::Chain;
 
-/// Of what fit a chain is.
+/// Identification of the fit that a chain belongs to.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChainAbout {
-    /// Version of the program that drew it.
+    /// Version of the program.
     pub software: String,
     /// Names of the parameters, in the order of the last index.
     pub parameters: Vec<String>,
-    /// Seed of its chance.
+    /// Seed of the walkers.
     pub seed: u64,
-    /// Hash of points, form and settings: a chain goes on only with the same.
+    /// Hash of points, form and settings; a chain can only be continued with the same hash.
     pub fingerprint: String,
 }
 
 /// Writes a chain.
 ///
 /// # Errors
-/// [`FitError::ChainFile`] for whatever the system reports; an older file then stands as it was.
+/// [`FitError::ChainFile`] for any error of the system; an older file is then unchanged.
 pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(), FitError> {
     let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
     let io = |error: std::io::Error| failed(error.to_string());
@@ -42,21 +42,21 @@ pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(),
     let mut archive = ZipWriter::new(file.file());
     let [steps, walkers, parameters] = [chain.steps(), chain.walkers(), chain.parameters()].map(|n| n as u64);
     let text = serde_json::to_vec(about).map_err(|error| failed(error.to_string()))?;
-    put(&mut archive, "chain", &[steps, walkers, parameters], chain.places()).map_err(io)?;
-    put(&mut archive, "log_prob", &[steps, walkers], chain.log_probabilities()).map_err(io)?;
-    put(&mut archive, "accepted", &[walkers], chain.accepted()).map_err(io)?;
-    put(&mut archive, "about", &[text.len() as u64], &text).map_err(io)?;
+    write_array(&mut archive, "chain", &[steps, walkers, parameters], chain.places()).map_err(io)?;
+    write_array(&mut archive, "log_prob", &[steps, walkers], chain.log_probabilities()).map_err(io)?;
+    write_array(&mut archive, "accepted", &[walkers], chain.accepted()).map_err(io)?;
+    write_array(&mut archive, "about", &[text.len() as u64], &text).map_err(io)?;
     archive.finish().map_err(|error| failed(error.to_string()))?;
     file.finish().map_err(io)
 }
 
-fn put<T: npyz::AutoSerialize + Copy>(
+fn write_array<T: npyz::AutoSerialize + Copy>(
     archive: &mut ZipWriter<&File>,
     name: &str,
     shape: &[u64],
     values: &[T],
 ) -> std::io::Result<()> {
-    // Not compressed: random digits do not shrink.
+    // Random digits do not compress.
     let options = SimpleFileOptions::default().compression_method(zip::CompressionMethod::Stored).large_file(true);
     archive.start_file(format!("{name}.npy"), options)?;
     let mut bytes = Vec::with_capacity(128 + size_of_val(values));
@@ -69,16 +69,16 @@ fn put<T: npyz::AutoSerialize + Copy>(
 /// Reads a chain.
 ///
 /// # Errors
-/// [`FitError::ChainFile`] where it is missing, cut off, or no such file.
+/// [`FitError::ChainFile`] if the file is missing, truncated or invalid.
 pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
     let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
     let file = File::open(path).map_err(|error| failed(error.to_string()))?;
     let mut archive = ZipArchive::new(file)
-        .map_err(|_| failed("it is no .npz; allowed: the chains that fit run --mcmc wrote".to_owned()))?;
-    let (places, shape) = get::<f64>(&mut archive, "chain").map_err(failed)?;
-    let (log_probabilities, _) = get::<f64>(&mut archive, "log_prob").map_err(failed)?;
-    let (accepted, _) = get::<u64>(&mut archive, "accepted").map_err(failed)?;
-    let (about, _) = get::<u8>(&mut archive, "about").map_err(failed)?;
+        .map_err(|_| failed("invalid .npz; allowed: chains written by fit run --mcmc".to_owned()))?;
+    let (places, shape) = read_array::<f64>(&mut archive, "chain").map_err(failed)?;
+    let (log_probabilities, _) = read_array::<f64>(&mut archive, "log_prob").map_err(failed)?;
+    let (accepted, _) = read_array::<u64>(&mut archive, "accepted").map_err(failed)?;
+    let (about, _) = read_array::<u8>(&mut archive, "about").map_err(failed)?;
     let about: ChainAbout = serde_json::from_slice(&about).map_err(|error| failed(format!("about: {error}")))?;
     let &[_, walkers, parameters] = &shape[..] else {
         return Err(failed(format!("chain has {} axes, allowed is 3: steps, walkers, parameters", shape.len())));
@@ -90,7 +90,7 @@ pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
     Ok((chain, about))
 }
 
-fn get<T: npyz::Deserialize>(archive: &mut ZipArchive<File>, name: &str) -> Result<(Vec<T>, Vec<u64>), String> {
+fn read_array<T: npyz::Deserialize>(archive: &mut ZipArchive<File>, name: &str) -> Result<(Vec<T>, Vec<u64>), String> {
     let wrong = |error: String| format!("array {name}: {error}");
     let mut entry = archive.by_name(&format!("{name}.npy")).map_err(|error| wrong(error.to_string()))?;
     let mut bytes = Vec::new();

@@ -1,71 +1,71 @@
-//! How certain each parameter is.
+//! Uncertainty of the fitted parameters.
 //!
-//! The curvature H = Σ ψ' J Jᵀ/σ² of the cost (ψ the pull of a residual; JᵀW J for squares) is inverted over the parameters that stand between their bounds. Where points come in groups
-//! that share their faults (a track, a night), the errors of one are not those of another and H⁻¹ is too small; then the sandwich
+//! The curvature H = Σ ψ' J Jᵀ/σ² of the cost (ψ the influence function; JᵀW J for squares) is inverted over the parameters between their
+//! bounds. If points come in groups with shared systematic errors (a track, a night), H⁻¹ is too small, and the sandwich estimator
 //!
 //! ```text
-//! Σ = H⁻¹ (Σ_g s_g s_gᵀ) H⁻¹ G/(G-k),    s_g = Σ_{i in g} slopes of the cost of point i
+//! Σ = H⁻¹ (Σ_g s_g s_gᵀ) H⁻¹ G/(G-k),    s_g = Σ_{i in g} gradient of the cost of point i
 //! ```
 //!
-//! is used (Liang and Zeger 1986, Biometrika 73, 13). A track gives to many pixels, so pixels have no such groups: see `jackknife`.
-//! With too few groups for the sandwich, H⁻¹ is scaled by χ²/(n - k).
+//! is used (Liang and Zeger 1986, Biometrika 73, 13). With too few groups for the sandwich, H⁻¹ is scaled by χ²/(n - k). A track contributes
+//! to many pixels, so pixels have no such groups: see `jackknife`.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::form::Parameter;
 
-/// Nearer than this share of the room between its bounds a parameter is taken to stand at one.
+/// A parameter is at a bound if it is nearer than this share of the interval between its bounds.
 const AT_BOUND: f64 = 1e-6;
-/// Curvatures (scaled to a diagonal of 1) whose least eigenvalue is below this say nothing of that direction.
+/// A direction is undetermined if its eigenvalue of the curvature (scaled to a diagonal of 1) is below this.
 const SINGULAR: f64 = 1e-10;
 
-/// Where the errors of the parameters come from.
+/// Origin of a covariance.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum CovarianceKind {
-    /// Groups of points as they scatter about the fit.
+    /// Scatter of groups of points (sandwich estimator).
     Grouped,
     /// Curvature of the cost, scaled by χ²/(n - k).
     Scaled,
-    /// Tracks left out by the set ([`jackknife`](super::jackknife())).
+    /// Sets of tracks left out ([`jackknife`](super::jackknife())).
     Jackknife,
 }
 
-/// What is known of the parameters.
+/// Uncertainty of the parameters of a fit.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Certainty {
-    /// All parameters by all parameters; 0 for those that were held, stand at a bound or are undetermined. `None` where the curvature is singular.
+pub struct FitUncertainty {
+    /// Covariance of all parameters; 0 for those that are held, at a bound or undetermined. `None` if the curvature is singular.
     pub covariance: Option<Vec<Vec<f64>>>,
-    /// How it was made.
+    /// Origin of the covariance.
     pub kind: CovarianceKind,
-    /// Indices of free parameters that ended at a bound.
+    /// Indices of free parameters at a bound.
     pub at_bound: Vec<usize>,
-    /// Free parameters that move along the directions that nothing is said of, each with its share.
-    pub undetermined: Vec<(usize, f64)>,
+    /// Indices of free parameters in undetermined directions.
+    pub undetermined: Vec<usize>,
 }
 
-impl Certainty {
-    /// One sigma of a parameter; `None` where it was held, stands at a bound, or nothing is known.
+impl FitUncertainty {
+    /// One sigma of a parameter; `None` if it is held, at a bound or undetermined.
     pub fn sigma(&self, parameter: usize) -> Option<f64> {
         let variance = self.covariance.as_ref()?[parameter][parameter];
         (variance > 0.0).then(|| variance.sqrt())
     }
 
-    /// Correlation of two parameters.
+    /// Correlation of two parameters; `None` if one of them has no sigma.
     pub fn correlation(&self, one: usize, other: usize) -> Option<f64> {
         let product = self.sigma(one)? * self.sigma(other)?;
         Some(self.covariance.as_ref()?[one][other] / product)
     }
 }
 
-/// From the curvature `(n_free, n_free)` and the slopes of each point at the minimum.
-pub(super) fn certainty(
+/// Uncertainty from the curvature `(n_free, n_free)` and the gradient terms `(n_point)` of `(n_free)` at the minimum.
+pub(super) fn uncertainty(
     curvature: &DMatrix<f64>,
     scores: &[Vec<f64>],
     groups: &[u32],
     parameters: &[Parameter],
     free: &[usize],
     cost: f64,
-) -> Certainty {
+) -> FitUncertainty {
     let at_end = |i: usize| {
         let p = &parameters[i];
         let near = AT_BOUND * (p.greatest - p.least);
@@ -76,13 +76,13 @@ pub(super) fn certainty(
     let group_count = groups.iter().collect::<std::collections::HashSet<_>>().len();
     let is_grouped = group_count > 2 * free.len();
     let kind = if is_grouped { CovarianceKind::Grouped } else { CovarianceKind::Scaled };
-    let mut known = Certainty { covariance: None, kind, at_bound, undetermined: Vec::new() };
+    let mut known = FitUncertainty { covariance: None, kind, at_bound, undetermined: Vec::new() };
 
     let mut inner = inner;
     let inverse = loop {
-        // What nothing is said of is left out, and the others go on without it.
+        // Undetermined parameters are removed, and the rest is inverted without them.
         if let Some(place) = inner.iter().position(|&k| !(curvature[(k, k)] > 0.0 && curvature[(k, k)].is_finite())) {
-            known.undetermined.push((free[inner.remove(place)], 1.0));
+            known.undetermined.push(free[inner.remove(place)]);
             continue;
         }
         let m = inner.len();
@@ -90,14 +90,14 @@ pub(super) fn certainty(
             known.covariance = Some(vec![vec![0.0; parameters.len()]; parameters.len()]);
             return known;
         }
-        // Scaled to a diagonal of 1, so that no unit of a parameter matters.
+        // Scaled to a diagonal of 1, so that units do not matter.
         let scale: Vec<f64> = inner.iter().map(|&k| curvature[(k, k)].sqrt()).collect();
         let unit = DMatrix::from_fn(m, m, |r, c| curvature[(inner[r], inner[c])] / (scale[r] * scale[c]));
         let eigen = unit.clone().symmetric_eigen();
         if let Some(flat) = eigen.eigenvalues.iter().position(|value| *value < SINGULAR) {
             let direction = eigen.eigenvectors.column(flat);
             let (moving, fixed): (Vec<usize>, Vec<usize>) = (0..m).partition(|&k| direction[k].abs() > 0.3);
-            known.undetermined.extend(moving.iter().map(|&k| (free[inner[k]], direction[k].powi(2))));
+            known.undetermined.extend(moving.iter().map(|&k| free[inner[k]]));
             inner = fixed.into_iter().map(|k| inner[k]).collect();
             continue;
         }
@@ -122,7 +122,7 @@ pub(super) fn certainty(
     let mut full = vec![vec![0.0; parameters.len()]; parameters.len()];
     for r in 0..m {
         for c in 0..m {
-            // Products leave the halves different in the last digit.
+            // Rounding makes the product slightly asymmetric.
             full[free[inner[r]]][free[inner[c]]] = 0.5 * (covariance[(r, c)] + covariance[(c, r)]);
         }
     }
@@ -175,12 +175,12 @@ mod tests {
                 Problem::new(&PhaseForm { degree: 1 }, points, &settings).and_then(|problem| problem.solve())
             };
             let fit = solved(&points).expect("a fit");
-            assert_eq!(fit.certainty.kind, CovarianceKind::Grouped);
+            assert_eq!(fit.uncertainty.kind, CovarianceKind::Grouped);
             points.iter_mut().for_each(|point| point.group = 0);
             let alone = solved(&points).expect("a fit");
-            assert_eq!(alone.certainty.kind, CovarianceKind::Scaled);
+            assert_eq!(alone.uncertainty.kind, CovarianceKind::Scaled);
             [0, 1].map(|i| {
-                let sigma = |fit: &crate::fit::Fit| fit.certainty.sigma(i).expect("a sigma");
+                let sigma = |fit: &crate::fit::Fit| fit.uncertainty.sigma(i).expect("a sigma");
                 [fit.parameters[i].value, sigma(&fit), sigma(&alone)]
             })
         };

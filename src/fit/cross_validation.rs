@@ -1,32 +1,136 @@
-//! What a form says of points that it has not seen.
+//! Comparison of forms of brightness law by their predictions for unseen points.
 //!
-//! Single measurements are held out by the group (track, night). Pixels are not: a track gives to many of them, and would be on both sides.
-//! There the tracks are dealt into folds, and each side is reduced by itself: a form is fitted to the pixels of all folds but one, and held
-//! against the pixels that this one makes alone. Those have a share of 1/folds of the points, so thresholds on their numbers are that share
-//! of those on the side that is fitted (rounded up); the limit of their spread is the same.
+//! Single measurements are held out by group (track, night). Pixels cannot be: a track contributes to many of them and would be on both sides.
+//! For pixels the tracks are dealt into folds, and each side is reduced separately: a form is fitted to the pixels of all folds but one, and
+//! compared with the pixels that this fold alone makes. A fold holds a share of 1/folds of the points, so thresholds on numbers of points and
+//! tracks are divided by the number of folds there (rounded up); the limit on the spread is unchanged.
 
 use rayon::prelude::*;
 
-use super::measurements::{Measurements, ReduceOptions};
+use crate::photometry::{Coefficients, Earthshine};
 
 use super::error::FitError;
 use super::form::{BLOCK, Form};
-use super::observed::points_of_pixels;
-use super::point::FitPoint;
+use super::jackknife::TrackSets;
+use super::measurements::{Measurements, ReduceOptions};
+use super::phase::{PhaseForm, SphereForm};
+use super::point::{FitPoint, points_of_pixels};
 use super::solve::{FitSettings, Problem};
-use super::tracks::Dealt;
+use super::statistics::{ResidualStatistics, aic_under, share_within, sigma_68_mag};
+use super::two_panel::TwoPanelForm;
 
-/// Residuals of points that were held out of the fit that predicts them.
-#[derive(Clone, Debug, PartialEq)]
-pub struct HeldOut {
-    /// Observed minus predicted, mag, fold by fold; points that a form says nothing of are not among them.
-    pub residuals_mag: Vec<f64>,
-    /// Fold in which each of them was held out.
-    pub folds: Vec<usize>,
+/// A form with its free parameters.
+pub struct CompetingForm {
+    /// Name for tables.
+    pub name: String,
+    /// The form.
+    pub form: Box<dyn Form>,
+    /// Names of its free parameters.
+    pub free: Vec<String>,
 }
 
-/// What is held out in turn: points with what they share, or tracks before they are reduced.
-pub struct Folds<'a> {
+/// Result of one form.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FormScore {
+    /// Name of the form.
+    pub name: String,
+    /// Number of free parameters.
+    pub parameters: usize,
+    /// Residuals of the fitted points.
+    pub in_sample: ResidualStatistics,
+    /// Residuals of the points that were held out.
+    pub held_out: ResidualStatistics,
+    /// The latter residuals, fold by fold.
+    pub held_out_mag: Vec<f64>,
+    /// Akaike's criterion in sample: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
+    pub aic: f64,
+    /// Sigma that holds 68.3 % of the points held out.
+    pub sigma_68_mag: f64,
+    /// Share of each fold's points within the same sigma of the *other* folds, that is, of unseen points within a predicted sigma.
+    pub within_one_sigma: f64,
+}
+
+/// Fits and cross-validates every form on the points that all forms explain.
+///
+/// `points` are fitted in sample. If they are pixels, `tracks` are the measurements behind them and the options of their reduction, and whole
+/// tracks are held out.
+///
+/// # Errors
+/// * those of [`Problem`];
+/// * [`FitError::Folds`] for fewer than two folds or fewer groups than folds;
+/// * [`FitError::Empty`] and [`FitError::NoneUnseen`] if no point is common to all forms.
+pub fn compare_forms(
+    forms: &[CompetingForm],
+    points: &[FitPoint],
+    tracks: Option<(&Measurements, ReduceOptions)>,
+    settings: &FitSettings,
+    folds: usize,
+) -> Result<Vec<FormScore>, FitError> {
+    let points = common(forms.iter().map(|one| &*one.form), points.to_vec());
+    let with_settings = |one: &CompetingForm| {
+        // A parameter held in one form may not exist in another.
+        let names: Vec<String> = one.form.parameters().into_iter().map(|parameter| parameter.name).collect();
+        let held = settings.held.iter().filter(|(name, _)| names.contains(name) && !one.free.contains(name));
+        FitSettings { free: one.free.clone(), held: held.cloned().collect(), ..settings.clone() }
+    };
+    let fitted: Vec<(&dyn Form, FitSettings)> = forms.iter().map(|one| (&*one.form, with_settings(one))).collect();
+    let split = match tracks {
+        Some((measurements, options)) => Folds::of_tracks(measurements, options, folds)?,
+        None => Folds::of_points(&points, folds)?,
+    };
+    let held_out = cross_validate(&fitted, &split)?;
+    let sigmas_mag: Vec<f64> = points.iter().map(|point| point.sigma_mag).collect();
+    let score = |((one, (form, settings)), held_out): ((&CompetingForm, &(&dyn Form, FitSettings)), HeldOut)| {
+        let fit = Problem::new(*form, &points, settings)?.solve()?;
+        let empty = || FitError::Empty { given: points.len(), unexplained: points.len(), form: one.name.clone() };
+        Ok(FormScore {
+            name: one.name.clone(),
+            parameters: one.free.len(),
+            in_sample: ResidualStatistics::of(&fit.residuals_mag).ok_or_else(empty)?,
+            held_out: ResidualStatistics::of(&held_out.residuals_mag).ok_or(FitError::NoneUnseen { folds })?,
+            aic: aic_under(settings.loss, &fit.residuals_mag, &sigmas_mag, one.free.len()),
+            sigma_68_mag: sigma_68_mag(&held_out.residuals_mag),
+            within_one_sigma: within_sigma_of_other_folds(&held_out),
+            held_out_mag: held_out.residuals_mag,
+        })
+    };
+    forms.iter().zip(&fitted).zip(held_out).map(score).collect()
+}
+
+/// Baseline forms: a diffuse sphere, a quadratic in the phase angle, and, for satellites with chassis and sail, two Phong panels without
+/// mutual blocking, transmission and earthshine.
+pub fn baseline_forms(of: Option<&TwoPanelForm>) -> Vec<CompetingForm> {
+    let form = |name: &str, form: Box<dyn Form>, free: &[&str]| CompetingForm {
+        name: name.to_owned(),
+        form,
+        free: free.iter().map(|&name| name.to_owned()).collect(),
+    };
+    let mut forms = vec![
+        form("diffuse sphere", Box::new(SphereForm), &["half_lit_mag"]),
+        form("quadratic in phase", Box::new(PhaseForm { degree: 2 }), &["a0", "a1", "a2"]),
+    ];
+    forms.extend(of.map(|of| {
+        let panels = TwoPanelForm {
+            coefficients: Coefficients { c3: 0.0, ..of.coefficients },
+            earthshine: Earthshine::Off,
+            blocking: false,
+            ..of.clone()
+        };
+        form("two Phong panels", Box::new(panels), &["c1", "c2", "c4", "c5", "n_sail", "n_base"])
+    }));
+    forms
+}
+
+/// Residuals of points that were held out of the fit that predicts them.
+struct HeldOut {
+    /// Observed minus predicted, mag, fold by fold.
+    residuals_mag: Vec<f64>,
+    /// Fold in which each of them was held out.
+    folds: Vec<usize>,
+}
+
+/// Division of the data into folds.
+struct Folds<'a> {
     of: Source<'a>,
     count: usize,
 }
@@ -34,21 +138,18 @@ pub struct Folds<'a> {
 enum Source<'a> {
     /// Points, and the fold of each.
     Points(&'a [FitPoint], Vec<usize>),
-    Tracks(Dealt<'a>, ReduceOptions),
+    Tracks(TrackSets<'a>, ReduceOptions),
 }
 
-/// What one fold is judged by.
+/// Both sides of one fold.
 struct Split {
     seen: Vec<FitPoint>,
     unseen: Vec<FitPoint>,
 }
 
 impl<'a> Folds<'a> {
-    /// Of single measurements: groups in the order of their numbers, dealt out in turn, so that a group is never split.
-    ///
-    /// # Errors
-    /// [`FitError::Folds`] where there are fewer groups than folds or fewer than two folds.
-    pub fn of_points(points: &'a [FitPoint], count: usize) -> Result<Self, FitError> {
+    /// Folds of single measurements: groups are dealt in the order of their numbers and never split.
+    fn of_points(points: &'a [FitPoint], count: usize) -> Result<Self, FitError> {
         let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
         groups.sort_unstable();
         groups.dedup();
@@ -58,14 +159,11 @@ impl<'a> Folds<'a> {
         Ok(Self { of: Source::Points(points, folds), count })
     }
 
-    /// Of the tracks (or nights) behind pixels, which are reduced with `options` on each side.
-    ///
-    /// # Errors
-    /// [`FitError::Folds`] where there are fewer tracks than folds or fewer than two folds.
-    pub fn of_tracks(measurements: &'a Measurements, options: ReduceOptions, count: usize) -> Result<Self, FitError> {
-        let dealt = Dealt::new(measurements, count);
-        let count = checked(count, dealt.groups)?;
-        Ok(Self { of: Source::Tracks(dealt, options), count })
+    /// Folds of the tracks (or nights) behind pixels, which are reduced with `options` on each side.
+    fn of_tracks(measurements: &'a Measurements, options: ReduceOptions, count: usize) -> Result<Self, FitError> {
+        let tracks = TrackSets::new(measurements, count);
+        let count = checked(count, tracks.groups)?;
+        Ok(Self { of: Source::Tracks(tracks, options), count })
     }
 
     fn split(&self, fold: usize) -> Result<Split, FitError> {
@@ -77,7 +175,7 @@ impl<'a> Folds<'a> {
                 };
                 Ok(Split { seen: side(false), unseen: side(true) })
             }
-            Source::Tracks(dealt, options) => {
+            Source::Tracks(tracks, options) => {
                 let share = |least: u32| least.div_ceil(self.count as u32);
                 let fewer = ReduceOptions {
                     least_count: share(options.least_count),
@@ -85,8 +183,8 @@ impl<'a> Folds<'a> {
                     ..*options
                 };
                 Ok(Split {
-                    seen: points_of_pixels(&dealt.reduced(*options, |of| of != fold)?),
-                    unseen: points_of_pixels(&dealt.reduced(fewer, |of| of == fold)?),
+                    seen: points_of_pixels(&tracks.reduced(*options, |of| of != fold)?),
+                    unseen: points_of_pixels(&tracks.reduced(fewer, |of| of == fold)?),
                 })
             }
         }
@@ -97,16 +195,8 @@ fn checked(count: usize, groups: usize) -> Result<usize, FitError> {
     if count < 2 || groups < count { Err(FitError::Folds { groups, folds: count }) } else { Ok(count) }
 }
 
-/// Fits as often as there are folds, each time without one of them, and predicts that one.
-///
-/// # Errors
-/// Those of [`Problem`] of any fold.
-pub fn cross_validate(form: &dyn Form, folds: &Folds, settings: &FitSettings) -> Result<HeldOut, FitError> {
-    Ok(cross_validate_all(&[(form, settings.clone())], folds)?.remove(0))
-}
-
-/// The same of several forms, one answer for each; points that any of them says nothing of are left to none.
-pub(super) fn cross_validate_all(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<Vec<HeldOut>, FitError> {
+/// Fits each form without one fold at a time and predicts that fold, on the points that all forms explain.
+fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<Vec<HeldOut>, FitError> {
     // Residuals of each form in each fold.
     let parts: Vec<Vec<Vec<f64>>> = (0..folds.count)
         .into_par_iter()
@@ -130,15 +220,35 @@ pub(super) fn cross_validate_all(forms: &[(&dyn Form, FitSettings)], folds: &Fol
     Ok((0..forms.len()).map(of_form).collect())
 }
 
-/// The points that all forms say something of.
-pub(super) fn common<'f>(forms: impl Iterator<Item = &'f dyn Form>, points: Vec<FitPoint>) -> Vec<FitPoint> {
+/// Share of points within the sigma that the other folds give.
+fn within_sigma_of_other_folds(held_out: &HeldOut) -> f64 {
+    let count = held_out.folds.iter().max().map_or(0, |last| last + 1);
+    let (mut inside, mut all) = (0.0, 0.0);
+    for fold in 0..count {
+        let side = |same: bool| {
+            let part = held_out.residuals_mag.iter().zip(&held_out.folds);
+            let part = part.filter(|(r, f)| r.is_finite() && (**f == fold) == same);
+            part.map(|(r, _)| *r).collect::<Vec<f64>>()
+        };
+        let (own, others) = (side(true), side(false));
+        let n = own.len() as f64;
+        if let Some(share) = share_within(own.into_iter().map(|r| (r, 1.0)), sigma_68_mag(&others)) {
+            inside += share * n;
+            all += n;
+        }
+    }
+    inside / all
+}
+
+/// The points that all forms explain.
+fn common<'f>(forms: impl Iterator<Item = &'f dyn Form>, points: Vec<FitPoint>) -> Vec<FitPoint> {
     forms.fold(points, |points, form| {
         let prepared = form.prepare(&points);
         (0..points.len()).filter(|&i| prepared.explains(i)).map(|i| points[i]).collect()
     })
 }
 
-/// Magnitudes at 1000 km that a form with these parameters (all, in order) predicts; not a number where it says nothing.
+/// Magnitudes at 1000 km predicted by a form with parameters `x` (all, in order); NaN for points that it does not explain.
 pub fn predict(form: &dyn Form, points: &[FitPoint], x: &[f64]) -> Vec<f64> {
     let prepared = form.prepare(points);
     let evaluated = prepared.at(x);
@@ -157,7 +267,7 @@ pub fn predict(form: &dyn Form, points: &[FitPoint], x: &[f64]) -> Vec<f64> {
 mod tests {
     use super::super::measurements::{Measurement, reduce};
     use super::*;
-    use crate::fit::{PhaseForm, rms};
+    use crate::fit::rms;
     use crate::geometry::ViewingGeometry;
     use crate::photometry::StandardMagnitude;
 
@@ -196,7 +306,8 @@ mod tests {
         let settings = FitSettings::free(&["a0", "a1", "a2", "a3", "a4", "a5"]);
         let points = points_of_pixels(&reduce(&seen.points, options()).expect("pixels"));
         let unseen = |folds: Result<Folds, FitError>| {
-            let held = cross_validate(&form, &folds.expect("folds"), &settings).expect("predictions");
+            let held =
+                cross_validate(&[(&form, settings.clone())], &folds.expect("folds")).expect("predictions").remove(0);
             assert_eq!(held.residuals_mag.len(), held.folds.len());
             rms(&held.residuals_mag)
         };

@@ -1,106 +1,107 @@
-//! Why a fit cannot be made.
+//! Errors of a fit.
 
 use std::path::PathBuf;
 
 use thiserror::Error;
 
-use super::measurements::MeasuredError;
-
 use super::inference::EnsembleError;
+use super::measurements::MeasurementError;
 
-/// Why a fit cannot be made.
+/// Errors of a fit.
 #[derive(Debug, Error)]
 pub enum FitError {
-    /// Nothing is left to be explained.
-    #[error("no point is left to fit: {given} given, {unexplained} of them where the model {form} sees nothing lit")]
+    /// No point is left.
+    #[error(
+        "no point is left to fit: {given} given; at {unexplained} of them the model {form} has no lit visible surface"
+    )]
     Empty {
         /// Points given.
         given: usize,
-        /// Points that the form says nothing of.
+        /// Points that the form does not explain.
         unexplained: usize,
         /// Name of the form.
         form: String,
     },
-    /// More unknowns than points.
-    #[error("{points} points cannot fix {free} parameters ({names}): at least {least} points are needed")]
+    /// More free parameters than points.
+    #[error("{points} points cannot constrain {free} parameters ({names}): at least {least} points are needed")]
     TooFew {
-        /// Points that can be fitted.
+        /// Points that the form explains.
         points: usize,
-        /// Free parameters.
+        /// Number of free parameters.
         free: usize,
         /// Their names.
         names: String,
         /// Least number of points.
         least: usize,
     },
-    /// A parameter that the form does not have.
-    #[error("{given:?} is no parameter of the model {form}; they are {allowed}")]
+    /// An unknown parameter.
+    #[error("unknown parameter {given:?} of the model {form}; known are {allowed}")]
     Parameter {
         /// As it was given.
         given: String,
         /// Name of the form.
         form: String,
-        /// Names that it has.
+        /// Names of its parameters.
         allowed: String,
     },
-    /// An error or a magnitude that is none.
+    /// An invalid error or magnitude.
     #[error("point {index}: {quantity} is {given}, allowed is {allowed}")]
     Point {
-        /// Its place in the list, from 0.
+        /// Index of the point.
         index: usize,
-        /// What is wrong.
+        /// Name of the invalid quantity.
         quantity: &'static str,
         /// As it was given.
         given: f64,
-        /// What may stand there.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// No starting place led anywhere.
-    #[error("none of {starts} starting places led to a minimum with a finite cost")]
+    /// No descent ended at a finite cost.
+    #[error("no minimum with a finite cost from any of {starts} starts")]
     NoMinimum {
-        /// How many were tried.
+        /// Number of starts.
         starts: usize,
     },
     /// Fewer groups than folds.
     #[error("{groups} groups of points (tracks, nights) cannot be held out in {folds} folds")]
     Folds {
-        /// Groups there are.
+        /// Number of groups.
         groups: usize,
-        /// Folds asked for.
+        /// Requested folds.
         folds: usize,
     },
-    /// No point of any fold can be judged.
+    /// No point of any fold can be predicted.
     #[error(
-        "no point is left of those held out in {folds} folds: the pixels of so few tracks hold too few points, or no form says anything of them"
+        "no point is left in {folds} folds held out: their pixels contain too few points, or no form explains them"
     )]
     NoneUnseen {
-        /// Folds asked for.
+        /// Requested folds.
         folds: usize,
     },
-    /// Sets of groups for the jackknife.
+    /// Invalid number of sets for the jackknife.
     #[error(
-        "{groups} groups of points (tracks, nights) in {sets} sets: allowed are more sets than the {free} free parameters, and no more than groups"
+        "{sets} sets of {groups} groups of points (tracks, nights); allowed: more sets than the {free} free parameters, at most as many as groups"
     )]
     Sets {
-        /// Sets asked for.
+        /// Requested sets.
         sets: usize,
-        /// Groups there are.
+        /// Number of groups.
         groups: usize,
-        /// Free parameters.
+        /// Number of free parameters.
         free: usize,
     },
-    /// Measurements that cannot be reduced again.
+    /// Invalid options of a reduction.
     #[error(transparent)]
-    Reduction(#[from] MeasuredError),
-    /// The ensemble of walkers.
+    Reduction(#[from] MeasurementError),
+    /// Invalid ensemble of walkers.
     #[error(transparent)]
     Ensemble(#[from] EnsembleError),
-    /// A file of chains that cannot be read or written, or is not of this fit.
+    /// A file of chains cannot be read or written, or belongs to another fit.
     #[error("chains {}: {problem}", path.display())]
     ChainFile {
-        /// Where.
+        /// The file.
         path: PathBuf,
-        /// What is wrong.
+        /// Description of the problem.
         problem: String,
     },
 }

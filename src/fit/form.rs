@@ -1,73 +1,72 @@
-//! A form of brightness law with parameters to be found, asked block by block.
+//! Interface of a form of brightness law with free parameters, evaluated in blocks of points.
 
 use super::point::FitPoint;
 
-/// Points that are worked on together: their numbers stay in the nearest cache.
+/// Points per block, so that a block stays in the level-1 cache.
 pub const BLOCK: usize = 128;
 
-/// Less than this of all panels together is nothing lit that is seen, m².
+/// Least lit and visible area of all panels together, m².
 pub(super) const LEAST_LIT_M2: f64 = 1e-6;
-/// Light is never taken as less than this, m² sr⁻¹: a magnitude of 33 at 1000 km. A black model is bad, not infinitely so.
+/// Least light of a point, m² sr⁻¹ (magnitude 33 at 1000 km), so that the cost of a black model is finite.
 pub(super) const LEAST_M2_SR: f64 = 1e-12;
 
-/// One number of a form.
+/// Parameter of a form.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Parameter {
-    /// As in model files.
+    /// Name as in model files.
     pub name: String,
-    /// Where it stands when it is not fitted.
+    /// Value if it is not fitted.
     pub value: f64,
-    /// It may not be less.
+    /// Lower bound.
     pub least: f64,
-    /// It may not be greater.
+    /// Upper bound.
     pub greatest: f64,
-    /// A step that changes magnitudes by a little, for derivatives by differences.
+    /// Step for derivatives by differences.
     pub step: f64,
 }
 
 impl Parameter {
-    /// With a step of 1e-5 of the room between its bounds.
+    /// A parameter with a step of 1e-5 of the interval between its bounds.
     pub fn new(name: &str, value: f64, least: f64, greatest: f64) -> Self {
         Self { name: name.to_owned(), value, least, greatest, step: 1e-5 * (greatest - least) }
     }
 }
 
-/// A form of law, before it has seen points.
+/// Form of brightness law.
 pub trait Form: Sync {
-    /// What it is called in tables.
+    /// Name for tables.
     fn name(&self) -> String;
     /// Its parameters.
     fn parameters(&self) -> Vec<Parameter>;
-    /// The form made ready for these points.
+    /// Precomputes everything that depends on the points alone.
     fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared>;
 }
 
-/// A form over given points, in blocks of [`BLOCK`].
+/// Form with precomputed points, in blocks of [`BLOCK`].
 pub trait Prepared: Sync + Send {
-    /// True where it says something of a point: where nothing lit is seen it does not, and the point cannot be fitted.
+    /// True if the form gives a magnitude for a point; false where no lit surface is visible.
     fn explains(&self, point: usize) -> bool;
-    /// With parameters (all of them, in their order) put in.
+    /// Form with the values of all parameters, in their order.
     fn at<'a>(&'a self, x: &[f64]) -> Box<dyn Evaluated + 'a>;
-    /// Starting places that are worth going down from, best first; all of `free` may be moved, the others stand in `x`.
-    ///
-    /// `observed` are magnitudes and 1/σ of the points.
+    /// Starting values for descents, best first. Parameters in `free` vary, the others keep their values in `x`; `observed` contains magnitude
+    /// and 1/σ of each point.
     fn starts(&self, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>>;
-    /// With parameters put in, ready to tell derivatives by those of `free`; by central differences unless a form knows better.
+    /// Form with derivatives by the parameters in `free`; the default uses central differences.
     fn with_slopes<'a>(&'a self, x: &[f64], free: &[usize], parameters: &[Parameter]) -> Box<dyn Sloped + 'a> {
         let moved = |&i: &usize| Moved::new(x, i, &parameters[i], |x| self.at(x));
         Box::new(Differences { middle: self.at(x), moved: free.iter().map(moved).collect() })
     }
 }
 
-/// Magnitudes at 1000 km.
+/// Magnitudes at 1000 km for given parameters.
 pub trait Evaluated: Sync + Send {
-    /// Of one block of points; lanes beyond the last point hold any finite number.
+    /// Computes one block of points; lanes beyond the last point receive any finite number.
     fn magnitudes(&self, block: usize, out: &mut [f64; BLOCK]);
 }
 
 /// Magnitudes and their derivatives.
 pub trait Sloped: Sync + Send {
-    /// Of one block; `slopes` has one column for each free parameter.
+    /// Computes one block; `slopes` has one column per free parameter.
     fn magnitudes_and_slopes(&self, block: usize, out: &mut [f64; BLOCK], slopes: &mut [[f64; BLOCK]]);
 }
 
@@ -77,7 +76,7 @@ struct Differences<'a> {
     moved: Vec<Moved<Box<dyn Evaluated + 'a>>>,
 }
 
-/// A form with one parameter moved both ways, and one over the way between.
+/// A form with one parameter increased and decreased, for a central difference.
 pub(super) struct Moved<E> {
     up: E,
     down: E,
@@ -85,7 +84,7 @@ pub(super) struct Moved<E> {
 }
 
 impl<E: Evaluated> Moved<E> {
-    /// `parameter`, the one of this index, a step up and a step down from `x`, as far as its bounds allow: no law is asked where it means nothing.
+    /// Moves the parameter of this index a step up and a step down from `x`, within its bounds, outside of which a law may be undefined.
     pub fn new(x: &[f64], index: usize, parameter: &Parameter, at: impl Fn(&[f64]) -> E) -> Self {
         let (mut up, mut down) = (x.to_vec(), x.to_vec());
         up[index] = (x[index] + parameter.step).min(parameter.greatest);
@@ -94,7 +93,7 @@ impl<E: Evaluated> Moved<E> {
         Self { up: at(&up), down: at(&down), per_step }
     }
 
-    /// The derivative of the magnitudes of one block, by central differences.
+    /// Derivative of the magnitudes of one block.
     pub fn slope(&self, block: usize, slope: &mut [f64; BLOCK]) {
         let mut down_mag = [0.0; BLOCK];
         self.up.magnitudes(block, slope);

@@ -1,39 +1,44 @@
-//! Errors of a fit to pixels: tracks left out by the set, reduced and fitted again.
+//! Covariance of a fit to pixels by leaving out sets of tracks (delete-a-group jackknife).
 //!
-//! One track crosses many pixels and brings its own offset to all of them, so that pixels are not independent and no sum over them knows
-//! how certain the parameters are. Tracks are independent. They are dealt into G sets of like size, and with each set left out in turn
-//! everything from the reduction on is done again (delete-a-group jackknife: Efron and Stein 1981, Ann. Statist. 9, 586):
+//! One track crosses many pixels and adds its own offset to all of them, so pixels are not independent; tracks are. They are dealt into G sets
+//! of similar size. Reduction and fit are repeated without each set in turn (Efron and Stein 1981, Ann. Statist. 9, 586):
 //!
 //! ```text
 //! Σ = (G-1)/G Σ_g (θ_g - θ̄)(θ_g - θ̄)ᵀ,    θ̄ = Σ_g θ_g / G
 //! ```
 //!
-//! Of G sets, sigmas are themselves known to one part in √(2(G-1)): 15 % for 24. Errors that all tracks share (of the photometric zero
-//! point, of the form) are not in it.
+//! With G sets the sigmas have a relative error of 1/√(2(G-1)): 15 % for 24. Errors common to all tracks (photometric zero point, form of
+//! the model) are not included.
 //!
-//! What is not smooth asks for large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not smooth: they jump where a few of many
-//! points are left out. Where a pixel has points of many tracks, the sigma is too large: in the tests below, with 70 points of as many
-//! tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample modes). It errs on the safe side.
+//! Statistics that are not smooth need large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not smooth: they jump when a few
+//! of many points are left out. In pixels with points of many tracks the sigma is too large: in the tests below, with 70 points of as many
+//! tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample mode).
 
+use rand_chacha::ChaCha8Rng;
+use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
-
-use super::measurements::{Measurements, ReduceOptions};
 
 use super::error::FitError;
 use super::form::Form;
-use super::observed::points_of_pixels;
+use super::measurements::{Measurement, Measurements, ReduceOptions, Reducer, Reduction};
+use super::point::points_of_pixels;
 use super::solve::{Fit, FitSettings, Problem};
-use super::tracks::Dealt;
 
-/// Covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, 0 for those that were held or stand at a bound.
+/// Seed of the random order in which tracks are dealt: neighbours in a file share a night and its geometry.
+const SEED: u64 = 1;
+/// Measurements per call of the reducer, to avoid a copy of all measurements for each set.
+const CHUNK: usize = 1 << 16;
+
+/// Covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, 0 for parameters that are held or at a bound.
 ///
-/// `measurements`, reduced with `options` and fitted with `form` and `settings`, gave `fit`; descents start at its solution. Each thread
-/// holds one more reduction, some 10 bytes a measurement. The same at any number of threads.
+/// `fit` is the fit of `form` with `settings` to `measurements` reduced with `options`; descents start at its solution. Each thread holds one
+/// more reduction, some 10 bytes per measurement. The result does not depend on the number of threads.
 ///
 /// # Errors
-/// [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets; [`FitError::Reduction`] for
-/// options that cannot be; [`FitError::NoMinimum`] where a descent ends at no finite cost; those of [`Problem::new`], where what is left
-/// makes too few pixels.
+/// * [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets;
+/// * [`FitError::Reduction`] for invalid options;
+/// * [`FitError::NoMinimum`] if a descent ends at no finite cost;
+/// * those of [`Problem::new`] if the remaining tracks make too few pixels.
 pub fn jackknife(
     form: &dyn Form,
     measurements: &Measurements,
@@ -42,14 +47,14 @@ pub fn jackknife(
     settings: &FitSettings,
     sets: usize,
 ) -> Result<Vec<Vec<f64>>, FitError> {
-    let dealt = Dealt::new(measurements, sets);
-    if sets <= fit.free.len() || dealt.groups < sets {
-        return Err(FitError::Sets { sets, groups: dealt.groups, free: fit.free.len() });
+    let tracks = TrackSets::new(measurements, sets);
+    if sets <= fit.free.len() || tracks.groups < sets {
+        return Err(FitError::Sets { sets, groups: tracks.groups, free: fit.free.len() });
     }
     let values = fit.values();
     let start: Vec<f64> = fit.free.iter().map(|&i| values[i]).collect();
     let without = |set: usize| {
-        let pixels = dealt.reduced(options, |other| other != set)?;
+        let pixels = tracks.reduced(options, |other| other != set)?;
         let problem = Problem::new(form, &points_of_pixels(&pixels), settings)?;
         let minimum = problem.descend(&start);
         if minimum.cost.is_finite() { Ok(minimum.x) } else { Err(FitError::NoMinimum { starts: 1 }) }
@@ -59,7 +64,7 @@ pub fn jackknife(
     let per_set = 1.0 / sets as f64;
     let mean = |k: usize| replicas.iter().map(|replica| replica[k]).sum::<f64>() * per_set;
     let means: Vec<f64> = (0..start.len()).map(mean).collect();
-    let inner = |k: usize| !fit.certainty.at_bound.contains(&fit.free[k]);
+    let inner = |k: usize| !fit.uncertainty.at_bound.contains(&fit.free[k]);
     let mut covariance = vec![vec![0.0; values.len()]; values.len()];
     for r in (0..start.len()).filter(|&k| inner(k)) {
         for c in (0..start.len()).filter(|&k| inner(k)) {
@@ -69,6 +74,45 @@ pub fn jackknife(
         }
     }
     Ok(covariance)
+}
+
+/// Measurements whose groups (tracks, nights) are dealt into sets of similar size.
+pub(super) struct TrackSets<'a> {
+    measurements: &'a Measurements,
+    /// Set of each group, by the group's number.
+    set_of_group: Vec<usize>,
+    /// Number of groups with at least one point.
+    pub groups: usize,
+}
+
+impl<'a> TrackSets<'a> {
+    /// Deals the groups into sets, always in the same way.
+    pub fn new(measurements: &'a Measurements, sets: usize) -> Self {
+        let mut groups: Vec<u32> = measurements.points.iter().map(|point| point.group).collect();
+        groups.sort_unstable();
+        groups.dedup();
+        let mut random = ChaCha8Rng::seed_from_u64(SEED);
+        let mut drawn: Vec<(u64, u32)> = groups.iter().map(|&group| (random.next_u64(), group)).collect();
+        drawn.sort_unstable();
+        let mut set_of_group = vec![0; groups.last().map_or(0, |&last| last as usize + 1)];
+        for (place, (_, group)) in drawn.into_iter().enumerate() {
+            set_of_group[group as usize] = place % sets.max(1);
+        }
+        Self { measurements, set_of_group, groups: groups.len() }
+    }
+
+    /// Reduces the measurements of the wanted sets.
+    ///
+    /// # Errors
+    /// [`FitError::Reduction`] for invalid options.
+    pub fn reduced(&self, options: ReduceOptions, wanted: impl Fn(usize) -> bool) -> Result<Reduction, FitError> {
+        let mut reducer = Reducer::new(options)?;
+        let is_wanted = |point: &&Measurement| wanted(self.set_of_group[point.group as usize]);
+        for chunk in self.measurements.points.chunks(CHUNK) {
+            reducer.add(&chunk.iter().filter(is_wanted).copied().collect::<Vec<_>>());
+        }
+        Ok(reducer.finish())
+    }
 }
 
 #[cfg(test)]
@@ -137,9 +181,9 @@ mod tests {
         let points = points_of_pixels(&reduce(&seen.points, options).expect("pixels"));
         let fit = Problem::new(&SphereForm, &points, &settings).and_then(|problem| problem.solve()).expect("a fit");
         let by_sets = jackknife(&SphereForm, &seen, options, &fit, &settings, SETS).expect("a covariance");
-        let own = fit.certainty.covariance.as_ref().expect("a covariance")[0][0];
+        let own = fit.uncertainty.covariance.as_ref().expect("a covariance")[0][0];
         let known = fit.clone().with_covariance(by_sets.clone(), CovarianceKind::Jackknife);
-        assert_eq!(known.certainty.sigma(0), Some(by_sets[0][0].sqrt()));
+        assert_eq!(known.uncertainty.sigma(0), Some(by_sets[0][0].sqrt()));
         (fit.parameters[0].value, own, by_sets[0][0])
     }
 

@@ -1,7 +1,7 @@
-//! Where to begin: a grid over the parameters that bend light, with those that it is linear in solved inside.
+//! Starting points of a fit: a grid over the nonlinear parameters, with the linear ones solved at each node.
 //!
-//! The cost has several local minima, nearly all of them by exponents and widths. For given ones light is linear in the weights, and
-//! with errors of σ F residuals of light stand for those of magnitudes near the solution: a quadratic form between bounds.
+//! The cost has several local minima, nearly all caused by exponents and widths. For given values of these, light is linear in the weights;
+//! near the solution residuals of light F with errors σ F approximate those of magnitudes, which leaves a quadratic form between bounds.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -9,32 +9,32 @@ use rayon::prelude::*;
 use super::form::{LEAST_M2_SR, Parameter};
 use super::inference::minimise_in_box;
 
-/// Light of every point, m² sr⁻¹.
+/// Form whose light is linear in some parameters.
 pub(super) trait Basis: Sync {
-    /// With these parameters, all of them.
+    /// Light of every point, m² sr⁻¹, for these values of all parameters.
     fn light(&self, x: &[f64]) -> Vec<f64>;
 }
 
-/// Values that are tried of each bent parameter, at these shares of the room between its bounds by ratio.
+/// Grid nodes of each nonlinear parameter: shares of the interval between its bounds, by ratio if the lower bound is positive.
 const SHARES: [f64; 4] = [0.12, 0.37, 0.62, 0.87];
-/// More combinations than this are thinned out evenly.
+/// Most grid nodes; larger grids are thinned out evenly.
 const MOST_COMBINATIONS: usize = 96;
-/// How many of the best are handed on.
+/// Number of best nodes returned.
 const KEPT: usize = 6;
 
-/// Complete parameter sets, the least cost first: `linear` and `bent` are the free ones, the others stand in `x`.
+/// Values of all parameters, least cost first: `linear` and `nonlinear` are the free ones, the others keep their values in `x`.
 pub(super) fn search(
     basis: &impl Basis,
     parameters: &[Parameter],
     x: &[f64],
     linear: &[usize],
-    bent: &[usize],
+    nonlinear: &[usize],
     observed: &[(f64, f64)],
     zero_mag: f64,
 ) -> Vec<Vec<f64>> {
     let mut grid = vec![x.to_vec()];
-    for &i in bent {
-        let values = tried(&parameters[i]);
+    for &i in nonlinear {
+        let values = nodes(&parameters[i]);
         let with = |place: &Vec<f64>| {
             let set = |&value: &f64| {
                 let mut place = place.clone();
@@ -56,7 +56,7 @@ pub(super) fn search(
     found.into_iter().map(|(_, place)| place).collect()
 }
 
-fn tried(parameter: &Parameter) -> Vec<f64> {
+fn nodes(parameter: &Parameter) -> Vec<f64> {
     let (least, greatest) = (parameter.least, parameter.greatest);
     let at = |share: f64| match least > 0.0 {
         true => least * (greatest / least).powf(share),
@@ -76,14 +76,14 @@ fn solved(
     linear.iter().for_each(|&i| place[i] = 0.0);
     let dark = basis.light(&place);
     let column = |&i: &usize| {
-        // At its upper bound and back: some laws mean nothing beyond.
+        // At its upper bound, beyond which a law may be undefined.
         let mut lit = place.clone();
         lit[i] = parameters[i].greatest;
         let light = basis.light(&lit);
         light.iter().zip(&dark).map(|(lit, dark)| (lit - dark) / parameters[i].greatest).collect::<Vec<f64>>()
     };
     let columns: Vec<Vec<f64>> = linear.iter().map(column).collect();
-    // Σ ((F - D - Σ c_k b_k) / (σ F))², F the light that was observed, D that of what is held
+    // Σ ((F - D - Σ c_k b_k) / (σ F))², F the observed light, D that of the held parameters
     let n = linear.len();
     let (mut a, mut b) = (DMatrix::zeros(n, n), DVector::zeros(n));
     for (point, dark) in dark.iter().enumerate() {
@@ -100,7 +100,7 @@ fn solved(
     let least = bounds(|parameter| parameter.least);
     let c = minimise_in_box(&a, &b, &least, &bounds(|parameter| parameter.greatest), &least)?;
     linear.iter().zip(&c).for_each(|(&i, c)| place[i] = *c);
-    // Ranked by what it costs in magnitudes, wrong points held in check.
+    // Ranked by a robust cost in magnitudes.
     let cost = |(point, light): (usize, f64)| {
         let (magnitude, per_sigma) = observed[point];
         let r = (magnitude - zero_mag + 2.5 * light.max(LEAST_M2_SR).log10()) * per_sigma;

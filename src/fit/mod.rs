@@ -1,16 +1,15 @@
-//! From photometry to a model: forms of law with parameters, their least squares and posterior, and the model file made of them.
+//! Photometry to brightness models: readers, selection, reduction, fits, posteriors, and checks of models.
 //!
-//! `point` is what a fit sees of a measurement, `form` what a law must answer (`two_panel` the paper's, `phase` those that it
-//! has to beat), `objective` a form held against points under a `loss`, `solve` its least squares from several starts with
-//! their `covariance` (of pixels by `jackknife` over the `tracks` behind them), `posterior` the walkers' draws (kept by
-//! `chain_file`), `comparison` and `cross_validation` which form explains more. `inference` knows functions of a vector and nothing of satellites.
+//! `measurements` reads photometry and reduces it; `point` makes points of a fit from it. A `form` is a brightness law with free parameters:
+//! `two_panel` the paper's, `panels_form` any panels, `phase` the baselines. `objective` is the cost of a form under a loss function, `solve` its
+//! least squares from several starts (`linear_starts`), with the errors of `covariance` or, for pixels, `jackknife`. `soundness` lists the faults
+//! of a fit, `cross_validation` compares forms on unseen points, `paper_tests` repeats the paper's tests, `posterior` draws with walkers
+//! (`chain_file` stores them), `model_of_fit` makes the model file, `report` and `tables` the output. `inference` contains the numerical
+//! methods, `checks` the comparison of models with published results.
 
 mod chain_file;
 pub mod checks;
-mod comparison;
-mod contest;
 mod covariance;
-mod coverage;
 mod cross_validation;
 mod error;
 mod form;
@@ -18,48 +17,39 @@ pub mod inference;
 mod jackknife;
 mod linear_starts;
 mod log_nodes;
-mod loss;
-mod markdown;
 pub mod measurements;
 mod model_of_fit;
 mod objective;
-mod observed;
 mod panel_earth;
 mod panels_form;
-mod paper;
+mod paper_tests;
 mod phase;
 mod point;
 mod posterior;
+mod report;
 mod solve;
 mod soundness;
 mod statistics;
 mod tables;
-mod tracks;
 mod two_panel;
 
-pub use crate::photometry::PANEL_OFFSET;
 pub use chain_file::{ChainAbout, read_chain, write_chain};
-pub use comparison::{PairedTest, aic, aic_under, paired_t_test, rms};
-pub use contest::{Entrant, Standing, baselines, contest};
-pub use covariance::{Certainty, CovarianceKind};
-pub use coverage::PoorAxis;
-pub use cross_validation::{Folds, HeldOut, cross_validate, predict};
+pub use covariance::{CovarianceKind, FitUncertainty};
+pub use cross_validation::{CompetingForm, FormScore, baseline_forms, compare_forms, predict};
 pub use error::FitError;
 pub use form::{BLOCK, Evaluated, Form, Parameter, Prepared, Sloped};
 pub use inference::Chain;
 pub use jackknife::jackknife;
-pub use loss::Loss;
-pub use markdown::Report;
-pub use model_of_fit::{ModelWords, model_file, range_of};
-pub use objective::Objective;
-pub use observed::{RawWeights, points_of_measurements, points_of_pixels};
+pub use model_of_fit::{ModelDescription, model_file, range_of};
+pub use objective::{Loss, Objective};
 pub use panels_form::PanelsForm;
-pub use paper::{COEFFICIENTS, LayerOffset, PaperTests, Rivals, paper_tests};
+pub use paper_tests::{COEFFICIENTS, LayerOffset, PairedModels, PaperTests, paper_tests};
 pub use phase::{PhaseForm, SphereForm};
-pub use point::{FitPoint, group_error_factors};
-pub use posterior::{Marginal, Posterior, PosteriorSettings, draw, posterior, starting_places};
+pub use point::{FitPoint, RawWeights, points_of_measurements, points_of_pixels};
+pub use posterior::{Marginal, Posterior, PosteriorSettings, draw, posterior};
+pub use report::Report;
 pub use solve::{Fit, FitSettings, Problem};
-pub use soundness::{Fault, faults, points_behind};
-pub use statistics::{Spread, honest_sigma_mag, share_within};
-pub use tables::{marginal_table, offset_table, parameter_table, rival_table, standing_table};
+pub use soundness::{Fault, PoorAxis, faults, points_behind};
+pub use statistics::{PairedTest, ResidualStatistics, rms, sigma_68_mag};
+pub use tables::{form_score_table, marginal_table, offset_table, paired_model_table, parameter_table};
 pub use two_panel::TwoPanelForm;

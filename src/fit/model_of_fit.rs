@@ -1,50 +1,50 @@
-//! A fit as a model file.
+//! Model file of a fit.
 
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{GeometryRange, ModelFile, ModelFileError, PANEL_OFFSET, Provenance};
 
-use super::paper::COEFFICIENTS;
+use super::paper_tests::COEFFICIENTS;
 use super::point::FitPoint;
 use super::solve::Fit;
 
-/// Outside the geometry that was fitted, sigma grows by this in quadrature, mag: assumed, as for all models.
+/// Assumed growth of sigma outside the fitted geometry, in quadrature, mag; the same for all models.
 const OUTSIDE_MAG: f64 = 1.0;
-/// Share of the points that the stated range of geometry leaves out at each end: single stray points are no coverage.
+/// Share of the points ignored at each end of the range of geometry, since single stray points are no coverage.
 const STRAY_SHARE: f64 = 0.001;
 
-/// What a model file says beside its numbers.
+/// Texts of a model file.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ModelWords {
+pub struct ModelDescription {
     /// Name of the model.
     pub name: String,
-    /// What it is.
+    /// Title of the model.
     pub title: String,
-    /// Maker of the fit.
+    /// Author or program of the fit.
     pub source: String,
-    /// The measurements.
+    /// Description of the measurements.
     pub data: String,
-    /// `2026-11`.
+    /// Month of the fit, for example `2026-11`.
     pub date: String,
-    /// True while a better fit is due: where the fit is not sound.
+    /// True if the fit has faults.
     pub provisional: bool,
-    /// What a careful user should know.
+    /// Notes for users.
     pub notes: Vec<String>,
-    /// Where sigma comes from.
+    /// Origin of sigma.
     pub sigma_origin: String,
 }
 
-/// The model that `base` (chassis and sail, or a list of panels) becomes with the fitted parameters, their covariance, the range of the
-/// points, and a sigma.
+/// Model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their covariance, the range of the points
+/// and a sigma.
 ///
 /// # Errors
-/// [`ModelFileError`] where the fit's numbers are outside what a model file may hold.
+/// [`ModelFileError`] if a number is outside the limits of model files.
 pub fn model_file(
     base: &ModelFile,
     fit: &Fit,
     points: &[FitPoint],
     rms_mag: f64,
     sigma_mag: f64,
-    words: &ModelWords,
+    description: &ModelDescription,
 ) -> Result<ModelFile, ModelFileError> {
     let place = |name: &str| fit.parameters.iter().position(|parameter| parameter.name == name);
     let mut order: Vec<usize> = base
@@ -53,9 +53,9 @@ pub fn model_file(
         .filter(|(name, _)| *name != PANEL_OFFSET)
         .filter_map(|(name, _)| place(name))
         .collect();
-    // The coefficients of chassis and sail are complete without their offset, unless it was fitted.
+    // The covariance of chassis and sail contains the panel offset only if it was fitted.
     order.extend(place(PANEL_OFFSET).filter(|place| base.shape.is_some() && fit.free.contains(place)));
-    let covariance = fit.certainty.covariance.as_ref();
+    let covariance = fit.uncertainty.covariance.as_ref();
     let value = |name: &str, otherwise: f64| fit.value(name).unwrap_or(otherwise);
     let mut fitted = base.clone();
     if let Some(shape) = &mut fitted.shape {
@@ -69,30 +69,30 @@ pub fn model_file(
         parameter.value = value(&parameter.name, parameter.value);
     }
     let file = ModelFile {
-        name: words.name.clone(),
+        name: description.name.clone(),
         aliases: Vec::new(),
-        title: words.title.clone(),
+        title: description.title.clone(),
         covariance: covariance.map(|all| order.iter().map(|&i| order.iter().map(|&j| all[i][j]).collect()).collect()),
         rms_mag: Some(rounded(rms_mag)),
         sigma_mag: rounded(sigma_mag),
         sigma_outside_mag: rounded(sigma_mag.hypot(OUTSIDE_MAG)),
-        sigma_origin: words.sigma_origin.clone(),
+        sigma_origin: description.sigma_origin.clone(),
         geometry_range: Some(range_of(points)),
         provenance: Provenance {
-            source: words.source.clone(),
-            data: words.data.clone(),
+            source: description.source.clone(),
+            data: description.data.clone(),
             n_points: Some(fit.kept.len() as u64),
-            date: words.date.clone(),
-            provisional: words.provisional,
-            notes: words.notes.clone(),
+            date: description.date.clone(),
+            provisional: description.provisional,
+            notes: description.notes.clone(),
         },
         ..fitted
     };
-    // What would be refused on reading is refused on writing.
-    ModelFile::from_json(&file.to_json(), &words.name)
+    // The same checks as on reading.
+    ModelFile::from_json(&file.to_json(), &description.name)
 }
 
-/// Least and greatest angles of the points, degrees outward.
+/// Least and greatest angles of the points, rounded outward to whole degrees.
 pub fn range_of(points: &[FitPoint]) -> GeometryRange {
     let span = |angle: fn(&ViewingGeometry) -> f64| {
         let mut angles: Vec<f64> = points.iter().map(|point| angle(&point.geometry).to_degrees()).collect();

@@ -1,14 +1,56 @@
-//! How badly a form with given parameters explains the points: the cost of a fit and the likelihood of a posterior.
+//! Cost of a form with given parameters: loss functions, least-squares equations, likelihood.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::form::{BLOCK, Evaluated, Parameter, Prepared};
 use super::inference::{LogProbability, NormalEquations};
-use super::loss::Loss;
 use super::point::FitPoint;
 
-/// Blocks that one thread takes at a time; sums are made chunk by chunk, so that they do not depend on the number of threads.
+/// Loss function ρ(r) of a residual in units of its error; ½ ρ is the negative logarithm of a likelihood, up to a constant.
+#[derive(Copy, Clone, Debug, PartialEq, Default)]
+pub enum Loss {
+    /// r²: normal errors.
+    #[default]
+    Squares,
+    /// 2 (√(1 + r²) - 1): quadratic near 0, linear for outliers; SciPy's `soft_l1`.
+    SoftL1,
+    /// (ν + 1) ln(1 + r²/ν): Student's t with ν degrees of freedom.
+    Student(f64),
+}
+
+impl Loss {
+    /// ρ as a function of r².
+    pub fn of(self, r2: f64) -> f64 {
+        match self {
+            Self::Squares => r2,
+            Self::SoftL1 => 2.0 * ((1.0 + r2).sqrt() - 1.0),
+            Self::Student(nu) => (nu + 1.0) * (r2 / nu).ln_1p(),
+        }
+    }
+
+    /// dρ/d(r²): the weight of the residual in the normal equations.
+    pub fn weight(self, r2: f64) -> f64 {
+        match self {
+            Self::Squares => 1.0,
+            Self::SoftL1 => 1.0 / (1.0 + r2).sqrt(),
+            Self::Student(nu) => (nu + 1.0) / (nu + r2),
+        }
+    }
+
+    /// ψ'(r) of the influence function ψ(r) = ρ'(r²) r: the curvature of the cost itself, while [`Self::weight`] is its Gauss-Newton
+    /// approximation. Negative for outliers under Student's t.
+    pub fn influence_slope(self, r2: f64) -> f64 {
+        // ψ' = ρ' + 2 r² ρ''
+        match self {
+            Self::Squares => 1.0,
+            Self::SoftL1 => (1.0 + r2).powf(-1.5),
+            Self::Student(nu) => (nu + 1.0) * (nu - r2) / (nu + r2).powi(2),
+        }
+    }
+}
+
+/// Blocks per task. Sums are made chunk by chunk, so that they do not depend on the number of threads.
 const CHUNK_BLOCKS: usize = 16;
 
 /// Magnitudes and 1/σ of a block; 1/σ is 0 in lanes beyond the last point.
@@ -17,19 +59,19 @@ struct ObservedBlock {
     per_sigma: [f64; BLOCK],
 }
 
-/// Points, a form and a loss; a function of the free parameters.
+/// Cost of a form on given points, as a function of the free parameters.
 pub struct Objective<'a> {
     prepared: &'a dyn Prepared,
     parameters: Vec<Parameter>,
-    /// Indices of the free ones.
+    /// Indices of the free parameters.
     free: Vec<usize>,
     observed: Vec<ObservedBlock>,
     loss: Loss,
 }
 
 impl<'a> Objective<'a> {
-    /// `prepared` was made of these points, all of which it explains; `free` are indices of `parameters`.
-    pub fn new(
+    /// `prepared` was made from these points and explains all of them; `free` are indices of `parameters`.
+    pub(super) fn new(
         prepared: &'a dyn Prepared,
         parameters: Vec<Parameter>,
         free: Vec<usize>,
@@ -46,8 +88,8 @@ impl<'a> Objective<'a> {
         Self { prepared, parameters, free, observed: observed.collect(), loss }
     }
 
-    /// All parameters with the free ones put in.
-    pub fn all(&self, free: &[f64]) -> Vec<f64> {
+    /// Values of all parameters, with these values of the free ones.
+    pub(super) fn all(&self, free: &[f64]) -> Vec<f64> {
         let mut all: Vec<f64> = self.parameters.iter().map(|parameter| parameter.value).collect();
         self.free.iter().zip(free).for_each(|(&i, &value)| all[i] = value);
         all
@@ -58,21 +100,16 @@ impl<'a> Objective<'a> {
         self.free.iter().map(|&i| &self.parameters[i])
     }
 
-    /// Indices of the free parameters.
-    pub fn free(&self) -> &[usize] {
-        &self.free
-    }
-
-    /// Starting places of the free parameters, best first.
-    pub fn starts(&self) -> Vec<Vec<f64>> {
+    /// Starting values of the free parameters, best first.
+    pub(super) fn starts(&self) -> Vec<Vec<f64>> {
         let observed: Vec<(f64, f64)> =
             self.observed.iter().flat_map(|block| block.magnitude.into_iter().zip(block.per_sigma)).collect();
         let starts = self.prepared.starts(&self.all(&[]), &self.free, &observed);
         starts.into_iter().map(|all| self.free.iter().map(|&i| all[i]).collect()).collect()
     }
 
-    /// Observed minus computed, mag, of every point.
-    pub fn residuals_mag(&self, free: &[f64], points: usize) -> Vec<f64> {
+    /// Observed minus computed magnitude of every point.
+    pub(super) fn residuals_mag(&self, free: &[f64], points: usize) -> Vec<f64> {
         let evaluated = self.prepared.at(&self.all(free));
         let mut out = [0.0; BLOCK];
         let mut residuals = Vec::with_capacity(self.observed.len() * BLOCK);
@@ -84,9 +121,8 @@ impl<'a> Objective<'a> {
         residuals
     }
 
-    /// Slopes of the cost, point by point, by the free parameters: JᵀW r split into its terms, `(n_point)` of `(n_free)`; and the curvature of the
-    /// cost that its scatter is held against, Σ ψ'(r) J Jᵀ/σ² `(n_free, n_free)`.
-    pub fn scores(&self, free: &[f64], points: usize) -> (Vec<Vec<f64>>, DMatrix<f64>) {
+    /// Terms of the gradient JᵀW r, one per point, `(n_point)` of `(n_free)`, and the curvature Σ ψ'(r) J Jᵀ/σ² `(n_free, n_free)`.
+    pub(super) fn scores(&self, free: &[f64], points: usize) -> (Vec<Vec<f64>>, DMatrix<f64>) {
         let n = self.free.len();
         let sloped = self.prepared.with_slopes(&self.all(free), &self.free, &self.parameters);
         let (mut out, mut slopes) = ([0.0; BLOCK], vec![[0.0; BLOCK]; n]);
@@ -98,9 +134,9 @@ impl<'a> Objective<'a> {
                 let per_sigma = observed.per_sigma[lane];
                 let r = (observed.magnitude[lane] - computed) * per_sigma;
                 let pull = -self.loss.weight(r * r) * r * per_sigma;
-                let bend = self.loss.bend(r * r) * per_sigma * per_sigma;
+                let curvature = self.loss.influence_slope(r * r) * per_sigma * per_sigma;
                 for i in 0..n {
-                    (0..n).for_each(|j| bread[(i, j)] += bend * slopes[i][lane] * slopes[j][lane]);
+                    (0..n).for_each(|j| bread[(i, j)] += curvature * slopes[i][lane] * slopes[j][lane]);
                 }
                 scores.push(slopes.iter().map(|slope| pull * slope[lane]).collect());
             }
@@ -148,7 +184,7 @@ impl<'a> Objective<'a> {
                     other => (other.of(r * r), other.weight(r * r)),
                 };
                 losses[lane] = loss;
-                // r's derivative is -dm/dp/σ
+                // dr/dp = -dm/dp/σ
                 pull[lane] = -share * r * per_sigma;
                 weight[lane] = share * per_sigma * per_sigma;
             }
@@ -188,7 +224,7 @@ impl NormalEquations for Objective<'_> {
     }
 }
 
-/// Flat between the bounds, times the likelihood exp(-C).
+/// Posterior: a flat prior between the bounds times the likelihood exp(-C).
 impl LogProbability for Objective<'_> {
     fn of_many(&self, places: &[Vec<f64>]) -> Vec<f64> {
         let inside = |place: &[f64]| {
@@ -196,7 +232,7 @@ impl LogProbability for Objective<'_> {
         };
         let possible: Vec<usize> = (0..places.len()).filter(|&i| inside(&places[i])).collect();
         let evaluated: Vec<_> = possible.iter().map(|&i| self.prepared.at(&self.all(&places[i]))).collect();
-        // A chunk of points stays in the cache while all walkers pass over it.
+        // A chunk of points stays in the cache while all walkers evaluate it.
         let parts: Vec<Vec<f64>> = self
             .chunks()
             .map(|from| evaluated.iter().map(|evaluated| self.cost_of_blocks(&**evaluated, from)).collect())
@@ -210,7 +246,7 @@ impl LogProbability for Objective<'_> {
     }
 }
 
-/// Eight sums side by side: none waits for the one before.
+/// Sum with eight accumulators, so that additions do not wait for one another.
 fn sum(column: &[f64; BLOCK]) -> f64 {
     let mut lanes = [0.0; 8];
     for eight in column.chunks_exact(8) {
@@ -229,4 +265,25 @@ fn product(a: &[f64; BLOCK], b: &[f64; BLOCK]) -> f64 {
         }
     }
     lanes.iter().sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_weights_are_derivatives_of_losses() {
+        for loss in [Loss::Squares, Loss::SoftL1, Loss::Student(4.0)] {
+            assert_eq!(loss.of(0.0), 0.0);
+            for r2 in [0.01, 1.0, 30.0] {
+                let h = 1e-5 * r2;
+                let slope = (loss.of(r2 + h) - loss.of(r2 - h)) / (2.0 * h);
+                assert!((slope - loss.weight(r2)).abs() < 1e-8, "{loss:?} {r2}");
+                let (r, h) = (r2.sqrt(), 1e-5 * r2.sqrt());
+                let pull = |r: f64| loss.weight(r * r) * r;
+                let slope = (pull(r + h) - pull(r - h)) / (2.0 * h);
+                assert!((slope - loss.influence_slope(r2)).abs() < 1e-8, "{loss:?} {r2}");
+            }
+        }
+    }
 }

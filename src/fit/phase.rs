@@ -1,18 +1,18 @@
-//! Forms that know the phase angle alone: a diffuse sphere, a polynomial. What panels have to beat.
+//! Baseline forms that depend on the phase angle alone: a diffuse sphere and a polynomial.
 
 use crate::photometry::{DiffuseSphere, StandardMagnitude};
 
 use super::form::{BLOCK, Evaluated, Form, Parameter, Prepared};
 use super::point::FitPoint;
 
-/// Magnitudes of either form may lie between these.
+/// Bounds of the parameters of both forms, mag.
 const MAGNITUDES: [f64; 2] = [-30.0, 60.0];
 
-/// A sphere that scatters as Lambert's law; its one parameter is the magnitude at 1000 km and a phase angle of 90°.
+/// Lambertian sphere; its only parameter is the magnitude at 1000 km and a phase angle of 90°.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct SphereForm;
 
-/// m = Σ aᵢ φⁱ, φ the phase angle in units of 90° about 90°: (φ - 90°)/90°.
+/// Polynomial m = Σ aᵢ φⁱ in the reduced phase angle φ = (phase - 90°)/90°.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PhaseForm {
     /// Highest power.
@@ -60,7 +60,7 @@ impl Form for PhaseForm {
     }
 }
 
-/// Magnitudes that are linear in the parameters.
+/// Form whose magnitudes are linear in the parameters.
 struct Linear {
     offsets: Vec<[f64; BLOCK]>,
     /// `(n_block)` of `(n_parameter)` columns.
@@ -91,7 +91,7 @@ impl Linear {
 
 impl Prepared for Linear {
     fn explains(&self, point: usize) -> bool {
-        // A sphere that shows its dark side has no magnitude.
+        // The dark side of a sphere has no magnitude.
         self.offsets[point / BLOCK][point % BLOCK].is_finite()
     }
 
@@ -100,7 +100,7 @@ impl Prepared for Linear {
     }
 
     fn starts(&self, x: &[f64], _free: &[usize], _observed: &[(f64, f64)]) -> Vec<Vec<f64>> {
-        // A robust loss over something linear has one minimum.
+        // A linear form has one minimum.
         vec![x.to_vec()]
     }
 }

@@ -1,4 +1,4 @@
-//! Walkers set out from a fit, and what they found.
+//! Posterior of the free parameters, drawn by walkers that start at a fit.
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -10,21 +10,21 @@ use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_tim
 use super::objective::Objective;
 use super::solve::Fit;
 
-/// Seeds of starting places differ from those of the walk by this.
+/// Distinguishes the seed of the starting places from that of the walk.
 const START_SALT: u64 = 0x5354_4152_5453;
-/// Where nothing is known of a parameter's error, walkers start within this share of the room between its bounds.
+/// Half width of the starting places of a parameter without sigma, as a share of the interval between its bounds.
 const UNKNOWN_SPREAD: f64 = 1e-3;
 
-/// How a posterior is drawn.
+/// Settings of a posterior.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct PosteriorSettings {
-    /// Steps in all.
+    /// Steps including burn-in.
     pub steps: usize,
-    /// Steps at the beginning that are not looked at.
+    /// Steps at the beginning that are not used.
     pub burn_in: usize,
     /// Walkers; even, at least twice as many as free parameters.
     pub walkers: usize,
-    /// Of all chance.
+    /// Seed of all random numbers.
     pub seed: u64,
 }
 
@@ -35,10 +35,10 @@ impl Default for PosteriorSettings {
     }
 }
 
-/// One parameter as drawn.
+/// Marginal distribution of one parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Marginal {
-    /// Its name.
+    /// Name of the parameter.
     pub name: String,
     /// Quantiles 0.16, 0.5 and 0.84.
     pub quantiles: [f64; 3],
@@ -46,46 +46,46 @@ pub struct Marginal {
     pub mean: f64,
     /// Standard deviation.
     pub sigma: f64,
-    /// Steps that make an independent draw.
+    /// Steps per independent draw.
     pub autocorrelation: AutocorrelationTime,
 }
 
-/// What the walkers found.
+/// Summary of a chain.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Posterior {
-    /// One for each free parameter.
+    /// One per free parameter.
     pub marginals: Vec<Marginal>,
     /// `(n_free, n_free)`.
     pub covariance: Vec<Vec<f64>>,
-    /// Share of proposals that were taken.
+    /// Share of accepted proposals.
     pub acceptance: f64,
-    /// Steps that were looked at.
+    /// Steps after burn-in.
     pub steps: usize,
 }
 
-/// Places for walkers about a fit: drawn evenly within a tenth of each parameter's sigma, inside its bounds.
-pub fn starting_places(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
+/// Starting places of walkers: uniform within a tenth of each parameter's sigma about the fit, inside the bounds.
+fn starting_places(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(settings.seed ^ START_SALT);
-    let mut even = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
+    let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
     let mut place = |_| {
         let one = |&i: &usize| {
             let p = &fit.parameters[i];
-            let room = p.greatest - p.least;
-            let spread = fit.certainty.sigma(i).map_or(UNKNOWN_SPREAD * room, |sigma| (0.1 * sigma).min(0.1 * room));
+            let width = p.greatest - p.least;
+            let spread = fit.uncertainty.sigma(i).map_or(UNKNOWN_SPREAD * width, |sigma| 0.1 * sigma.min(width));
             // A box about the fit, moved inside the bounds.
-            let least = (p.value - spread).clamp(p.least, p.greatest - spread.min(room));
+            let least = (p.value - spread).clamp(p.least, p.greatest - spread.min(width));
             let greatest = (least + 2.0 * spread).min(p.greatest);
-            least + even() * (greatest - least)
+            least + uniform() * (greatest - least)
         };
         fit.free.iter().map(one).collect()
     };
     (0..settings.walkers).map(&mut place).collect()
 }
 
-/// Draws until the chain has its steps. `resumed` goes on with a chain; `each` is told after every step, and may save it.
+/// Draws until the chain has `settings.steps` steps. `resumed` is a chain to continue; `each` is called after every step and may save the chain.
 ///
 /// # Errors
-/// [`FitError::Ensemble`], and whatever `each` returns.
+/// [`FitError::Ensemble`] for an invalid number of walkers, and every error that `each` returns.
 pub fn draw(
     objective: &Objective,
     fit: &Fit,
@@ -104,7 +104,7 @@ pub fn draw(
     Ok(ensemble.into_chain())
 }
 
-/// What a chain says of each free parameter.
+/// Summarises a chain without its first `burn_in` steps.
 pub fn posterior(chain: &Chain, fit: &Fit, burn_in: usize) -> Posterior {
     let (means, covariance) = chain.moments(burn_in);
     let times = autocorrelation_times(chain, burn_in);
@@ -127,11 +127,12 @@ pub fn posterior(chain: &Chain, fit: &Fit, burn_in: usize) -> Posterior {
 }
 
 impl Posterior {
-    /// Free parameters whose sigma of the fit, which knows what tracks share, is larger than that of the draws by more than `times`, each with
-    /// how many times as large it is. The draws take points as independent: these are known less well than they say.
+    /// Names of free parameters whose sigma in the fit exceeds that of the draws by more than a factor of `times`, each with its factor.
+    ///
+    /// The draws take points as independent, while the fit allows for errors that tracks share; for these parameters the draws are overconfident.
     pub fn overconfident(&self, fit: &Fit, times: f64) -> Vec<(String, f64)> {
         let ratio = |(marginal, &i): (&Marginal, &usize)| {
-            let ratio = fit.certainty.sigma(i)? / marginal.sigma;
+            let ratio = fit.uncertainty.sigma(i)? / marginal.sigma;
             (ratio > times).then(|| (marginal.name.clone(), ratio))
         };
         self.marginals.iter().zip(&fit.free).filter_map(ratio).collect()

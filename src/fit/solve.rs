@@ -1,73 +1,72 @@
-//! Least squares from several starts, and what they say of each parameter.
+//! Least squares from several starting points.
 
 use nalgebra::DMatrix;
 use sha2::{Digest, Sha256};
 
-use super::covariance::{Certainty, CovarianceKind, certainty};
+use super::covariance::{CovarianceKind, FitUncertainty, uncertainty};
 use super::error::FitError;
 use super::form::{Form, Parameter, Prepared};
 use super::inference::{LeastSquares, Minimum, Stop, minimise};
-use super::loss::Loss;
-use super::objective::Objective;
+use super::objective::{Loss, Objective};
 use super::point::FitPoint;
 
-/// What is fitted, and how.
+/// Settings of a fit.
 #[derive(Clone, Debug, PartialEq, Default)]
 pub struct FitSettings {
-    /// Names of the parameters that may move; the others stand at their values.
+    /// Names of the free parameters; the others keep their values.
     pub free: Vec<String>,
-    /// Others, with values to hold them at instead of their own.
+    /// Parameters held at other values than their own.
     pub held: Vec<(String, f64)>,
-    /// What a residual costs.
+    /// Loss function of a residual.
     pub loss: Loss,
-    /// When a descent ends.
+    /// Stopping rules of a descent.
     pub least_squares: LeastSquares,
 }
 
 impl FitSettings {
-    /// These parameters by squares.
+    /// Least squares with these free parameters.
     pub fn free(names: &[&str]) -> Self {
         Self { free: names.iter().map(|&name| name.to_owned()).collect(), ..Self::default() }
     }
 }
 
-/// A form made ready for the points it can explain.
+/// A form with the points that it explains.
 pub struct Problem {
     form: String,
     prepared: Box<dyn Prepared>,
     parameters: Vec<Parameter>,
     free: Vec<usize>,
     points: Vec<FitPoint>,
-    /// Places of `points` in what was given.
+    /// Indices of `points` in the given list.
     kept: Vec<usize>,
     settings: FitSettings,
 }
 
-/// A fit.
+/// Result of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Fit {
     /// Name of the form.
     pub form: String,
-    /// All parameters; `value` is that of the fit.
+    /// All parameters with their fitted values.
     pub parameters: Vec<Parameter>,
-    /// Indices of those that were free.
+    /// Indices of the free parameters.
     pub free: Vec<usize>,
-    /// Half the sum of losses.
+    /// Half the sum of the losses.
     pub cost: f64,
-    /// Cost that each starting place led to, best start first.
+    /// Final cost of each descent, best start first.
     pub costs: Vec<f64>,
-    /// Why the best descent ended.
+    /// Stopping reason of the best descent.
     pub stop: Stop,
-    /// Covariance and what else the curvature tells.
-    pub certainty: Certainty,
-    /// Places of the points that were fitted, in what was given; the others see nothing lit by this form.
+    /// Covariance of the parameters.
+    pub uncertainty: FitUncertainty,
+    /// Indices of the fitted points in the given list; the form does not explain the others.
     pub kept: Vec<usize>,
-    /// Observed minus computed of these, mag.
+    /// Observed minus computed magnitudes of these points.
     pub residuals_mag: Vec<f64>,
 }
 
 impl Problem {
-    /// Checks the points, drops those that the form says nothing of, and makes the form ready.
+    /// Checks the points, drops those that the form does not explain, and prepares the form.
     ///
     /// # Errors
     /// [`FitError::Parameter`], [`FitError::Point`], [`FitError::Empty`], [`FitError::TooFew`].
@@ -127,7 +126,7 @@ impl Problem {
         &self.points
     }
 
-    /// Hash (SHA-256, hexadecimal) of the points, the form's parameters and what is free: what a chain of draws belongs to.
+    /// SHA-256, hexadecimal, of points, form, parameters and loss; it identifies the fit that a chain belongs to.
     pub fn fingerprint(&self) -> String {
         let mut hash = Sha256::new();
         hash.update(&self.form);
@@ -137,7 +136,7 @@ impl Problem {
         }
         self.free.iter().for_each(|i| hash.update((*i as u64).to_le_bytes()));
         hash.update(format!("{:?}", self.settings.loss));
-        // What form and geometry make of the points, as magnitudes of the parameters' own values.
+        // Residuals at the initial values stand for form and geometry.
         let residuals = self.objective().residuals_mag(&self.free_values(), self.points.len());
         for (point, residual) in self.points.iter().zip(residuals) {
             [point.magnitude, point.sigma_mag, residual].iter().for_each(|x| hash.update(x.to_le_bytes()));
@@ -149,7 +148,7 @@ impl Problem {
         self.free.iter().map(|&i| self.parameters[i].value).collect()
     }
 
-    /// Goes down from one place of the free parameters.
+    /// Minimises the cost from one start of the free parameters.
     pub fn descend(&self, start: &[f64]) -> Minimum {
         let objective = self.objective();
         let bounds = |end: fn(&Parameter) -> f64| objective.free_parameters().map(end).collect::<Vec<f64>>();
@@ -157,10 +156,10 @@ impl Problem {
         minimise(&objective, start, &least, &greatest, &self.settings.least_squares)
     }
 
-    /// Goes down from every starting place that the form names and keeps the least cost.
+    /// Minimises the cost from every start that the form proposes and returns the best minimum.
     ///
     /// # Errors
-    /// [`FitError::NoMinimum`] where none of them ends at a finite cost.
+    /// [`FitError::NoMinimum`] if no descent ends at a finite cost.
     pub fn solve(&self) -> Result<Fit, FitError> {
         let starts = self.objective().starts();
         let mut ends: Vec<Minimum> = starts.iter().map(|start| self.descend(start)).collect();
@@ -170,21 +169,21 @@ impl Problem {
         best.map(|best| self.fit_at(best, costs)).ok_or(FitError::NoMinimum { starts: starts.len() })
     }
 
-    /// What a minimum says.
-    pub fn fit_at(&self, minimum: Minimum, costs: Vec<f64>) -> Fit {
+    /// Fit with its uncertainty at a minimum.
+    fn fit_at(&self, minimum: Minimum, costs: Vec<f64>) -> Fit {
         let objective = self.objective();
         let mut parameters = self.parameters.clone();
         for (parameter, value) in parameters.iter_mut().zip(objective.all(&minimum.x)) {
             parameter.value = value;
         }
-        let (scores, bread) = objective.scores(&minimum.x, self.points.len());
-        // Far from the model a robust loss bends the other way; where that wins, the descent's own curvature stands for it.
-        let is_definite = bread.clone().cholesky().is_some();
-        let curvature: &DMatrix<f64> = if is_definite { &bread } else { &minimum.curvature };
+        let (scores, curvature) = objective.scores(&minimum.x, self.points.len());
+        // The curvature of a robust loss is negative for outliers; if it is indefinite, the Gauss-Newton curvature replaces it.
+        let is_definite = curvature.clone().cholesky().is_some();
+        let curvature: &DMatrix<f64> = if is_definite { &curvature } else { &minimum.curvature };
         let groups: Vec<u32> = self.points.iter().map(|point| point.group).collect();
         Fit {
             form: self.form.clone(),
-            certainty: certainty(curvature, &scores, &groups, &parameters, &self.free, minimum.cost),
+            uncertainty: uncertainty(curvature, &scores, &groups, &parameters, &self.free, minimum.cost),
             parameters,
             free: self.free.clone(),
             cost: minimum.cost,
@@ -202,15 +201,15 @@ impl Fit {
         self.parameters.iter().map(|parameter| parameter.value).collect()
     }
 
-    /// The same with another covariance of all parameters, `(n_parameter, n_parameter)`. Where the curvature is singular there still is none.
+    /// Replaces the covariance of all parameters, `(n_parameter, n_parameter)`; it stays `None` if the curvature is singular.
     pub fn with_covariance(mut self, covariance: Vec<Vec<f64>>, kind: CovarianceKind) -> Self {
-        if let Some(own) = &mut self.certainty.covariance {
-            (*own, self.certainty.kind) = (covariance, kind);
+        if let Some(own) = &mut self.uncertainty.covariance {
+            (*own, self.uncertainty.kind) = (covariance, kind);
         }
         self
     }
 
-    /// The value of one.
+    /// Value of a parameter; `None` for an unknown name.
     pub fn value(&self, name: &str) -> Option<f64> {
         self.parameters.iter().find(|parameter| parameter.name == name).map(|parameter| parameter.value)
     }

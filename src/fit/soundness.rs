@@ -1,64 +1,89 @@
-//! What is wrong with a fit, by name: bounds that were hit, parameters that cannot be told apart, geometry that was never seen.
+//! Faults of a fit: parameters at bounds, degenerate or undetermined parameters, poor coverage of the geometry.
+//!
+//! Coverage: each axis of the geometry is cut into cells of 5° in the Sun's latitude, 30° in the observer's longitude from the Sun (folded) and
+//! 15° in the observer's latitude. The model extrapolates into cells with fewer than ten points. Longitudes must be covered from 0° to 180°.
+//! The reach of latitudes depends on height and site, so only whole cells between the ends of the observed range are required (without one
+//! point in a thousand at each end), and these ends must be two cells apart.
 
 use std::fmt;
 
-use super::coverage::{PoorAxis, poor_axes};
+use crate::geometry::ViewingGeometry;
+use crate::math::quantile::quantile;
+
 use super::form::BLOCK;
 use super::inference::Stop;
+use super::point::FitPoint;
 use super::solve::{Fit, Problem};
 
-/// Parameters more alike than this cannot be told apart by the points.
-const ALIKE: f64 = 0.95;
-/// A parameter whose magnitude changes by less than this when it is changed by its own size does not matter at a point.
+/// Correlation above which two parameters are degenerate.
+const DEGENERATE: f64 = 0.95;
+/// A parameter matters at a point if the magnitude changes by more than this when the parameter changes by its own size.
 const MATTERS_MAG: f64 = 0.1;
-/// Fewer points than this (and this share of all) at which a parameter matters do not carry it.
+/// Least number of points (and least share) at which a parameter must matter.
 const LEAST_POINTS: usize = 20;
 const LEAST_SHARE: f64 = 0.005;
+/// Least number of points in a cell of the geometry.
+const LEAST_IN_CELL: usize = 10;
+/// Share of the points ignored at each end of the observed range.
+const STRAY_SHARE: f64 = 0.001;
+/// Least distance between the ends of a latitude range, in cells.
+const LEAST_CELLS: f64 = 2.0;
 
-/// One thing that is wrong.
+/// One fault of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Fault {
-    /// The descent did not end by itself.
+    /// The descent ended by its limit of evaluations or failed.
     NotConverged,
-    /// A parameter stands at a bound: the points want it beyond.
+    /// A parameter ended at a bound; the points favour values beyond it.
     AtBound {
-        /// Its name.
+        /// Name of the parameter.
         name: String,
         /// The bound.
         value: f64,
     },
-    /// Two parameters move together.
+    /// Two parameters are strongly correlated.
     Degenerate {
-        /// One.
+        /// First parameter.
         one: String,
-        /// The other.
+        /// Second parameter.
         other: String,
         /// Their correlation.
         correlation: f64,
     },
-    /// A parameter that is not known better than its own size.
-    Unknown {
-        /// Its name.
+    /// The sigma of a parameter exceeds its value.
+    Unconstrained {
+        /// Name of the parameter.
         name: String,
         /// As fitted.
         value: f64,
         /// One sigma.
         sigma: f64,
     },
-    /// The curvature is singular: nothing is said of these.
+    /// The curvature is singular: the points do not constrain these parameters.
     Singular {
-        /// Names of the parameters that move freely.
+        /// Names of the parameters.
         names: Vec<String>,
     },
     /// A parameter matters at few points only.
     FewPoints {
-        /// Its name.
+        /// Name of the parameter.
         name: String,
-        /// How many.
+        /// Number of these points.
         points: usize,
     },
-    /// An axis of the geometry that the points leave open, or see too little of.
+    /// The points cover too little of an axis of the geometry.
     Coverage(PoorAxis),
+}
+
+/// Gaps in the coverage of one axis of the geometry.
+#[derive(Clone, Debug, PartialEq)]
+pub struct PoorAxis {
+    /// Name of the axis, for example `Sun's latitudes`.
+    pub name: &'static str,
+    /// Cells with fewer than ten points: from and to, degrees, and number of points.
+    pub thin: Vec<([f64; 2], usize)>,
+    /// The observed range, degrees, if it is too narrow.
+    pub narrow: Option<[f64; 2]>,
 }
 
 impl fmt::Display for Fault {
@@ -69,49 +94,49 @@ impl fmt::Display for Fault {
             Self::Degenerate { one, other, correlation } => {
                 write!(f, "{one} and {other} cannot be told apart (correlation {correlation:.2})")
             }
-            Self::Unknown { name, value, sigma } => {
-                write!(f, "{name} is {value:.3e} +- {sigma:.3e}: not known better than its size")
+            Self::Unconstrained { name, value, sigma } => {
+                write!(f, "{name} is not constrained by the data ({value:.3e} +- {sigma:.3e})")
             }
-            Self::Singular { names } => write!(f, "the points say nothing of {}", names.join(", ")),
+            Self::Singular { names } => write!(f, "the points do not constrain {}", names.join(", ")),
             Self::FewPoints { name, points } => write!(f, "{name} matters at {points} points only"),
             Self::Coverage(PoorAxis { name, thin, narrow }) => {
                 let narrow = narrow.map(|[from, to]| format!("only {from:.1} to {to:.1} deg"));
                 let thin = thin.iter().map(|([from, to], n)| format!("{n} points at {from} to {to} deg"));
-                let words: Vec<String> = narrow.into_iter().chain(thin).collect();
-                write!(f, "poor coverage of the {name}: {}", words.join(", "))
+                let gaps: Vec<String> = narrow.into_iter().chain(thin).collect();
+                write!(f, "poor coverage of the {name}: {}", gaps.join(", "))
             }
         }
     }
 }
 
-/// Everything that is wrong; a sound fit has none.
+/// Returns all faults of a fit; none for a sound fit.
 pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
     let name = |i: usize| fit.parameters[i].name.clone();
     let mut faults = Vec::new();
     if matches!(fit.stop, Stop::Evaluations | Stop::Failed) {
         faults.push(Fault::NotConverged);
     }
-    let at_bound = fit.certainty.at_bound.iter();
+    let at_bound = fit.uncertainty.at_bound.iter();
     faults.extend(at_bound.map(|&i| Fault::AtBound { name: name(i), value: fit.parameters[i].value }));
-    if !fit.certainty.undetermined.is_empty() {
-        faults.push(Fault::Singular { names: fit.certainty.undetermined.iter().map(|&(i, _)| name(i)).collect() });
+    if !fit.uncertainty.undetermined.is_empty() {
+        faults.push(Fault::Singular { names: fit.uncertainty.undetermined.iter().map(|&i| name(i)).collect() });
     }
     for (k, &i) in fit.free.iter().enumerate() {
-        // An angle of 0 is known well whatever its size.
+        // The size of an angle is no measure of its error.
         let has_size = fit.parameters[i].least >= 0.0;
-        if let Some(sigma) = fit.certainty.sigma(i).filter(|sigma| has_size && *sigma > fit.parameters[i].value) {
-            faults.push(Fault::Unknown { name: name(i), value: fit.parameters[i].value, sigma });
+        if let Some(sigma) = fit.uncertainty.sigma(i).filter(|sigma| has_size && *sigma > fit.parameters[i].value) {
+            faults.push(Fault::Unconstrained { name: name(i), value: fit.parameters[i].value, sigma });
         }
         for &j in &fit.free[..k] {
-            if let Some(correlation) = fit.certainty.correlation(i, j).filter(|c| c.abs() > ALIKE) {
+            if let Some(correlation) = fit.uncertainty.correlation(i, j).filter(|c| c.abs() > DEGENERATE) {
                 faults.push(Fault::Degenerate { one: name(j), other: name(i), correlation });
             }
         }
     }
-    let carried = points_behind(problem, fit);
+    let counts = points_behind(problem, fit);
     let least = LEAST_POINTS.max((LEAST_SHARE * problem.points().len() as f64) as usize);
-    for (&i, points) in fit.free.iter().zip(carried) {
-        if points < least && fit.parameters[i].least >= 0.0 && !fit.certainty.at_bound.contains(&i) {
+    for (&i, points) in fit.free.iter().zip(counts) {
+        if points < least && fit.parameters[i].least >= 0.0 && !fit.uncertainty.at_bound.contains(&i) {
             faults.push(Fault::FewPoints { name: name(i), points });
         }
     }
@@ -119,7 +144,7 @@ pub fn faults(problem: &Problem, fit: &Fit) -> Vec<Fault> {
     faults
 }
 
-/// For each free parameter the number of points at which it matters: where |p dm/dp| > 0.1 mag.
+/// Number of points at which each free parameter matters: where |p dm/dp| > 0.1 mag.
 pub fn points_behind(problem: &Problem, fit: &Fit) -> Vec<usize> {
     let n = problem.points().len();
     let values = fit.values();
@@ -134,4 +159,91 @@ pub fn points_behind(problem: &Problem, fit: &Fit) -> Vec<usize> {
         }
     }
     counts
+}
+
+/// One axis of the geometry.
+struct Axis {
+    name: &'static str,
+    angle_rad: fn(&ViewingGeometry) -> f64,
+    cell_deg: f64,
+    /// Range that must be covered; `None`: the observed range.
+    whole_deg: Option<[f64; 2]>,
+}
+
+const AXES: [Axis; 3] = [
+    Axis { name: "Sun's latitudes", angle_rad: |g| g.sun_latitude_rad, cell_deg: 5.0, whole_deg: None },
+    Axis {
+        name: "observer's longitudes from the Sun",
+        angle_rad: |g| g.folded().observer_longitude_rad,
+        cell_deg: 30.0,
+        whole_deg: Some([0.0, 180.0]),
+    },
+    Axis { name: "observer's latitudes", angle_rad: |g| g.observer_latitude_rad, cell_deg: 15.0, whole_deg: None },
+];
+
+/// Axes with gaps in their coverage.
+fn poor_axes(points: &[FitPoint]) -> Vec<PoorAxis> {
+    AXES.iter().filter_map(|axis| poor(axis, points)).collect()
+}
+
+fn poor(axis: &Axis, points: &[FitPoint]) -> Option<PoorAxis> {
+    let mut angles_deg: Vec<f64> = points.iter().map(|point| (axis.angle_rad)(&point.geometry).to_degrees()).collect();
+    angles_deg.sort_by(f64::total_cmp);
+    let seen = [STRAY_SHARE, 1.0 - STRAY_SHARE].map(|share| quantile(&angles_deg, share));
+    let cell = axis.cell_deg;
+    let is_narrow = axis.whole_deg.is_none() && seen[1] - seen[0] < LEAST_CELLS * cell;
+    // Division first: rounding must not make a cell of the last degree of 180.
+    let [from, to] = axis.whole_deg.unwrap_or(seen).map(|end| end / cell);
+    let counts = |k: i32| {
+        let [low, high] = [f64::from(k) * cell, f64::from(k + 1) * cell];
+        let below = |end: f64| angles_deg.partition_point(|angle| *angle < end);
+        // The last cell of a whole axis includes its end.
+        let beyond = if axis.whole_deg.is_some_and(|whole| high >= whole[1]) { angles_deg.len() } else { below(high) };
+        ([low, high], beyond - below(low))
+    };
+    let thin: Vec<_> =
+        (from.ceil() as i32..to.floor() as i32).map(counts).filter(|(_, count)| *count < LEAST_IN_CELL).collect();
+    let narrow = is_narrow.then_some(seen);
+    (narrow.is_some() || !thin.is_empty()).then_some(PoorAxis { name: axis.name, thin, narrow })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Every degree of longitude at each of these latitudes of Sun and observer.
+    fn seen(suns_deg: &[f64], latitudes_deg: &[f64], keep: impl Fn(f64) -> bool) -> Vec<FitPoint> {
+        let longitudes = || (0..180).map(|i| f64::from(i) + 0.5).filter(|longitude| keep(*longitude));
+        let all = suns_deg.iter().flat_map(|sun| latitudes_deg.iter().map(move |latitude| (*sun, *latitude)));
+        all.flat_map(|(sun, latitude)| longitudes().map(move |longitude| [sun, longitude, latitude]))
+            .map(|angles| {
+                let [sun, longitude, latitude] = angles.map(f64::to_radians);
+                let geometry = ViewingGeometry::from_angles(sun, longitude, latitude, 1000.0, 550.0);
+                FitPoint { geometry: geometry.expect("a geometry"), magnitude: 6.0, sigma_mag: 0.1, group: 0 }
+            })
+            .collect()
+    }
+
+    const SUNS: [f64; 4] = [-21.0, -17.0, -12.0, -7.0];
+    const LATITUDES: [f64; 4] = [-80.0, -65.0, -50.0, -35.0];
+
+    #[test]
+    fn verif_gaps_and_narrow_ranges_are_named() {
+        assert_eq!(poor_axes(&seen(&SUNS, &LATITUDES, |_| true)), []);
+        // Nine points of a sector are too few, ten are enough.
+        for (end, count) in [(99.0, 9), (100.0, 10)] {
+            let few =
+                seen(&SUNS[1..2], &LATITUDES[1..2], |longitude| !(90.0..120.0).contains(&longitude) || longitude < end);
+            let found = poor_axes(&few).into_iter().find(|axis| axis.name.contains("longitudes"));
+            let expected = (count < 10).then(|| vec![([90.0, 120.0], count)]);
+            assert_eq!(found.map(|axis| axis.thin), expected);
+        }
+        let gap = poor_axes(&seen(&[-21.0, -17.0, -7.0], &LATITUDES, |_| true));
+        assert_eq!(gap, [PoorAxis { name: "Sun's latitudes", thin: vec![([-15.0, -10.0], 0)], narrow: None }]);
+        let gap = poor_axes(&seen(&SUNS, &[-80.0, -50.0, -35.0], |_| true));
+        assert_eq!(gap, [PoorAxis { name: "observer's latitudes", thin: vec![([-75.0, -60.0], 0)], narrow: None }]);
+        let narrow = poor_axes(&seen(&[-12.0, -9.0], &LATITUDES, |_| true));
+        assert_eq!((narrow.len(), narrow[0].name), (1, "Sun's latitudes"));
+        assert!(narrow[0].narrow.is_some_and(|[from, to]| (from + 12.0).abs() < 0.1 && (to + 9.0).abs() < 0.1));
+    }
 }

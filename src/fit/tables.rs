@@ -1,36 +1,37 @@
-//! Fits, standings and the paper's tests as tables.
+//! Tables of parameters, form scores, the paper's tests and posteriors.
 
 use crate::output::{Column, Kind, Table, Value};
 
-use super::contest::Standing;
-use super::paper::{LayerOffset, Rivals};
-use super::posterior::Posterior;
+use super::cross_validation::FormScore;
+use super::form::Parameter;
+use super::paper_tests::{LayerOffset, PairedModels};
+use super::posterior::{Marginal, Posterior};
 use super::solve::Fit;
 
 const PARAMETERS: [Column; 7] = [
     Column::new("parameter", Kind::Text, "Name of the parameter."),
-    Column::real("value", "", 6, "As fitted, or where it was held."),
-    Column::real("sigma", "", 6, "One sigma; empty where it was held or stands at a bound."),
+    Column::real("value", "", 6, "As fitted, or as held."),
+    Column::real("sigma", "", 6, "One sigma; empty if it is held or at a bound."),
     Column::real("least", "", 4, "Lower bound."),
     Column::real("greatest", "", 4, "Upper bound."),
     Column::new("state", Kind::Text, "free, held, or at bound."),
     Column::new("points_behind", Kind::Integer, "Points at which it matters: where |p dm/dp| > 0.1 mag."),
 ];
 
-/// One row a parameter; `points_behind` of the free ones, in their order.
+/// Table with one row per parameter; `points_behind` lists the free ones, in their order.
 pub fn parameter_table(fit: &Fit, points_behind: &[usize]) -> Table {
-    let row = |(i, parameter): (usize, &super::form::Parameter)| {
+    let row = |(i, parameter): (usize, &Parameter)| {
         let place = fit.free.iter().position(|&free| free == i);
         let state = match place {
             None => "held",
-            Some(_) if fit.certainty.at_bound.contains(&i) => "at bound",
+            Some(_) if fit.uncertainty.at_bound.contains(&i) => "at bound",
             Some(_) => "free",
         };
         let behind = place.and_then(|k| points_behind.get(k)).map(|count| Value::Integer(*count as i64));
         vec![
             parameter.name.as_str().into(),
             parameter.value.into(),
-            fit.certainty.sigma(i).into(),
+            fit.uncertainty.sigma(i).into(),
             parameter.least.into(),
             parameter.greatest.into(),
             state.into(),
@@ -40,22 +41,22 @@ pub fn parameter_table(fit: &Fit, points_behind: &[usize]) -> Table {
     Table { columns: PARAMETERS.to_vec(), rows: fit.parameters.iter().enumerate().map(row).collect() }
 }
 
-const STANDINGS: [Column; 10] = [
-    Column::new("model", Kind::Text, "Form of law."),
+const SCORES: [Column; 10] = [
+    Column::new("model", Kind::Text, "Form of brightness law."),
     Column::new("parameters", Kind::Integer, "Free parameters."),
     Column::new("n", Kind::Integer, "Points."),
     Column::real("rms_mag", "mag", 4, "Root mean square of the residuals, in sample."),
     Column::real("core_mag", "mag", 4, "1.4826 times their median absolute deviation, in sample."),
     Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k of squares, sum of losses + 2k of a robust loss."),
-    Column::real("held_out_rms_mag", "mag", 4, "Root mean square of points that were held out."),
-    Column::real("held_out_core_mag", "mag", 4, "Core of points that were held out."),
+    Column::real("held_out_rms_mag", "mag", 4, "Root mean square of the points held out."),
+    Column::real("held_out_core_mag", "mag", 4, "Core of the points held out."),
     Column::real("sigma_mag", "mag", 3, "Sigma that holds 68.3 % of the points held out."),
-    Column::real("within_one_sigma", "", 3, "Share of each fold within the sigma that the other folds announce."),
+    Column::real("within_one_sigma", "", 3, "Share of each fold within the sigma of the other folds."),
 ];
 
-/// One row a form.
-pub fn standing_table(standings: &[Standing]) -> Table {
-    let row = |one: &Standing| {
+/// Table with one row per form.
+pub fn form_score_table(scores: &[FormScore]) -> Table {
+    let row = |one: &FormScore| {
         vec![
             one.name.as_str().into(),
             Value::Integer(one.parameters as i64),
@@ -65,23 +66,23 @@ pub fn standing_table(standings: &[Standing]) -> Table {
             one.aic.into(),
             one.held_out.rms_mag.into(),
             one.held_out.core_mag.into(),
-            one.honest_sigma_mag.into(),
+            one.sigma_68_mag.into(),
             one.within_one_sigma.into(),
         ]
     };
-    Table { columns: STANDINGS.to_vec(), rows: standings.iter().map(row).collect() }
+    Table { columns: SCORES.to_vec(), rows: scores.iter().map(row).collect() }
 }
 
 const OFFSETS: [Column; 6] = [
     Column::real("sun_latitude_from_deg", "deg", 2, "Lower end of the layer, Sun above the chassis plane."),
     Column::real("sun_latitude_to_deg", "deg", 2, "Upper end of the layer."),
     Column::new("n", Kind::Integer, "Points in it."),
-    Column::real("panel_offset_deg", "deg", 4, "Panel offset angle of this layer's own fit."),
+    Column::real("panel_offset_deg", "deg", 4, "Panel offset angle fitted to this layer."),
     Column::real("panel_offset_sigma_deg", "deg", 4, "One sigma of it."),
     Column::real("rms_mag", "mag", 4, "Root mean square of the residuals."),
 ];
 
-/// Table 2 of the paper.
+/// Table of panel offsets by layer (table 2 of the paper).
 pub fn offset_table(offsets: &[LayerOffset]) -> Table {
     let row = |layer: &LayerOffset| {
         vec![
@@ -96,9 +97,9 @@ pub fn offset_table(offsets: &[LayerOffset]) -> Table {
     Table { columns: OFFSETS.to_vec(), rows: offsets.iter().map(row).collect() }
 }
 
-const RIVALS: [Column; 7] = [
-    Column::new("model", Kind::Text, "Which of the two."),
-    Column::new("n", Kind::Integer, "Points of both."),
+const PAIRED_MODELS: [Column; 7] = [
+    Column::new("model", Kind::Text, "One of the two models."),
+    Column::new("n", Kind::Integer, "Points of both models."),
     Column::new("parameters", Kind::Integer, "Free parameters."),
     Column::real("rms_mag", "mag", 4, "Root mean square of the residuals."),
     Column::real("aic", "", 1, "Akaike's criterion: n ln(RMS^2) + 2k of squares, sum of losses + 2k of a robust loss."),
@@ -106,8 +107,8 @@ const RIVALS: [Column; 7] = [
     Column::real("p", "", 6, "Probability of such a t if both means are the same."),
 ];
 
-/// Sections 4.2 and 4.3 of the paper.
-pub fn rival_table(pairs: &[&Rivals]) -> Table {
+/// Table of pairs of models (sections 4.2 and 4.3 of the paper), two rows per pair.
+pub fn paired_model_table(pairs: &[&PairedModels]) -> Table {
     let rows = pairs.iter().flat_map(|pair| {
         (0..2).map(|k| {
             vec![
@@ -121,7 +122,7 @@ pub fn rival_table(pairs: &[&Rivals]) -> Table {
             ]
         })
     });
-    Table { columns: RIVALS.to_vec(), rows: rows.collect() }
+    Table { columns: PAIRED_MODELS.to_vec(), rows: rows.collect() }
 }
 
 const MARGINALS: [Column; 10] = [
@@ -132,14 +133,14 @@ const MARGINALS: [Column; 10] = [
     Column::real("mean", "", 6, "Mean."),
     Column::real("sigma", "", 6, "Standard deviation."),
     Column::real("fit_value", "", 6, "Value of the fit."),
-    Column::real("fit_sigma", "", 6, "One sigma of the fit, with what tracks share."),
-    Column::real("autocorrelation_steps", "", 1, "Steps that make one independent draw."),
-    Column::new("is_trusted", Kind::Boolean, "True where the chain is longer than 50 of them."),
+    Column::real("fit_sigma", "", 6, "One sigma of the fit, which allows for errors that tracks share."),
+    Column::real("autocorrelation_steps", "", 1, "Steps per independent draw."),
+    Column::new("is_trusted", Kind::Boolean, "True if the chain is longer than 50 of them."),
 ];
 
-/// One row a free parameter, beside what the fit that the walkers set out from says of it.
+/// Table with one row per free parameter, beside its value and sigma in the fit at which the walkers started.
 pub fn marginal_table(posterior: &Posterior, fit: &Fit) -> Table {
-    let row = |(m, &i): (&super::posterior::Marginal, &usize)| {
+    let row = |(m, &i): (&Marginal, &usize)| {
         vec![
             m.name.as_str().into(),
             m.quantiles[0].into(),
@@ -148,7 +149,7 @@ pub fn marginal_table(posterior: &Posterior, fit: &Fit) -> Table {
             m.mean.into(),
             m.sigma.into(),
             fit.parameters[i].value.into(),
-            fit.certainty.sigma(i).into(),
+            fit.uncertainty.sigma(i).into(),
             m.autocorrelation.steps.into(),
             Value::Boolean(m.autocorrelation.is_trusted),
         ]

@@ -63,12 +63,11 @@ fn main() {
         let per_step_s = began.elapsed().as_secs_f64() / steps as f64;
         descents.sort_by(f64::total_cmp);
         println!(
-            "earthshine {earthshine:?}: {} points, prepared {:.1} ms; descent {:.3} ms ({} evaluations, cost {:.10}); search {:.1} ms (cost {:.10}); \
+            "earthshine {earthshine:?}: {} points, prepared {:.1} ms; descent {:.3} ms (cost {:.10}); search {:.1} ms (cost {:.10}); \
              32 walkers {:.3} ms a step ({:.1} s for 5000), acceptance {:.2}",
             points.len(),
             prepared_s * 1e3,
             descents[descents.len() / 2] * 1e3,
-            end.evaluations,
             end.cost,
             search_s * 1e3,
             fit.cost,

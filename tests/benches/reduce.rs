@@ -19,11 +19,16 @@ use flate2::write::GzEncoder;
 use hifitime::Epoch;
 use streakcast::elements::{Constellation, History};
 use streakcast::fit::measurements::{
-    Placement, ReadOptions, RecordReader, ReduceOptions, Reducer, Selection, SimulationOptions, measure_each, simulate,
-    write_mmt_csv,
+    PhotometryOptions, Placement, RecordReader, ReduceOptions, Reducer, Selection, measure_each,
 };
 use streakcast::frames::seconds_after;
 use streakcast::photometry::ModelLibrary;
+
+#[path = "../common/simulated_photometry.rs"]
+#[allow(dead_code)]
+mod simulated_photometry;
+
+use simulated_photometry::{SimulationOptions, simulate, write_mmt_csv};
 
 const SHELL: &str = "[[constellation]]\nname = 'shell'\nshell = [{ altitude_km = 550, inclination_deg = 53, planes = 72, \
                      satellites_per_plane = 22, phasing = 17 }]";
@@ -56,10 +61,10 @@ fn make(millions: u32) {
     let (history, model) = (history(), ModelLibrary::embedded().get("starlink-v1.5").expect("shipped"));
     let folder = tempfile::tempdir().expect("a folder");
     for seed in 0..u64::from(millions.div_ceil(2)) {
-        let mut options = SimulationOptions::mmt9(first_night(), 40).expect("MMT-9");
+        let mut options = SimulationOptions::mmt9(first_night(), 40);
         (options.seed, options.night_step_days, options.tracks_per_night) = (seed, 9, 315);
         let begin = Instant::now();
-        let mut simulation = simulate(&model, &history, &options).expect("photometry");
+        let mut simulation = simulate(&model, &history, &options);
         simulation.records.groups.iter_mut().for_each(|group| group.insert_str(0, &seed.to_string()));
         println!("simulated {} rows in {:.2} s", simulation.records.records.len(), begin.elapsed().as_secs_f64());
         let path = folder.path().join(format!("mmt_{seed}.csv"));
@@ -97,7 +102,7 @@ fn time(name: &str, files: &[PathBuf], placement: &Placement) {
     let (mut told, mut rows) = (String::new(), 0);
     for _ in 0..ROUNDS {
         let begin = Instant::now();
-        let mut reader = RecordReader::open(files, &ReadOptions::default()).expect("files");
+        let mut reader = RecordReader::open(files, &PhotometryOptions::default()).expect("files");
         let mut reducer = Reducer::new(ReduceOptions::default()).expect("options");
         let dropped = measure_each(&mut reader, placement, &Selection::default(), |points| reducer.add(points));
         let reduction = reducer.finish();

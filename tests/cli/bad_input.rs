@@ -87,6 +87,7 @@ fn a_word_that_is_no_text_gets_one_line() {
 #[test]
 fn what_is_allowed_stands_beside_what_is_unknown() {
     fails(&[&["plto"]], &["'plto'", "allowed: passes, flag, annotate"]);
+    #[cfg(feature = "fit")]
     fails(&[&["fit", "rnu"]], &["'rnu'", "reduce", "run"]);
     #[cfg(feature = "plot")]
     fails(&[&["plot", "plot"]], &["'plot'", "allowed: night, field"]);

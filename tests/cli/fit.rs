@@ -4,9 +4,9 @@ use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
+use crate::common::simulated_photometry::{SimulationOptions, simulate, write_mmt_csv};
 use assert_cmd::Command;
 use streakcast::elements::{Constellation, History};
-use streakcast::fit::measurements::{SimulationOptions, simulate, write_mmt_csv};
 use streakcast::fit::read_chain;
 use streakcast::photometry::{BrightnessModel, Coefficients, ModelLibrary};
 use tempfile::{TempDir, tempdir};
@@ -30,9 +30,9 @@ fn folder() -> TempDir {
         cadence_s: 2.0,
         outlier_track_share: 0.0,
         wrong_association_share: 0.0,
-        ..SimulationOptions::mmt9(first, 5).expect("a site")
+        ..SimulationOptions::mmt9(first, 5)
     };
-    let simulation = simulate(&model, &history, &options).expect("photometry");
+    let simulation = simulate(&model, &history, &options);
     let mut out = Vec::new();
     write_mmt_csv(&mut out, &simulation.records).expect("a table");
     fs::write(folder.path().join("mmt.csv"), out).expect("a file");

@@ -9,6 +9,7 @@ mod bad_input;
 mod doctor;
 #[cfg(feature = "fetch")]
 mod fetch;
+#[cfg(feature = "fit")]
 mod fit;
 mod forecast;
 mod gate;

@@ -335,7 +335,7 @@ fn verif_residuals_are_observed_less_computed() {
         &[&["residuals", "--model", "nonesuch", "--from", &file, "-o", &path(&folder, "x.png")]],
         &["unknown model 'nonesuch'"],
     );
-    let what = ["points.csv: it is no .npz", "allowed: the chains that fit run --mcmc wrote"];
+    let what = ["points.csv: invalid .npz", "allowed: chains written by fit run --mcmc"];
     fails(&[&["corner", "--chains", &file, "-o", &path(&folder, "x.png")]], &what);
     let (_, list, _) = run(&[&["plot", "--list"]]);
     assert!(list.contains("a table of fit reduce") && !list.contains("fit photometry"), "{list}");

@@ -11,6 +11,8 @@ pub mod maps;
 pub mod random;
 #[cfg(feature = "serve")]
 pub mod server;
+#[cfg(feature = "fit")]
+pub mod simulated_photometry;
 
 use std::io::Write;
 use std::path::{Path, PathBuf};

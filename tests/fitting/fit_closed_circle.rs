@@ -13,15 +13,14 @@
 //! leave
 //! 3 % in c1, 1 % in n_sail and 0.6 % or less in the others (measured without any noise): a quarter of a sigma.
 
+use crate::common::simulated_photometry::{SimulationOptions, simulate};
 use streakcast::elements::{Constellation, ElementSet, History};
-use streakcast::fit::measurements::{
-    Measurements, Placement, ReduceOptions, Reduction, Selection, SimulationOptions, measure, reduce, simulate,
-};
+use streakcast::fit::measurements::{Measurements, Placement, ReduceOptions, Reduction, Selection, measure, reduce};
 use streakcast::fit::{
-    COEFFICIENTS, CovarianceKind, Fit, FitSettings, Loss, PANEL_OFFSET, PaperTests, Problem, RawWeights, TwoPanelForm,
-    jackknife, paper_tests, points_of_measurements, points_of_pixels, predict, rms,
+    COEFFICIENTS, CovarianceKind, Fit, FitSettings, Loss, PaperTests, Problem, RawWeights, TwoPanelForm, jackknife,
+    paper_tests, points_of_measurements, points_of_pixels, predict, rms,
 };
-use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelFile, ModelLibrary};
+use streakcast::photometry::{BrightnessModel, Coefficients, Earthshine, ModelFile, ModelLibrary, PANEL_OFFSET};
 
 /// What is true: the paper's form with a glossy sail.
 const TRUTH: Coefficients =
@@ -76,9 +75,9 @@ fn observed(campaign: &Campaign) -> Measurements {
         point_scatter_mag: campaign.point_scatter_mag,
         track_scatter_mag: campaign.track_scatter_mag,
         earthshine: campaign.earthshine,
-        ..SimulationOptions::mmt9(first, campaign.nights).expect("a site")
+        ..SimulationOptions::mmt9(first, campaign.nights)
     };
-    let simulation = simulate(&model, &history, &options).expect("photometry");
+    let simulation = simulate(&model, &history, &options);
     let placement = Placement { max_element_age_days: 400.0, ..Placement::elements(&history) };
     measure(&mut simulation.records.source(), &placement, &Selection::default()).expect("measurements")
 }
@@ -115,9 +114,9 @@ fn free(loss: Loss) -> FitSettings {
 /// Coefficients within `sigmas` of the truth.
 fn comes_back(fit: &Fit, sigmas: f64) {
     let truth = [TRUTH.c1, TRUTH.c2, TRUTH.c3, TRUTH.c4, TRUTH.c5, TRUTH.n_sail, TRUTH.n_base];
-    let off = |i: usize| (fit.parameters[i].value - truth[i]) / fit.certainty.sigma(i).expect("a sigma");
+    let off = |i: usize| (fit.parameters[i].value - truth[i]) / fit.uncertainty.sigma(i).expect("a sigma");
     for (i, truth) in truth.iter().enumerate() {
-        let (parameter, sigma) = (&fit.parameters[i], fit.certainty.sigma(i).expect("a sigma"));
+        let (parameter, sigma) = (&fit.parameters[i], fit.uncertainty.sigma(i).expect("a sigma"));
         println!("  {:<7} {:.5} ± {sigma:.5}, true {truth}: {:+.2} sigma", parameter.name, parameter.value, off(i));
     }
     for (i, truth) in truth.iter().enumerate() {
@@ -217,7 +216,7 @@ fn offsets_lie_about_zero(
         let own = Measurements { points, groups: measurements.groups.clone(), ..Measurements::default() };
         let (_, fit) = fitted(form, &own, reduction, &settings);
         let at = fit.parameters.iter().position(|parameter| parameter.name == PANEL_OFFSET).expect("an offset");
-        let Some(sigma) = fit.certainty.sigma(at) else { continue };
+        let Some(sigma) = fit.uncertainty.sigma(at) else { continue };
         offs.push((fit.parameters[at].value, sigma));
         println!(
             "  {:?} POA {:+.3} ± {sigma:.3} (pixels as independent: {:.3?})",

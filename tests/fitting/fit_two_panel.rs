@@ -5,7 +5,7 @@ use std::fs;
 
 use streakcast::fit::inference::{Chain, LogProbability, NormalEquations, autocorrelation_times};
 use streakcast::fit::{
-    FitPoint, FitSettings, Form, Loss, ModelWords, PosteriorSettings, Problem, TwoPanelForm, draw, model_file,
+    FitPoint, FitSettings, Form, Loss, ModelDescription, PosteriorSettings, Problem, TwoPanelForm, draw, model_file,
     posterior, predict,
 };
 use streakcast::geometry::ViewingGeometry;
@@ -144,7 +144,7 @@ fn valid_least_squares_against_scipy() {
             for ((i, parameter), (scipy, truth)) in
                 fit.parameters.iter().enumerate().zip(golden.numbers("scipy_linear_x").iter().zip(truth))
             {
-                let sigma = fit.certainty.sigma(i).expect("a sigma");
+                let sigma = fit.uncertainty.sigma(i).expect("a sigma");
                 assert!(
                     (parameter.value - scipy).abs() < 1e-3 * sigma,
                     "{}: {} {scipy}",
@@ -273,7 +273,7 @@ fn verif_a_fitted_panel_offset_is_in_the_covariance() {
     }
     let library = ModelLibrary::embedded();
     let base = library.get("starlink-v1.5").and_then(|model| model.file().cloned()).expect("a model");
-    let words = ModelWords {
+    let words = ModelDescription {
         name: "mine".into(),
         title: "A fit".into(),
         source: "a test".into(),
@@ -295,7 +295,7 @@ fn verif_a_fitted_panel_offset_is_in_the_covariance() {
     names.push("panel_offset_deg");
     let (fit, file) = fitted(&names);
     let covariance = file.covariance.clone().expect("a covariance");
-    let variance = fit.certainty.sigma(7).expect("a sigma").powi(2);
+    let variance = fit.uncertainty.sigma(7).expect("a sigma").powi(2);
     assert!(covariance.len() == 8 && (covariance[7][7] / variance - 1.0).abs() < 1e-12, "{covariance:?}");
     assert_eq!(file.parameters()[7], ("panel_offset_deg", file.shape.expect("a shape").panel_offset_deg));
     assert!((file.parameters()[7].1 - 3.0).abs() < 0.5, "{:?}", file.parameters());

@@ -1,4 +1,5 @@
 //! Photometry, fits and model checks.
+#![cfg(feature = "fit")]
 
 #[path = "../common/mod.rs"]
 mod common;

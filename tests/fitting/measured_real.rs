@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 
 use streakcast::elements::{Catalogue, History, Keep, NoradId, OrbitPhase, ReadOptions as Elements, StationRule};
 use streakcast::fit::measurements::{
-    AssociationOptions, Candidate, DropReason, Format, OrbitRadius, Place, Placement, Placer, ReadOptions,
+    AssociationOptions, Candidate, DropReason, Format, OrbitRadius, PhotometryOptions, Place, Placement, Placer,
     RecordReader, RecordSource, Records, ReduceOptions, Selection, StationInterval, Stations, associate, measure,
     reduce,
 };
@@ -27,7 +27,7 @@ fn history(files: &[PathBuf]) -> History {
 
 fn visorsat(data: &Path) -> Records {
     let path = data.join("derived/mmt9_starlink_visorsat.csv.gz");
-    Records::collect(&mut RecordReader::open(&[path], &ReadOptions::default()).unwrap()).unwrap()
+    Records::collect(&mut RecordReader::open(&[path], &PhotometryOptions::default()).unwrap()).unwrap()
 }
 
 /// Track, catalogue number, how sure.
@@ -50,7 +50,7 @@ fn best(data: &Path, records: &Records) -> HashMap<String, Vec<Candidate>> {
 fn quantile(values: &[f64], p: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
-    streakcast::fit::measurements::quantile(&sorted, p)
+    streakcast::math::quantile::quantile(&sorted, p)
 }
 
 #[test]
@@ -142,7 +142,7 @@ fn valid_distance_and_phase_give_the_angles_that_elements_give() {
 fn valid_raw_text_of_mmt9() {
     let Some(data) = crate::common::data_dir() else { return };
     let path = data.join("photometry/mmt9_raw_format/sat_21736.excerpt.txt");
-    let mut reader = RecordReader::open(&[&path], &ReadOptions::default()).unwrap();
+    let mut reader = RecordReader::open(&[&path], &PhotometryOptions::default()).unwrap();
     let records = Records::collect(&mut reader).unwrap();
     assert_eq!(records.records.len(), 17);
     assert!(records.records.iter().all(|record| record.norad_id == Some(NoradId(64559))));
@@ -168,7 +168,7 @@ fn valid_surveys_are_read_whole() {
         ("derived/mmt9_oneweb.csv.gz", Some(1200.0), Format::Mmt, 57_436, None::<u64>),
     ] {
         for named in [None, Some(format)] {
-            let options = ReadOptions { format: named, ..ReadOptions::default() };
+            let options = PhotometryOptions { format: named, ..PhotometryOptions::default() };
             let mut reader = RecordReader::open(&[data.join(file)], &options).unwrap();
             let measured = measure(&mut reader, &Placement::recorded(height_km), &Selection::everything()).unwrap();
             println!(
@@ -183,7 +183,7 @@ fn valid_surveys_are_read_whole() {
         }
     }
     let path = data.join("photometry/score_format/test_data.csv");
-    let options = ReadOptions { filters: vec!["clear".into()], ..ReadOptions::default() };
+    let options = PhotometryOptions { filters: vec!["clear".into()], ..PhotometryOptions::default() };
     let mut reader = RecordReader::open(&[path], &options).unwrap();
     let records = Records::collect(&mut reader).unwrap();
     println!("SCORE: {} rows, {:?}, dropped {:?}", records.records.len(), records.groups, records.dropped);
@@ -272,7 +272,7 @@ fn verif_a_source_is_the_same_in_memory_and_from_a_file() {
     let Some(data) = crate::common::data_dir() else { return };
     let records = visorsat(&data);
     let path = data.join("derived/mmt9_starlink_visorsat.csv.gz");
-    let mut reader = RecordReader::open(&[path], &ReadOptions::default()).unwrap();
+    let mut reader = RecordReader::open(&[path], &PhotometryOptions::default()).unwrap();
     let placement = Placement::recorded(Some(550.0));
     let streamed = measure(&mut reader, &placement, &Selection::default()).unwrap();
     let kept = measure(&mut records.source(), &placement, &Selection::default()).unwrap();

@@ -5,13 +5,14 @@
 use std::collections::BTreeMap;
 
 use streakcast::fit::checks::{
-    CheckError, Comparison, DataSet, Measurement, OFFSET_TOLERANCE_MAG, Photometry, ReferenceKind, Verdict, compare,
+    CheckError, Comparison, DataSet, OFFSET_TOLERANCE_MAG, Photometry, ReferenceKind, ReferenceMeasurement, Verdict,
+    compare,
 };
 use streakcast::geometry::ViewingGeometry;
 use streakcast::photometry::{BrightnessModel, ModelLibrary, StandardMagnitude, StandardMagnitudes};
 
 fn one(rows: &[Comparison], kind: ReferenceKind) -> &Comparison {
-    rows.iter().find(|row| row.kind == kind).unwrap_or_else(|| panic!("no {} in {rows:?}", kind.name()))
+    rows.iter().find(|row| row.kind == kind).unwrap_or_else(|| panic!("no {kind:?} in {rows:?}"))
 }
 
 fn rows_of(name: &str, photometry: Option<&Photometry>) -> Vec<Comparison> {
@@ -128,7 +129,7 @@ fn verif_a_model_in_another_band_is_brought_to_v() {
     // Measurements too.
     let geometry = ViewingGeometry::from_angles(-0.2, 1.0, -0.8, 1000.0, 550.0);
     let magnitude = StandardMagnitude(6.0);
-    let seen = Measurement { magnitude, phase_rad: geometry.unwrap().phase_angle_rad(), geometry };
+    let seen = ReferenceMeasurement { magnitude, phase_rad: geometry.unwrap().phase_angle_rad(), geometry };
     let [in_i, in_v] = [&panels_in_i, &*ModelLibrary::embedded().get("starlink-v1.5").unwrap()]
         .map(|model| seen.of_model(model).unwrap().0);
     assert!((in_i - in_v).abs() < ROUNDING_MAG, "{in_i} {in_v}");

@@ -8,6 +8,7 @@ use streakcast::schedule::{MagnitudeLimit, Shard};
 use crate::doctor_arguments::DoctorArguments;
 #[cfg(feature = "fetch")]
 use crate::fetch_arguments::FetchArguments;
+#[cfg(feature = "fit")]
 use crate::fit_arguments::FitArguments;
 use crate::forecast_arguments::ForecastArguments;
 use crate::gate_arguments::GateArguments;
@@ -59,6 +60,7 @@ pub enum Verb {
     #[cfg(feature = "fetch")]
     Fetch(Box<FetchArguments>),
     /// From photometry to a brightness model
+    #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
     /// A page and an HTTP API on this machine: the schedule's night, and what another start would meet
     #[cfg(feature = "serve")]
@@ -154,9 +156,11 @@ pub enum ModelVerb {
     /// One model: its file, with coefficients, covariance and provenance
     Show(ModelShowArguments),
     /// Holds models, those shipped or those named, to the rules, to published means and phase curves, and to photometry
+    #[cfg(feature = "fit")]
     Check(ModelCheckArguments),
 }
 
+#[cfg(feature = "fit")]
 #[derive(Args)]
 pub struct ModelCheckArguments {
     /// Model files; a name that begins with that of a shipped model (visorsat-mine) says which satellites

@@ -6,6 +6,7 @@ mod doctor_arguments;
 mod failure;
 #[cfg(feature = "fetch")]
 mod fetch_arguments;
+#[cfg(feature = "fit")]
 mod fit_arguments;
 mod forecast_arguments;
 mod gate_arguments;
@@ -53,6 +54,7 @@ fn main() -> ExitCode {
         Verb::Inject(typed) => verbs::inject::run(*typed),
         #[cfg(feature = "fetch")]
         Verb::Fetch(typed) => verbs::fetch::run(&typed),
+        #[cfg(feature = "fit")]
         Verb::Fit(typed) => verbs::fit::run(*typed),
         #[cfg(feature = "serve")]
         Verb::Serve(typed) => verbs::serve::run(*typed),

@@ -40,6 +40,7 @@ impl Notices {
     }
 
     /// A bar over the steps of walkers.
+    #[cfg(feature = "fit")]
     pub fn steps(&self, length: usize) -> ProgressBar {
         self.bar(length, "steps")
     }

@@ -156,6 +156,7 @@ impl Output {
     }
 
     /// Several tables for eyes, one below the other.
+    #[cfg(feature = "fit")]
     pub fn write_tables<'a>(&self, tables: impl Iterator<Item = (&'a Table, &'a [Shown])>) -> anyhow::Result<()> {
         let styled = self.is_styled();
         let texts: Vec<String> =

@@ -37,7 +37,8 @@ pub enum PlotVerb {
     Sky(Box<PlotSkyArguments>),
     /// Magnitudes at 1000 km over a satellite's own sky
     Body(Box<PlotBodyArguments>),
-    /// Posterior of a fit: each parameter, and each two of them
+    /// Posterior of a fit: each parameter, and each pair of parameters
+    #[cfg(feature = "fit")]
     Corner(Box<PlotCornerArguments>),
     /// Observed less computed magnitudes against the angles of the geometry
     Residuals(Box<PlotResidualsArguments>),
@@ -262,6 +263,7 @@ pub struct PlotBodyArguments {
     pub picture: PictureArguments,
 }
 
+#[cfg(feature = "fit")]
 #[derive(Args)]
 pub struct PlotCornerArguments {
     /// Chains of fit run --mcmc (an .npz)

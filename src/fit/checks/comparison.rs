@@ -1,41 +1,40 @@
-//! One model against one reference: the differences and a verdict.
+//! Comparison of one model with one reference: the differences and a verdict.
 
+use crate::output::{Column, Kind, Table};
 use crate::photometry::BrightnessModel;
 
+use super::super::statistics::{ResidualStatistics, share_within};
 use super::photometry::{Photometry, in_v};
-use super::population::Population;
+use super::population::shell_geometries;
 use super::published::{PublishedCurve, PublishedMean, Subject};
-use super::residuals::{Residuals, share_within};
 
-/// Mean difference from measurements up to which a model is called good, mag: unfiltered AB magnitudes and V (Vega) differ by 0.02 to
-/// 0.2 mag for colours like the Sun's, and single surveys of one satellite type by as much again.
+/// Largest mean difference from measurements of a good model, mag. Unfiltered AB magnitudes and V (Vega) differ by 0.02 to 0.2 mag for solar
+/// colours, and single surveys of one satellite type by as much again.
 pub const OFFSET_TOLERANCE_MAG: f64 = 0.3;
 
-/// Core about measurements up to which a model is called good, in units of the sigma that its file states: sigma
-/// holds 68.3 % of single magnitudes, and so does the core where they are normal. A file that states 0.6 where 0.7 is found misleads
-/// nobody; one that states half of what is found does.
-pub const CORE_TOLERANCE_SIGMA: f64 = 1.15;
+/// Largest core of a good model, in units of the sigma in its file. Sigma holds 68.3 % of single magnitudes, and so does the core of a normal
+/// distribution: 0.7 mag found for 0.6 mag stated is acceptable, twice the stated sigma is not.
+const CORE_TOLERANCE_SIGMA: f64 = 1.15;
 
-/// RMS up to which it is called good, in the same units: flares and wrongly identified satellites make wings, and the RMS larger than
-/// the sigma that holds 68.3 %, but beyond twice that sigma most of what is seen is wings.
-pub const RMS_TOLERANCE_SIGMA: f64 = 2.0;
+/// Largest RMS of a good model, in the same units. Flares and misidentified satellites make wings, which raise the RMS above the sigma that
+/// holds 68.3 %; above twice that sigma the wings dominate.
+const RMS_TOLERANCE_SIGMA: f64 = 2.0;
 
-/// What a model is compared with.
+/// Kind of a reference.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum ReferenceKind {
-    /// A published mean, against the model's mean over [`POPULATION`](super::POPULATION).
+    /// A published mean, compared with the model's mean over [`POPULATION`](super::POPULATION).
     Mean,
-    /// A published phase function, over the same geometries within the phases for which it is believed.
+    /// A published phase function, over the same geometries within its range of validity.
     PhaseCurve,
     /// Measured magnitudes, each in its own geometry.
     Photometry,
-    /// Nothing is known of these satellites.
+    /// No reference for these satellites.
     None,
 }
 
 impl ReferenceKind {
-    /// As tables write it.
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Mean => "mean",
             Self::PhaseCurve => "phase curve",
@@ -45,20 +44,19 @@ impl ReferenceKind {
     }
 }
 
-/// Whether the two agree.
+/// Result of a comparison.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
     /// Within the tolerances of [`compare`].
     Ok,
     /// Beyond them.
     Off,
-    /// Nothing to compare with.
+    /// No data to compare with.
     NoData,
 }
 
 impl Verdict {
-    /// As tables write it.
-    pub fn name(self) -> &'static str {
+    fn name(self) -> &'static str {
         match self {
             Self::Ok => "ok",
             Self::Off => "off",
@@ -67,16 +65,16 @@ impl Verdict {
     }
 }
 
-/// One model and one reference. Magnitudes are V (Vega) at 1000 km, whatever band the model was made in; differences are reference minus model.
+/// One model and one reference. Magnitudes are V (Vega) at 1000 km, whatever the model's own band; differences are reference minus model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Name of the model.
     pub model: String,
-    /// Whose brightness it is; `None` where the model's name tells nothing.
+    /// Satellites that the model describes; `None` if its name is unknown.
     pub satellites: Option<&'static str>,
-    /// What kind of reference.
+    /// Kind of the reference.
     pub kind: ReferenceKind,
-    /// Where the reference was published; empty for none.
+    /// Publication of the reference; empty for none.
     pub reference: &'static str,
     /// Geometries or measurements compared.
     pub n: usize,
@@ -94,7 +92,7 @@ pub struct Comparison {
     pub rms_mag: Option<f64>,
     /// 1.4826 times the median absolute deviation of reference minus model, mag; `None` against a mean.
     pub core_mag: Option<f64>,
-    /// Sigma that the model states for a single prediction, mag.
+    /// Sigma of a single prediction in the model's file, mag.
     pub sigma_mag: f64,
     /// Share of reference minus model within that sigma; against a mean, share of the model's magnitudes within the published standard
     /// deviation of the published mean.
@@ -103,52 +101,25 @@ pub struct Comparison {
     pub verdict: Verdict,
 }
 
-/// Holds a model against all that is known of its satellites, and against measurements where there are any.
+/// Compares a model with every published reference for its satellites, and with measurements if given.
 ///
-/// The name of the model, or an alias, says whose it is ([`Subject`]). Against a published mean it is good where the two means differ by no
-/// more than the standard deviation of that survey ([`PublishedMean::survey_sd_mag`]): its geometries are not those of the population.
-/// Against a published curve, where both the mean and the RMS of what lies between are no more than that: about its own curve the survey
-/// scatters as much, and a model that knows more than the phase lies off it too. Against measurements, where the mean differs by no more than
-/// [`OFFSET_TOLERANCE_MAG`], the core is no more than [`CORE_TOLERANCE_SIGMA`] and the RMS no more than [`RMS_TOLERANCE_SIGMA`] of the sigma
-/// that the model states. At least one row comes back.
+/// The model's name or an alias selects the references. The model agrees
+///
+/// * with a published mean if the means differ by no more than the standard deviation of the survey, whose geometries differ from those of
+///   the population;
+/// * with a published curve if the mean and the RMS of the differences are no more than that: the survey itself scatters as much about its curve,
+///   and a model with more angles than the phase deviates from it;
+/// * with measurements if the mean differs by no more than [`OFFSET_TOLERANCE_MAG`], the core is no more than 1.15 and the RMS no more than 2
+///   times the sigma in the model's file.
+///
+/// Returns at least one row.
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {
     let name = model.file().map(|file| file.name.clone()).unwrap_or_default();
     let sigma_mag = model.file().map_or(f64::NAN, |file| file.sigma_mag);
     let subject = model.file().and_then(Subject::of);
-    let against = Against { blank: blank(name, subject.map(|subject| subject.name), sigma_mag) };
-    let Some(subject) = subject else { return vec![against.blank] };
-    let mut rows = Vec::new();
-    if let Some((height_km, inclination_deg)) = subject.shell {
-        // Magnitude, weight and phase wherever the model says anything.
-        let population = Population::of_shell(height_km, inclination_deg);
-        let said: Vec<Said> = population
-            .viewed
-            .iter()
-            .filter_map(|viewed| {
-                let magnitude = in_v(model, &viewed.geometry)?.0;
-                Some(Said { magnitude, weight: viewed.weight, phase_rad: viewed.geometry.phase_angle_rad() })
-            })
-            .collect();
-        rows.extend(subject.means.iter().map(|published| against.mean(published, &said)));
-        rows.extend(subject.curve.iter().map(|curve| against.curve(curve, subject.survey_sd_mag(), &said)));
-    }
-    if let Some(set) = subject.photometry {
-        let measured = photometry.and_then(|photometry| photometry.get(set)).unwrap_or_default();
-        let pairs = measured.iter().filter_map(|one| Some((one.magnitude.0, one.of_model(model)?.0, 1.0))).collect();
-        let allowed = Allowed {
-            mean_mag: OFFSET_TOLERANCE_MAG,
-            core_mag: CORE_TOLERANCE_SIGMA * sigma_mag,
-            rms_mag: RMS_TOLERANCE_SIGMA * sigma_mag,
-        };
-        rows.push(against.pairs(ReferenceKind::Photometry, set.source(), allowed, pairs));
-    }
-    rows
-}
-
-fn blank(model: String, satellites: Option<&'static str>, sigma_mag: f64) -> Comparison {
-    Comparison {
-        model,
-        satellites,
+    let blank = Comparison {
+        model: name,
+        satellites: subject.map(|subject| subject.name),
         kind: ReferenceKind::None,
         reference: "",
         n: 0,
@@ -162,86 +133,147 @@ fn blank(model: String, satellites: Option<&'static str>, sigma_mag: f64) -> Com
         sigma_mag,
         within_one_sigma: None,
         verdict: Verdict::NoData,
+    };
+    let Some(subject) = subject else { return vec![blank] };
+    let mut rows = Vec::new();
+    if let Some((height_km, inclination_deg)) = subject.shell {
+        let modelled: Vec<Modelled> = shell_geometries(height_km, inclination_deg)
+            .iter()
+            .filter_map(|(geometry, weight)| {
+                let magnitude = in_v(model, geometry)?.0;
+                Some(Modelled { magnitude, weight: *weight, phase_rad: geometry.phase_angle_rad() })
+            })
+            .collect();
+        rows.extend(subject.means.iter().map(|published| with_mean(&blank, published, &modelled)));
+        rows.extend(subject.curve.iter().map(|curve| with_curve(&blank, curve, subject.survey_sd_mag(), &modelled)));
     }
+    if let Some(set) = subject.photometry {
+        let measured = photometry.and_then(|photometry| photometry.get(set)).unwrap_or_default();
+        let pairs = measured.iter().filter_map(|one| Some((one.magnitude.0, one.of_model(model)?.0, 1.0))).collect();
+        let tolerances = Tolerances {
+            mean_mag: OFFSET_TOLERANCE_MAG,
+            core_mag: CORE_TOLERANCE_SIGMA * sigma_mag,
+            rms_mag: RMS_TOLERANCE_SIGMA * sigma_mag,
+        };
+        let row = Comparison { kind: ReferenceKind::Photometry, reference: set.source(), ..blank };
+        rows.push(with_pairs(row, tolerances, pairs));
+    }
+    rows
 }
 
-/// What a model says in one geometry of the population.
-struct Said {
+/// Magnitude of the model in one geometry of the population.
+struct Modelled {
     magnitude: f64,
     weight: f64,
     phase_rad: f64,
 }
 
-/// The most that differences may be where the two agree, mag.
-struct Allowed {
+/// Largest differences of an agreement, mag.
+struct Tolerances {
     mean_mag: f64,
     core_mag: f64,
     rms_mag: f64,
 }
 
-/// Makes rows for one model.
-struct Against {
-    blank: Comparison,
+fn with_mean(blank: &Comparison, published: &PublishedMean, modelled: &[Modelled]) -> Comparison {
+    let row = Comparison { kind: ReferenceKind::Mean, reference: published.source, ..blank.clone() };
+    let Some(model) = ResidualStatistics::weighted(modelled.iter().map(|one| (one.magnitude, one.weight))) else {
+        return row;
+    };
+    let differences = || modelled.iter().map(|one| (published.mean_mag - one.magnitude, one.weight));
+    let difference = published.mean_mag - model.mean_mag;
+    Comparison {
+        n: model.n,
+        model_mean_mag: Some(model.mean_mag),
+        model_sd_mag: Some(model.sd_mag),
+        reference_mean_mag: Some(published.mean_mag),
+        reference_sd_mag: published.sd_mag,
+        difference_mag: Some(difference),
+        within_one_sigma: published.sd_mag.and_then(|sd| share_within(differences(), sd)),
+        verdict: if difference.abs() <= published.survey_sd_mag() { Verdict::Ok } else { Verdict::Off },
+        ..row
+    }
 }
 
-impl Against {
-    fn mean(&self, published: &PublishedMean, said: &[Said]) -> Comparison {
-        let row = Comparison { kind: ReferenceKind::Mean, reference: published.source, ..self.blank.clone() };
-        let Some(model) = Residuals::weighted(said.iter().map(|one| (one.magnitude, one.weight))) else { return row };
-        let apart: Vec<_> = said.iter().map(|one| (published.mean_mag - one.magnitude, one.weight)).collect();
-        let difference = published.mean_mag - model.mean_mag;
-        Comparison {
-            n: model.n,
-            model_mean_mag: Some(model.mean_mag),
-            model_sd_mag: Some(model.scatter_mag),
-            reference_mean_mag: Some(published.mean_mag),
-            reference_sd_mag: published.sd_mag,
-            difference_mag: Some(difference),
-            within_one_sigma: published.sd_mag.and_then(|sd| share_within(&apart, sd)),
-            verdict: if difference.abs() <= published.survey_sd_mag() { Verdict::Ok } else { Verdict::Off },
-            ..row
-        }
-    }
+fn with_curve(blank: &Comparison, curve: &PublishedCurve, sd_mag: f64, modelled: &[Modelled]) -> Comparison {
+    let tolerances = Tolerances { mean_mag: sd_mag, core_mag: sd_mag, rms_mag: sd_mag };
+    let pairs = modelled.iter().filter_map(|one| Some((curve.at(one.phase_rad)?, one.magnitude, one.weight)));
+    let row = Comparison { kind: ReferenceKind::PhaseCurve, reference: curve.source, ..blank.clone() };
+    with_pairs(row, tolerances, pairs.collect())
+}
 
-    fn curve(&self, curve: &PublishedCurve, sd_mag: f64, said: &[Said]) -> Comparison {
-        let allowed = Allowed { mean_mag: sd_mag, core_mag: sd_mag, rms_mag: sd_mag };
-        let pairs = said.iter().filter_map(|one| Some((curve.at(one.phase_rad)?, one.magnitude, one.weight)));
-        self.pairs(ReferenceKind::PhaseCurve, curve.source, allowed, pairs.collect())
+/// Completes a row from triples of reference, model and weight.
+fn with_pairs(row: Comparison, tolerances: Tolerances, pairs: Vec<(f64, f64, f64)>) -> Comparison {
+    let differences = || pairs.iter().map(|&(reference, model, weight)| (reference - model, weight));
+    let reference = ResidualStatistics::weighted(pairs.iter().map(|&(reference, _, weight)| (reference, weight)));
+    let model = ResidualStatistics::weighted(pairs.iter().map(|&(_, model, weight)| (model, weight)));
+    let (Some(reference), Some(model), Some(difference)) =
+        (reference, model, ResidualStatistics::weighted(differences()))
+    else {
+        return row;
+    };
+    let is_good = difference.mean_mag.abs() <= tolerances.mean_mag
+        && difference.core_mag <= tolerances.core_mag
+        && difference.rms_mag <= tolerances.rms_mag;
+    Comparison {
+        n: difference.n,
+        model_mean_mag: Some(model.mean_mag),
+        model_sd_mag: Some(model.sd_mag),
+        reference_mean_mag: Some(reference.mean_mag),
+        reference_sd_mag: Some(reference.sd_mag),
+        difference_mag: Some(difference.mean_mag),
+        rms_mag: Some(difference.rms_mag),
+        core_mag: Some(difference.core_mag),
+        within_one_sigma: share_within(differences(), row.sigma_mag),
+        verdict: if is_good { Verdict::Ok } else { Verdict::Off },
+        ..row
     }
+}
 
-    /// From triples of reference, model and weight.
-    fn pairs(
-        &self,
-        kind: ReferenceKind,
-        source: &'static str,
-        allowed: Allowed,
-        pairs: Vec<(f64, f64, f64)>,
-    ) -> Comparison {
-        let row = Comparison { kind, reference: source, ..self.blank.clone() };
-        let apart: Vec<_> = pairs.iter().map(|&(reference, model, weight)| (reference - model, weight)).collect();
-        let reference = Residuals::weighted(pairs.iter().map(|&(reference, _, weight)| (reference, weight)));
-        let model = Residuals::weighted(pairs.iter().map(|&(_, model, weight)| (model, weight)));
-        let (Some(reference), Some(model), Some(difference)) =
-            (reference, model, Residuals::weighted(apart.iter().copied()))
-        else {
-            return row;
-        };
-        let sigma = row.sigma_mag;
-        let is_good = difference.mean_mag.abs() <= allowed.mean_mag
-            && difference.core_mag <= allowed.core_mag
-            && difference.rms_mag <= allowed.rms_mag;
-        Comparison {
-            n: difference.n,
-            model_mean_mag: Some(model.mean_mag),
-            model_sd_mag: Some(model.scatter_mag),
-            reference_mean_mag: Some(reference.mean_mag),
-            reference_sd_mag: Some(reference.scatter_mag),
-            difference_mag: Some(difference.mean_mag),
-            rms_mag: Some(difference.rms_mag),
-            core_mag: Some(difference.core_mag),
-            within_one_sigma: share_within(&apart, sigma),
-            verdict: if is_good { Verdict::Ok } else { Verdict::Off },
-            ..row
-        }
-    }
+const COLUMNS: [Column; 15] = [
+    Column::new("model", Kind::Text, "Name of the model."),
+    Column::new("satellites", Kind::Text, "Satellites that the model describes; empty if its name is unknown."),
+    Column::new("kind", Kind::Text, "Kind of reference: mean, phase curve, photometry, none."),
+    Column::new("reference", Kind::Text, "Publication of the reference."),
+    Column::new("n", Kind::Integer, "Geometries or measurements compared."),
+    Column::real("model_mean_mag", "mag", 3, "Mean of the model over them, at 1000 km."),
+    Column::real("model_sd_mag", "mag", 3, "Standard deviation of the model over them."),
+    Column::real("reference_mean_mag", "mag", 3, "Mean of the reference, at 1000 km."),
+    Column::real("reference_sd_mag", "mag", 3, "Standard deviation of the reference; empty if none was published."),
+    Column::real("difference_mag", "mag", 3, "Mean of reference minus model."),
+    Column::real("rms_mag", "mag", 3, "Root mean square of reference minus model; empty against a mean."),
+    Column::real("core_mag", "mag", 3, "1.4826 times the median absolute deviation of reference minus model."),
+    Column::real("sigma_mag", "mag", 3, "One sigma of a single prediction, from the model's file."),
+    Column::real(
+        "within_one_sigma",
+        "",
+        3,
+        "Share within that sigma; against a mean, share of the model within the published standard deviation of it.",
+    ),
+    Column::new("verdict", Kind::Text, "ok, off, or no data."),
+];
+
+/// Table with one row per comparison.
+pub fn comparison_table(comparisons: &[Comparison]) -> Table {
+    let row = |one: &Comparison| {
+        let is_compared = one.model_mean_mag.is_some();
+        vec![
+            one.model.as_str().into(),
+            one.satellites.into(),
+            one.kind.name().into(),
+            one.reference.into(),
+            is_compared.then_some(one.n).into(),
+            one.model_mean_mag.into(),
+            one.model_sd_mag.into(),
+            one.reference_mean_mag.into(),
+            one.reference_sd_mag.into(),
+            one.difference_mag.into(),
+            one.rms_mag.into(),
+            one.core_mag.into(),
+            one.sigma_mag.into(),
+            one.within_one_sigma.into(),
+            one.verdict.name().into(),
+        ]
+    };
+    Table { columns: COLUMNS.to_vec(), rows: comparisons.iter().map(row).collect() }
 }

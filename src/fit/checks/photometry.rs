@@ -1,15 +1,17 @@
-//! Measured magnitudes with the geometry they were measured in, out of a folder of published files.
+//! Published measurements read from a data folder, with the geometry of each.
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use super::super::measurements::{DropReason, Format, Placement, ReadOptions, RecordReader, Selection, measure};
+use thiserror::Error;
+
 use crate::geometry::ViewingGeometry;
-use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude};
+use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude, StandardMagnitudes};
 
-use super::amateurs;
-use super::error::CheckError;
+use super::super::measurements::{
+    DropExample, DropReason, Format, MeasurementError, PhotometryOptions, Placement, RecordReader, Selection, measure,
+};
 
 /// A published set of measurements.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -31,7 +33,7 @@ pub enum DataSet {
 }
 
 impl DataSet {
-    /// All of them.
+    /// All sets.
     pub const ALL: [Self; 7] = [
         Self::Pomenis,
         Self::SlingshotV2,
@@ -42,7 +44,7 @@ impl DataSet {
         Self::AmateursRocketBodies,
     ];
 
-    /// Whose it is.
+    /// Survey and publication.
     pub fn source(self) -> &'static str {
         match self {
             Self::Pomenis => "Pomenis (Fankhauser, Tyson and Askari 2023)",
@@ -54,7 +56,7 @@ impl DataSet {
         }
     }
 
-    /// Where it lies in a data folder.
+    /// Path of its file in a data folder.
     pub fn path(self) -> &'static str {
         match self {
             Self::Pomenis => "photometry/pomenis/pomenis_observations.csv",
@@ -66,84 +68,127 @@ impl DataSet {
         }
     }
 
-    fn read(self, path: &Path) -> Result<Vec<Measurement>, CheckError> {
+    fn read(self, path: &Path) -> Result<Vec<ReferenceMeasurement>, CheckError> {
         match self {
-            Self::Pomenis => surveyed(path, Format::Pomenis, None),
-            Self::SlingshotV2 => surveyed(path, Format::Slingshot, None),
-            // No element sets: circular orbits at the height where the points were fitted.
-            Self::Mmt9VisorSat => surveyed(path, Format::Mmt, Some(540.0)),
-            Self::Mmt9OneWeb => surveyed(path, Format::Mmt, Some(1200.0)),
-            Self::Mmt9IridiumNext => surveyed(path, Format::Mmt, Some(780.0)),
-            Self::AmateursPayloads => amateurs::read(path, false),
-            Self::AmateursRocketBodies => amateurs::read(path, true),
+            Self::Pomenis => read_survey(path, Format::Pomenis, None),
+            Self::SlingshotV2 => read_survey(path, Format::Slingshot, None),
+            // Without element sets: circular orbits at the height that was used in the fit.
+            Self::Mmt9VisorSat => read_survey(path, Format::Mmt, Some(540.0)),
+            Self::Mmt9OneWeb => read_survey(path, Format::Mmt, Some(1200.0)),
+            Self::Mmt9IridiumNext => read_survey(path, Format::Mmt, Some(780.0)),
+            Self::AmateursPayloads => read_qs_mag(path, false),
+            Self::AmateursRocketBodies => read_qs_mag(path, true),
         }
     }
 }
 
-/// One measured magnitude.
+/// Errors in a folder of published photometry.
+#[derive(Clone, Debug, Error, PartialEq)]
+#[non_exhaustive]
+pub enum CheckError {
+    /// The folder contains none of the known files.
+    #[error("no photometry in {}: looked for {looked_for}", folder.display())]
+    Nothing {
+        /// The folder.
+        folder: PathBuf,
+        /// Paths of the known files in it.
+        looked_for: String,
+    },
+    /// A file cannot be read.
+    #[error("photometry {}: {problem}", path.display())]
+    Unreadable {
+        /// The file.
+        path: PathBuf,
+        /// Message of the system or of the table's reader.
+        problem: String,
+    },
+    /// A survey's table cannot be read.
+    #[error("photometry {0}")]
+    Survey(#[from] MeasurementError),
+    /// A row is invalid. Published sets are complete, so that every row is required.
+    #[error("photometry {0}")]
+    Row(DropExample),
+}
+
+/// One published magnitude to compare a model with.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Measurement {
-    /// Brought to 1000 km, as V (Vega), though some were measured through no filter.
+pub struct ReferenceMeasurement {
+    /// At 1000 km, taken as V (Vega), although some surveys are unfiltered.
     pub magnitude: StandardMagnitude,
     /// Angle Sun-satellite-observer, [0, π], radians.
     pub phase_rad: f64,
-    /// All angles; `None` where only the phase is known.
+    /// All angles; `None` if only the phase is known.
     pub geometry: Option<ViewingGeometry>,
 }
 
-impl Measurement {
-    fn in_geometry(magnitude: StandardMagnitude, geometry: ViewingGeometry) -> Self {
-        Self::with_phase(magnitude, geometry.phase_angle_rad(), Some(geometry))
-    }
-
-    pub(super) fn with_phase(magnitude: StandardMagnitude, phase_rad: f64, geometry: Option<ViewingGeometry>) -> Self {
-        Self { magnitude, phase_rad, geometry }
-    }
-
-    /// What the model says, V (Vega) at 1000 km; `None` where it says nothing: nothing lit is seen, or it needs angles that are not known.
+impl ReferenceMeasurement {
+    /// Magnitude of the model in this geometry, V (Vega) at 1000 km; `None` if no lit surface is visible, or if the model needs unknown angles.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
-        let of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
-        let geometry = if of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
+        let is_of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
+        let geometry = if is_of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
         geometry.and_then(|geometry| in_v(model, &geometry))
     }
 }
 
-/// What a model says by full sunlight at 1000 km, whatever its own band, in that of everything it is compared with: V (Vega).
+/// Magnitude of a model in full sunlight at 1000 km, brought from its own band to V (Vega).
 pub(super) fn in_v(model: &BrightnessModel, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
     let colour_mag = model.colour_to_mag(Band::V, MagSystem::Vega);
     model.standard_magnitude(geometry).map(|magnitude| StandardMagnitude(magnitude.0 + colour_mag))
 }
 
-/// A geometry of this phase: the Sun on the plane of the chassis, the observer in its half plane, turned over the zenith past 90°.
+/// A geometry with this phase angle: the Sun in the plane of the chassis, the observer in the Sun's half plane up to 90°, opposite beyond.
 fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
     let (longitude, latitude) = if phase_rad <= FRAC_PI_2 { (0.0, -phase_rad) } else { (PI, phase_rad - PI) };
     ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)
 }
 
-/// Every row through the usual filter in full sunlight, by the paper's 100 km rule: all of them count, so a broken one is an error.
-fn surveyed(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<Measurement>, CheckError> {
-    let options = ReadOptions { format: Some(format), keep_duplicates: true, ..ReadOptions::default() };
+/// All rows through the survey's usual filter in full sunlight (100 km rule of the paper).
+fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<ReferenceMeasurement>, CheckError> {
+    let options = PhotometryOptions { format: Some(format), keep_duplicates: true, ..PhotometryOptions::default() };
     let mut reader = RecordReader::open(&[path], &options)?;
     let measured = measure(&mut reader, &Placement::recorded(height_km), &Selection::default())?;
     let broken = [DropReason::Unparsable, DropReason::NoMagnitude];
     if let Some(example) = broken.iter().find_map(|reason| measured.dropped.example(*reason)) {
         return Err(CheckError::Row(example.clone()));
     }
-    let points = measured.points.iter();
-    Ok(points.map(|point| Measurement::in_geometry(point.magnitude, point.geometry)).collect())
+    let points = measured.points.iter().map(|point| ReferenceMeasurement {
+        magnitude: point.magnitude,
+        phase_rad: point.geometry.phase_angle_rad(),
+        geometry: Some(point.geometry),
+    });
+    Ok(points.collect())
 }
 
-/// All measurements that a folder holds.
+/// Amateurs' standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, the basis of the priors.
+///
+/// The name decides: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
+fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, CheckError> {
+    let unreadable = |problem: String| CheckError::Unreadable { path: path.to_owned(), problem };
+    let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
+    // Names are Latin-1; the numbers are ASCII.
+    let text = String::from_utf8_lossy(&bytes);
+    let table = StandardMagnitudes::from_qs_mag(&text).map_err(|error| unreadable(error.to_string()))?;
+    let listed = text.lines().filter_map(|line| {
+        let (id, name) = (line.get(0..5)?.trim().parse().ok()?, line.get(18..33)?);
+        let wanted = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;
+        let magnitude = table.get(id).filter(|_| wanted)?;
+        Some(ReferenceMeasurement { magnitude, phase_rad: FRAC_PI_2, geometry: None })
+    });
+    Ok(listed.collect())
+}
+
+/// All measurements in a data folder.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Photometry {
-    sets: BTreeMap<DataSet, Vec<Measurement>>,
+    sets: BTreeMap<DataSet, Vec<ReferenceMeasurement>>,
 }
 
 impl Photometry {
-    /// Reads every known file that is there.
+    /// Reads every known file in the folder.
     ///
     /// # Errors
-    /// [`CheckError::Nothing`] where none is; the others for a file that is there and cannot be understood.
+    /// * [`CheckError::Nothing`] if none of the files exists;
+    /// * the other variants for a file that exists and is invalid.
     pub fn read(folder: &Path) -> Result<Self, CheckError> {
         let mut sets = BTreeMap::new();
         for set in DataSet::ALL {
@@ -160,8 +205,8 @@ impl Photometry {
         Ok(Self { sets })
     }
 
-    /// The measurements of one set; `None` where the folder lacks it.
-    pub fn get(&self, set: DataSet) -> Option<&[Measurement]> {
+    /// The measurements of one set; `None` if its file was missing.
+    pub fn get(&self, set: DataSet) -> Option<&[ReferenceMeasurement]> {
         self.sets.get(&set).map(Vec::as_slice)
     }
 }

@@ -1,4 +1,4 @@
-//! The geometries over which a model is averaged: satellites of a shell in the sky of a mid-latitude site through twilight.
+//! Geometries over which a model is averaged: satellites of a shell above a mid-latitude site during twilight.
 //!
 //! ```text
 //! weight of a direction = cos(altitude) · ρ² / cos θ · 1 / √(sin² i - sin² φ)
@@ -6,8 +6,8 @@
 //! ```
 //!
 //! ρ is the range, θ the angle between the line of sight and the satellite's zenith, φ the latitude under the satellite and i the
-//! inclination: a sky element covers ρ²/cos θ of the shell, and circular orbits with nodes and satellites evenly spread stand as
-//! densely as the last factor says. Observer on a sphere of 6378.137 km; the shadow is that of the ellipsoid.
+//! inclination: a sky element covers ρ²/cos θ of the shell, and the last factor is the density of circular orbits with evenly spread nodes
+//! and satellites. Observer on a sphere of 6378.137 km; the shadow is that of the ellipsoid.
 
 use nalgebra::Vector3;
 
@@ -15,78 +15,61 @@ use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
 use crate::frames::{Gcrs, Position};
 use crate::geometry::{ViewingGeometry, illumination};
 
-/// What the population is, in a sentence.
+/// Description of the population for the provenance of tables.
 pub const POPULATION: &str = "satellites of the shell in full sunlight above 30 deg altitude, site at latitude 40 deg, equinox, \
                               Sun's altitude from -12 to -30 deg in even steps of time; magnitudes at 1000 km by sunlight";
 /// Latitude of the site, degrees; north or south is the same at the equinox.
-pub const SITE_LATITUDE_DEG: f64 = 40.0;
-/// Satellites below this altitude are left out, degrees.
-pub const LEAST_ALTITUDE_DEG: f64 = 30.0;
-/// Altitude of the Sun at the beginning and at the end, degrees. Dawn is the mirror image of dusk and is left out.
-pub const SUN_ALTITUDES_DEG: [f64; 2] = [-12.0, -30.0];
+const SITE_LATITUDE_DEG: f64 = 40.0;
+/// Least altitude of a satellite, degrees.
+const LEAST_ALTITUDE_DEG: f64 = 30.0;
+/// First and last altitude of the Sun, degrees. Dawn mirrors dusk and is omitted.
+const SUN_ALTITUDES_DEG: [f64; 2] = [-12.0, -30.0];
 
-/// Moments, altitudes and azimuths: the middles of as many equal steps.
+/// Numbers of equal steps in time, altitude and azimuth; geometries are taken at their middles.
 const STEPS: [usize; 3] = [12, 30, 72];
 
-/// One geometry and how many satellites stand there, in an arbitrary unit.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Viewed {
-    /// The angles.
-    pub geometry: ViewingGeometry,
-    /// Positive.
-    pub weight: f64,
-}
-
-/// All geometries of a shell.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Population {
-    /// In no particular order.
-    pub viewed: Vec<Viewed>,
-}
-
-impl Population {
-    /// Of circular orbits `height_km` above 6378.137 km with this inclination, degrees, [0, 180].
-    ///
-    /// Empty where no satellite stands in the part of the sky that is asked, or all are in the shadow.
-    pub fn of_shell(height_km: f64, inclination_deg: f64) -> Self {
-        let (sin_site, cos_site) = SITE_LATITUDE_DEG.to_radians().sin_cos();
-        let up = Vector3::new(cos_site, 0.0, sin_site);
-        let (north, east) = (Vector3::new(-sin_site, 0.0, cos_site), Vector3::y());
-        let observer = up * EARTH_EQUATORIAL_RADIUS_KM;
-        let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;
-        let sin_inclination = inclination_deg.to_radians().sin();
-        // The Sun on the equator: sin(altitude) = cos(site) cos(hour angle)
-        let [first, last] = SUN_ALTITUDES_DEG.map(|altitude| (altitude.to_radians().sin() / cos_site).acos());
-        let least = LEAST_ALTITUDE_DEG.to_radians();
-        let [moments, altitudes, azimuths] = STEPS;
-        let middle = |step: usize, of: usize| (step as f64 + 0.5) / of as f64;
-        let mut viewed = Vec::new();
-        for moment in 0..moments {
-            let hour_angle = first + (last - first) * middle(moment, moments);
-            // Hour angles count to the west.
-            let sun = Position::<Gcrs>::new(AU_KM * hour_angle.cos(), -AU_KM * hour_angle.sin(), 0.0);
-            for (i, j) in (0..altitudes).flat_map(|i| (0..azimuths).map(move |j| (i, j))) {
-                let altitude = least + (std::f64::consts::FRAC_PI_2 - least) * middle(i, altitudes);
-                let azimuth = std::f64::consts::TAU * middle(j, azimuths);
-                let (sin_alt, cos_alt) = altitude.sin_cos();
-                let sight = up * sin_alt + (north * azimuth.cos() + east * azimuth.sin()) * cos_alt;
-                // ρ = -q sin(altitude) + √(q² sin² + r² - q²)
-                let rise = EARTH_EQUATORIAL_RADIUS_KM * sin_alt;
-                let range_km = (rise * rise + radius_km * radius_km - observer.norm_squared()).sqrt() - rise;
-                let satellite = observer + sight * range_km;
-                let zenith = satellite / radius_km;
-                let density = sin_inclination * sin_inclination - zenith.z * zenith.z;
-                let satellite = Position::from_vector(satellite);
-                if density <= 0.0 || illumination(&satellite, &sun).lit_fraction() < 1.0 {
-                    continue;
-                }
-                let weight = cos_alt * range_km * range_km / sight.dot(&zenith) / density.sqrt();
-                let geometry = ViewingGeometry::new(&satellite, &Position::from_vector(observer), &sun);
-                viewed.extend(geometry.map(|geometry| Viewed { geometry, weight }));
+/// Geometries of circular orbits `height_km` above 6378.137 km with this inclination, degrees, [0, 180], each with its weight: the number of
+/// satellites there, in an arbitrary unit.
+///
+/// Empty if no satellite is in this part of the sky, or if all are in the shadow.
+pub(super) fn shell_geometries(height_km: f64, inclination_deg: f64) -> Vec<(ViewingGeometry, f64)> {
+    let (sin_site, cos_site) = SITE_LATITUDE_DEG.to_radians().sin_cos();
+    let up = Vector3::new(cos_site, 0.0, sin_site);
+    let (north, east) = (Vector3::new(-sin_site, 0.0, cos_site), Vector3::y());
+    let observer = up * EARTH_EQUATORIAL_RADIUS_KM;
+    let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;
+    let sin_inclination = inclination_deg.to_radians().sin();
+    // The Sun on the equator: sin(altitude) = cos(site) cos(hour angle)
+    let [first, last] = SUN_ALTITUDES_DEG.map(|altitude| (altitude.to_radians().sin() / cos_site).acos());
+    let least = LEAST_ALTITUDE_DEG.to_radians();
+    let [moments, altitudes, azimuths] = STEPS;
+    let middle = |step: usize, of: usize| (step as f64 + 0.5) / of as f64;
+    let mut geometries = Vec::new();
+    for moment in 0..moments {
+        let hour_angle = first + (last - first) * middle(moment, moments);
+        // Hour angles count to the west.
+        let sun = Position::<Gcrs>::new(AU_KM * hour_angle.cos(), -AU_KM * hour_angle.sin(), 0.0);
+        for (i, j) in (0..altitudes).flat_map(|i| (0..azimuths).map(move |j| (i, j))) {
+            let altitude = least + (std::f64::consts::FRAC_PI_2 - least) * middle(i, altitudes);
+            let azimuth = std::f64::consts::TAU * middle(j, azimuths);
+            let (sin_alt, cos_alt) = altitude.sin_cos();
+            let sight = up * sin_alt + (north * azimuth.cos() + east * azimuth.sin()) * cos_alt;
+            // ρ = -q sin(altitude) + √(q² sin² + r² - q²)
+            let rise = EARTH_EQUATORIAL_RADIUS_KM * sin_alt;
+            let range_km = (rise * rise + radius_km * radius_km - observer.norm_squared()).sqrt() - rise;
+            let satellite = observer + sight * range_km;
+            let zenith = satellite / radius_km;
+            let density = sin_inclination * sin_inclination - zenith.z * zenith.z;
+            let satellite = Position::from_vector(satellite);
+            if density <= 0.0 || illumination(&satellite, &sun).lit_fraction() < 1.0 {
+                continue;
             }
+            let weight = cos_alt * range_km * range_km / sight.dot(&zenith) / density.sqrt();
+            let geometry = ViewingGeometry::new(&satellite, &Position::from_vector(observer), &sun);
+            geometries.extend(geometry.map(|geometry| (geometry, weight)));
         }
-        Self { viewed }
     }
+    geometries
 }
 
 #[cfg(test)]
@@ -95,19 +78,16 @@ mod tests {
 
     #[test]
     fn verif_geometries_stand_where_they_should() {
-        let population = Population::of_shell(550.0, 53.0);
-        assert!(population.viewed.len() > 10_000, "{}", population.viewed.len());
-        for viewed in &population.viewed {
-            assert!(viewed.weight > 0.0 && (viewed.geometry.height_km - 550.0).abs() < 1e-6);
-            let altitude = viewed.geometry.geocentric_altitude_rad().expect("a triangle").to_degrees();
+        let geometries = shell_geometries(550.0, 53.0);
+        assert!(geometries.len() > 10_000, "{}", geometries.len());
+        for (geometry, weight) in &geometries {
+            assert!(*weight > 0.0 && (geometry.height_km - 550.0).abs() < 1e-6);
+            let altitude = geometry.geocentric_altitude_rad().expect("a triangle").to_degrees();
             assert!((30.0..90.0).contains(&altitude), "{altitude}");
-            // By night the Sun is below the chassis plane, but not so far that a satellite at 550 km is in the shadow (23 deg).
-            assert!((-23.1..0.0).contains(&viewed.geometry.sun_latitude_rad.to_degrees()));
+            // At night the Sun is below the chassis plane, by at most 23 deg for a lit satellite at 550 km.
+            assert!((-23.1..0.0).contains(&geometry.sun_latitude_rad.to_degrees()));
         }
-        assert!(
-            Population::of_shell(550.0, 10.0).viewed.is_empty(),
-            "no orbit of 10 deg is seen 30 deg high from 40 deg"
-        );
+        assert!(shell_geometries(550.0, 10.0).is_empty(), "no orbit of 10 deg is seen 30 deg high from 40 deg");
     }
 
     #[test]
@@ -115,7 +95,7 @@ mod tests {
         // A polar shell has the density 1/cos φ: compared with a sum over cells of longitude and latitude about the Earth's axis, which
         // knows neither altitudes nor ranges. High enough for the cone to be large.
         let height_km = 20_000.0;
-        let seen: f64 = Population::of_shell(height_km, 90.0).viewed.iter().map(|v| v.weight).sum();
+        let seen: f64 = shell_geometries(height_km, 90.0).iter().map(|(_, weight)| weight).sum();
         let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;
         let site = SITE_LATITUDE_DEG.to_radians();
         let steps = 400_usize;

@@ -1,44 +1,44 @@
-//! Published means and phase functions of satellites, magnitudes at 1000 km, each with its source.
+//! Published means and phase functions of satellites, magnitudes at 1000 km, each with its source. Angles in degrees.
 //!
-//! They stand here a second time, apart from the model files, so that a slip of the pen in either shows. Angles in degrees.
+//! The numbers are independent of those in the model files, so that an error in either is found.
 
 use crate::photometry::ModelFile;
 
 use super::photometry::DataSet;
 
-/// Standard deviation of a survey that states none, mag: those that do have 0.64 to 0.86, but for satellites of many heights.
-pub const USUAL_SURVEY_SD_MAG: f64 = 0.7;
+/// Standard deviation assumed for a survey that states none, mag. Published values are 0.64 to 0.86, larger for satellites at many heights.
+const USUAL_SURVEY_SD_MAG: f64 = 0.7;
 
-/// The mean of a survey.
+/// Mean of a survey.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct PublishedMean {
+pub(super) struct PublishedMean {
     /// Mean magnitude at 1000 km.
     pub mean_mag: f64,
-    /// Standard deviation of the sample, mag; `None` where the source gives none.
+    /// Standard deviation of the sample, mag; `None` if the source states none.
     pub sd_mag: Option<f64>,
-    /// Where it was published.
+    /// Publication.
     pub source: &'static str,
 }
 
 impl PublishedMean {
-    /// Standard deviation of single magnitudes about it: as published, else [`USUAL_SURVEY_SD_MAG`].
+    /// Standard deviation of single magnitudes, as published or assumed.
     pub fn survey_sd_mag(&self) -> f64 {
         self.sd_mag.unwrap_or(USUAL_SURVEY_SD_MAG)
     }
 }
 
-/// A polynomial in the angle Sun-satellite-observer.
+/// Polynomial in the angle Sun-satellite-observer.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct PublishedCurve {
-    /// Of φ⁰, φ¹, … with φ in degrees, mag.
+pub(super) struct PublishedCurve {
+    /// Coefficients of φ⁰, φ¹, … with φ in degrees, mag.
     pub coefficients: &'static [f64],
-    /// Where it was published.
+    /// Publication.
     pub source: &'static str,
 }
 
 impl PublishedCurve {
-    /// Phases over which the polynomials are believed, degrees: what lies outside is no part of a comparison.
-    pub const PHASES_DEG: [f64; 2] = [30.0, 150.0];
+    /// Range of validity of the polynomials, degrees.
+    const PHASES_DEG: [f64; 2] = [30.0, 150.0];
 
     /// Magnitude at 1000 km; `None` outside of [`Self::PHASES_DEG`].
     pub fn at(&self, phase_angle_rad: f64) -> Option<f64> {
@@ -49,30 +49,30 @@ impl PublishedCurve {
     }
 }
 
-/// Satellites of one kind, and what is known of their brightness.
+/// Satellites of one kind and the references for their brightness.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Subject {
-    /// Their name.
+pub(super) struct Subject {
+    /// Name of the satellites.
     pub name: &'static str,
-    /// A model whose name or alias is one of these, or begins with one and a hyphen, is a model of them.
+    /// Names and aliases of their models; a model name may continue with a hyphen.
     pub model_names: &'static [&'static str],
-    /// Height (above 6378.137 km) and inclination (degrees) of the shell in which they are averaged; `None` for any orbit.
+    /// Height above 6378.137 km and inclination, degrees, of the shell for averages; `None` for any orbit.
     pub shell: Option<(f64, f64)>,
-    /// Means.
+    /// Published means.
     pub means: &'static [PublishedMean],
-    /// A phase function.
+    /// Published phase function.
     pub curve: Option<PublishedCurve>,
-    /// Measurements that a data folder may hold.
+    /// Measurements in a data folder.
     pub photometry: Option<DataSet>,
 }
 
 impl Subject {
-    /// How single magnitudes scatter in the survey that a curve is from, mag: about the first mean, which is of the same survey.
+    /// Standard deviation of single magnitudes in the survey of the curve, mag: that of the first mean, which is from the same survey.
     pub fn survey_sd_mag(&self) -> f64 {
         self.means.first().map_or(USUAL_SURVEY_SD_MAG, PublishedMean::survey_sd_mag)
     }
 
-    /// Whose model a file is, by its name first and then by its aliases; the longest name that fits counts.
+    /// Satellites of a model file, by its name first and then by its aliases; the longest matching name wins.
     pub fn of(file: &ModelFile) -> Option<&'static Self> {
         std::iter::once(&file.name).chain(&file.aliases).find_map(|name| Self::by_name(name))
     }
@@ -96,8 +96,8 @@ const fn curve(coefficients: &'static [f64], source: &'static str) -> Option<Pub
     Some(PublishedCurve { coefficients, source })
 }
 
-/// All that is known.
-pub const SUBJECTS: &[Subject] = &[
+/// All known references.
+const SUBJECTS: &[Subject] = &[
     Subject {
         name: "Starlink V1.0",
         model_names: &["starlink-v1.0", "v1.0"],

@@ -1,61 +1,73 @@
-//! An ensemble of walkers that draws from a posterior.
+//! Ensemble of walkers that draws from a posterior, by the affine-invariant stretch move of Goodman and Weare (2010, CAMCoS 5, 65).
 //!
-//! Half of the walkers are moved at a time, each along a line to one of the other half, so that a half can be judged at once
-//! ([`LogProbability::of_many`]). Chance comes from one stream for each walker and step, so that the chain is the same at
-//! any number of threads, and one that was cut short goes on as if it had not been.
+//! A walker x moves along the line to a walker c of the other half: y = c + z (x - c), with z drawn from g(z) ∝ 1/√z on [1/a, a]; the move is
+//! accepted with probability min(1, z^(n-1) p(y)/p(x)) (as in emcee, Foreman-Mackey et al. 2013). Half of the walkers move at a time, so that
+//! their probabilities are computed together ([`LogProbability::of_many`]). Each walker and step has its own random numbers, so that the chain
+//! does not depend on the number of threads, and a continued chain equals an uninterrupted one.
+//!
+//! The stretch move of Goodman and Weare (2010, CAMCoS 5, 65), as emcee makes it (Foreman-Mackey et al. 2013).
+//!
+//! A walker is moved along the line to another one of the other half: y = c + z (x - c), z drawn from g(z) ∝ 1/√z on [1/a, a],
+//! and the move accepted with the probability min(1, z^(n-1) p(y)/p(x)).
+//!
+//! How many steps of a chain make one independent draw.
+//!
+//! The integrated autocorrelation time by Sokal's windows (1989 lectures, section 3), averaged over walkers as emcee does:
+//!
+//! ```text
+//! τ(M) = 1 + 2 Σ_{t=1..M} ρ(t),   M the least with M ≥ 5 τ(M)
+//! ```
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use thiserror::Error;
 
-use super::stretch::propose;
-
-/// The logarithm of a probability density, up to a constant.
+/// Logarithm of a probability density, up to a constant.
 pub trait LogProbability: Sync {
-    /// Of each place; -∞ where it is impossible. One that is not a number counts as impossible.
+    /// Values at several places; -∞ or NaN where the probability is zero.
     fn of_many(&self, places: &[Vec<f64>]) -> Vec<f64>;
 }
 
-/// Why an ensemble cannot be made.
+/// Errors of an ensemble of walkers.
 #[derive(Debug, Error, PartialEq)]
 pub enum EnsembleError {
-    /// Too few, or an odd number, of walkers.
+    /// Too few walkers or an odd number of them.
     #[error("{walkers} walkers for {parameters} parameters: an even number of at least {least} is needed")]
     Walkers {
-        /// How many were given.
+        /// Given number of walkers.
         walkers: usize,
-        /// How many parameters there are.
+        /// Number of parameters.
         parameters: usize,
-        /// How many it needs.
+        /// Least number of walkers.
         least: usize,
     },
-    /// A walker that stands where nothing is possible.
-    #[error("walker {walker} starts where the probability is zero or no number: {place:?}")]
+    /// A starting place with probability zero.
+    #[error("walker {walker} starts at a place of zero or invalid probability: {place:?}")]
     Impossible {
-        /// Which.
+        /// Number of the walker.
         walker: usize,
-        /// Where.
+        /// Its starting place.
         place: Vec<f64>,
     },
-    /// Walkers that only ever meet in a plane: they can never leave it.
+    /// All walkers start in a plane, which the stretch move cannot leave.
     #[error("the walkers' starting places do not differ in parameter {parameter}")]
     Flat {
-        /// Its index.
+        /// Index of the constant parameter.
         parameter: usize,
     },
-    /// A chain that does not fit the ensemble that is to go on with it.
+    /// A chain whose length does not match the numbers of walkers and parameters.
     #[error("the chain has {given} numbers, not those of {walkers} walkers and {parameters} parameters at each step")]
     Shape {
-        /// Its length.
+        /// Length of the chain.
         given: usize,
-        /// Of the ensemble.
+        /// Number of walkers.
         walkers: usize,
-        /// Of the ensemble.
+        /// Number of parameters.
         parameters: usize,
     },
 }
 
-/// What was drawn.
+/// Samples of an ensemble.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Chain {
     walkers: usize,
@@ -64,15 +76,15 @@ pub struct Chain {
     places: Vec<f64>,
     /// `(n_step, n_walker)`.
     log_probabilities: Vec<f64>,
-    /// `(n_walker)`: how many proposals each took.
+    /// Accepted proposals, `(n_walker)`.
     accepted: Vec<u64>,
 }
 
 impl Chain {
-    /// From its parts; `accepted` per walker.
+    /// Chain from its arrays.
     ///
     /// # Errors
-    /// [`EnsembleError::Shape`] where their lengths do not fit one another.
+    /// [`EnsembleError::Shape`] if their lengths do not match.
     pub fn from_parts(
         walkers: usize,
         parameters: usize,
@@ -91,22 +103,22 @@ impl Chain {
         Ok(Self { walkers, parameters, places, log_probabilities, accepted })
     }
 
-    /// How many steps there are.
+    /// Number of steps.
     pub fn steps(&self) -> usize {
         self.log_probabilities.len().checked_div(self.walkers).unwrap_or(0)
     }
 
-    /// How many walkers.
+    /// Number of walkers.
     pub fn walkers(&self) -> usize {
         self.walkers
     }
 
-    /// How many parameters.
+    /// Number of parameters.
     pub fn parameters(&self) -> usize {
         self.parameters
     }
 
-    /// Where a walker stood after a step.
+    /// Place of a walker after a step.
     pub fn at(&self, step: usize, walker: usize) -> &[f64] {
         let from = (step * self.walkers + walker) * self.parameters;
         &self.places[from..from + self.parameters]
@@ -122,12 +134,12 @@ impl Chain {
         &self.log_probabilities
     }
 
-    /// How many proposals each walker took.
+    /// Accepted proposals of each walker.
     pub fn accepted(&self) -> &[u64] {
         &self.accepted
     }
 
-    /// Share of proposals that were taken, of all walkers.
+    /// Share of accepted proposals.
     pub fn acceptance(&self) -> f64 {
         let proposals = self.log_probabilities.len().max(1);
         self.accepted.iter().sum::<u64>() as f64 / proposals as f64
@@ -139,15 +151,15 @@ impl Chain {
         self.places[from..].iter().skip(parameter).step_by(self.parameters).copied().collect()
     }
 
-    /// The same, sorted.
-    pub fn sorted(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
+    /// Sorted samples of one parameter after `burn_in` steps.
+    pub(in crate::fit) fn sorted(&self, parameter: usize, burn_in: usize) -> Vec<f64> {
         let mut samples = self.column(parameter, burn_in);
         samples.sort_by(f64::total_cmp);
         samples
     }
 
-    /// Means and covariance, `(n_param)` and `(n_param)` rows of `(n_param)`, of the steps after `burn_in`.
-    pub fn moments(&self, burn_in: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
+    /// Means `(n_param)` and covariance `(n_param, n_param)` of the steps after `burn_in`.
+    pub(in crate::fit) fn moments(&self, burn_in: usize) -> (Vec<f64>, Vec<Vec<f64>>) {
         let n = self.parameters;
         let rows = || {
             (burn_in.min(self.steps())..self.steps())
@@ -163,7 +175,7 @@ impl Chain {
     }
 }
 
-/// That so many walkers can draw from so many parameters: an even number of them, at least twice as many as parameters.
+/// Checks the number of walkers: even, and at least twice the number of parameters.
 ///
 /// # Errors
 /// [`EnsembleError::Walkers`].
@@ -175,8 +187,8 @@ pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), EnsembleEr
     Ok(())
 }
 
-/// Walkers ready to go on.
-pub struct Ensemble<'a, P> {
+/// Walkers with their chain.
+pub(in crate::fit) struct Ensemble<'a, P> {
     posterior: &'a P,
     seed: u64,
     places: Vec<Vec<f64>>,
@@ -185,10 +197,10 @@ pub struct Ensemble<'a, P> {
 }
 
 impl<'a, P: LogProbability> Ensemble<'a, P> {
-    /// From starting places, one for each walker: an even number of them, at least twice as many as parameters.
+    /// Ensemble with one walker at each starting place.
     ///
     /// # Errors
-    /// [`EnsembleError`]: too few or an odd number of walkers, an impossible place, places that do not differ.
+    /// [`EnsembleError`]: too few or an odd number of walkers, a place of probability zero, places that do not differ.
     pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, EnsembleError> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
         check_walkers(walkers, parameters)?;
@@ -203,10 +215,10 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
         Ok(Self { posterior, seed, places: starts, log_probabilities, chain })
     }
 
-    /// Goes on where a chain of the same posterior and seed ended.
+    /// Continues a chain of the same posterior and seed.
     ///
     /// # Errors
-    /// [`EnsembleError::Shape`] where the chain has no step; as [`Self::new`] where its last places cannot be.
+    /// [`EnsembleError::Shape`] if the chain is empty; those of [`Self::new`] if its last places are invalid.
     pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, EnsembleError> {
         let Some(last) = chain.steps().checked_sub(1) else {
             return Err(EnsembleError::Shape { given: 0, walkers: chain.walkers, parameters: chain.parameters });
@@ -215,7 +227,7 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
         Ok(Self { chain, ..Self::new(posterior, starts, seed)? })
     }
 
-    /// Draws once for every walker.
+    /// Moves every walker once.
     pub fn step(&mut self) {
         let walkers = self.places.len();
         let step = self.chain.steps();
@@ -226,16 +238,16 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
             let mut factors = Vec::with_capacity(moved.len());
             let mut proposals = Vec::with_capacity(moved.len());
             for &walker in &moved {
-                let [even, other, decision] = draws(self.seed, walker, step);
+                let [uniform, other, decision] = draws(self.seed, walker, step);
                 let other = 1 - half + 2 * ((other * (walkers / 2) as f64) as usize);
-                let proposal = propose(&self.places[walker], &self.places[other], even);
+                let proposal = propose(&self.places[walker], &self.places[other], uniform);
                 factors.push(proposal.log_factor);
                 proposals.push(proposal.to);
                 decisions.push(decision);
             }
             let values = self.posterior.of_many(&proposals);
             for (k, (walker, to)) in moved.into_iter().zip(proposals).enumerate() {
-                // ln q = (n - 1) ln z + ln p(y) - ln p(x); comparisons with what is no number are false
+                // ln q = (n - 1) ln z + ln p(y) - ln p(x); a comparison with NaN is false
                 if decisions[k].ln() < factors[k] + values[k] - self.log_probabilities[walker] {
                     self.places[walker] = to;
                     self.log_probabilities[walker] = values[k];
@@ -247,18 +259,18 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
         self.chain.log_probabilities.extend_from_slice(&self.log_probabilities);
     }
 
-    /// What was drawn so far.
+    /// The samples so far.
     pub fn chain(&self) -> &Chain {
         &self.chain
     }
 
-    /// The same, when no more is wanted.
+    /// Returns the samples.
     pub fn into_chain(self) -> Chain {
         self.chain
     }
 }
 
-/// Three numbers evenly from [0, 1): one stream of ChaCha8 for each walker, one block of it for each step.
+/// Three uniform numbers from [0, 1): one stream of ChaCha8 per walker, one block of it per step.
 fn draws(seed: u64, walker: usize, step: usize) -> [f64; 3] {
     /// 32-bit words in a block.
     const BLOCK_WORDS: u128 = 16;
@@ -267,4 +279,78 @@ fn draws(seed: u64, walker: usize, step: usize) -> [f64; 3] {
     random.set_word_pos(step as u128 * BLOCK_WORDS);
     // The upper 53 bits as a fraction.
     std::array::from_fn(|_| (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64)
+}
+
+/// Scale a of the distribution g.
+const SCALE: f64 = 2.0;
+
+/// Proposed move of a walker.
+struct Proposal {
+    to: Vec<f64>,
+    /// ln z^(n-1).
+    log_factor: f64,
+}
+
+/// Proposal from a walker's place and one of the other half, by a uniform number from [0, 1).
+fn propose(from: &[f64], other: &[f64], uniform: f64) -> Proposal {
+    // z = ((a - 1) u + 1)² / a
+    let z = ((SCALE - 1.0) * uniform + 1.0).powi(2) / SCALE;
+    let to = from.iter().zip(other).map(|(from, other)| other + z * (from - other)).collect();
+    Proposal { to, log_factor: (from.len() as f64 - 1.0) * z.ln() }
+}
+
+/// c of the window M ≥ c τ(M).
+const WINDOW: f64 = 5.0;
+/// Least number of τ in a chain whose τ is reliable.
+const TRUSTED: f64 = 50.0;
+
+/// Integrated autocorrelation time of one parameter.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct AutocorrelationTime {
+    /// τ, steps; NaN if the parameter never moved.
+    pub steps: f64,
+    /// True if the chain is longer than 50 τ; in shorter chains τ is mostly underestimated.
+    pub is_trusted: bool,
+}
+
+/// Autocorrelation time of each parameter after `burn_in` steps, averaged over walkers as in emcee, with Sokal's window (1989 lectures,
+/// section 3).
+pub fn autocorrelation_times(chain: &Chain, burn_in: usize) -> Vec<AutocorrelationTime> {
+    let steps = chain.steps().saturating_sub(burn_in);
+    (0..chain.parameters())
+        .map(|parameter| {
+            let tracks: Vec<Vec<f64>> = (0..chain.walkers())
+                .map(|walker| centred((burn_in..chain.steps()).map(|step| chain.at(step, walker)[parameter])))
+                .collect();
+            let tau = integrated(&tracks, steps);
+            AutocorrelationTime { steps: tau, is_trusted: steps as f64 > TRUSTED * tau }
+        })
+        .collect()
+}
+
+fn centred(track: impl Iterator<Item = f64>) -> Vec<f64> {
+    let mut track: Vec<f64> = track.collect();
+    let mean = track.iter().sum::<f64>() / track.len().max(1) as f64;
+    track.iter_mut().for_each(|x| *x -= mean);
+    track
+}
+
+fn integrated(tracks: &[Vec<f64>], steps: usize) -> f64 {
+    // ρ(t) = C(t)/C(0), C(t) = Σ_i x_i x_{i+t}, averaged over walkers
+    let product = |track: &[f64], lag: usize| track.iter().zip(&track[lag..]).map(|(a, b)| a * b).sum::<f64>();
+    let zero: Vec<f64> = tracks.iter().map(|track| product(track, 0)).collect();
+    let mut sum = 0.0;
+    let mut tau = f64::NAN;
+    for lag in 0..steps {
+        let rho =
+            tracks.iter().zip(&zero).map(|(track, zero)| product(track, lag) / zero).sum::<f64>() / tracks.len() as f64;
+        // τ(M) = 1 + 2 Σ_{t=1..M} ρ(t), M the least with M ≥ 5 τ(M)
+        sum += rho;
+        tau = 2.0 * sum - 1.0;
+        // τ is NaN if a walker never moved.
+        if lag as f64 >= WINDOW * tau || tau.is_nan() {
+            break;
+        }
+    }
+    tau
 }

@@ -1,16 +1,13 @@
-//! Minima and posteriors of functions of a vector; nothing here has heard of satellites.
+//! Minimisation and sampling of functions of a vector, independent of satellites.
 //!
-//! `box_quadratic` minimises a quadratic form between bounds, `least_squares` a sum of squares by Levenberg and Marquardt with
-//! those steps, `stretch` and `ensemble` draw from a posterior (Goodman and Weare 2010) and `autocorrelation` says how many
-//! draws that makes.
+//! `least_squares` minimises a sum of losses by Levenberg and Marquardt's method between bounds; `ensemble` draws from a posterior with the
+//! stretch move of Goodman and Weare (2010) and computes autocorrelation times.
 
-mod autocorrelation;
-mod box_quadratic;
 mod ensemble;
 mod least_squares;
-mod stretch;
 
-pub use autocorrelation::{AutocorrelationTime, autocorrelation_times};
-pub use box_quadratic::minimise_in_box;
-pub use ensemble::{Chain, Ensemble, EnsembleError, LogProbability, check_walkers};
-pub use least_squares::{LeastSquares, Minimum, NormalEquations, Stop, minimise};
+pub use ensemble::{AutocorrelationTime, Chain, EnsembleError, LogProbability, autocorrelation_times, check_walkers};
+pub use least_squares::{LeastSquares, Minimum, NormalEquations, Stop};
+
+pub(super) use ensemble::Ensemble;
+pub(super) use least_squares::{minimise, minimise_in_box};

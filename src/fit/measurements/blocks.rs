@@ -1,4 +1,4 @@
-//! A file of any length in blocks of whole rows, plain or gzipped, and what stands at its head.
+//! Files of any length, plain or gzipped, as a head and blocks of whole rows.
 
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
@@ -8,16 +8,16 @@ use flate2::read::MultiGzDecoder;
 
 use crate::elements::NoradId;
 
-use super::error::MeasuredError;
+use super::error::MeasurementError;
 
-/// Bytes read at a time.
+/// Bytes per block.
 const BLOCK: usize = 1 << 20;
-/// No row is longer; a file without line ends is no table.
+/// Longest row, bytes; files without line ends are rejected.
 const LONGEST_ROW: usize = 1 << 24;
-/// Columns of MMT-9's raw text, whose header is its last comment.
+/// Column that marks MMT-9's raw text, whose header is its last comment.
 const MMT_MARK: &str = "StdMag";
 
-/// What parts the columns.
+/// Separator of columns.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Delimiter {
     /// Any number of blanks.
@@ -26,49 +26,49 @@ pub(super) enum Delimiter {
     Byte(u8),
 }
 
-/// What stands before the rows.
+/// Head of a table.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Head {
     pub header: Vec<String>,
     pub delimiter: Delimiter,
-    /// Of a comment `# satellite: 64559 NAME` in a file whose numbers are NORAD's.
+    /// Number from a comment `# satellite: 64559 NAME`, if the catalogue is NORAD's.
     pub norad_id: Option<NoradId>,
 }
 
-/// Blocks of whole rows.
+/// Reader of blocks of whole rows.
 pub(super) struct Blocks {
     source: Box<dyn BufRead + Send>,
-    /// The beginning of the next block.
+    /// Beginning of the next block.
     rest: Vec<u8>,
     is_at_end: bool,
 }
 
 impl Blocks {
     /// Opens a file and reads its head.
-    pub(super) fn open(path: &Path, name: &str) -> Result<(Head, Self), MeasuredError> {
+    pub(super) fn open(path: &Path, name: &str) -> Result<(Head, Self), MeasurementError> {
         let unreadable =
-            |error: io::Error| MeasuredError::Unreadable { file: name.to_owned(), problem: error.to_string() };
+            |error: io::Error| MeasurementError::Unreadable { file: name.to_owned(), problem: error.to_string() };
         let file = File::open(path).map_err(unreadable)?;
         Self::of(Box::new(file), name)
     }
 
-    /// Unpacks where needed and reads the head.
-    pub(super) fn of(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), MeasuredError> {
+    /// Decompresses if needed and reads the head.
+    pub(super) fn of(source: Box<dyn Read + Send>, name: &str) -> Result<(Head, Self), MeasurementError> {
         let unreadable =
-            |error: io::Error| MeasuredError::Unreadable { file: name.to_owned(), problem: error.to_string() };
-        let mut packed = BufReader::with_capacity(BLOCK, source);
-        let is_packed = packed.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]);
-        let mut source: Box<dyn BufRead + Send> = if is_packed {
-            Box::new(BufReader::with_capacity(BLOCK, MultiGzDecoder::new(packed)))
+            |error: io::Error| MeasurementError::Unreadable { file: name.to_owned(), problem: error.to_string() };
+        let mut raw = BufReader::with_capacity(BLOCK, source);
+        let is_gzipped = raw.fill_buf().map_err(unreadable)?.starts_with(&[0x1f, 0x8b]);
+        let mut source: Box<dyn BufRead + Send> = if is_gzipped {
+            Box::new(BufReader::with_capacity(BLOCK, MultiGzDecoder::new(raw)))
         } else {
-            Box::new(packed)
+            Box::new(raw)
         };
         let mut comments: Vec<String> = Vec::new();
         let (line, rest) = loop {
             let mut line = Vec::new();
             let length = source.by_ref().take(LONGEST_ROW as u64).read_until(b'\n', &mut line).map_err(unreadable)?;
             if length == 0 {
-                return Err(MeasuredError::Empty { file: name.to_owned() });
+                return Err(MeasurementError::Empty { file: name.to_owned() });
             }
             let text = String::from_utf8_lossy(&line);
             let text = text.trim_start_matches('\u{feff}').trim();
@@ -97,7 +97,7 @@ impl Blocks {
         Ok((head, Self { source, rest, is_at_end: false }))
     }
 
-    /// The next whole rows; `None` after the last.
+    /// Next whole rows; `None` after the last.
     pub(super) fn next(&mut self) -> io::Result<Option<Vec<u8>>> {
         if self.is_at_end && self.rest.is_empty() {
             return Ok(None);
@@ -122,7 +122,7 @@ impl Blocks {
     }
 }
 
-/// Behind the last line end that is not within quotation marks.
+/// Position after the last line end outside quotation marks.
 fn last_row_end(block: &[u8]) -> Option<usize> {
     if !block.contains(&b'"') {
         return block.iter().rposition(|byte| *byte == b'\n').map(|at| at + 1);
@@ -138,7 +138,7 @@ fn last_row_end(block: &[u8]) -> Option<usize> {
     end
 }
 
-/// `satellite: 64559 PADRE`, unless a comment `catalogue: ...` names another catalogue than NORAD's.
+/// NORAD number from a comment `satellite: 64559 PADRE`, unless a comment `catalogue: ...` names another catalogue.
 fn norad_of(comments: &[String]) -> Option<NoradId> {
     let value = |key: &str| comments.iter().find_map(|comment| comment.strip_prefix(key)?.strip_prefix(':'));
     if value("catalogue").is_some_and(|catalogue| !catalogue.contains("NORAD")) {

@@ -1,4 +1,4 @@
-//! Which column of a table holds what, in which unit and time scale.
+//! Column mapping for custom tables: contents, units and time scale of columns.
 //!
 //! ```text
 //! time=Date,time_scale=utc,magnitude=Mag,filter=Filter,distance=Range,phase=Phase,track=Track,latitude=43.65,longitude=41.43,site_height=2030
@@ -8,15 +8,15 @@
 //!
 //! | key | column of |
 //! |---|---|
-//! | `time`, `time_of_day` | ISO 8601, or MJD, or JD; the date and the time of day where they stand apart |
+//! | `time`, `time_of_day` | ISO 8601, MJD or JD; date and time of day if they are in two columns |
 //! | `magnitude`, `sigma` | apparent magnitude and its one sigma, mag |
 //! | `filter`, `penumbra` | name of the filter; 0 or 1 |
-//! | `norad`, `track` | catalogue number; what was measured together |
-//! | `altitude`, `azimuth`, `height` | of the satellite: above the horizon, from north through east, above the ground |
-//! | `distance`, `phase` | observer to satellite; angle Sun-satellite-observer |
-//! | `right_ascension`, `declination` | of the satellite, ICRS; with `distance` |
-//! | `sun_altitude`, `azimuth_from_sun` | with `altitude` and `height`: neither time nor site |
-//! | `latitude`, `longitude`, `site_height` | of the site, degrees east and north, m; a number stands for all rows |
+//! | `norad`, `track` | catalogue number; name of the track |
+//! | `altitude`, `azimuth`, `height` | satellite above the horizon, from north through east, above the ground |
+//! | `distance`, `phase` | distance from the observer; angle Sun-satellite-observer |
+//! | `right_ascension`, `declination` | satellite, ICRS; requires `distance` |
+//! | `sun_altitude`, `azimuth_from_sun` | with `altitude` and `height`; needs neither time nor site |
+//! | `latitude`, `longitude`, `site_height` | site, degrees north and east, m; a number applies to all rows |
 //!
 //! and settings: `time_scale` (utc, tai, tt), `angle_unit` (deg, rad), `distance_unit` and `height_unit` (km, m).
 
@@ -24,9 +24,9 @@ use std::collections::BTreeMap;
 
 use hifitime::TimeScale;
 
-use super::error::MeasuredError;
+use super::error::MeasurementError;
 
-/// What a column can hold.
+/// Content of a column.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(super) enum Field {
     Time,
@@ -76,23 +76,23 @@ impl Field {
     ];
 }
 
-/// How many kinds of columns there are.
+/// Number of kinds of columns.
 pub(super) const FIELDS: usize = Field::ALL.len();
 
-/// Which column holds what.
+/// Mapping from contents to columns.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ColumnMap {
-    /// Name of the column, by [`Field`]; for the site also a number.
+    /// Name of the column by [`Field`], or a number for the site.
     pub(super) columns: [Option<String>; FIELDS],
-    /// Columns that may be missing from a file.
+    /// Columns that may be missing.
     pub(super) optional: Vec<Field>,
-    /// Scale of the times.
+    /// Time scale.
     pub(super) time_scale: Option<TimeScale>,
-    /// Radians in a unit of angle.
+    /// Unit of angles, radians.
     pub(super) angle_rad: f64,
-    /// Kilometres in a unit of distance.
+    /// Unit of distances, km.
     pub(super) distance_km: f64,
-    /// Kilometres in a unit of height.
+    /// Unit of heights, km.
     pub(super) height_km: f64,
 }
 
@@ -111,14 +111,14 @@ impl Default for ColumnMap {
 }
 
 impl ColumnMap {
-    /// From pairs `key=column` with commas or line ends between them, from TOML, or from JSON (text that begins with a brace).
+    /// Parses pairs `key=column` separated by commas or line ends, TOML, or JSON (text that begins with a brace).
     ///
     /// # Errors
-    /// * the text is none of these, or a key is unknown or stands there twice;
-    /// * a unit or time scale is unknown;
-    /// * there is no magnitude, or a time without a scale;
-    /// * a satellite cannot be placed: a single coordinate of a pair is there.
-    pub fn from_text(text: &str) -> Result<Self, MeasuredError> {
+    /// * invalid text, an unknown or repeated key;
+    /// * an unknown unit or time scale;
+    /// * a missing magnitude, or a time without a scale;
+    /// * an incomplete pair of coordinates.
+    pub fn from_text(text: &str) -> Result<Self, MeasurementError> {
         let mut map = Self::default();
         for (key, value) in pairs(text)? {
             map.set(&key, &value)?;
@@ -126,7 +126,7 @@ impl ColumnMap {
         map.checked()
     }
 
-    /// A map of fixed columns.
+    /// Map of fixed columns with times in UTC.
     pub(super) fn of(columns: &[(Field, &str)]) -> Self {
         let mut map = Self { time_scale: Some(TimeScale::UTC), ..Self::default() };
         for (field, column) in columns {
@@ -139,7 +139,7 @@ impl ColumnMap {
         self.columns[field as usize].as_deref()
     }
 
-    fn set(&mut self, key: &str, value: &str) -> Result<(), MeasuredError> {
+    fn set(&mut self, key: &str, value: &str) -> Result<(), MeasurementError> {
         let unit = |allowed: &[(&str, f64)]| {
             let found = allowed.iter().find(|(name, _)| name.eq_ignore_ascii_case(value)).map(|(_, size)| *size);
             let names: Vec<_> = allowed.iter().map(|(name, _)| *name).collect();
@@ -168,20 +168,20 @@ impl ColumnMap {
                 };
                 let column = &mut self.columns[*field as usize];
                 if column.replace(value.to_owned()).is_some() {
-                    return Err(wrong(format!("'{key}' stands there twice")));
+                    return Err(wrong(format!("'{key}' is given twice")));
                 }
             }
         }
         Ok(())
     }
 
-    fn checked(self) -> Result<Self, MeasuredError> {
+    fn checked(self) -> Result<Self, MeasurementError> {
         let has = |field: Field| self.column(field).is_some();
         if !has(Field::Magnitude) {
             return Err(wrong("no column for the magnitude".to_owned()));
         }
         if let (Some(column), None) = (self.column(Field::Time), self.time_scale) {
-            return Err(MeasuredError::NoTimeScale { column: column.to_owned() });
+            return Err(MeasurementError::NoTimeScale { column: column.to_owned() });
         }
         let together: [&[Field]; 5] = [
             &[Field::Latitude, Field::Longitude, Field::SiteHeight],
@@ -207,12 +207,12 @@ impl ColumnMap {
     }
 }
 
-fn wrong(problem: String) -> MeasuredError {
-    MeasuredError::ColumnMap { problem }
+fn wrong(problem: String) -> MeasurementError {
+    MeasurementError::ColumnMap { problem }
 }
 
-/// Keys and values as text.
-fn pairs(text: &str) -> Result<Vec<(String, String)>, MeasuredError> {
+/// Keys and values.
+fn pairs(text: &str) -> Result<Vec<(String, String)>, MeasurementError> {
     let plain = |value: &serde_json::Value| match value {
         serde_json::Value::String(text) => Some(text.clone()),
         serde_json::Value::Number(number) => Some(number.to_string()),

@@ -1,16 +1,16 @@
-//! The magnitude at which a sample is densest, its median, and its interquartile range.
+//! Mode and interquartile range of a sample.
 //!
 //! **Half-sample mode** (Robertson and Cryer 1974, JASA 69, 1012; Bickel and Frühwirth 2006, CSDA 50, 3500): of a sorted sample the
-//! narrowest stretch that holds half of it, of that stretch again the narrowest half, until three values or fewer are left. It needs no
-//! width, shrugs off outliers on one side, and takes n + n/2 + n/4 … steps; it scatters more than a kernel's mode (0.2 mag of a normal
-//! distribution with sigma 0.4 and a hundred points).
+//! narrowest interval with half of its values, of that again the narrowest half, until three values or fewer are left. It needs no width, is
+//! robust against outliers on one side, and takes n + n/2 + n/4 … steps. It scatters more than a kernel's mode (0.2 mag for a hundred points of
+//! a normal distribution with sigma 0.4).
 //!
-//! **Kernel mode**: the maximum of a sum of normal curves on the points, sigma by Silverman's rule (1986, eq. 3.31). Smoother, and drawn
-//! towards the longer wing by about its width.
+//! **Kernel mode**: the maximum of a sum of normal curves at the points, with sigma by Silverman's rule (1986, eq. 3.31). Smoother, and biased
+//! towards the longer wing by about the kernel's width.
 
 use crate::math::quantile::quantile;
 
-/// How the densest magnitude is found.
+/// Estimator of the mode.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum DensityMode {
     /// Half-sample mode.
@@ -21,7 +21,7 @@ pub enum DensityMode {
 }
 
 impl DensityMode {
-    /// Of a sorted sample; not a number for none.
+    /// Mode of a sorted sample; NaN for an empty one.
     pub fn of(self, sorted: &[f64]) -> f64 {
         match self {
             Self::HalfSample => half_sample_mode(sorted),
@@ -30,9 +30,9 @@ impl DensityMode {
     }
 }
 
-/// Half-sample mode of a sorted sample; not a number for none.
+/// Half-sample mode of a sorted sample; NaN for an empty one.
 ///
-/// Of several narrowest halves (magnitudes are rounded) the middle one is taken, of an even number of them the one before the middle.
+/// Among several narrowest halves (magnitudes are rounded) the middle one is used, or the one before the middle of an even number.
 pub fn half_sample_mode(sorted: &[f64]) -> f64 {
     let mut sample = sorted;
     loop {
@@ -54,18 +54,18 @@ pub fn half_sample_mode(sorted: &[f64]) -> f64 {
         let least = widths().fold(f64::INFINITY, f64::min);
         let ties = widths().filter(|width| *width == least).count();
         let narrowest = widths().enumerate().filter(|(_, width)| *width == least).nth(ties.saturating_sub(1) / 2);
-        // Values that are not numbers have no narrowest half.
+        // A sample with NaN has no narrowest half.
         let Some((start, _)) = narrowest else { return f64::NAN };
         sample = &sample[start..start + half];
     }
 }
 
-/// Steps of the search a kernel's sigma: a normal curve bends by 3 % between two.
+/// Grid steps per sigma of the kernel; a normal curve deviates from a line by 3 % between two.
 const STEPS_A_SIGMA: f64 = 4.0;
-/// A point counts as far as so many sigmas: 4e-6 of its weight lies beyond the 5th.
+/// Extent of a kernel in sigmas; 4e-6 of its weight lies beyond.
 const REACH: f64 = 5.0;
 
-/// Mode of a Gaussian kernel density of a sorted sample; not a number for none.
+/// Mode of a Gaussian kernel density of a sorted sample; NaN for an empty one.
 pub fn kernel_mode(sorted: &[f64]) -> f64 {
     let (Some(&first), Some(&last)) = (sorted.first(), sorted.last()) else { return f64::NAN };
     let sigma = kernel_sigma(sorted);
@@ -81,7 +81,7 @@ pub fn kernel_mode(sorted: &[f64]) -> f64 {
     let step = (last - first) / steps as f64;
     let grid = (0..=steps).map(|k| first + k as f64 * step).map(|at| (at, density(at)));
     let (mut at, _) = grid.max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((first, 0.0));
-    // Mean shift climbs to the top: x' = Σ x w / Σ w with the kernel's own weights.
+    // Mean shift to the maximum: x' = Σ x w / Σ w
     for _ in 0..100 {
         let (mut sum, mut weight) = (0.0, 0.0);
         let near =
@@ -101,18 +101,17 @@ pub fn kernel_mode(sorted: &[f64]) -> f64 {
     at
 }
 
-/// Sigma of the kernel, in the sample's unit: h = 0.9 min(s, IQR/1.34) n^(-1/5)   Silverman (1986), eq. 3.31
-///
-/// 0 where half of the sample is one value.
+/// Sigma of the kernel; 0 if half of the sample has one value.
 pub fn kernel_sigma(sorted: &[f64]) -> f64 {
     let n = sorted.len() as f64;
     let mean = sorted.iter().sum::<f64>() / n;
     let deviation = (sorted.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1.0)).sqrt();
+    // h = 0.9 min(s, IQR/1.34) n^(-1/5)                                           Silverman (1986), eq. 3.31
     0.9 * deviation.min(interquartile_range(sorted) / 1.34) * n.powf(-0.2)
 }
 
-/// Third quartile minus first.
-pub fn interquartile_range(sorted: &[f64]) -> f64 {
+/// Third minus first quartile.
+pub(super) fn interquartile_range(sorted: &[f64]) -> f64 {
     quantile(sorted, 0.75) - quantile(sorted, 0.25)
 }
 

@@ -1,43 +1,43 @@
-//! Rows that were not used: how many for which reason, and the first example of each.
+//! Counts of unused rows by reason, with the first example of each.
 
 use std::fmt;
 
 use crate::output::{Column, Kind, Table};
 
-/// Why a row was not used.
+/// Reason why a row was not used.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 #[non_exhaustive]
 pub enum DropReason {
-    /// A cell that cannot be what its column says, or a row cut short.
+    /// A cell is invalid, or the row is truncated.
     Unparsable,
-    /// Through a filter that is not wanted.
+    /// The filter is not among the wanted ones.
     WrongFilter,
-    /// The magnitude is empty, no number, or a stand-in for "none" (beyond -30 to 40, or 99 and the like).
+    /// The magnitude is empty, not a number, or a placeholder (outside -30 to 40, for example 99).
     NoMagnitude,
-    /// The same as an earlier row, cell for cell.
+    /// All cells equal those of an earlier row.
     Duplicate,
-    /// Flagged by the survey as in the penumbra.
+    /// The survey flags the satellite as in the penumbra.
     PenumbraFlag,
-    /// The line from the Sun to the satellite passes too near to the ground (100 km rule).
+    /// The line from the Sun to the satellite passes too near the ground (100 km rule).
     Shaded,
-    /// Below the altitude allowed at the site: the satellite is another one.
+    /// The satellite is below the least altitude at the site, so that another one was observed.
     BelowHorizon,
-    /// No element set of this satellite, or no satellite named.
+    /// No element set of the satellite, or no satellite is given.
     NoElements,
     /// No element set near enough in time.
     StaleElements,
     /// The element set gives no position.
     NoPosition,
-    /// Raising, decaying, parked, or not known to be on station.
+    /// The satellite is raising, decaying, parked, or not known to be on station.
     OffStation,
-    /// Time, distance, angles or site do not make a geometry, or one too near to straight below.
+    /// Time, distance, angles and site give no geometry, or one too close to the nadir.
     NoGeometry,
-    /// Range or phase of the named satellite are not those of the record.
+    /// Range or phase of the given satellite differ from those of the record.
     WrongAssociation,
 }
 
 impl DropReason {
-    /// All of them, in the order in which rows are tried.
+    /// All reasons, in the order in which rows are checked.
     pub const ALL: [Self; 13] = [
         Self::Unparsable,
         Self::WrongFilter,
@@ -54,7 +54,7 @@ impl DropReason {
         Self::WrongAssociation,
     ];
 
-    /// As tables write it.
+    /// Name in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Unparsable => "unparsable",
@@ -74,14 +74,14 @@ impl DropReason {
     }
 }
 
-/// One dropped row.
+/// Example of a dropped row.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct DropExample {
-    /// Name of the file; empty where rows came from none.
+    /// Name of the file; empty for rows that are not from a file.
     pub file: String,
-    /// Data row of the file, from 1: header and comments are not counted.
+    /// Data row of the file, from 1, without header and comments.
     pub row: u64,
-    /// What stood there, and what was expected; empty where the reason says it all.
+    /// Given and expected content; empty if the reason is sufficient.
     pub problem: String,
 }
 
@@ -93,7 +93,7 @@ impl fmt::Display for DropExample {
     }
 }
 
-/// How many rows were dropped for which reason, and the first of each.
+/// Counts of dropped rows by reason, with the first example of each.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct DropCounts {
     counts: [u64; DropReason::ALL.len()],
@@ -101,30 +101,30 @@ pub struct DropCounts {
 }
 
 const COLUMNS: [Column; 5] = [
-    Column::new("reason", Kind::Text, "Why rows were not used."),
-    Column::new("count", Kind::Integer, "How many."),
-    Column::new("file", Kind::Text, "File of the first one."),
-    Column::new("row", Kind::Integer, "Data row of the first one, from 1."),
-    Column::new("problem", Kind::Text, "What stood there."),
+    Column::new("reason", Kind::Text, "Reason why rows were not used."),
+    Column::new("count", Kind::Integer, "Number of rows."),
+    Column::new("file", Kind::Text, "File of the first row."),
+    Column::new("row", Kind::Integer, "Data row of the first row, from 1."),
+    Column::new("problem", Kind::Text, "Given and expected content."),
 ];
 
 impl DropCounts {
-    /// Rows dropped for a reason.
+    /// Number of rows dropped for a reason.
     pub fn count(&self, reason: DropReason) -> u64 {
         self.counts[reason as usize]
     }
 
-    /// The first of them.
+    /// First row dropped for a reason.
     pub fn example(&self, reason: DropReason) -> Option<&DropExample> {
         self.examples[reason as usize].as_ref()
     }
 
-    /// All rows dropped.
+    /// Number of all dropped rows.
     pub fn total(&self) -> u64 {
         self.counts.iter().sum()
     }
 
-    /// Reasons that occurred, with their counts and first examples.
+    /// Occurring reasons with their counts and first examples.
     pub fn iter(&self) -> impl Iterator<Item = (DropReason, u64, Option<&DropExample>)> {
         DropReason::ALL
             .into_iter()
@@ -132,7 +132,7 @@ impl DropCounts {
             .filter(|of| of.1 > 0)
     }
 
-    /// One row a reason that occurred.
+    /// Table with one row per occurring reason.
     pub fn table(&self) -> Table {
         let row = |(reason, count, example): (DropReason, u64, Option<&DropExample>)| {
             vec![
@@ -146,13 +146,13 @@ impl DropCounts {
         Table { columns: COLUMNS.to_vec(), rows: self.iter().map(row).collect() }
     }
 
-    /// One more; the example is made only where it is the first.
+    /// Counts one row; the example is only made for the first row of its reason.
     pub(super) fn add(&mut self, reason: DropReason, example: impl FnOnce() -> DropExample) {
         self.counts[reason as usize] += 1;
         self.examples[reason as usize].get_or_insert_with(example);
     }
 
-    /// Those of later rows.
+    /// Adds the counts of later rows.
     pub(super) fn append(&mut self, later: Self) {
         for (mine, more) in self.counts.iter_mut().zip(later.counts) {
             *mine += more;
@@ -164,7 +164,7 @@ impl DropCounts {
         }
     }
 
-    /// For counts of a part of a file whose rows were counted from its own beginning.
+    /// Converts row numbers within a block to those of the file.
     pub(super) fn shift_rows(&mut self, file: &str, rows: u64) {
         for example in self.examples.iter_mut().flatten() {
             example.row += rows;

@@ -1,28 +1,32 @@
-//! The Earth's orientation and the Sun's place over any stretch of years, made as they are needed.
+//! Earth orientation, Sun and observer over any interval of years, tabulated as needed.
 
 use std::collections::BTreeMap;
 
 use hifitime::{Duration, Epoch, TimeScale, Unit};
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
 use crate::constants::DAY_S;
-use crate::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, seconds_after};
-use crate::geometry::SunTable;
+use crate::elements::ElementSet;
+use crate::frames::{
+    EopTable, Gcrs, Horizontal, Itrs, Orientation, OrientationTable, Position, Rotation, seconds_after,
+};
+use crate::geometry::{Site, SunTable};
 
-/// Days that a table covers: long against the two nodes that it has to spare, short against a survey of one night.
+/// Days per table: long compared with its two extra nodes.
 const BLOCK_DAYS: f64 = 16.0;
 
-/// Tables for the blocks of days that have been asked for.
+/// Tables of the blocks of days prepared so far.
 pub(super) struct Ephemeris {
     eop: EopTable,
     blocks: BTreeMap<i64, (OrientationTable, SunTable)>,
 }
 
-/// What does not depend on the satellite.
+/// Earth orientation and Sun at one time.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Moment {
     pub orientation: Orientation,
-    /// Geocentric.
+    /// Geocentric position.
     pub sun: Position<Gcrs>,
 }
 
@@ -31,7 +35,7 @@ impl Ephemeris {
         Self { eop, blocks: BTreeMap::new() }
     }
 
-    /// Makes the tables that these moments need.
+    /// Prepares the tables for these epochs.
     pub(super) fn prepare(&mut self, epochs: impl Iterator<Item = Epoch>) {
         let mut wanted: Vec<i64> = Vec::new();
         for epoch in epochs {
@@ -51,7 +55,7 @@ impl Ephemeris {
         self.blocks.extend(made.collect::<Vec<_>>());
     }
 
-    /// At a moment that was prepared; else `None`.
+    /// Values at an epoch; `None` unless it was prepared.
     pub(super) fn at(&self, epoch: Epoch) -> Option<Moment> {
         let (block, seconds) = block_and_seconds(epoch);
         let (orientations, suns) = self.blocks.get(&block)?;
@@ -59,12 +63,37 @@ impl Ephemeris {
     }
 }
 
-/// Number of a block, from 1900 on by the clock of TAI (which has no leap seconds), and seconds within it.
+/// Number of a block since 1900 in TAI, which has no leap seconds, and seconds within it.
 fn block_and_seconds(epoch: Epoch) -> (i64, f64) {
     let since_1900: Duration = epoch.to_tai_duration();
     let seconds = since_1900.to_seconds();
     let block = (seconds / (BLOCK_DAYS * DAY_S)).floor();
-    // The difference keeps the nanosecond that the sum in one f64 (4e9 s) has lost.
+    // The difference of durations keeps the nanoseconds, which one f64 (4e9 s) does not resolve.
     let rest = since_1900 - Unit::Day * (block * BLOCK_DAYS);
     (block as i64, rest.to_seconds())
+}
+
+/// Site with its horizontal axes.
+pub(super) struct SiteAxes {
+    pub place: Position<Itrs>,
+    pub horizon: Rotation<Itrs, Horizontal>,
+}
+
+impl SiteAxes {
+    pub(super) fn new(site: &Site) -> Self {
+        Self { place: site.itrs(), horizon: site.horizon() }
+    }
+
+    /// Position and zenith in the GCRS.
+    pub(super) fn at(&self, moment: &Moment) -> (Position<Gcrs>, Vector3<f64>) {
+        let to_gcrs = &moment.orientation.itrs_to_gcrs;
+        let zenith = self.horizon.matrix().row(2).transpose();
+        (*to_gcrs * self.place, to_gcrs.matrix() * zenith)
+    }
+}
+
+/// Age of an element set at an epoch, days.
+pub(super) fn age_days(set: &ElementSet, epoch: Epoch) -> f64 {
+    let age: Duration = epoch - set.epoch;
+    age.to_unit(Unit::Day)
 }

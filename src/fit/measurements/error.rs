@@ -1,70 +1,69 @@
-//! Why a whole file of measured magnitudes, or a whole question about it, has no answer.
+//! Errors in files of photometry and in the options of their reduction.
 
 use thiserror::Error;
 
-/// What is wrong with a file of photometry, or with what was asked of it. Single bad rows are no errors: they are counted
-/// in [`DropCounts`](super::DropCounts).
+/// Names of the formats, for messages.
+pub(super) const FORMATS: &str = "pomenis, mmt, score, slingshot, csv";
+
+/// Errors in a file of photometry or in options. Invalid rows are no errors but are counted in [`DropCounts`](super::DropCounts).
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
-pub enum MeasuredError {
-    /// No file was named.
-    #[error("no file of photometry was named")]
+pub enum MeasurementError {
+    /// No file was given.
+    #[error("no file of photometry given")]
     NoFiles,
-    /// A file that cannot be opened, read or unpacked.
+    /// A file cannot be opened, read or decompressed.
     #[error("cannot read {file}: {problem}")]
     Unreadable {
-        /// Name as it was given.
+        /// Name of the file.
         file: String,
-        /// What the system or the unpacking said.
+        /// Message of the system or of the decompression.
         problem: String,
     },
-    /// Not one row.
-    #[error("{file} has no rows; it should hold measured magnitudes as {}", super::format::ALLOWED)]
+    /// A file without rows.
+    #[error("{file} has no rows; expected measured magnitudes in one of the formats {FORMATS}")]
     Empty {
-        /// Name as it was given.
+        /// Name of the file.
         file: String,
     },
-    /// The header belongs to none of the known formats.
-    #[error(
-        "{file}: the header '{header}' belongs to no known format; name one of {}, or give a column map",
-        super::format::ALLOWED
-    )]
+    /// The header matches none of the known formats.
+    #[error("{file}: the header '{header}' belongs to no known format; name one of {FORMATS}, or give a column map")]
     UnknownFormat {
-        /// Name as it was given.
+        /// Name of the file.
         file: String,
-        /// The first line that is no comment, cut short.
+        /// The first line that is no comment, truncated.
         header: String,
     },
-    /// A name of a format that is none.
-    #[error("unknown format of photometry '{name}'; known are {}", super::format::ALLOWED)]
+    /// An unknown name of a format.
+    #[error("unknown format of photometry '{name}'; known are {FORMATS}")]
     UnknownFormatName {
-        /// What was given.
+        /// The given name.
         name: String,
     },
-    /// A column that is not there.
+    /// A missing column.
     #[error("{file}: no column '{column}'")]
     Column {
-        /// Name as it was given.
+        /// Name of the file.
         file: String,
         /// The column.
         column: String,
     },
-    /// A column map that cannot be understood, or lacks what is needed.
+    /// An invalid or incomplete column map.
     #[error("column map: {problem}")]
     ColumnMap {
-        /// What is wrong, and what is allowed.
+        /// The problem and what is allowed.
         problem: String,
     },
-    /// A column of times without a scale: TAI read as UTC turns every answer wrong.
-    #[error("column map: the times of column '{column}' have no scale; say time_scale = utc, tai or tt")]
+    /// A column of times without a time scale; TAI taken for UTC would be 37 s off.
+    #[error("column map: the times of column '{column}' have no scale; specify time_scale = utc, tai or tt")]
     NoTimeScale {
         /// The column of times.
         column: String,
     },
-    /// Two filters in one file, and nobody said which is wanted.
+    /// Two filters in one file without a choice.
     #[error("{file} data row {row}: filter '{other}' after rows of filter '{first}'; name the filters that are wanted")]
     MixedFilters {
-        /// Name as it was given.
+        /// Name of the file.
         file: String,
         /// Data row, from 1.
         row: u64,
@@ -73,26 +72,20 @@ pub enum MeasuredError {
         /// The other one.
         other: String,
     },
-    /// A setting outside of what it can be.
+    /// An option outside its range.
     #[error("{name} {given} is not allowed: {allowed}")]
     Setting {
         /// Name of the option.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         given: String,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// Element sets are needed and none were given.
+    /// Missing element sets.
     #[error("{what} needs element sets, and none were given")]
     NoHistory {
-        /// What was asked for.
+        /// What needs them.
         what: &'static str,
-    },
-    /// A table that cannot be written.
-    #[error("cannot write photometry: {problem}")]
-    Unwritable {
-        /// What the system said.
-        problem: String,
     },
 }

@@ -1,19 +1,19 @@
-//! Through which filters rows were seen, and whether that is the band of the model that they are fitted with.
+//! Numbers of rows by filter, and their comparison with the band of a model.
 
 use std::fmt;
 
 use crate::photometry::Band;
 
-/// Rows read, by the filter that they name.
+/// Numbers of rows by filter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FilterCounts {
-    /// In the order of their first rows; the name is `None` of rows that name no filter.
+    /// In the order of their first rows; `None` for rows without a filter.
     counts: Vec<(Option<String>, u64)>,
 }
 
-/// Photometry that is not, or not for sure, in the band of a model.
+/// Photometry that is not, or not certainly, in the band of a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct BandDoubt {
+pub struct BandMismatch {
     band: Band,
     seen: FilterCounts,
 }
@@ -24,14 +24,14 @@ impl FilterCounts {
         self.counts.iter().map(|(filter, count)| (filter.as_deref(), *count))
     }
 
-    /// What there is to say where any row is of another filter than `band`, or of none that is named. Upper and lower case differ (`R` is
-    /// Cousins', `r` LSST's), and a survey's own filter (`Clear`) is no band.
-    pub fn doubt(&self, band: Band) -> Option<BandDoubt> {
+    /// Mismatch if any row has another filter than `band` or none. Upper and lower case differ (`R` is Cousins', `r` LSST's), and a survey's own
+    /// filter (`Clear`) is no band.
+    pub fn mismatch(&self, band: Band) -> Option<BandMismatch> {
         let is_other = |filter: Option<&str>| filter.and_then(|name| name.parse::<Band>().ok()) != Some(band);
-        self.iter().any(|(filter, _)| is_other(filter)).then(|| BandDoubt { band, seen: self.clone() })
+        self.iter().any(|(filter, _)| is_other(filter)).then(|| BandMismatch { band, seen: self.clone() })
     }
 
-    /// So many more rows.
+    /// Adds rows of a filter.
     pub(super) fn add(&mut self, filter: Option<&str>, rows: u64) {
         match self.counts.iter_mut().find(|(known, _)| known.as_deref() == filter) {
             Some((_, count)) => *count += rows,
@@ -39,22 +39,22 @@ impl FilterCounts {
         }
     }
 
-    /// Those of later rows.
+    /// Adds the counts of later rows.
     pub(super) fn append(&mut self, later: &Self) {
         later.iter().for_each(|(filter, rows)| self.add(filter, rows));
     }
 }
 
-impl fmt::Display for BandDoubt {
+impl fmt::Display for BandMismatch {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        let words = self.seen.iter().map(|(filter, rows)| match filter {
+        let filters = self.seen.iter().map(|(filter, rows)| match filter {
             Some(name) => format!("{name} ({rows} rows)"),
-            None => format!("a filter that nothing names ({rows} rows)"),
+            None => format!("an unnamed filter ({rows} rows)"),
         });
-        let words = words.collect::<Vec<_>>().join(", ");
+        let filters = filters.collect::<Vec<_>>().join(", ");
         let mixed = if self.seen.counts.len() > 1 { "mixed filters: " } else { "" };
-        write!(f, "{mixed}photometry through {words} is taken as {}, the model's band", self.band)?;
-        write!(f, "; a difference of colour or zero point goes into the fit")
+        write!(f, "{mixed}photometry through {filters} is taken as {}, the model's band", self.band)?;
+        write!(f, "; differences of colour or zero point enter the fit")
     }
 }
 
@@ -63,17 +63,17 @@ mod tests {
     use super::*;
 
     #[test]
-    fn verif_only_the_models_band_is_beyond_doubt() {
+    fn verif_only_the_models_band_matches() {
         let counts = |rows: &[(Option<&str>, u64)]| {
             let mut counts = FilterCounts::default();
             rows.iter().for_each(|(filter, rows)| counts.add(*filter, *rows));
-            counts.doubt(Band::V).map(|doubt| doubt.to_string())
+            counts.mismatch(Band::V).map(|mismatch| mismatch.to_string())
         };
         assert_eq!(counts(&[(Some("V"), 3), (Some("V"), 4)]), None);
         assert_eq!(counts(&[]), None);
         for (rows, parts) in [
             (vec![(Some("Clear"), 3), (Some("Clear"), 4)], ["photometry through Clear (7 rows)", "taken as V"]),
-            (vec![(None, 5)], ["a filter that nothing names (5 rows)", "taken as V"]),
+            (vec![(None, 5)], ["an unnamed filter (5 rows)", "taken as V"]),
             (vec![(Some("V"), 5), (Some("B"), 1)], ["mixed filters", "V (5 rows), B (1 rows)"]),
             (vec![(Some("v"), 5)], ["v (5 rows)", "taken as V"]),
         ] {

@@ -1,19 +1,16 @@
-//! The published tables: how each is recognised, what its columns are, who observed, and through which filter.
+//! Published tables: recognition by the header, columns, site and usual filter.
 
 use crate::geometry::{GeometryError, Site};
 
 use super::column_map::{ColumnMap, Field};
-use super::error::MeasuredError;
-
-/// Names for messages.
-pub(super) const ALLOWED: &str = "pomenis, mmt, score, slingshot, csv";
+use super::error::MeasurementError;
 
 /// Layout of a table of photometry.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
-    /// MMT-9 (Karpov et al. 2016, Beskin et al. 2017), as raw text (comments first, blanks between columns) or CSV. Times are UTC,
-    /// the filter is `Clear` unless others are named.
+    /// MMT-9 (Karpov et al. 2016, Beskin et al. 2017), as raw text (comments first, columns separated by blanks) or CSV. Times are UTC; the
+    /// filter is `Clear` unless others are given.
     Mmt,
     /// Pomenis (Fankhauser, Tyson and Askari 2023): Starlink V1.5 from Mount Lemmon; height, altitude and azimuth.
     Pomenis,
@@ -26,11 +23,11 @@ pub enum Format {
 }
 
 impl Format {
-    /// All of them.
+    /// All formats.
     pub const ALL: [Self; 5] = [Self::Pomenis, Self::Mmt, Self::Score, Self::Slingshot, Self::Csv];
 
-    /// As it is named on command lines.
-    pub fn name(self) -> &'static str {
+    /// Name on the command line.
+    pub(super) fn name(self) -> &'static str {
         match self {
             Self::Mmt => "mmt",
             Self::Pomenis => "pomenis",
@@ -40,16 +37,16 @@ impl Format {
         }
     }
 
-    /// By its name, in any case.
+    /// Format of this name, in any case.
     ///
     /// # Errors
-    /// [`MeasuredError::UnknownFormatName`].
-    pub fn by_name(name: &str) -> Result<Self, MeasuredError> {
+    /// [`MeasurementError::UnknownFormatName`].
+    pub fn by_name(name: &str) -> Result<Self, MeasurementError> {
         let found = Self::ALL.into_iter().find(|format| format.name().eq_ignore_ascii_case(name.trim()));
-        found.ok_or_else(|| MeasuredError::UnknownFormatName { name: name.to_owned() })
+        found.ok_or_else(|| MeasurementError::UnknownFormatName { name: name.to_owned() })
     }
 
-    /// The format whose columns these are; never [`Csv`](Self::Csv).
+    /// Format with these columns; never [`Csv`](Self::Csv).
     pub(super) fn sniff(header: &[String]) -> Option<Self> {
         let marks: [(Self, [&str; 2]); 4] = [
             (Self::Mmt, ["StdMag", "Distance"]),
@@ -61,7 +58,7 @@ impl Format {
         marks.into_iter().find(|(_, [one, other])| has(one) && has(other)).map(|(format, _)| format)
     }
 
-    /// Its columns; none for [`Csv`](Self::Csv).
+    /// Columns of the format; none for [`Csv`](Self::Csv).
     pub(super) fn columns(self) -> ColumnMap {
         use Field::*;
         match self {
@@ -116,20 +113,20 @@ impl Format {
         }
     }
 
-    /// Who observed, where the format belongs to one place.
+    /// Site of a format that belongs to one site.
     pub(super) fn site(self) -> Result<Option<Site>, GeometryError> {
         match self {
             // 43°38'59.5" N, 41°25'53.3" E, 2030 m.
             Self::Mmt => Site::by_name("MMT-9").map(Some),
-            // The head of the table says 32.4434° N, 110.7881° W, Mount Lemmon.
+            // From the head of the table: 32.4434° N, 110.7881° W, Mount Lemmon.
             Self::Pomenis => Site::new_deg("Pomenis", 32.4434, -110.7881, 2790.0).map(Some),
             _ => Ok(None),
         }
     }
 
-    /// The filter that is taken where none is named.
+    /// Filter used if none is given.
     pub(super) fn usual_filter(self) -> Option<&'static str> {
-        // Lu (2024), section 3: all magnitudes but those through the clear filter are left out.
+        // Lu (2024), section 3: only magnitudes through the clear filter are used.
         (self == Self::Mmt).then_some("Clear")
     }
 }

@@ -1,90 +1,91 @@
-//! Which satellite each track of a survey is of, where one stands out.
+//! Identification of tracks: comparison of the recorded ranges and phases with those of every satellite of a catalogue.
+
+use std::f64::consts::TAU;
 
 use rayon::prelude::*;
 
-use crate::elements::History;
+use crate::constants::DAY_S;
+use crate::elements::{ElementSet, History, NoradId};
 use crate::frames::EopTable;
+use crate::geometry::{Site, ViewingGeometry};
+use crate::orbit::Propagator;
 use crate::output::{Column, Kind, Table, Value};
 
-use super::associate::{AssociationOptions, Candidate, associate};
-use super::record::Records;
+use super::ephemeris::{Ephemeris, SiteAxes, age_days};
+use super::offset::{Ranged, fitted_offset_s, shifted};
+use super::record::{Record, Records};
 
-/// When the best candidate of a track is taken to be its satellite.
+/// Limits for the acceptance of the best candidate.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Credible {
-    /// Its ranges are no farther off (root mean square), km.
+pub struct AcceptanceLimits {
+    /// Largest root mean square of the differences of range, km.
     pub max_range_rms_km: f64,
-    /// Its phase angles, where they are recorded, are no farther off (root mean square), radians.
+    /// Largest root mean square of the differences of phase, if recorded, radians.
     pub max_phase_rms_rad: f64,
-    /// The score of the next best is greater by at least so much (it is a χ²).
+    /// Least difference between the scores (χ²) of the second and the first candidate.
     pub least_lead: f64,
 }
 
-impl Default for Credible {
-    /// 10 km, 3° and a lead of 9: three sigma.
+impl Default for AcceptanceLimits {
+    /// 10 km, 3° and a lead of 9 (three sigma).
     fn default() -> Self {
         Self { max_range_rms_km: 10.0, max_phase_rms_rad: 3_f64.to_radians(), least_lead: 9.0 }
     }
 }
 
-/// A track with its best candidates.
+/// Best candidates of a track.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Identification {
+pub struct TrackIdentification {
     /// Name of the track.
     pub track: String,
-    /// The best candidate; `None` where no satellite was anywhere near.
+    /// Best candidate; `None` if no satellite was near.
     pub best: Option<Candidate>,
-    /// The next best.
+    /// Second best candidate.
     pub next: Option<Candidate>,
-    /// True where the best one is credible and the next one is not as good.
+    /// True if the best candidate is within the [`AcceptanceLimits`].
     pub is_sure: bool,
 }
 
-/// All tracks of the records, in their order, each against the whole catalogue.
-pub fn identify(
+/// Compares all tracks of the records, in their order, with the whole catalogue.
+pub fn identify_tracks(
     records: &Records,
     history: &History,
     eop: &EopTable,
     options: &AssociationOptions,
-    credible: &Credible,
-) -> Vec<Identification> {
+    limits: &AcceptanceLimits,
+) -> Vec<TrackIdentification> {
     let tracks: Vec<(&String, Vec<_>)> = records.groups.iter().zip(records.by_group()).collect();
     let one = |(track, rows): &(&String, Vec<_>)| {
         let mut candidates = associate(rows, &records.sites, history, eop, options).into_iter();
         let (best, next) = (candidates.next(), candidates.next());
         let is_near = |best: &Candidate| {
-            best.range_rms_km <= credible.max_range_rms_km
-                && best.phase_rms_rad.is_none_or(|phase| phase <= credible.max_phase_rms_rad)
-                && next.is_none_or(|next| next.score - best.score >= credible.least_lead)
+            best.range_rms_km <= limits.max_range_rms_km
+                && best.phase_rms_rad.is_none_or(|phase| phase <= limits.max_phase_rms_rad)
+                && next.is_none_or(|next| next.score - best.score >= limits.least_lead)
         };
-        Identification { track: (*track).clone(), best, next, is_sure: best.as_ref().is_some_and(is_near) }
+        TrackIdentification { track: (*track).clone(), best, next, is_sure: best.as_ref().is_some_and(is_near) }
     };
     tracks.par_iter().map(one).collect()
 }
 
 const COLUMNS: [Column; 9] = [
     Column::new("track", Kind::Text, "Name of the track."),
-    Column::new("norad", Kind::Integer, "Its satellite; empty where none stands out."),
-    Column::new("best", Kind::Integer, "The satellite that explains it best, sure or not."),
-    Column::real(
-        "range_rms_km",
-        "km",
-        3,
-        "Root mean square of the differences of range, once its lateness is taken out.",
-    ),
-    Column::real("phase_rms_deg", "deg", 3, "The same of the phase angle."),
-    Column::real("offset_s", "s", 2, "The satellite is where its element set has it so many seconds later."),
+    Column::new("norad", Kind::Integer, "NORAD number of the accepted satellite; empty if none is accepted."),
+    Column::new("best", Kind::Integer, "NORAD number of the best candidate, accepted or not."),
+    Column::real("range_rms_km", "km", 3, "Root mean square of the differences of range after the fit of the delay."),
+    Column::real("phase_rms_deg", "deg", 3, "Root mean square of the differences of phase angle."),
+    Column::real("offset_s", "s", 2, "Along-track delay; negative if the satellite is early."),
     Column::real("element_age_days", "d", 2, "From the element set's epoch to the track."),
-    Column::new("next", Kind::Integer, "The next best satellite."),
-    Column::real("lead", "", 2, "By how much the next best explains it worse (chi square)."),
+    Column::new("next", Kind::Integer, "NORAD number of the second best candidate."),
+    Column::real("lead", "", 2, "Difference between the scores (chi square) of the second and the first candidate."),
 ];
 
-/// One row a track: what [`Placement::identified`](super::Placement::identified) is made of.
-pub fn identification_table(tracks: &[Identification]) -> Table {
+/// Table with one row per track, the input of [`Placement::identified`](super::Placement::identified).
+pub fn identification_table(tracks: &[TrackIdentification]) -> Table {
     let number = |candidate: Option<&Candidate>| {
         candidate.map_or(Value::Null, |candidate| Value::Integer(i64::from(candidate.norad_id.0)))
     };
-    let row = |one: &Identification| {
+    let row = |one: &TrackIdentification| {
         let (best, next) = (one.best.as_ref(), one.next.as_ref());
         vec![
             one.track.as_str().into(),
@@ -99,4 +100,123 @@ pub fn identification_table(tracks: &[Identification]) -> Table {
         ]
     };
     Table { columns: COLUMNS.to_vec(), rows: tracks.iter().map(row).collect() }
+}
+
+/// Options for the comparison of a track with a catalogue.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct AssociationOptions {
+    /// Largest along-track delay, either way, s. Element sets two weeks old are late by a minute or two.
+    pub max_offset_s: f64,
+    /// Largest age of an element set, either way, days.
+    pub max_element_age_days: f64,
+    /// One sigma of a difference of range, km.
+    pub range_sigma_km: f64,
+    /// One sigma of a difference of phase, radians.
+    pub phase_sigma_rad: f64,
+    /// One sigma of the delay: at the element set's epoch, s, and its growth, s per day. Without it old element sets of other satellites fit
+    /// short tracks by chance.
+    pub offset_sigma_s: [f64; 2],
+}
+
+impl Default for AssociationOptions {
+    /// 120 s, 50 days, 1 km, 0.4°, 3 s and 2 s per day: Starlink satellites keep station by thrust, which element sets do not model.
+    fn default() -> Self {
+        Self {
+            max_offset_s: 120.0,
+            max_element_age_days: 50.0,
+            range_sigma_km: 1.0,
+            phase_sigma_rad: 0.4_f64.to_radians(),
+            offset_sigma_s: [3.0, 2.0],
+        }
+    }
+}
+
+/// Candidate satellite of a track.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// NORAD catalogue number.
+    pub norad_id: NoradId,
+    /// Root mean square of the differences of range after the fit of the delay, km.
+    pub range_rms_km: f64,
+    /// Root mean square of the differences of phase after the fit of the delay, radians; `None` if none is recorded.
+    pub phase_rms_rad: Option<f64>,
+    /// Along-track delay, s: the element set reaches the satellite's position this much later (negative: earlier).
+    pub offset_s: f64,
+    /// Age of the element set at the track, days.
+    pub element_age_days: f64,
+    /// (range rms / sigma)² + (phase rms / sigma)² + (delay / sigma)² + 2 ln(sigma of the delay / that at epoch); the best candidate has the
+    /// least. The last term penalises old element sets, whose positions are hardly known.
+    pub score: f64,
+}
+
+/// Margin of the range beyond the effect of the largest delay in the first comparison, km.
+const RANGE_MARGIN_KM: f64 = 50.0;
+
+/// Candidates for a track, best first, at most one per satellite, with the best of its element sets.
+///
+/// The rows should belong to one track, in time order, with ranges. A first comparison rejects satellites whose range in the middle of the
+/// track cannot be the recorded one for any allowed delay, since the range changes no faster than the satellite moves. Empty if no row has
+/// time, site and range.
+pub fn associate(
+    track: &[Record],
+    sites: &[Site],
+    history: &History,
+    eop: &EopTable,
+    options: &AssociationOptions,
+) -> Vec<Candidate> {
+    let mut ephemeris = Ephemeris::new(eop.clone());
+    ephemeris.prepare(track.iter().filter_map(|record| record.epoch));
+    let observers: Vec<SiteAxes> = sites.iter().map(SiteAxes::new).collect();
+    let track: Vec<&Record> = track.iter().collect();
+    let points: Vec<Ranged> =
+        Ranged::thinned(&track).filter_map(|record| Ranged::of(record, &ephemeris, &observers)).collect();
+    let Some(middle) = points.get(points.len() / 2) else { return Vec::new() };
+    let objects: Vec<&[ElementSet]> = history.objects().collect();
+    let best_of = |sets: &&[ElementSet]| {
+        let young = sets.iter().filter(|set| age_days(set, middle.epoch).abs() <= options.max_element_age_days);
+        young.filter_map(|set| candidate(set, &points, middle, options)).min_by(|a, b| a.score.total_cmp(&b.score))
+    };
+    let mut candidates: Vec<Candidate> = objects.par_iter().filter_map(best_of).collect();
+    candidates.sort_by(|a, b| a.score.total_cmp(&b.score).then(a.norad_id.cmp(&b.norad_id)));
+    candidates
+}
+
+fn candidate(set: &ElementSet, points: &[Ranged], middle: &Ranged, options: &AssociationOptions) -> Option<Candidate> {
+    let propagator = Propagator::new(set).ok()?;
+    let satellite = shifted(&propagator, middle, 0.0)?;
+    let apart_km = ((satellite - middle.observer).norm_km() - middle.range_km).abs();
+    // v ≤ √((1+e)/(1-e)) 2π a / P
+    let radius_km = satellite.norm_km();
+    let speed_km_s = TAU * radius_km / (DAY_S / set.mean_motion_rev_day) * (1.0 + 2.0 * set.eccentricity);
+    if apart_km > speed_km_s * options.max_offset_s + RANGE_MARGIN_KM {
+        return None;
+    }
+    let offset = fitted_offset_s(&propagator, points, options.max_offset_s)?;
+    let phases: Option<Vec<f64>> = points
+        .iter()
+        .map(|point| {
+            let satellite = shifted(&propagator, point, offset.offset_s)?;
+            let geometry = ViewingGeometry::new(&satellite, &point.observer, &point.moment.sun)?;
+            Some(geometry.phase_angle_rad() - point.phase_rad?)
+        })
+        .collect();
+    let phase_rms_rad = phases.map(|all| (all.iter().map(|one| one * one).sum::<f64>() / all.len() as f64).sqrt());
+    let element_age_days = age_days(set, middle.epoch);
+    let offset_sigma_s = options.offset_sigma_s[0] + options.offset_sigma_s[1] * element_age_days.abs();
+    // χ² + 2 ln(σ_delay / σ_delay at epoch), minus twice the log likelihood
+    let squares = [
+        offset.range_rms_km / options.range_sigma_km,
+        phase_rms_rad.unwrap_or(0.0) / options.phase_sigma_rad,
+        offset.offset_s / offset_sigma_s,
+    ];
+    let score =
+        squares.iter().map(|one| one * one).sum::<f64>() + 2.0 * (offset_sigma_s / options.offset_sigma_s[0]).ln();
+    Some(Candidate {
+        norad_id: set.norad_id,
+        range_rms_km: offset.range_rms_km,
+        phase_rms_rad,
+        offset_s: offset.offset_s,
+        element_age_days,
+        score,
+    })
 }

@@ -1,47 +1,123 @@
-//! From records to measurements: placed, selected, brought to 1000 km; in one piece or chunk by chunk.
+//! Conversion of records to measurements: geometry, selection, magnitude at 1000 km; at once or chunk by chunk.
 
+use hifitime::Epoch;
 use rayon::prelude::*;
 
+use crate::elements::NoradId;
+use crate::geometry::ViewingGeometry;
+use crate::output::{Column, Kind, Table};
+use crate::photometry::StandardMagnitude;
+
 use super::dropped::{DropCounts, DropExample, DropReason};
-use super::error::MeasuredError;
-use super::measurement::{Measurement, Measurements};
+use super::error::MeasurementError;
 use super::placement::{OrbitRadius, Place, Placement, Placer};
 use super::record::{Record, RecordSource};
-use super::selection::Selection;
-use super::station::Stations;
+use super::selection::{Selection, Stations};
 
-/// All measurements of a source, in memory: 130 bytes each.
+/// Measured magnitude with its viewing geometry.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Measurement {
+    /// Magnitude at 1000 km in the band of the survey.
+    pub magnitude: StandardMagnitude,
+    /// One sigma stated by the survey, mag.
+    pub sigma_mag: Option<f64>,
+    /// Directions of Sun and observer in the satellite's frame.
+    pub geometry: ViewingGeometry,
+    /// Index into [`Measurements::groups`].
+    pub group: u32,
+    /// NORAD catalogue number, if known.
+    pub norad_id: Option<NoradId>,
+    /// Time, if known.
+    pub epoch: Option<Epoch>,
+}
+
+/// Measurements and the counts of dropped rows.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Measurements {
+    /// Measurements in the order of the files.
+    pub points: Vec<Measurement>,
+    /// Names of the groups: tracks, else satellites, nights or files.
+    pub groups: Vec<String>,
+    /// Dropped rows.
+    pub dropped: DropCounts,
+}
+
+pub(super) const SUN: Column = Column::real("sun_latitude_deg", "deg", 5, "Sun above the plane of the chassis.");
+pub(super) const LONGITUDE: Column = Column::real(
+    "observer_longitude_deg",
+    "deg",
+    5,
+    "Observer in the satellite's frame, from the Sun's azimuth, right-handed about the satellite's zenith.",
+);
+pub(super) const LATITUDE: Column =
+    Column::real("observer_latitude_deg", "deg", 5, "Observer above the plane of the chassis; -90 is straight below.");
+pub(super) const HEIGHT: Column =
+    Column::real("height_km", "km", 3, "Satellite's distance from the Earth's centre less 6378.137 km.");
+
+const POINTS: [Column; 9] = [
+    Column::time("utc", "Time; empty if none was recorded."),
+    Column::new("norad_id", Kind::Integer, "NORAD catalogue number; empty if unknown."),
+    Column::new("group", Kind::Text, "Track, satellite, night or file."),
+    Column::real("standard_magnitude", "mag", 4, "Magnitude at 1000 km."),
+    Column::real("sigma_mag", "mag", 4, "One sigma stated by the survey."),
+    SUN,
+    LONGITUDE,
+    LATITUDE,
+    HEIGHT,
+];
+
+impl Measurements {
+    /// Table with one row per measurement.
+    pub fn table(&self) -> Table {
+        let rows = self.points.iter().map(|point| {
+            vec![
+                point.epoch.into(),
+                point.norad_id.map(|id| i64::from(id.0)).into(),
+                self.groups.get(point.group as usize).cloned().into(),
+                point.magnitude.0.into(),
+                point.sigma_mag.into(),
+                point.geometry.sun_latitude_rad.to_degrees().into(),
+                point.geometry.observer_longitude_rad.to_degrees().into(),
+                point.geometry.observer_latitude_rad.to_degrees().into(),
+                point.geometry.height_km.into(),
+            ]
+        });
+        Table { columns: POINTS.to_vec(), rows: rows.collect() }
+    }
+}
+
+/// Returns all measurements of a source, 130 bytes each.
 ///
 /// # Errors
-/// As for [`measure_each`].
+/// Those of [`measure_each`].
 pub fn measure(
     source: &mut impl RecordSource,
     placement: &Placement,
     selection: &Selection,
-) -> Result<Measurements, MeasuredError> {
+) -> Result<Measurements, MeasurementError> {
     let mut points = Vec::new();
     let dropped = measure_each(source, placement, selection, |chunk| points.extend_from_slice(chunk))?;
     Ok(Measurements { points, groups: source.groups().to_vec(), dropped })
 }
 
-/// Hands measurements on chunk by chunk, in the order of the source, so that memory does not grow with their number; returns what was
-/// dropped. Groups are those of the source.
+/// Passes measurements to `take` chunk by chunk, in the order of the source, so that memory does not grow with their number; returns the counts
+/// of dropped rows. Groups are those of the source.
 ///
 /// # Errors
-/// * those of the source: a file that cannot be read or understood, mixed filters;
-/// * a threshold or limit that cannot be;
-/// * element sets are needed and none were given.
+/// * those of the source: an unreadable or invalid file, mixed filters;
+/// * an invalid threshold or limit;
+/// * missing element sets.
 pub fn measure_each(
     source: &mut impl RecordSource,
     placement: &Placement,
     selection: &Selection,
     mut take: impl FnMut(&[Measurement]),
-) -> Result<DropCounts, MeasuredError> {
+) -> Result<DropCounts, MeasurementError> {
     selection.check()?;
     check(placement)?;
     let stations = match (&selection.station, placement.history) {
         (Some(rule), Some(history)) => Some(Stations::new(history, rule)),
-        (Some(_), None) => return Err(MeasuredError::NoHistory { what: "the rule of on-station satellites" }),
+        (Some(_), None) => return Err(MeasurementError::NoHistory { what: "the rule of on-station satellites" }),
         (None, _) => None,
     };
     let whole_tracks = matches!(placement.place, Place::Elements { fit_offset_s: Some(_) });
@@ -54,12 +130,12 @@ pub fn measure_each(
         let mut records = std::mem::take(&mut held_back);
         records.extend(chunk.into_iter().flatten());
         if whole_tracks && !is_last {
-            // The last track of a chunk may go on in the next.
+            // The last track of a chunk may continue in the next.
             let group = records.last().map(|record| record.group);
             let end = records.iter().rposition(|record| Some(record.group) != group).map_or(0, |at| at + 1);
             held_back = records.split_off(end);
         }
-        let (measured, counts) = judge(&mut placer, source, &records, selection, stations.as_ref());
+        let (measured, counts) = select(&mut placer, source, &records, selection, stations.as_ref());
         dropped.append(counts);
         if !measured.is_empty() {
             take(&measured);
@@ -73,15 +149,15 @@ pub fn measure_each(
     Ok(all)
 }
 
-fn check(placement: &Placement) -> Result<(), MeasuredError> {
+fn check(placement: &Placement) -> Result<(), MeasurementError> {
     let positive = |name: &'static str, value: f64, allowed: &'static str| {
         let is_sound = value > 0.0 && value.is_finite();
-        if is_sound { Ok(()) } else { Err(MeasuredError::Setting { name, given: value.to_string(), allowed }) }
+        if is_sound { Ok(()) } else { Err(MeasurementError::Setting { name, given: value.to_string(), allowed }) }
     };
     positive("max_element_age_days", placement.max_element_age_days, "more than 0 days")?;
     match placement.place {
         Place::Elements { fit_offset_s: Some(limit) } if !(limit > 0.0 && limit <= 600.0) => {
-            Err(MeasuredError::Setting {
+            Err(MeasurementError::Setting {
                 name: "fit_offset_s",
                 given: limit.to_string(),
                 allowed: "more than 0, to 600 s",
@@ -90,7 +166,7 @@ fn check(placement: &Placement) -> Result<(), MeasuredError> {
         Place::Elements { .. } | Place::Recorded { radius: Some(OrbitRadius::Elements) }
             if placement.history.is_none() =>
         {
-            Err(MeasuredError::NoHistory { what: "geometry by element sets" })
+            Err(MeasurementError::NoHistory { what: "geometry by element sets" })
         }
         Place::Recorded { radius: Some(OrbitRadius::HeightKm(height)) } => {
             positive("height_km", height, "more than 0 km")
@@ -99,10 +175,10 @@ fn check(placement: &Placement) -> Result<(), MeasuredError> {
     }
 }
 
-/// Records that one thread does in a row.
+/// Records per task.
 const RUN: usize = 4096;
 
-fn judge(
+fn select(
     placer: &mut Placer,
     source: &impl RecordSource,
     records: &[Record],
@@ -118,12 +194,12 @@ fn judge(
             let mut measured = Vec::with_capacity(records.len());
             let mut dropped = DropCounts::default();
             for (record, placed) in records.iter().zip(placed) {
-                let judged: Result<_, DropReason> = match (selection.judge_record(record), placed) {
+                let selected: Result<_, DropReason> = match (selection.drop_record(record), placed) {
                     (Some(reason), _) => Err(reason),
                     (None, Err(reason)) => Err(*reason),
-                    (None, Ok(placed)) => selection.judge(record, placed, stations).map_or(Ok(placed), Err),
+                    (None, Ok(placed)) => selection.drop_placed(record, placed, stations).map_or(Ok(placed), Err),
                 };
-                match judged {
+                match selected {
                     Ok(placed) => measured.push(Measurement {
                         magnitude: selection.standard_magnitude(record, placed),
                         sigma_mag: record.sigma_mag,

@@ -1,14 +1,13 @@
-//! How late a satellite passes: the shift along its orbit that makes its ranges those of a track.
+//! Along-track delay of a satellite, fitted to the recorded ranges of a track.
 
 use crate::frames::{Gcrs, Position};
 use crate::math::minimum::minimum;
 use crate::orbit::Propagator;
 
-use super::ephemeris::{Ephemeris, Moment};
-use super::placement::Stand;
+use super::ephemeris::{Ephemeris, Moment, SiteAxes};
 use super::record::Record;
 
-/// A recorded range with what is needed to compare it.
+/// Recorded range with the position of the observer.
 pub(super) struct Ranged {
     pub epoch: hifitime::Epoch,
     pub moment: Moment,
@@ -17,23 +16,22 @@ pub(super) struct Ranged {
     pub phase_rad: Option<f64>,
 }
 
-/// A shift and what is left of the differences.
+/// Fitted delay and the remaining differences.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Offset {
     pub offset_s: f64,
     pub range_rms_km: f64,
 }
 
-/// Points of a track that are compared; more do not tell more.
+/// Most points of a track that are compared; more do not improve the fit.
 const POINTS: usize = 12;
-/// Shifts are tried so far apart before the best is refined, s: a satellite's range bends on the scale of its distance over its speed,
-/// half a minute and more.
+/// Grid step of the delay, s. The range curves on the scale of distance over speed, half a minute or more.
 const STEP_S: f64 = 5.0;
-/// How well it is found, s: 8 m of way.
+/// Tolerance of the delay, s (8 m along the track).
 const TOLERANCE_S: f64 = 1e-3;
 
 impl Ranged {
-    /// Rows evenly out of a track, its ends among them.
+    /// Evenly spaced rows of a track, including both ends.
     pub(super) fn thinned<'r>(track: &[&'r Record]) -> impl Iterator<Item = &'r Record> {
         let last = track.len().saturating_sub(1);
         let steps = POINTS.min(track.len());
@@ -42,8 +40,8 @@ impl Ranged {
         picked.into_iter()
     }
 
-    /// `None` of a row without time, site or range.
-    pub(super) fn of(record: &Record, ephemeris: &Ephemeris, sites: &[Stand]) -> Option<Self> {
+    /// `None` for a row without time, site or range.
+    pub(super) fn of(record: &Record, ephemeris: &Ephemeris, sites: &[SiteAxes]) -> Option<Self> {
         let (epoch, (range_km, phase_rad)) = (record.epoch?, record.sighting.distance_and_phase());
         let moment = ephemeris.at(epoch)?;
         let (observer, _) = sites.get(record.site? as usize)?.at(&moment);
@@ -51,13 +49,13 @@ impl Ranged {
     }
 }
 
-/// Geocentric place `offset_s` after the record.
+/// Geocentric position `offset_s` after the record.
 pub(super) fn shifted(propagator: &Propagator, point: &Ranged, offset_s: f64) -> Option<Position<Gcrs>> {
     let minutes = propagator.minutes_since_epoch(point.epoch) + offset_s / 60.0;
     propagator.state_at_minutes(minutes, &point.moment.orientation.teme_to_gcrs).ok().map(|state| state.position)
 }
 
-/// Root mean square of the differences of range, km; infinite where there is no position.
+/// Root mean square of the differences of range, km; infinite if there is no position.
 fn range_rms_km(propagator: &Propagator, points: &[Ranged], offset_s: f64) -> f64 {
     let mut sum = 0.0;
     for point in points {
@@ -68,8 +66,7 @@ fn range_rms_km(propagator: &Propagator, points: &[Ranged], offset_s: f64) -> f6
     (sum / points.len() as f64).sqrt()
 }
 
-/// The shift within ± `limit_s` with the least differences of range: the best of a grid of 5 s, refined. `None`
-/// without points or positions.
+/// Delay within ± `limit_s` with the least differences of range: the best node of a grid of 5 s, refined. `None` without points or positions.
 pub(super) fn fitted_offset_s(propagator: &Propagator, points: &[Ranged], limit_s: f64) -> Option<Offset> {
     if points.is_empty() {
         return None;

@@ -1,4 +1,4 @@
-//! Files of photometry as a stream of records: read in blocks, parsed on all threads, in bounded memory.
+//! Reader of files of photometry: blocks are read and parsed in parallel in bounded memory.
 
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::hash::{BuildHasherDefault, Hasher};
@@ -12,35 +12,35 @@ use crate::geometry::Site;
 use super::blocks::{Blocks, Head};
 use super::column_map::ColumnMap;
 use super::dropped::{DropCounts, DropExample, DropReason};
-use super::error::MeasuredError;
+use super::error::MeasurementError;
 use super::filters::FilterCounts;
 use super::format::Format;
 use super::record::{Record, RecordSource};
 use super::rows::{Layout, Parsed};
 
-/// How to read.
+/// Options for reading photometry.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct ReadOptions {
-    /// The format; `None`: by the header.
+pub struct PhotometryOptions {
+    /// Format; `None`: recognised by the header.
     pub format: Option<Format>,
-    /// The columns of a table of one's own; then no format is needed.
+    /// Column mapping for a custom table; then no format is needed.
     pub columns: Option<ColumnMap>,
-    /// Where all rows were observed; `None`: as the format or the columns say.
+    /// Site of all rows; `None`: that of the format or the columns.
     pub site: Option<Site>,
-    /// Filters that are wanted, in any case. Empty: `Clear` for MMT-9, and elsewhere whichever a file has, as long as it is one.
+    /// Wanted filters, in any case. Empty: `Clear` for MMT-9, and otherwise the only filter of a file.
     pub filters: Vec<String>,
-    /// Keep rows that are the same as an earlier one, cell for cell.
+    /// Keeps rows whose cells equal those of an earlier row.
     pub keep_duplicates: bool,
 }
 
-/// Blocks parsed at a time: some 8 MB of text, 100,000 rows.
+/// Blocks parsed together: some 8 MB of text, 100,000 rows.
 const BLOCKS_AT_A_TIME: usize = 8;
 
-/// A row's cells come hashed already.
+/// Hasher for values that are hashes already.
 #[derive(Default)]
-struct AsItIs(u64);
+struct IdentityHasher(u64);
 
-impl Hasher for AsItIs {
+impl Hasher for IdentityHasher {
     fn finish(&self) -> u64 {
         self.0
     }
@@ -56,59 +56,63 @@ impl Hasher for AsItIs {
     }
 }
 
-/// One file on its way.
-struct Open {
+/// State of the file that is being read.
+struct OpenFile {
     blocks: Blocks,
     layout: Layout,
-    /// Read, and not yet parsed.
+    /// Blocks that are read but not parsed.
     read: Vec<Vec<u8>>,
     rows: u64,
-    /// Where no filter is named, the first one.
+    /// First filter of the file, if none was selected.
     filter: Option<String>,
 }
 
-/// Records of any number of files, in their order.
+/// Reader of the records of several files, in their order.
 ///
-/// Memory is bounded by some 30 MB of text and records under way, and 10 to 25 bytes a row for the search for duplicates (none where they
-/// are kept); names of tracks and sites are kept too. Text is parsed on all threads of rayon's pool while more is read.
+/// Memory is bounded by some 30 MB of text and records, 10 to 25 bytes per row for the detection of duplicates (none if they are kept), and the
+/// names of tracks and sites. Text is parsed on all threads of rayon's pool while more is read.
 pub struct RecordReader {
     queue: VecDeque<PathBuf>,
-    open: Option<Open>,
-    options: ReadOptions,
+    open: Option<OpenFile>,
+    options: PhotometryOptions,
     files: Vec<String>,
     groups: Vec<String>,
     group_of: HashMap<String, u32>,
     sites: Vec<Site>,
-    seen: HashSet<u64, BuildHasherDefault<AsItIs>>,
+    seen: HashSet<u64, BuildHasherDefault<IdentityHasher>>,
     dropped: DropCounts,
     filters: FilterCounts,
 }
 
 impl RecordReader {
-    /// Makes ready to read files; they are opened one after the other.
+    /// Reader of files, which are opened one after the other.
     ///
     /// # Errors
-    /// [`MeasuredError::NoFiles`].
-    pub fn open<P: AsRef<Path>>(paths: &[P], options: &ReadOptions) -> Result<Self, MeasuredError> {
+    /// [`MeasurementError::NoFiles`].
+    pub fn open<P: AsRef<Path>>(paths: &[P], options: &PhotometryOptions) -> Result<Self, MeasurementError> {
         if paths.is_empty() {
-            return Err(MeasuredError::NoFiles);
+            return Err(MeasurementError::NoFiles);
         }
         let queue = paths.iter().map(|path| path.as_ref().to_owned()).collect();
         Ok(Self::empty(queue, options))
     }
 
-    /// Reads what is no file; `name` stands for it in messages.
+    /// Reader of a stream; `name` identifies it in messages.
     ///
     /// # Errors
-    /// Those of the head: unreadable, empty, of no known format, without a needed column.
-    pub fn from_reader(name: &str, source: Box<dyn Read + Send>, options: &ReadOptions) -> Result<Self, MeasuredError> {
+    /// Errors of the head: unreadable, empty, of unknown format, without a required column.
+    pub fn from_reader(
+        name: &str,
+        source: Box<dyn Read + Send>,
+        options: &PhotometryOptions,
+    ) -> Result<Self, MeasurementError> {
         let mut reader = Self::empty(VecDeque::new(), options);
         let (head, blocks) = Blocks::of(source, name)?;
         reader.begin(name.to_owned(), &head, blocks)?;
         Ok(reader)
     }
 
-    fn empty(queue: VecDeque<PathBuf>, options: &ReadOptions) -> Self {
+    fn empty(queue: VecDeque<PathBuf>, options: &PhotometryOptions) -> Self {
         Self {
             queue,
             open: None,
@@ -123,14 +127,14 @@ impl RecordReader {
         }
     }
 
-    /// Filters of the rows read so far, duplicates among them.
+    /// Filters of the rows read so far, including duplicates.
     pub fn filters(&self) -> &FilterCounts {
         &self.filters
     }
 
-    fn begin(&mut self, name: String, head: &Head, blocks: Blocks) -> Result<(), MeasuredError> {
+    fn begin(&mut self, name: String, head: &Head, blocks: Blocks) -> Result<(), MeasurementError> {
         let sniffed = || {
-            Format::sniff(&head.header).ok_or_else(|| MeasuredError::UnknownFormat {
+            Format::sniff(&head.header).ok_or_else(|| MeasurementError::UnknownFormat {
                 file: name.clone(),
                 header: head.header.join(",").chars().take(100).collect(),
             })
@@ -138,12 +142,12 @@ impl RecordReader {
         let (format, map) = match (&self.options.columns, self.options.format) {
             (Some(map), None | Some(Format::Csv)) => (Format::Csv, map.clone()),
             (Some(_), Some(format)) => {
-                let problem = format!("the columns of {} are known; a map belongs to csv", format.name());
-                return Err(MeasuredError::ColumnMap { problem });
+                let problem = format!("format {} has fixed columns; a column map requires csv", format.name());
+                return Err(MeasurementError::ColumnMap { problem });
             }
             (None, Some(Format::Csv)) => {
                 let problem = "csv needs a column map".to_owned();
-                return Err(MeasuredError::ColumnMap { problem });
+                return Err(MeasurementError::ColumnMap { problem });
             }
             (None, Some(format)) => (format, format.columns()),
             (None, None) => sniffed().map(|format| (format, format.columns()))?,
@@ -152,7 +156,7 @@ impl RecordReader {
             Some(site) => Some(site.clone()),
             None => format
                 .site()
-                .map_err(|error| MeasuredError::Unreadable { file: name.clone(), problem: error.to_string() })?,
+                .map_err(|error| MeasurementError::Unreadable { file: name.clone(), problem: error.to_string() })?,
         };
         let mut filters = self.options.filters.clone();
         if filters.is_empty() {
@@ -160,23 +164,23 @@ impl RecordReader {
         }
         let layout = Layout::new(map, head, site, &filters, &name)?;
         self.files.push(name);
-        self.open = Some(Open { blocks, layout, read: Vec::new(), rows: 0, filter: None });
+        self.open = Some(OpenFile { blocks, layout, read: Vec::new(), rows: 0, filter: None });
         Ok(())
     }
 
-    /// The name of the file under way.
+    /// Name of the current file.
     fn name(&self) -> String {
         self.files.last().cloned().unwrap_or_default()
     }
 
-    /// Takes over what a block has.
-    fn take(&mut self, open: &mut Open, parsed: Parsed, records: &mut Vec<Record>) -> Result<(), MeasuredError> {
+    /// Appends the contents of a parsed block.
+    fn take(&mut self, open: &mut OpenFile, parsed: Parsed, records: &mut Vec<Record>) -> Result<(), MeasurementError> {
         let name = self.name();
         for (row, filter) in parsed.first_filter.into_iter().chain(parsed.other_filter) {
             let first = open.filter.get_or_insert_with(|| filter.clone());
             if *first != filter {
                 let (first, row) = (first.clone(), open.rows + row);
-                return Err(MeasuredError::MixedFilters { file: name, row, first, other: filter });
+                return Err(MeasurementError::MixedFilters { file: name, row, first, other: filter });
             }
         }
         let groups: Vec<u32> = parsed
@@ -237,7 +241,7 @@ fn read_some(blocks: &mut Blocks) -> std::io::Result<Vec<Vec<u8>>> {
 }
 
 impl RecordSource for RecordReader {
-    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasuredError> {
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasurementError> {
         let Some(mut open) = self.open.take() else {
             let Some(path) = self.queue.pop_front() else { return Ok(None) };
             let name = path.display().to_string();
@@ -247,13 +251,13 @@ impl RecordSource for RecordReader {
         };
         let name = self.name();
         let unreadable =
-            |error: std::io::Error| MeasuredError::Unreadable { file: name.clone(), problem: error.to_string() };
+            |error: std::io::Error| MeasurementError::Unreadable { file: name.clone(), problem: error.to_string() };
         if open.read.is_empty() {
             open.read = read_some(&mut open.blocks).map_err(unreadable)?;
         }
         if open.read.is_empty() {
             if open.rows == 0 {
-                return Err(MeasuredError::Empty { file: name });
+                return Err(MeasurementError::Empty { file: name });
             }
             return Ok(Some(Vec::new()));
         }

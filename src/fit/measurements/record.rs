@@ -1,4 +1,4 @@
-//! A row of photometry as it was recorded, before anything is known of its geometry.
+//! Recorded rows of photometry, before their geometry is computed.
 
 use hifitime::Epoch;
 
@@ -7,53 +7,53 @@ use crate::geometry::Site;
 use crate::photometry::Magnitude;
 
 use super::dropped::DropCounts;
-use super::error::MeasuredError;
+use super::error::MeasurementError;
 
-/// What a row says of where the satellite stood. Angles in radians.
+/// Recorded position of the satellite. Angles in radians.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum Sighting {
-    /// How far it was, and the angle Sun-satellite-observer.
+    /// Distance and phase angle.
     Distance {
         /// Observer to satellite, km.
         range_km: f64,
-        /// [0, π]; `None` where the row does not tell.
+        /// Angle Sun-satellite-observer, [0, π], if recorded.
         phase_rad: Option<f64>,
     },
-    /// Above which horizon, and how high.
+    /// Horizontal coordinates and height.
     Horizontal {
-        /// Above the horizon, without refraction.
+        /// Altitude above the horizon, without refraction.
         altitude_rad: f64,
-        /// From north through east.
+        /// Azimuth from north through east.
         azimuth_rad: f64,
-        /// Above a sphere about the geocentre through the site, km.
+        /// Height above the geocentric sphere through the site, km.
         height_km: f64,
     },
-    /// Altitudes of satellite and Sun, and the azimuth between them: neither time nor site.
+    /// Altitudes of satellite and Sun and the azimuth between them, without time and site.
     SunRelative {
-        /// Of the Sun.
+        /// Altitude of the Sun.
         sun_altitude_rad: f64,
-        /// Of the satellite.
+        /// Altitude of the satellite.
         altitude_rad: f64,
-        /// From the Sun to the satellite.
+        /// Azimuth of the satellite from the Sun.
         azimuth_from_sun_rad: f64,
-        /// Above a sphere of 6371 km, km.
+        /// Height above a sphere of 6371 km, km.
         height_km: f64,
     },
-    /// A place among the stars, and how far.
+    /// Equatorial coordinates and distance.
     Equatorial {
-        /// ICRS, astrometric topocentric.
+        /// Right ascension, ICRS, astrometric topocentric.
         right_ascension_rad: f64,
-        /// ICRS, astrometric topocentric.
+        /// Declination, ICRS, astrometric topocentric.
         declination_rad: f64,
         /// Observer to satellite, km.
         range_km: f64,
     },
-    /// Nothing: element sets have to tell.
+    /// No position; element sets are needed.
     Nothing,
 }
 
 impl Sighting {
-    /// Observer to satellite, km, and the phase, radians, as recorded.
+    /// Recorded range, km, and phase, radians.
     pub fn distance_and_phase(&self) -> (Option<f64>, Option<f64>) {
         match *self {
             Self::Distance { range_km, phase_rad } => (Some(range_km), phase_rad),
@@ -63,24 +63,24 @@ impl Sighting {
     }
 }
 
-/// One row.
+/// Recorded row of photometry.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Record {
-    /// When; `None` in tables without times.
+    /// Time; `None` in tables without times.
     pub epoch: Option<Epoch>,
-    /// At the observer.
+    /// Apparent magnitude.
     pub magnitude: Magnitude,
-    /// One sigma as stated, mag.
+    /// Stated one sigma, mag.
     pub sigma_mag: Option<f64>,
-    /// Where.
+    /// Position of the satellite.
     pub sighting: Sighting,
-    /// Which satellite, where the row or the head of its file says so.
+    /// NORAD catalogue number from the row or the head of its file.
     pub norad_id: Option<NoradId>,
     /// Index into [`RecordSource::groups`].
     pub group: u32,
-    /// Index into [`RecordSource::sites`]; `None` where no site is known.
+    /// Index into [`RecordSource::sites`]; `None` if the site is unknown.
     pub site: Option<u32>,
-    /// Flagged by the survey as in the penumbra.
+    /// Penumbra flag of the survey.
     pub in_penumbra: bool,
     /// Index into [`RecordSource::files`].
     pub file: u32,
@@ -88,21 +88,21 @@ pub struct Record {
     pub row: u32,
 }
 
-/// Where records come from, chunk by chunk: files, or a simulation.
+/// Source of records in chunks: files or memory.
 pub trait RecordSource {
-    /// The next rows in order; `None` after the last. A chunk may be empty.
+    /// Next rows in order, possibly none; `None` after the last.
     ///
     /// # Errors
-    /// What makes the rest of a file useless.
-    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasuredError>;
+    /// Errors that make the rest of a file unusable.
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasurementError>;
 
-    /// Names of tracks, satellites, nights or files, as far as they have occurred.
+    /// Names of the groups (tracks, satellites, nights or files) so far.
     fn groups(&self) -> &[String];
 
-    /// Observers, as far as they have occurred.
+    /// Sites so far.
     fn sites(&self) -> &[Site];
 
-    /// Names of the files.
+    /// Names of the files so far.
     fn files(&self) -> &[String];
 
     /// Rows dropped so far.
@@ -112,24 +112,24 @@ pub trait RecordSource {
 /// Records in memory.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Records {
-    /// In order.
+    /// Records in order.
     pub records: Vec<Record>,
-    /// Names that [`Record::group`] points at.
+    /// Names of the groups, for [`Record::group`].
     pub groups: Vec<String>,
-    /// Sites that [`Record::site`] points at.
+    /// Sites, for [`Record::site`].
     pub sites: Vec<Site>,
-    /// Files that [`Record::file`] points at.
+    /// Names of the files, for [`Record::file`].
     pub files: Vec<String>,
-    /// Rows that were not taken.
+    /// Dropped rows.
     pub dropped: DropCounts,
 }
 
 impl Records {
-    /// Everything that a source has.
+    /// Reads a source to its end.
     ///
     /// # Errors
     /// Those of the source.
-    pub fn collect(source: &mut impl RecordSource) -> Result<Self, MeasuredError> {
+    pub fn collect(source: &mut impl RecordSource) -> Result<Self, MeasurementError> {
         let mut records = Vec::new();
         while let Some(chunk) = source.next_chunk()? {
             records.extend(chunk);
@@ -143,7 +143,7 @@ impl Records {
         })
     }
 
-    /// The records of each group, in the order of [`groups`](Self::groups).
+    /// Records of each group, in the order of [`groups`](Self::groups).
     pub fn by_group(&self) -> Vec<Vec<Record>> {
         let mut groups = vec![Vec::new(); self.groups.len()];
         for record in &self.records {
@@ -154,24 +154,24 @@ impl Records {
         groups
     }
 
-    /// The same records as a source.
+    /// Source with these records.
     pub fn source(&self) -> RecordsSource<'_> {
         RecordsSource { of: self, at: 0 }
     }
 }
 
-/// Records in memory, given out in chunks.
+/// Source of records in memory.
 #[derive(Clone, Debug)]
 pub struct RecordsSource<'a> {
     of: &'a Records,
     at: usize,
 }
 
-/// Rows given out at a time.
+/// Rows per chunk.
 const CHUNK: usize = 1 << 16;
 
 impl RecordSource for RecordsSource<'_> {
-    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasuredError> {
+    fn next_chunk(&mut self) -> Result<Option<Vec<Record>>, MeasurementError> {
         let rest = &self.of.records[self.at..];
         let chunk = &rest[..rest.len().min(CHUNK)];
         self.at += chunk.len();

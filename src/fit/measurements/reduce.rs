@@ -1,4 +1,5 @@
-//! Layers of the Sun's latitude, cells of the observer's direction, and the densest magnitude of each: Lu (2024), section 3.
+//! Reduction to pixels: layers of the Sun's latitude, HEALPix cells of the observer's direction, and the mode of the magnitudes in each
+//! (Lu 2024, section 3).
 
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
@@ -8,33 +9,53 @@ use rayon::prelude::*;
 
 use crate::math::healpix::{MOST_NSIDE, ring_cell};
 use crate::math::quantile::quantile;
+use crate::output::{Column, Kind, Table};
 
 use super::density_mode::{DensityMode, interquartile_range};
-use super::error::MeasuredError;
-use super::measurement::Measurement;
+use super::error::MeasurementError;
+use super::measure::{HEIGHT, LATITUDE, LONGITUDE, Measurement, SUN};
 
-/// How measurements are reduced.
+const PIXELS: [Column; 12] = [
+    Column::new("layer", Kind::Integer, "Layer of the Sun's latitude: latitude over width, rounded down."),
+    Column::new("healpix_cell", Kind::Integer, "Cell of the observer's direction, HEALPix in RING order."),
+    SUN,
+    LONGITUDE,
+    LATITUDE,
+    HEIGHT,
+    Column::real("mode_mag", "mag", 4, "Densest magnitude at 1000 km."),
+    Column::real("median_mag", "mag", 4, "Median magnitude at 1000 km."),
+    Column::real("iqr_mag", "mag", 4, "Interquartile range."),
+    Column::new("count", Kind::Integer, "Points in the cell."),
+    Column::new("tracks", Kind::Integer, "Number of tracks (or satellites, nights, files) of these points."),
+    Column::new(
+        "kept",
+        Kind::Boolean,
+        "True if the numbers of points and tracks and the spread are within the limits.",
+    ),
+];
+
+/// Options of a reduction.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ReduceOptions {
     /// Width of a layer of the Sun's latitude, radians.
     pub layer_width_rad: f64,
-    /// Division of the sphere of the observer's longitude and latitude into 12 N² cells.
+    /// HEALPix parameter N: 12 N² cells of the observer's longitude and latitude.
     pub nside: u32,
-    /// Fold the observer's longitude to [0, π]: satellites are symmetric about the Sun's plane.
+    /// Folds the observer's longitude to [0, π], since satellites are symmetric about the Sun's plane.
     pub fold: bool,
-    /// How the densest magnitude is found.
+    /// Estimator of the mode.
     pub mode: DensityMode,
-    /// Cells of fewer points are not kept.
+    /// Least number of points of a kept cell.
     pub least_count: u32,
-    /// Cells of fewer tracks (or what else points were grouped by) are not kept. The points of one track cannot show that it was booked
-    /// under another satellite, nor how far satellites differ: its spread is small, so it even weighs much.
+    /// Least number of tracks (or other groups) of a kept cell. The points of a single track do not reveal a misidentification or the
+    /// differences among satellites; their spread is small, so that such a cell would have a large weight.
     pub least_tracks: u32,
-    /// Cells of wider spread are not kept, mag.
+    /// Largest interquartile range of a kept cell, mag.
     pub most_iqr_mag: f64,
 }
 
 impl Default for ReduceOptions {
-    /// 1°, nside 32, folded, half-sample mode, 80 points of any number of tracks, 0.4 mag: Lu (2024), section 3.
+    /// 1°, nside 32, folded, half-sample mode, 80 points of any number of tracks, 0.4 mag (Lu 2024, section 3).
     fn default() -> Self {
         Self {
             layer_width_rad: 1_f64.to_radians(),
@@ -48,18 +69,18 @@ impl Default for ReduceOptions {
     }
 }
 
-/// One cell of a layer after reduction.
+/// Reduced cell of a layer.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Pixel {
-    /// Mean of its points, radians: the middle of a layer would be up to half a degree off where the points lie on one side.
+    /// Mean of its points, radians; the middle of the layer could differ by half a degree.
     pub sun_latitude_rad: f64,
-    /// Longitude of the mean direction of its points, radians; folded where that was asked for.
+    /// Longitude of the mean direction of its points, radians; folded if the option is set.
     pub observer_longitude_rad: f64,
     /// Latitude of the mean direction of its points, radians.
     pub observer_latitude_rad: f64,
     /// Mean of its points, km.
     pub height_km: f64,
-    /// Densest magnitude at 1000 km.
+    /// Mode of the magnitude at 1000 km.
     pub mode_mag: f64,
     /// Median magnitude at 1000 km.
     pub median_mag: f64,
@@ -67,7 +88,7 @@ pub struct Pixel {
     pub iqr_mag: f64,
     /// Number of points.
     pub count: u32,
-    /// Number of tracks they are of.
+    /// Number of tracks of these points.
     pub tracks: u32,
     /// ⌊δ_sun / width⌋.
     pub layer: i32,
@@ -75,19 +96,19 @@ pub struct Pixel {
     pub cell: u64,
 }
 
-/// All cells that hold a point.
+/// All cells with at least one point.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reduction {
-    /// By layer, then by cell.
+    /// Pixels by layer, then by cell.
     pub pixels: Vec<Pixel>,
-    /// How they came about.
+    /// Options of the reduction.
     pub options: ReduceOptions,
-    /// Points in them.
+    /// Number of points in the pixels.
     pub points: u64,
 }
 
 impl Reduction {
-    /// True of a pixel with enough points and tracks and little spread.
+    /// True if a pixel is within the limits of the options.
     pub fn keeps(&self, pixel: &Pixel) -> bool {
         let options = &self.options;
         pixel.count >= options.least_count
@@ -99,6 +120,27 @@ impl Reduction {
     pub fn kept(&self) -> impl Iterator<Item = &Pixel> {
         self.pixels.iter().filter(|pixel| self.keeps(pixel))
     }
+
+    /// Table with one row per pixel.
+    pub fn table(&self) -> Table {
+        let row = |pixel: &Pixel| {
+            vec![
+                i64::from(pixel.layer).into(),
+                (pixel.cell as i64).into(),
+                pixel.sun_latitude_rad.to_degrees().into(),
+                pixel.observer_longitude_rad.to_degrees().into(),
+                pixel.observer_latitude_rad.to_degrees().into(),
+                pixel.height_km.into(),
+                pixel.mode_mag.into(),
+                pixel.median_mag.into(),
+                pixel.iqr_mag.into(),
+                i64::from(pixel.count).into(),
+                i64::from(pixel.tracks).into(),
+                self.keeps(pixel).into(),
+            ]
+        };
+        Table { columns: PIXELS.to_vec(), rows: self.pixels.iter().map(row).collect() }
+    }
 }
 
 #[derive(Copy, Clone, Default)]
@@ -108,10 +150,10 @@ struct Sums {
     height_km: f64,
 }
 
-/// A point: slot, magnitude (rounding to an f32 is 5e-7 mag), group.
+/// A point: slot, magnitude (rounded to f32, 5e-7 mag), group.
 type Slotted = (u32, f32, u32);
 
-/// Collects measurements, chunk by chunk: 12 bytes a point, some 100 a cell.
+/// Collects measurements chunk by chunk, with 12 bytes per point and some 100 per cell.
 pub struct Reducer {
     options: ReduceOptions,
     slot_of: HashMap<(i32, u64), u32>,
@@ -120,12 +162,13 @@ pub struct Reducer {
 }
 
 impl Reducer {
-    /// Ready for points.
+    /// Empty reducer.
     ///
     /// # Errors
-    /// [`MeasuredError::Setting`]: a layer's width outside of 0.01° to 180°, an nside outside of 1 to 1024, a spread that is not positive.
-    pub fn new(options: ReduceOptions) -> Result<Self, MeasuredError> {
-        let setting = |name, given: String, allowed| Err(MeasuredError::Setting { name, given, allowed });
+    /// [`MeasurementError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the spread that is not
+    /// positive.
+    pub fn new(options: ReduceOptions) -> Result<Self, MeasurementError> {
+        let setting = |name, given: String, allowed| Err(MeasurementError::Setting { name, given, allowed });
         let width_deg = options.layer_width_rad.to_degrees();
         if !(0.01..=180.0).contains(&width_deg) {
             return setting("layer width", format!("{width_deg} deg"), "0.01 to 180 deg");
@@ -139,7 +182,7 @@ impl Reducer {
         Ok(Self { options, slot_of: HashMap::new(), cells: Vec::new(), points: Vec::new() })
     }
 
-    /// Takes points up.
+    /// Adds points.
     pub fn add(&mut self, points: &[Measurement]) {
         let options = self.options;
         let placed: Vec<Option<(i32, u64, Sums, f32)>> =
@@ -159,7 +202,7 @@ impl Reducer {
         }
     }
 
-    /// The pixels: the same for the same points in the same order, at any number of threads.
+    /// Returns the pixels, which do not depend on the number of threads.
     pub fn finish(mut self) -> Reduction {
         self.points.par_sort_unstable_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)));
         let runs: Vec<&[Slotted]> = self.points.chunk_by(|a, b| a.0 == b.0).collect();
@@ -190,7 +233,7 @@ impl Reducer {
     }
 }
 
-/// Layer, cell and what is summed; `None` of a magnitude or angle that is not a number.
+/// Layer, cell, terms of the sums and magnitude; `None` for invalid magnitudes or angles.
 fn placed(point: &Measurement, options: &ReduceOptions) -> Option<(i32, u64, Sums, f32)> {
     let geometry = if options.fold { point.geometry.folded() } else { point.geometry };
     let magnitude = point.magnitude.0;
@@ -206,11 +249,11 @@ fn placed(point: &Measurement, options: &ReduceOptions) -> Option<(i32, u64, Sum
     Some((layer, cell, sums, magnitude as f32))
 }
 
-/// Reduces points that are in memory; see [`Reducer`] for more than fit there.
+/// Reduces points in memory; see [`Reducer`] for larger sets.
 ///
 /// # Errors
 /// Those of [`Reducer::new`].
-pub fn reduce(points: &[Measurement], options: ReduceOptions) -> Result<Reduction, MeasuredError> {
+pub fn reduce(points: &[Measurement], options: ReduceOptions) -> Result<Reduction, MeasurementError> {
     let mut reducer = Reducer::new(options)?;
     reducer.add(points);
     Ok(reducer.finish())

@@ -1,4 +1,4 @@
-//! From the cells of one row to a record, or to the reason why there is none.
+//! Parser of rows: cells to records, or to the reason for dropping a row.
 
 use std::collections::HashMap;
 use std::f64::consts::TAU;
@@ -6,47 +6,47 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use hifitime::{Epoch, TimeScale};
 
-use crate::elements::NoradId;
-use crate::frames::{epoch_from_mjd, mjd_utc};
+use crate::elements::{NoradId, parse_iso};
+use crate::frames::{epoch_from_jd, epoch_from_mjd, mjd_utc};
 use crate::geometry::Site;
 use crate::photometry::Magnitude;
 
 use super::blocks::{Delimiter, Head};
-use super::cells::{Cell, Refused, refused};
 use super::column_map::{ColumnMap, FIELDS, Field};
 use super::dropped::{DropCounts, DropExample, DropReason};
-use super::error::MeasuredError;
+use super::error::MeasurementError;
 use super::filters::FilterCounts;
-use super::record::Record;
+use super::record::{Record, Sighting};
 
-/// Columns of one file by their places.
+/// Layout of one file.
 pub(super) struct Layout {
-    pub(super) map: ColumnMap,
-    pub(super) places: [Option<usize>; FIELDS],
-    /// Numbers that stand for a column.
+    map: ColumnMap,
+    /// Index of the column of each field.
+    places: [Option<usize>; FIELDS],
+    /// Numbers given instead of a column.
     constants: [Option<f64>; FIELDS],
     delimiter: Delimiter,
     norad_id: Option<NoradId>,
-    /// Of every row; else the columns tell.
-    pub site: Option<Site>,
-    /// In lower case; empty for any, as long as it is one.
+    /// Site of all rows, if it is not given in columns.
+    site: Option<Site>,
+    /// Wanted filters in lower case; empty if the only filter of the file is accepted.
     filters: Vec<String>,
     file: String,
 }
 
-/// Rows of a block, counted from its own beginning; groups and sites by its own lists.
+/// Parsed block; rows, groups and sites are numbered within the block.
 #[derive(Default)]
 pub(super) struct Parsed {
     pub records: Vec<Record>,
-    /// Of the cells of each record.
+    /// Hash of the cells of each record.
     pub hashes: Vec<u64>,
     pub groups: Vec<String>,
     pub sites: Vec<Site>,
     pub dropped: DropCounts,
-    /// Of the records.
+    /// Filters of the records.
     pub filters: FilterCounts,
     pub rows: u64,
-    /// Where no filter is named: the first one, and the first that differs from it, each with its row.
+    /// First filter, and the first that differs from it, with their rows, if no filter is selected.
     pub first_filter: Option<(u64, String)>,
     pub other_filter: Option<(u64, String)>,
 }
@@ -58,7 +58,7 @@ impl Layout {
         site: Option<Site>,
         filters: &[String],
         file: &str,
-    ) -> Result<Self, MeasuredError> {
+    ) -> Result<Self, MeasurementError> {
         let (mut places, mut constants) = ([None; FIELDS], [None; FIELDS]);
         for (field, _) in Field::ALL {
             let Some(column) = map.column(field) else { continue };
@@ -66,14 +66,14 @@ impl Layout {
             let can_be_number = matches!(field, Field::Latitude | Field::Longitude | Field::SiteHeight);
             let number = column.parse::<f64>().ok().filter(|_| can_be_number);
             if place.is_none() && number.is_none() && !map.optional.contains(&field) {
-                return Err(MeasuredError::Column { file: file.to_owned(), column: column.to_owned() });
+                return Err(MeasurementError::Column { file: file.to_owned(), column: column.to_owned() });
             }
             places[field as usize] = place;
             constants[field as usize] = number.filter(|_| place.is_none());
         }
         if !filters.is_empty() && places[Field::Filter as usize].is_none() && !map.optional.contains(&Field::Filter) {
-            return Err(MeasuredError::ColumnMap {
-                problem: format!("filters are named, but {file} has no column of filters"),
+            return Err(MeasurementError::ColumnMap {
+                problem: format!("filters are selected, but {file} has no column of filters"),
             });
         }
         let filters = filters.iter().map(|filter| filter.to_ascii_lowercase()).collect();
@@ -81,7 +81,7 @@ impl Layout {
         Ok(Self { map, places, constants, delimiter, norad_id, site, filters, file: file.to_owned() })
     }
 
-    /// All rows of a block; `file` is the file's number.
+    /// Parses all rows of a block; `file` is the number of the file.
     pub(super) fn parse(&self, block: &[u8], file: u32) -> Parsed {
         let mut rows = Rows::new(self, file);
         match self.delimiter {
@@ -93,7 +93,7 @@ impl Layout {
                     .comment(Some(b'#'))
                     .from_reader(block);
                 let mut record = csv::ByteRecord::new();
-                // Reading from memory, and any bytes are cells.
+                // Reading bytes from memory cannot fail.
                 while reader.read_byte_record(&mut record).unwrap_or(false) {
                     rows.push(&|place| record.get(place), record.iter());
                 }
@@ -116,14 +116,14 @@ impl Layout {
     }
 }
 
-/// A block on its way.
+/// State of the parser of a block.
 struct Rows<'l> {
     layout: &'l Layout,
     file: u32,
     parsed: Parsed,
     group_of: HashMap<String, u32>,
     site_of: HashMap<[u64; 3], u32>,
-    /// The night that the last row belonged to.
+    /// Night of the last row and its group.
     last_night: Option<(i64, u32)>,
 }
 
@@ -145,7 +145,7 @@ impl<'l> Rows<'l> {
                 cells.for_each(|cell| cell.hash(&mut hasher));
                 self.parsed.hashes.push(hasher.finish());
             }
-            Err(Refused { reason, field, expected }) => {
+            Err(RejectedCell { reason, field, expected }) => {
                 let layout = self.layout;
                 self.parsed.dropped.add(reason, || {
                     let given = layout.text(cell, field).unwrap_or_default();
@@ -157,15 +157,15 @@ impl<'l> Rows<'l> {
         }
     }
 
-    fn record(&mut self, cell: Cell) -> Result<Record, Refused> {
+    fn record(&mut self, cell: Cell) -> Result<Record, RejectedCell> {
         let layout = self.layout;
         if let Some(filter) = layout.text(cell, Field::Filter) {
-            self.judge_filter(filter)?;
+            self.check_filter(filter)?;
         }
-        // No [-30, 40]: 99 and -99 stand for "none".
+        // 99 and -99 are placeholders.
         let magnitude = layout.number(cell, Field::Magnitude, [-30.0, 40.0], "a magnitude of -30 to 40");
         let Ok(Some(magnitude)) = magnitude else {
-            return Err(Refused {
+            return Err(RejectedCell {
                 reason: DropReason::NoMagnitude,
                 field: Field::Magnitude,
                 expected: "a magnitude of -30 to 40",
@@ -176,7 +176,7 @@ impl<'l> Rows<'l> {
             None => layout.norad_id,
             Some(text) => {
                 let number: u32 =
-                    text.parse().map_err(|_| refused(Field::Norad, "a catalogue number of up to nine digits"))?;
+                    text.parse().map_err(|_| rejected(Field::Norad, "a catalogue number of up to nine digits"))?;
                 (number != 0).then_some(NoradId(number)).or(layout.norad_id)
             }
         };
@@ -184,7 +184,7 @@ impl<'l> Rows<'l> {
         let in_penumbra = match layout.text(cell, Field::Penumbra) {
             None | Some("0") => false,
             Some("1") => true,
-            Some(_) => return Err(refused(Field::Penumbra, "0 or 1")),
+            Some(_) => return Err(rejected(Field::Penumbra, "0 or 1")),
         };
         Ok(Record {
             epoch,
@@ -200,14 +200,14 @@ impl<'l> Rows<'l> {
         })
     }
 
-    fn judge_filter(&mut self, filter: &str) -> Result<(), Refused> {
+    fn check_filter(&mut self, filter: &str) -> Result<(), RejectedCell> {
         let layout = self.layout;
         if !layout.filters.is_empty() {
             let is_wanted = layout.filters.iter().any(|wanted| wanted.eq_ignore_ascii_case(filter));
             return if is_wanted {
                 Ok(())
             } else {
-                Err(Refused {
+                Err(RejectedCell {
                     reason: DropReason::WrongFilter,
                     field: Field::Filter,
                     expected: "a filter that is wanted",
@@ -225,8 +225,8 @@ impl<'l> Rows<'l> {
         Ok(())
     }
 
-    /// The block's number of the site.
-    fn site(&mut self, cell: Cell) -> Result<Option<u32>, Refused> {
+    /// Number of the site within the block.
+    fn site(&mut self, cell: Cell) -> Result<Option<u32>, RejectedCell> {
         let layout = self.layout;
         if layout.site.is_some() {
             return Ok(Some(0));
@@ -236,7 +236,7 @@ impl<'l> Rows<'l> {
         }
         let of = |field: Field, bounds: [f64; 2], expected: &'static str| match layout.constants[field as usize] {
             Some(number) => Ok(number),
-            None => layout.number(cell, field, bounds, expected)?.ok_or_else(|| refused(field, expected)),
+            None => layout.number(cell, field, bounds, expected)?.ok_or_else(|| rejected(field, expected)),
         };
         let latitude = of(Field::Latitude, [-90.0, 90.0], "a latitude of -90 to 90 deg")?;
         let longitude = of(Field::Longitude, [-180.0, 360.0], "a longitude of -180 to 360 deg")?;
@@ -247,17 +247,17 @@ impl<'l> Rows<'l> {
         }
         let name = format!("{latitude} {longitude}");
         let site = Site::new_deg(&name, latitude, longitude, height)
-            .map_err(|_| refused(Field::Latitude, "a place on the Earth"))?;
+            .map_err(|_| rejected(Field::Latitude, "a place on the Earth"))?;
         let number = self.parsed.sites.len() as u32;
         self.parsed.sites.push(site);
         self.site_of.insert(key, number);
         Ok(Some(number))
     }
 
-    /// The block's number of the track, else the satellite, else the night, else the degree of the Sun's altitude, else the file.
+    /// Number within the block of the track, else the satellite, the night, the degree of the Sun's altitude, or the file.
     fn group(&mut self, cell: Cell, norad_id: Option<NoradId>, epoch: Option<Epoch>, site: Option<u32>) -> u32 {
         if let Some(track) = self.layout.text(cell, Field::Track) {
-            // Rows of a track mostly stand together.
+            // Rows of a track are mostly consecutive.
             if self.parsed.records.last().is_some_and(|last| self.parsed.groups[last.group as usize] == track) {
                 return self.parsed.records[self.parsed.records.len() - 1].group;
             }
@@ -267,12 +267,12 @@ impl<'l> Rows<'l> {
             return self.numbered(format!("satellite {norad_id}"));
         }
         let Some(epoch) = epoch else {
-            // Without times the Sun's altitude is the clock: what was seen within a degree of it was seen within some minutes.
+            // Without times the Sun's altitude replaces them: one degree is some minutes.
             let sun = self.layout.text(cell, Field::SunAltitude).and_then(|text| text.parse::<f64>().ok());
             let name = sun.map_or_else(|| self.layout.file.clone(), |sun| format!("Sun at {} deg", sun.floor()));
             return self.numbered(name);
         };
-        // A night is named by its evening's date: days that begin at local noon.
+        // A night has the date of its evening; days begin at local noon.
         let longitude = site.map_or(0.0, |site| self.parsed.sites[site as usize].longitude_rad);
         let day = (mjd_utc(epoch) + longitude / TAU - 0.5).floor() as i64;
         if let Some((_, number)) = self.last_night.filter(|(last, _)| *last == day) {
@@ -294,4 +294,133 @@ impl<'l> Rows<'l> {
         self.group_of.insert(name, number);
         number
     }
+}
+
+/// Cell for which a row is dropped.
+struct RejectedCell {
+    reason: DropReason,
+    field: Field,
+    expected: &'static str,
+}
+
+/// Function that returns the cell at an index.
+type Cell<'a> = &'a dyn Fn(usize) -> Option<&'a [u8]>;
+
+fn rejected(field: Field, expected: &'static str) -> RejectedCell {
+    RejectedCell { reason: DropReason::Unparsable, field, expected }
+}
+
+impl Layout {
+    /// Text in a column; `None` for a missing column or an empty cell.
+    fn text<'a>(&self, cell: Cell<'a>, field: Field) -> Option<&'a str> {
+        let bytes = cell(self.places[field as usize]?)?.trim_ascii();
+        // Invalid Unicode is neither a number nor a time nor a known name.
+        (!bytes.is_empty()).then(|| std::str::from_utf8(bytes).unwrap_or("?"))
+    }
+
+    /// Finite number within bounds; `None` for a missing column or an empty cell.
+    fn number(
+        &self,
+        cell: Cell,
+        field: Field,
+        [least, greatest]: [f64; 2],
+        expected: &'static str,
+    ) -> Result<Option<f64>, RejectedCell> {
+        let Some(text) = self.text(cell, field) else { return Ok(None) };
+        let number = text.parse::<f64>().ok().filter(|number| (least..=greatest).contains(number));
+        number.map(Some).ok_or_else(|| rejected(field, expected))
+    }
+
+    /// As `number`, converted to kilometres.
+    fn length(
+        &self,
+        cell: Cell,
+        field: Field,
+        unit_km: f64,
+        [least, greatest]: [f64; 2],
+        expected: &'static str,
+    ) -> Result<Option<f64>, RejectedCell> {
+        let length = self.number(cell, field, [least / unit_km, greatest / unit_km], expected)?;
+        Ok(length.map(|length| length * unit_km))
+    }
+
+    /// As `number`, converted to radians; bounds in degrees.
+    fn angle(
+        &self,
+        cell: Cell,
+        field: Field,
+        bounds_deg: [f64; 2],
+        expected: &'static str,
+    ) -> Result<Option<f64>, RejectedCell> {
+        let bounds = bounds_deg.map(|bound| bound.to_radians() / self.map.angle_rad);
+        Ok(self.number(cell, field, bounds, expected)?.map(|angle| angle * self.map.angle_rad))
+    }
+
+    fn time(&self, cell: Cell) -> Result<Option<Epoch>, RejectedCell> {
+        let (Some(_), Some(scale)) = (self.places[Field::Time as usize], self.map.time_scale) else { return Ok(None) };
+        let wrong = || rejected(Field::Time, "a time from 1957 to 2100 as ISO 8601, MJD or JD");
+        let date = self.text(cell, Field::Time).ok_or_else(wrong)?;
+        let epoch = match self.places[Field::TimeOfDay as usize] {
+            Some(_) => {
+                let time = self.text(cell, Field::TimeOfDay).ok_or_else(wrong)?;
+                of_clock(clocked(&format!("{date} {time}")), scale)
+            }
+            // Z means UTC and contradicts another scale.
+            None if date.ends_with('Z') && scale != TimeScale::UTC => None,
+            None => match date.parse::<f64>() {
+                Ok(days) => epoch_from_mjd(days, scale).or_else(|_| epoch_from_jd(days, scale)).ok(),
+                Err(_) => of_clock(clocked(date), scale),
+            },
+        };
+        // From Sputnik to the end of the Sun's ephemeris.
+        let (first, last) = (36_116.0, 88_069.0);
+        epoch.filter(|epoch| (first..last).contains(&mjd_utc(*epoch))).map(Some).ok_or_else(wrong)
+    }
+
+    fn sighting(&self, cell: Cell) -> Result<Sighting, RejectedCell> {
+        let altitude = self.angle(cell, Field::Altitude, [-90.0, 90.0], "an altitude of -90 to 90 deg")?;
+        let height_unit = self.map.height_km;
+        let height = self.length(cell, Field::Height, height_unit, [100.0, 50_000.0], "a height of 100 to 50000 km")?;
+        if self.map.column(Field::SunAltitude).is_some() {
+            let sun = self.angle(cell, Field::SunAltitude, [-90.0, 90.0], "an altitude of -90 to 90 deg")?;
+            let azimuth = self.angle(cell, Field::AzimuthFromSun, [-360.0, 360.0], "an azimuth in deg")?;
+            return Ok(Sighting::SunRelative {
+                sun_altitude_rad: sun.ok_or_else(|| rejected(Field::SunAltitude, "an altitude"))?,
+                altitude_rad: altitude.ok_or_else(|| rejected(Field::Altitude, "an altitude"))?,
+                azimuth_from_sun_rad: azimuth.ok_or_else(|| rejected(Field::AzimuthFromSun, "an azimuth"))?,
+                height_km: height.ok_or_else(|| rejected(Field::Height, "a height"))?,
+            });
+        }
+        let azimuth = self.angle(cell, Field::Azimuth, [-360.0, 360.0], "an azimuth in deg")?;
+        if let (Some(altitude_rad), Some(azimuth_rad), Some(height_km)) = (altitude, azimuth, height) {
+            return Ok(Sighting::Horizontal { altitude_rad, azimuth_rad, height_km });
+        }
+        let distance_unit = self.map.distance_km;
+        let range =
+            self.length(cell, Field::Distance, distance_unit, [100.0, 100_000.0], "a distance of 100 to 100000 km")?;
+        let ascension = self.angle(cell, Field::RightAscension, [0.0, 360.0], "a right ascension of 0 to 360 deg")?;
+        let declination = self.angle(cell, Field::Declination, [-90.0, 90.0], "a declination of -90 to 90 deg")?;
+        let phase_rad = self.angle(cell, Field::Phase, [0.0, 180.0], "an angle of 0 to 180 deg")?;
+        Ok(match (range, ascension, declination) {
+            (Some(range_km), Some(right_ascension_rad), Some(declination_rad)) => {
+                Sighting::Equatorial { right_ascension_rad, declination_rad, range_km }
+            }
+            (Some(range_km), ..) => Sighting::Distance { range_km, phase_rad },
+            _ => Sighting::Nothing,
+        })
+    }
+}
+
+/// Reinterprets a date that was read as UTC in another time scale.
+fn of_clock(read: Option<Epoch>, scale: TimeScale) -> Option<Epoch> {
+    read.map(|epoch| Epoch::from_duration(epoch.to_utc_duration(), scale))
+}
+
+/// Parses date and time; hours of one digit (`2024-01-01 5:03:02`) occur in tables of photometry.
+fn clocked(text: &str) -> Option<Epoch> {
+    parse_iso(text).or_else(|| {
+        let (date, time) = text.split_once(['T', ' '])?;
+        let time = time.trim_start();
+        (time.find(':') == Some(1)).then(|| parse_iso(&format!("{date}T0{time}"))).flatten()
+    })
 }

@@ -1,24 +1,24 @@
-//! The angles at a satellite whose distance, phase angle and orbit's radius are known, and nothing else.
+//! Viewing geometry from distance, phase angle and radius of the orbit.
 //!
 //! ```text
-//! sin δ_obs = -(R² + d² - q²) / (2 R d)                       R  orbit's radius, q  the telescope's place
+//! sin δ_obs = -(R² + d² - q²) / (2 R d)                       R  radius of the orbit, q  position of the telescope
 //! sin δ_sun = (q · s - d cos φ) / R                           d  distance, φ  phase angle
 //! cos α     = (cos φ - sin δ_sun sin δ_obs) / (cos δ_sun cos δ_obs)     s  unit vector to the Sun
 //! ```
 //!
-//! up to the mirror image α → -α, which a satellite symmetric about the Sun's plane does not tell apart.
+//! up to the mirror image α → -α, which does not matter for a satellite that is symmetric about the Sun's plane.
 
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::geometry::ViewingGeometry;
 
-/// A cosine so far beyond 1 is put down to the radius not being quite right; farther, the row has no geometry.
+/// Largest |cos α| that is attributed to an error of the radius.
 const GREATEST_COSINE: f64 = 1.05;
-/// Nearer to straight below, α is no longer determined, degrees.
+/// Least latitude of the observer, degrees; α is undetermined near the nadir.
 const LEAST_LATITUDE_DEG: f64 = -85.0;
 
-/// The formulas above; `along_km` is q · s. α lies in [0, π].
+/// Geometry by the formulas above, with `along_km` = q · s and α in [0, π].
 ///
-/// `None` where the triangle does not close, cos α lies beyond 1.05, or the satellite stands within 5° of straight above.
+/// `None` if the triangle does not close, |cos α| exceeds 1.05, or the satellite is within 5° of the zenith.
 pub(super) fn geometry(
     radius_km: f64,
     distance_km: f64,

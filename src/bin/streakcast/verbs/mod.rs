@@ -4,6 +4,7 @@ pub mod annotate;
 pub mod doctor;
 #[cfg(feature = "fetch")]
 pub mod fetch;
+#[cfg(feature = "fit")]
 pub mod fit;
 pub mod flag;
 pub mod forecast;
@@ -14,6 +15,8 @@ pub mod inject;
 mod judged;
 pub mod map;
 pub mod model;
+#[cfg(feature = "fit")]
+mod model_check;
 mod night;
 pub mod passes;
 #[cfg(feature = "plot")]

@@ -1,15 +1,11 @@
-//! `model`: the brightness models, listed, shown and checked.
-
-use std::fs;
+//! `model list` and `model show`: the brightness models.
 
 use anyhow::anyhow;
-use streakcast::fit::checks::{DataSet, POPULATION, Photometry, compare, comparison_table};
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
-use streakcast::photometry::{BrightnessModel, ModelFile, ModelLibrary};
+use streakcast::photometry::{ModelFile, ModelLibrary};
 
-use crate::arguments::{ModelArguments, ModelCheckArguments, ModelListArguments, ModelShowArguments, ModelVerb};
+use crate::arguments::{ModelArguments, ModelListArguments, ModelShowArguments, ModelVerb};
 use crate::failure::Outcome;
-use crate::notices::Notices;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::shared_arguments::setup_of;
@@ -24,28 +20,12 @@ const ON_SCREEN: &[Shown] = &[
     shown("title", "title"),
 ];
 
-const CHECK_ON_SCREEN: &[Shown] = &[
-    shown("model", "model"),
-    shown("kind", "against"),
-    shown("reference", "of"),
-    shown("n", "n"),
-    rounded("model_mean_mag", "model", 2),
-    rounded("model_sd_mag", "sd", 2),
-    rounded("reference_mean_mag", "reference", 2),
-    rounded("reference_sd_mag", "sd", 2),
-    rounded("difference_mag", "difference", 2),
-    rounded("rms_mag", "rms", 2),
-    rounded("core_mag", "core", 2),
-    rounded("sigma_mag", "sigma", 2),
-    rounded("within_one_sigma", "within", 2),
-    shown("verdict", "verdict"),
-];
-
 pub fn run(typed: ModelArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
         ModelVerb::List(typed) => list(typed),
         ModelVerb::Show(typed) => show(typed),
-        ModelVerb::Check(typed) => check(typed),
+        #[cfg(feature = "fit")]
+        ModelVerb::Check(typed) => super::model_check::check(typed),
     }
 }
 
@@ -69,43 +49,6 @@ fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     write(&output, &table_of(&library, &[typed.name.as_str()]))
-}
-
-/// Holds files to the rules, without any the shipped ones, and then to what is known of their satellites.
-fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
-    let notices = Notices::new(typed.quiet);
-    let mut checked = Vec::new();
-    for path in &typed.files {
-        let origin = path.display().to_string();
-        let text = fs::read_to_string(path).map_err(|error| anyhow!("model {origin}: {error}"))?;
-        checked.push((origin.clone(), BrightnessModel::from_json(&text, &origin)?));
-    }
-    if typed.files.is_empty() {
-        for (origin, text) in ModelLibrary::shipped_files() {
-            checked.push(((*origin).to_owned(), BrightnessModel::from_json(text, origin)?));
-        }
-    }
-    let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
-    let photometry = typed.data.as_deref().map(Photometry::read).transpose()?;
-    // Shipped files are held to the rules by tests; of them the table says enough.
-    if !typed.files.is_empty() {
-        checked.iter().for_each(|(origin, model)| notices.say(&format!("{origin}: {} is good", model.source())));
-    }
-    let rows: Vec<_> = checked.iter().flat_map(|(_, model)| compare(model, photometry.as_ref())).collect();
-    let mut provenance = Provenance::new();
-    provenance.state("population", POPULATION);
-    provenance.state("difference", "reference minus model");
-    for set in DataSet::ALL.iter().filter(|set| photometry.as_ref().is_some_and(|all| all.get(**set).is_some())) {
-        provenance.state(&format!("photometry {}", set.path()), set.source());
-    }
-    let table = comparison_table(&rows);
-    output.write(&Answer {
-        sections: vec![Section { name: "comparisons", table: &table }],
-        main: &table,
-        provenance: &provenance,
-        style: Style { columns: CHECK_ON_SCREEN, bold_row: None },
-    })?;
-    Ok(Outcome::Done)
 }
 
 fn table_of(library: &ModelLibrary, names: &[&str]) -> Table {

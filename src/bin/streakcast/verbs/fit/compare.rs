@@ -2,7 +2,8 @@
 
 use anyhow::anyhow;
 use streakcast::fit::{
-    COEFFICIENTS, Entrant, baselines, contest, offset_table, paper_tests, rival_table, standing_table,
+    COEFFICIENTS, CompetingForm, baseline_forms, compare_forms, form_score_table, offset_table, paired_model_table,
+    paper_tests,
 };
 use streakcast::output::Section;
 
@@ -49,13 +50,14 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     }
     let chosen = form(&typed.form, typed.reduction.raw_points)?;
     let placed = read(&typed.photometry, &typed.reduction, &weights(&typed.weights)?)?;
-    let doubt = placed.band_doubt(chosen.band);
-    placed.notices.warn(&doubt);
-    let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
+    let mismatch = placed.band_mismatch(chosen.band);
+    placed.notices.warn(&mismatch);
+    let own =
+        CompetingForm { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
     let mut provenance = provenance(&typed.photometry, &typed.reduction, &placed);
-    if let Some(doubt) = doubt {
-        provenance.state("band", doubt);
+    if let Some(mismatch) = mismatch {
+        provenance.state("band", mismatch);
     }
     provenance.state("layer_deg", typed.reduction.layer_deg);
     provenance.state("free", chosen.settings.free.join(", "));
@@ -78,16 +80,16 @@ pub fn compare(typed: FitCompareArguments) -> anyhow::Result<Outcome> {
     let two_panels = chosen.form.as_two_panels();
     if let (FittedForm::Panels(_), Some(paper)) = (&chosen.form, &two_panels) {
         let free = COEFFICIENTS.iter().map(|&name| name.to_owned()).collect();
-        entrants.push(Entrant { name: "the paper's form".to_owned(), form: Box::new(paper.clone()), free });
+        entrants.push(CompetingForm { name: "the paper's form".to_owned(), form: Box::new(paper.clone()), free });
     }
-    entrants.extend(baselines(two_panels.as_ref()));
+    entrants.extend(baseline_forms(two_panels.as_ref()));
     let folds = typed.form.folds;
     provenance.state("folds", folds);
-    let standings = contest(&entrants, &placed.points, placed.tracks(), &chosen.settings, folds)?;
-    let standings = standing_table(&standings);
+    let standings = compare_forms(&entrants, &placed.points, placed.tracks(), &chosen.settings, folds)?;
+    let standings = form_score_table(&standings);
     let (offsets, rivals) = match &tests {
-        Some(tests) => (offset_table(&tests.offsets), rival_table(&[&tests.sail_glossy, &tests.earthshine])),
-        None => (offset_table(&[]), rival_table(&[])),
+        Some(tests) => (offset_table(&tests.offsets), paired_model_table(&[&tests.sail_glossy, &tests.earthshine])),
+        None => (offset_table(&[]), paired_model_table(&[])),
     };
     for (span, n) in tests.iter().flat_map(|tests| &tests.left_out) {
         placed.notices.say(&format!("layer {} to {} deg left out: {n} points", span[0], span[1]));

@@ -1,8 +1,8 @@
 //! The form that is fitted, as typed: a model's, what is free in it, what a residual costs.
 
 use anyhow::anyhow;
-use streakcast::fit::{FitSettings, Form, Loss, PANEL_OFFSET, PanelsForm, Parameter, TwoPanelForm};
-use streakcast::photometry::{Band, Earthshine, ModelFile, ModelLibrary};
+use streakcast::fit::{FitSettings, Form, Loss, PanelsForm, Parameter, TwoPanelForm};
+use streakcast::photometry::{Band, Earthshine, ModelFile, ModelLibrary, PANEL_OFFSET};
 
 use crate::fit_arguments::{FormArguments, LossName};
 use crate::verbs::map::model_of;

@@ -2,7 +2,7 @@
 
 use anyhow::anyhow;
 use streakcast::fit::measurements::{
-    AssociationOptions, Credible, RecordReader, Records, identification_table, identify as identify_tracks,
+    AcceptanceLimits, AssociationOptions, RecordReader, Records, identification_table, identify_tracks,
 };
 use streakcast::frames::EopTable;
 use streakcast::output::{Provenance, Section};
@@ -50,12 +50,12 @@ pub fn identify(typed: FitIdentifyArguments) -> anyhow::Result<Outcome> {
         max_element_age_days: typed.max_element_age_days,
         ..AssociationOptions::default()
     };
-    let credible = Credible {
+    let limits = AcceptanceLimits {
         max_range_rms_km: typed.max_range_rms_km,
         max_phase_rms_rad: typed.max_phase_rms_deg.to_radians(),
         least_lead: typed.least_lead,
     };
-    let tracks = identify_tracks(&records, &history, &EopTable::embedded(), &options, &credible);
+    let tracks = identify_tracks(&records, &history, &EopTable::embedded(), &options, &limits);
     let sure = tracks.iter().filter(|track| track.is_sure).count();
     notices.say(&format!("{sure} of {} tracks identified", tracks.len()));
     let table = identification_table(&tracks);

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use anyhow::anyhow;
 use streakcast::config::Setup;
 use streakcast::elements::{Catalogue, History, Keep, NoradId, ReadOptions as CatalogueOptions, StationRule};
-use streakcast::fit::measurements::{ColumnMap, Format, OrbitRadius, Place, Placement, ReadOptions, Selection};
+use streakcast::fit::measurements::{ColumnMap, Format, OrbitRadius, PhotometryOptions, Place, Placement, Selection};
 use streakcast::frames::EopTable;
 use streakcast::output::Provenance;
 
@@ -18,7 +18,7 @@ pub fn setup(typed: &TableArguments) -> Setup {
     Setup { threads: typed.threads, quiet: Some(typed.quiet), ..typed.place.setup() }
 }
 
-pub fn read_options(typed: &TableArguments, setup: &Setup) -> anyhow::Result<ReadOptions> {
+pub fn read_options(typed: &TableArguments, setup: &Setup) -> anyhow::Result<PhotometryOptions> {
     let columns = typed.columns.as_ref().map(|said| {
         // A file, or the pairs themselves.
         let text = if said.contains('=') {
@@ -28,7 +28,7 @@ pub fn read_options(typed: &TableArguments, setup: &Setup) -> anyhow::Result<Rea
         };
         Ok::<_, anyhow::Error>(ColumnMap::from_text(&text)?)
     });
-    Ok(ReadOptions {
+    Ok(PhotometryOptions {
         format: typed.format_name.as_deref().map(Format::by_name).transpose()?,
         columns: columns.transpose()?,
         site: site_of(setup)?,

@@ -27,8 +27,8 @@ pub struct Placed {
 
 impl Placed {
     /// What there is to say of photometry that is not in the model's band.
-    pub fn band_doubt(&self, band: Band) -> Option<String> {
-        self.filters.doubt(band).map(|doubt| doubt.to_string())
+    pub fn band_mismatch(&self, band: Band) -> Option<String> {
+        self.filters.mismatch(band).map(|mismatch| mismatch.to_string())
     }
 
     /// The measurements behind pixels, and how these are made of them: what is held out of fits to pixels.

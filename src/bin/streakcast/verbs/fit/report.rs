@@ -4,7 +4,9 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use streakcast::fit::{Loss, Report, Spread, marginal_table, parameter_table, points_behind, standing_table};
+use streakcast::fit::{
+    Loss, Report, ResidualStatistics, form_score_table, marginal_table, parameter_table, points_behind,
+};
 use streakcast::photometry::ModelFile;
 
 use super::run::Told;
@@ -67,17 +69,17 @@ pub fn write(path: &Path, told: &Told, file: &ModelFile) -> anyhow::Result<()> {
 fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> Report {
     let fit = told.fit;
     let mut report = Report::new(&format!("Fit of {}", file.name));
-    report.say(&format!("{}. Data: {}.", file.title, file.provenance.data));
+    report.paragraph(&format!("{}. Data: {}.", file.title, file.provenance.data));
     report.section("Verdict");
     if told.faults.is_empty() {
-        report.say("Sound: every parameter stands between its bounds, is told apart from the others, and rests on enough points.");
+        report.paragraph("Sound: every parameter stands between its bounds, is told apart from the others, and rests on enough points.");
     } else {
-        report.say("**Not sound:**");
+        report.paragraph("**Not sound:**");
         report.list(told.faults.iter().map(ToString::to_string));
     }
     report.section("Points");
     let measurements = &told.placed.measurements;
-    report.say(&format!(
+    report.paragraph(&format!(
         "{} measurements in {} groups; {} rows left out; {} points fitted, {} where the model sees nothing lit.",
         measurements.points.len(),
         measurements.groups.len(),
@@ -85,22 +87,22 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
         fit.kept.len(),
         told.placed.points.len() - fit.kept.len()
     ));
-    if let Some(doubt) = told.placed.band_doubt(told.chosen.band) {
-        report.say(&format!("**Band:** {doubt}."));
+    if let Some(mismatch) = told.placed.band_mismatch(told.chosen.band) {
+        report.paragraph(&format!("**Band:** {mismatch}."));
     }
     if measurements.dropped.total() > 0 {
         report.table(&measurements.dropped.table());
     }
     report.section("Parameters");
     report.table(&parameter_table(fit, &points_behind(told.problem, fit)));
-    report.say(&format!(
+    report.paragraph(&format!(
         "Errors: {:?}. Costs that the starting places led to: {}.",
-        fit.certainty.kind,
+        fit.uncertainty.kind,
         costs(&fit.costs)
     ));
     report.section("Residuals");
     let spread = |name: &str, residuals: &[f64]| {
-        Spread::of(residuals).map(|s| {
+        ResidualStatistics::of(residuals).map(|s| {
             format!("{name}: {} points, mean {:+.3}, RMS {:.3}, core {:.3} mag", s.n, s.mean_mag, s.rms_mag, s.core_mag)
         })
     };
@@ -108,19 +110,19 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
         spread("Fitted points", &fit.residuals_mag).into_iter().chain(spread("Single measurements", told.single_mag)),
     );
     if told.chosen.settings.loss != Loss::Squares {
-        report.say(ROBUST);
+        report.paragraph(ROBUST);
     }
     if !told.standings.is_empty() {
         report.section("On unseen points");
-        report.say(match &told.placed.reduction {
+        report.paragraph(match &told.placed.reduction {
             None => "Each form fitted without one fold of tracks or nights at a time, and held against it.",
             Some(_) => "Each form fitted to the pixels of all tracks but those of one fold at a time, and held against the pixels that these make alone.",
         });
-        report.table(&standing_table(told.standings));
+        report.table(&form_score_table(told.standings));
     }
     if let Some((_, posterior)) = told.posterior {
         report.section("Posterior");
-        report.say(&format!(
+        report.paragraph(&format!(
             "{} steps of {} walkers after burn-in, {:.0} % of proposals taken; seed {}.",
             posterior.steps,
             told.typed.walkers,
@@ -129,7 +131,7 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
         ));
         let narrow = posterior.overconfident(fit, MUCH_LARGER);
         let words: Vec<String> = narrow.iter().map(|(name, times)| format!("{name} {times:.1}")).collect();
-        report.say(&match words.is_empty() {
+        report.paragraph(&match words.is_empty() {
             true => "Points are taken as independent here. The errors of the fit (fit_sigma) are alike: either may be used.".to_owned(),
             false => format!(
                 "Points are taken as independent here, and tracks or nights share their faults: the errors of the fit (fit_sigma) are larger ({} times). \
@@ -145,7 +147,7 @@ fn text(told: &Told, file: &ModelFile, pictures: &BTreeMap<String, &Drawn>) -> R
     }
     report.section("How");
     report.list(file.provenance.notes.iter().cloned());
-    report.say(&format!("Sigma {:.3} mag: {}.", file.sigma_mag, file.sigma_origin));
+    report.paragraph(&format!("Sigma {:.3} mag: {}.", file.sigma_mag, file.sigma_origin));
     report
 }
 

@@ -2,9 +2,9 @@
 
 use anyhow::anyhow;
 use streakcast::fit::{
-    Chain, CovarianceKind, Entrant, Fault, Fit, FitError, FitPoint, ModelWords, Posterior, Problem, RawWeights, Spread,
-    Standing, baselines, contest, faults, honest_sigma_mag, jackknife, model_file, points_of_measurements, predict,
-    rms,
+    Chain, CompetingForm, CovarianceKind, Fault, Fit, FitError, FitPoint, FormScore, ModelDescription, Posterior,
+    Problem, RawWeights, ResidualStatistics, baseline_forms, compare_forms, faults, jackknife, model_file,
+    points_of_measurements, predict, rms, sigma_68_mag,
 };
 use streakcast::photometry::ModelFile;
 
@@ -33,7 +33,7 @@ pub struct Told<'a> {
     pub problem: &'a Problem,
     pub fit: &'a Fit,
     pub faults: &'a [Fault],
-    pub standings: &'a [Standing],
+    pub standings: &'a [FormScore],
     /// Single measurements: residuals about the model, mag.
     pub single_mag: &'a [f64],
     pub posterior: Option<(&'a Chain, &'a Posterior)>,
@@ -47,9 +47,9 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     // A chain that cannot be gone on with is told before the work, not after.
     let begun = typed.mcmc.map(|steps| chains::begun(typed, &placed, &problem, steps)).transpose()?;
     let notices = &placed.notices;
-    notices.warn(&placed.band_doubt(chosen.band));
+    notices.warn(&placed.band_mismatch(chosen.band));
     let fit = with_errors_of_tracks(typed.jackknife, &chosen, &placed, problem.solve()?)?;
-    let in_sample = Spread::of(&fit.residuals_mag).ok_or_else(|| anyhow!("no point was fitted"))?;
+    let in_sample = ResidualStatistics::of(&fit.residuals_mag).ok_or_else(|| anyhow!("no point was fitted"))?;
     notices.say(&format!(
         "{} points, {} parameters: RMS {:.3} mag, core {:.3} mag",
         in_sample.n,
@@ -98,14 +98,16 @@ fn with_errors_of_tracks(sets: usize, chosen: &Chosen, placed: &Placed, fit: Fit
 }
 
 /// The form and those that it has to beat, on the same unseen folds.
-fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyhow::Result<Vec<Standing>> {
+fn standings(typed: &FitRunArguments, chosen: &Chosen, placed: &Placed) -> anyhow::Result<Vec<FormScore>> {
     if typed.form.folds == 0 {
         return Ok(Vec::new());
     }
-    let own = Entrant { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
+    let own =
+        CompetingForm { name: chosen.file.name.clone(), form: chosen.form.boxed(), free: chosen.settings.free.clone() };
     let mut entrants = vec![own];
-    entrants.extend(baselines(chosen.form.as_two_panels().as_ref()));
-    let standings = match contest(&entrants, &placed.points, placed.tracks(), &chosen.settings, typed.form.folds) {
+    entrants.extend(baseline_forms(chosen.form.as_two_panels().as_ref()));
+    let standings = match compare_forms(&entrants, &placed.points, placed.tracks(), &chosen.settings, typed.form.folds)
+    {
         Ok(standings) => standings,
         // A fit of one night, or of few pixels, is a fit all the same.
         Err(problem @ (FitError::NoneUnseen { .. } | FitError::TooFew { .. })) => {
@@ -153,14 +155,14 @@ fn file(told: &Told) -> anyhow::Result<ModelFile> {
     let held = told.standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
     let (sigma_mag, origin) = match held {
         Some(held) => (
-            honest_sigma_mag(held),
+            sigma_68_mag(held),
             format!("holds 68.3 % of single measurements on unseen tracks or nights ({} folds)", typed.form.folds),
         ),
-        None => (honest_sigma_mag(told.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
+        None => (sigma_68_mag(told.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
     };
     let files: Vec<String> = typed.photometry.tables.photometry.iter().map(|path| path.display().to_string()).collect();
     let base = &chosen.file;
-    let words = ModelWords {
+    let words = ModelDescription {
         name: typed.name.clone().unwrap_or_else(|| format!("{}-fit", base.name)),
         title: format!("{} fitted to photometry", base.title.split(',').next().unwrap_or(&base.title)),
         source: format!("streakcast {} fit run, form of {}", env!("CARGO_PKG_VERSION"), base.name),
@@ -188,7 +190,7 @@ fn notes(typed: &FitRunArguments, placed: &Placed, chosen: &Chosen) -> Vec<Strin
     };
     let light = if typed.form.no_earthshine { "Without earthshine." } else { "With earthshine." };
     let mut notes = vec![kind, light.to_owned(), format!("Loss: {:?}.", chosen.settings.loss)];
-    notes.extend(placed.band_doubt(chosen.band).map(|doubt| format!("Band: {doubt}.")));
+    notes.extend(placed.band_mismatch(chosen.band).map(|mismatch| format!("Band: {mismatch}.")));
     notes.push(format!("Sunlight passes at least {} km above the ground.", typed.photometry.least_grazing_km));
     notes.extend(chosen.settings.held.iter().map(|(name, value)| format!("{name} was held at {value}.")));
     notes

@@ -5,16 +5,18 @@
 
 mod clock;
 mod columns;
+#[cfg(feature = "fit")]
+mod corner;
 mod curves;
 mod equatorial_rate;
 mod exposures;
 mod field;
-mod fits;
 mod light_curve;
 mod list;
 mod maps;
 mod night;
 mod rates;
+mod residuals;
 mod run;
 mod sky_chart;
 mod sky_rate;

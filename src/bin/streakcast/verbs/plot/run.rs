@@ -3,7 +3,7 @@
 use crate::failure::Outcome;
 use crate::plot_arguments::{PlotArguments, PlotVerb};
 
-use super::fits::Chart;
+use super::residuals::Chart;
 
 pub fn run(typed: PlotArguments) -> anyhow::Result<Outcome> {
     match typed.verb {
@@ -15,10 +15,11 @@ pub fn run(typed: PlotArguments) -> anyhow::Result<Outcome> {
         Some(PlotVerb::SunAltitude(typed)) => super::sun_altitude::run(*typed),
         Some(PlotVerb::Sky(typed)) => super::maps::sky(*typed),
         Some(PlotVerb::Body(typed)) => super::maps::body(*typed),
-        Some(PlotVerb::Corner(typed)) => super::fits::corner_plot(*typed),
-        Some(PlotVerb::Residuals(typed)) => super::fits::residual_plot(*typed, Chart::Panels),
-        Some(PlotVerb::Histogram(typed)) => super::fits::residual_plot(*typed, Chart::Histogram),
-        Some(PlotVerb::PhaseCurve(typed)) => super::fits::residual_plot(*typed, Chart::PhaseCurve),
+        #[cfg(feature = "fit")]
+        Some(PlotVerb::Corner(typed)) => super::corner::corner_plot(*typed),
+        Some(PlotVerb::Residuals(typed)) => super::residuals::residual_plot(*typed, Chart::Panels),
+        Some(PlotVerb::Histogram(typed)) => super::residuals::residual_plot(*typed, Chart::Histogram),
+        Some(PlotVerb::PhaseCurve(typed)) => super::residuals::residual_plot(*typed, Chart::PhaseCurve),
         None => super::list::list(),
     }
 }

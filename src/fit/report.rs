@@ -1,4 +1,4 @@
-//! Tables and pictures as a Markdown report, and the same as one page of HTML.
+//! Reports in Markdown and HTML.
 
 use std::fmt::Write;
 
@@ -6,29 +6,29 @@ use pulldown_cmark::{Options, Parser, html};
 
 use crate::output::{Kind, Table};
 
-/// A report in the making: paragraphs in the order in which they are added.
+/// Report whose parts appear in the order in which they are added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     text: String,
 }
 
 impl Report {
-    /// With a heading.
+    /// Report with this title.
     pub fn new(title: &str) -> Self {
         Self { text: format!("# {title}\n") }
     }
 
-    /// A heading below.
+    /// Adds a heading of the second level.
     pub fn section(&mut self, title: &str) {
         let _ = write!(self.text, "\n## {title}\n");
     }
 
-    /// A paragraph.
-    pub fn say(&mut self, words: &str) {
-        let _ = write!(self.text, "\n{}\n", plain(words));
+    /// Adds a paragraph.
+    pub fn paragraph(&mut self, text: &str) {
+        let _ = write!(self.text, "\n{}\n", plain(text));
     }
 
-    /// A list.
+    /// Adds a list.
     pub fn list(&mut self, items: impl IntoIterator<Item = String>) {
         self.text.push('\n');
         for item in items {
@@ -36,7 +36,7 @@ impl Report {
         }
     }
 
-    /// A table with its columns' names and units; numbers as their columns write them.
+    /// Adds a table; numbers have the digits of their columns.
     pub fn table(&mut self, table: &Table) {
         self.text.push('\n');
         let cell = |text: &str| plain(text).replace('|', "\\|");
@@ -53,17 +53,17 @@ impl Report {
         }
     }
 
-    /// A picture by the name of its file, which stands beside the report.
+    /// Adds a picture by the name of its file, in the folder of the report.
     pub fn picture(&mut self, caption: &str, file: &str) {
         let _ = write!(self.text, "\n![{caption}](<{file}>)\n");
     }
 
-    /// As Markdown.
+    /// The report in Markdown.
     pub fn to_markdown(&self) -> &str {
         &self.text
     }
 
-    /// As one page; pictures are asked for by name and put into the page where `picture` has a data URL for them.
+    /// The report as one HTML page; pictures are inlined if `picture` returns a data URL for their names.
     pub fn to_html(&self, picture: impl Fn(&str) -> Option<String>) -> String {
         let events = Parser::new_ext(&self.text, Options::ENABLE_TABLES).map(|event| match event {
             pulldown_cmark::Event::Start(pulldown_cmark::Tag::Image { link_type, dest_url, title, id }) => {
@@ -76,7 +76,7 @@ impl Report {
         html::push_html(&mut body, events);
         let title = self.text.lines().next().unwrap_or_default().trim_start_matches("# ").to_owned();
         let mut escaped = String::new();
-        // Titles hold names that users choose.
+        // Titles contain names chosen by users.
         let _ = pulldown_cmark_escape::escape_html(&mut escaped, &title);
         format!(
             "<!doctype html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta name=\"viewport\" content=\"width=device-width\">\
@@ -85,9 +85,9 @@ impl Report {
     }
 }
 
-/// Words that come from outside are no markup.
-fn plain(words: &str) -> String {
-    words.replace('&', "&amp;").replace('<', "&lt;")
+/// Escapes markup in text from outside.
+fn plain(text: &str) -> String {
+    text.replace('&', "&amp;").replace('<', "&lt;")
 }
 
 const STYLE: &str = "body{font:16px/1.5 sans-serif;max-width:60rem;margin:2rem auto;padding:0 1rem;color:#222}\
@@ -107,7 +107,7 @@ mod tests {
             columns: vec![Column::new("name", Kind::Text, "A name."), Column::real("x_mag", "mag", 2, "A number.")],
             rows: vec![vec!["a|b".into(), Value::Real(1.234)]],
         });
-        report.say("Data: <script>alert(1)</script> & more");
+        report.paragraph("Data: <script>alert(1)</script> & more");
         report.picture("residuals", "a r.png");
         assert!(
             report.to_markdown().contains("| name | x_mag |\n| --- | ---: |\n| a\\|b | 1.23 |"),

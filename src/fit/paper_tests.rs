@@ -1,30 +1,30 @@
-//! The three questions that Lu (2024, section 4) puts to the photometry before the final model: does the panel offset follow the Sun, is
-//! the sail's glossy lobe needed, is earthshine?
+//! Three tests of Lu (2024, section 4) that precede the final model: dependence of the panel offset on the Sun, necessity of the sail's glossy lobe,
+//! necessity of earthshine.
 
 use crate::photometry::{Earthshine, PANEL_OFFSET};
 
-use super::comparison::{PairedTest, aic_under, paired_t_test, rms};
 use super::error::FitError;
-use super::loss::Loss;
+use super::objective::Loss;
 use super::point::FitPoint;
 use super::solve::{Fit, FitSettings, Problem};
+use super::statistics::{PairedTest, aic_under, paired_t_test, rms};
 use super::two_panel::TwoPanelForm;
 
-/// The seven coefficients.
+/// Names of the seven coefficients of the paper's form.
 pub const COEFFICIENTS: [&str; 7] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"];
-/// Fewer points than this in a layer are no fit worth a row.
+/// Least number of points in a layer.
 const LEAST_IN_LAYER: usize = 100;
 
-/// One row of table 2: the panel offset of one layer of the Sun's latitude.
+/// Panel offset of one layer of the Sun's latitude (one row of table 2).
 #[derive(Clone, Debug, PartialEq)]
 pub struct LayerOffset {
-    /// Sun's latitude from and to, degrees.
+    /// Limits of the Sun's latitude, degrees.
     pub sun_latitude_deg: [f64; 2],
-    /// Points in it.
+    /// Points in the layer.
     pub n: usize,
     /// Panel offset, degrees.
     pub panel_offset_deg: f64,
-    /// One sigma of it, degrees.
+    /// One sigma of the panel offset, degrees.
     pub sigma_deg: Option<f64>,
     /// Root mean square of the residuals, mag.
     pub rms_mag: f64,
@@ -32,49 +32,49 @@ pub struct LayerOffset {
 
 /// Two models on the same points.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Rivals {
-    /// Names of both.
+pub struct PairedModels {
+    /// Names of both models.
     pub names: [&'static str; 2],
     /// Points.
     pub n: usize,
-    /// Fitted parameters of both.
+    /// Numbers of fitted parameters.
     pub parameters: [usize; 2],
     /// Root mean squares, mag.
     pub rms_mag: [f64; 2],
-    /// Akaike's criteria ([`aic_under`]).
+    /// Akaike's criteria: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: [f64; 2],
-    /// Of the means of their residuals.
+    /// Paired t-test of the mean residuals.
     pub test: Option<PairedTest>,
 }
 
-/// All three.
+/// Results of the three tests.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PaperTests {
     /// Table 2.
     pub offsets: Vec<LayerOffset>,
-    /// Layers that hold too few points, from and to, degrees, and how many.
+    /// Layers with too few points: limits, degrees, and number of points.
     pub left_out: Vec<([f64; 2], usize)>,
     /// Section 4.2: with and without the sail's glossy lobe.
-    pub sail_glossy: Rivals,
+    pub sail_glossy: PairedModels,
     /// Section 4.3: with and without earthshine.
-    pub earthshine: Rivals,
+    pub earthshine: PairedModels,
 }
 
-/// Fits the form in each of its forms; `layer_deg` is the width of the layers of table 2.
+/// Makes the fits of all three tests; `layer_deg` is the width of the layers of table 2.
 ///
 /// # Errors
-/// Those of [`Problem::new`] and [`Problem::solve`] over all points; a layer that cannot be fitted is left out.
+/// Those of [`Problem::new`] and [`Problem::solve`] over all points; a layer without a fit is omitted.
 pub fn paper_tests(
     form: &TwoPanelForm,
     points: &[FitPoint],
     settings: &FitSettings,
     layer_deg: f64,
 ) -> Result<PaperTests, FitError> {
-    // What is held stays held, but for what a test itself moves or sets.
+    // Held parameters stay held unless a test varies or sets them.
     let free = |names: &[&str], set: &[&str]| {
         let is_held = |name: &str| settings.held.iter().any(|(held, _)| held == name);
-        let moved = |name: &&str| **name == *PANEL_OFFSET || !is_held(name);
-        let free = names.iter().filter(|name| moved(name)).map(|&name| name.to_owned()).collect::<Vec<String>>();
+        let varies = |name: &&str| **name == *PANEL_OFFSET || !is_held(name);
+        let free = names.iter().filter(|name| varies(name)).map(|&name| name.to_owned()).collect::<Vec<String>>();
         let stays = |(name, _): &&(String, f64)| !free.contains(name) && !set.contains(&name.as_str());
         let held = settings.held.iter().filter(stays).cloned().collect();
         FitSettings { free, held, ..settings.clone() }
@@ -102,17 +102,14 @@ pub fn paper_tests(
             sun_latitude_deg: span,
             n: fit.residuals_mag.len(),
             panel_offset_deg: fit.parameters[index].value,
-            sigma_deg: fit.certainty.sigma(index),
+            sigma_deg: fit.uncertainty.sigma(index),
             rms_mag: rms(&fit.residuals_mag),
         });
     }
     let whole = solve(form, &COEFFICIENTS, &[])?;
-    let dull_form = {
-        let mut dull = form.clone();
-        dull.coefficients.c1 = 0.0;
-        dull
-    };
-    let dull = solve(&dull_form, &["c2", "c3", "c4", "c5", "n_base"], &["c1"])?;
+    let mut without_gloss = form.clone();
+    without_gloss.coefficients.c1 = 0.0;
+    let without_gloss = solve(&without_gloss, &["c2", "c3", "c4", "c5", "n_base"], &["c1"])?;
     let other = match form.earthshine {
         Earthshine::Computed => Earthshine::Off,
         Earthshine::Off => Earthshine::Computed,
@@ -122,13 +119,13 @@ pub fn paper_tests(
     Ok(PaperTests {
         offsets,
         left_out,
-        sail_glossy: rivals(["with the sail's glossy lobe", "without"], &whole, &dull, points, settings.loss),
-        earthshine: rivals(["with earthshine", "without"], lit, unlit, points, settings.loss),
+        sail_glossy: paired(["with the sail's glossy lobe", "without"], &whole, &without_gloss, points, settings.loss),
+        earthshine: paired(["with earthshine", "without"], lit, unlit, points, settings.loss),
     })
 }
 
-/// Both on the points that both explain.
-fn rivals(names: [&'static str; 2], one: &Fit, other: &Fit, points: &[FitPoint], loss: Loss) -> Rivals {
+/// Compares two fits on the points that both explain.
+fn paired(names: [&'static str; 2], one: &Fit, other: &Fit, points: &[FitPoint], loss: Loss) -> PairedModels {
     let of = |fit: &Fit| {
         fit.kept.iter().copied().zip(fit.residuals_mag.iter().copied()).collect::<std::collections::BTreeMap<_, _>>()
     };
@@ -138,7 +135,7 @@ fn rivals(names: [&'static str; 2], one: &Fit, other: &Fit, points: &[FitPoint],
     let (a, b): (Vec<f64>, Vec<f64>) = both.iter().map(|(_, a, b)| (*a, *b)).unzip();
     let parameters = [one.free.len(), other.free.len()];
     let aic = |residuals: &[f64], k| aic_under(loss, residuals, &sigmas_mag, k);
-    Rivals {
+    PairedModels {
         names,
         n: a.len(),
         parameters,

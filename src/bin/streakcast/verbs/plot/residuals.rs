@@ -1,18 +1,16 @@
-//! `plot corner`, `residuals`, `histogram`, `phase-curve`: what a fit is judged by, from the files that it wrote.
+//! `plot residuals`, `histogram` and `phase-curve`: comparison of measured with computed magnitudes.
 
-use anyhow::{anyhow, bail};
+use anyhow::anyhow;
 use streakcast::config::Setup;
-use streakcast::fit::read_chain;
 use streakcast::geometry::ViewingGeometry;
 use streakcast::maps::BodyView;
 use streakcast::output::{Column, Provenance, Table, Value};
 use streakcast::plot::{
-    Corner, PhaseCurve, Picture, ResidualHistogram, ResidualPanels, corner, phase_curve, residual_histogram,
-    residual_panels,
+    PhaseCurve, Picture, ResidualHistogram, ResidualPanels, phase_curve, residual_histogram, residual_panels,
 };
 
 use crate::failure::Outcome;
-use crate::plot_arguments::{PlotCornerArguments, PlotResidualsArguments};
+use crate::plot_arguments::PlotResidualsArguments;
 use crate::shared_arguments::setup_of;
 use crate::verbs::judged::begin;
 use crate::verbs::map::model_of;
@@ -20,42 +18,12 @@ use crate::verbs::map::model_of;
 use super::columns::Columns;
 use super::target::Target;
 
-/// Parameters of one picture.
-const MOST: usize = 9;
-
 /// Which picture of residuals.
 #[derive(Copy, Clone)]
 pub enum Chart {
     Panels,
     Histogram,
     PhaseCurve,
-}
-
-pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
-    // The chains themselves are the data.
-    let target = Target::of_table(&typed.picture)?;
-    let (chain, about) = read_chain(&typed.chains)?;
-    let known = &about.parameters;
-    let wanted: Vec<usize> = match typed.parameters.as_slice() {
-        [] => (0..known.len().min(MOST)).collect(),
-        names => names
-            .iter()
-            .map(|name| {
-                let index = known.iter().position(|parameter| parameter == name);
-                index.ok_or_else(|| anyhow!("parameter '{name}' is not in the chains; allowed: {}", known.join(", ")))
-            })
-            .collect::<anyhow::Result<_>>()?,
-    };
-    let burn_in = typed.burn_in.unwrap_or(chain.steps() / 4);
-    if burn_in >= chain.steps() {
-        bail!("burn-in {burn_in}: the chains have {} steps; allowed: fewer than that", chain.steps());
-    }
-    let names: Vec<String> = wanted.iter().map(|&index| known[index].clone()).collect();
-    let samples: Vec<Vec<f64>> = wanted.iter().map(|&index| chain.column(index, burn_in)).collect();
-    let words = format!("Posterior: {} walkers, {} steps after burn-in", chain.walkers(), chain.steps() - burn_in);
-    let title = typed.title.title.as_deref().unwrap_or(&words);
-    target.write_picture(&corner(&Corner { title, names: &names, samples: &samples, truths: None, bounds: None })?)?;
-    Ok(Outcome::Done)
 }
 
 const COLUMNS: [Column; 7] = [

@@ -1,0 +1,40 @@
+//! `plot corner`: the posterior of a fit, from its chains.
+
+use anyhow::{anyhow, bail};
+use streakcast::fit::read_chain;
+use streakcast::plot::{Corner, corner};
+
+use crate::failure::Outcome;
+use crate::plot_arguments::PlotCornerArguments;
+
+use super::target::Target;
+
+/// Most parameters of one picture.
+const MOST: usize = 9;
+
+pub fn corner_plot(typed: PlotCornerArguments) -> anyhow::Result<Outcome> {
+    // The chains themselves are the data.
+    let target = Target::of_table(&typed.picture)?;
+    let (chain, about) = read_chain(&typed.chains)?;
+    let known = &about.parameters;
+    let wanted: Vec<usize> = match typed.parameters.as_slice() {
+        [] => (0..known.len().min(MOST)).collect(),
+        names => names
+            .iter()
+            .map(|name| {
+                let index = known.iter().position(|parameter| parameter == name);
+                index.ok_or_else(|| anyhow!("parameter '{name}' is not in the chains; allowed: {}", known.join(", ")))
+            })
+            .collect::<anyhow::Result<_>>()?,
+    };
+    let burn_in = typed.burn_in.unwrap_or(chain.steps() / 4);
+    if burn_in >= chain.steps() {
+        bail!("burn-in {burn_in}: the chains have {} steps; allowed: fewer than that", chain.steps());
+    }
+    let names: Vec<String> = wanted.iter().map(|&index| known[index].clone()).collect();
+    let samples: Vec<Vec<f64>> = wanted.iter().map(|&index| chain.column(index, burn_in)).collect();
+    let words = format!("Posterior: {} walkers, {} steps after burn-in", chain.walkers(), chain.steps() - burn_in);
+    let title = typed.title.title.as_deref().unwrap_or(&words);
+    target.write_picture(&corner(&Corner { title, names: &names, samples: &samples, truths: None, bounds: None })?)?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,353 @@
+//! Simulated photometry as MMT-9 would record it, of satellites with a known brightness model.
+//!
+//! 1. A night consists of the times at which the Sun is low enough at the site.
+//! 2. Satellites in a random order are checked every half minute; a satellite that is high enough and clears the 100 km rule makes a pass.
+//! 3. A part of each pass with random length is a track, until the night has enough tracks.
+//! 4. Along a track the model gives the brightness; noise, scatter and attitude are random.
+//! 5. Some tracks are recorded under another satellite: its number, distance and phase, with the magnitudes of the true one.
+//!
+//! Every night and every track has its own stream of random numbers, so that the result does not depend on the number of threads.
+
+use std::f64::consts::TAU;
+use std::io::Write;
+
+use hifitime::{Epoch, TimeScale, Unit};
+use nalgebra::Vector3;
+use rand::seq::SliceRandom;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
+use rand_distr::StandardNormal;
+use rayon::prelude::*;
+use streakcast::constants::DAY_S;
+use streakcast::elements::{ElementSet, History, NoradId};
+use streakcast::fit::measurements::{Record, Records, Sighting};
+use streakcast::frames::{
+    EopTable, Gcrs, Orientation, OrientationTable, Position, epoch_from_mjd, mjd_utc, seconds_after,
+};
+use streakcast::geometry::{Site, SunTable, ViewingGeometry, sunlit_by_100_km_rule};
+use streakcast::orbit::Propagator;
+use streakcast::output::format_utc;
+use streakcast::photometry::{BrightnessModel, Earthshine};
+
+/// Step of the search for passes, s.
+const STEP_S: f64 = 30.0;
+/// Most draws of another satellite for a misidentified track, until one is above the horizon.
+const DRAWS: usize = 16;
+
+/// Satellites are observed above this altitude, and with the Sun below this altitude.
+const LEAST_ALTITUDE_DEG: f64 = 20.0;
+const HIGHEST_SUN_DEG: f64 = -8.0;
+/// One sigma of the effect of another attitude, mag.
+const OUTLIER_MAG: f64 = 1.0;
+
+/// Campaign and errors.
+#[derive(Clone, Debug)]
+pub struct SimulationOptions {
+    pub seed: u64,
+    /// A time in the day whose evening begins the first night, by the Sun at the site.
+    pub first_night: Epoch,
+    pub nights: u32,
+    /// Days from one night to the next, at least 1.
+    pub night_step_days: u32,
+    pub tracks_per_night: usize,
+    /// Time between points, s.
+    pub cadence_s: f64,
+    /// Shortest and longest track, s.
+    pub track_s: [f64; 2],
+    /// One sigma of the photometry, mag.
+    pub noise_mag: f64,
+    /// One sigma of other differences between points, mag.
+    pub point_scatter_mag: f64,
+    /// One sigma of differences between tracks, mag.
+    pub track_scatter_mag: f64,
+    /// Share of tracks recorded under another satellite.
+    pub wrong_association_share: f64,
+    /// Share of tracks in another attitude.
+    pub outlier_track_share: f64,
+    /// Share of points in another attitude.
+    pub outlier_point_share: f64,
+    pub earthshine: Earthshine,
+}
+
+impl SimulationOptions {
+    /// MMT-9: noise 0.1 mag (Mallama), 0.2 mag from point to point, 0.1 mag from track to track; 3 % of the tracks misidentified, 5 % of tracks
+    /// and points in another attitude (Lu 2024, section 3).
+    pub fn mmt9(first_night: Epoch, nights: u32) -> Self {
+        Self {
+            seed: 1,
+            first_night,
+            nights,
+            night_step_days: 1,
+            tracks_per_night: 250,
+            cadence_s: 0.5,
+            track_s: [20.0, 200.0],
+            noise_mag: 0.1,
+            point_scatter_mag: 0.2,
+            track_scatter_mag: 0.1,
+            wrong_association_share: 0.03,
+            outlier_track_share: 0.05,
+            outlier_point_share: 0.05,
+            earthshine: Earthshine::Off,
+        }
+    }
+}
+
+/// Truth of a track.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct TrackTruth {
+    /// The observed satellite.
+    pub norad_id: NoradId,
+    /// The satellite in the record.
+    pub recorded_as: NoradId,
+    /// Effect of another attitude on all points, mag; 0 for most tracks.
+    pub attitude_mag: f64,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Simulation {
+    /// Records with time, magnitude, distance, phase, satellite and track.
+    pub records: Records,
+    /// Truth of each group of the records.
+    pub truth: Vec<TrackTruth>,
+}
+
+/// Photometry of the satellites of a history, each with its element set nearest in time.
+pub fn simulate(model: &BrightnessModel, history: &History, options: &SimulationOptions) -> Simulation {
+    let objects: Vec<&[ElementSet]> = history.objects().collect();
+    let site = Site::by_name("MMT-9").expect("a known site");
+    let nights: Vec<Vec<(TrackTruth, Vec<Record>)>> = (0..options.nights)
+        .into_par_iter()
+        .map(|night| Night::new(night, options, &site).tracks(model, &objects))
+        .collect();
+    let mut simulation = Simulation::default();
+    simulation.records.sites.push(site);
+    simulation.records.files.push("simulation".to_owned());
+    for (night, tracks) in nights.into_iter().enumerate() {
+        for (number, (truth, points)) in tracks.into_iter().enumerate() {
+            let group = simulation.records.groups.len() as u32;
+            simulation.records.groups.push((night * 1_000_000 + number + 1).to_string());
+            simulation.truth.push(truth);
+            for point in points {
+                let row = simulation.records.records.len() as u32 + 1;
+                simulation.records.records.push(Record { group, row, ..point });
+            }
+        }
+    }
+    simulation
+}
+
+/// Writes records as an MMT-9 table with the catalogue number as an additional column; digits are those of the survey.
+///
+/// `StdMag` is the survey's own: `Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ)`.
+pub fn write_mmt_csv(out: &mut dyn Write, records: &Records) -> std::io::Result<()> {
+    writeln!(out, "Date,StdMag,Mag,Filter,Penumbra,Distance,Phase,Channel,Track,NORAD")?;
+    for record in &records.records {
+        let (Some(epoch), (Some(range_km), Some(phase_rad))) = (record.epoch, record.sighting.distance_and_phase())
+        else {
+            continue;
+        };
+        let magnitude = record.magnitude.0;
+        let standard = record.magnitude.to_standard(range_km).0 + 2.5 * (1.0 + phase_rad.cos()).log10();
+        let date = format_utc(epoch, 6).replace('T', " ");
+        let (date, phase_deg) = (date.trim_end_matches('Z'), phase_rad.to_degrees());
+        let track = &records.groups[record.group as usize];
+        let norad = record.norad_id.map(|id| id.to_string()).unwrap_or_default();
+        writeln!(out, "{date},{standard:.3},{magnitude:.5},Clear,0,{range_km:.3},{phase_deg:.3},0,{track},{norad}")?;
+    }
+    out.flush()
+}
+
+/// Position of observer and Sun at one time.
+struct Moment {
+    seconds: f64,
+    orientation: Orientation,
+    sun: Position<Gcrs>,
+    observer: Position<Gcrs>,
+    zenith: Vector3<f64>,
+}
+
+struct Night<'o> {
+    number: u32,
+    options: &'o SimulationOptions,
+    site: &'o Site,
+    noon: Epoch,
+    orientations: OrientationTable,
+    suns: SunTable,
+    /// Dark times in steps of the search.
+    dark: Vec<Moment>,
+}
+
+impl<'o> Night<'o> {
+    fn new(number: u32, options: &'o SimulationOptions, site: &'o Site) -> Self {
+        let east_days = site.longitude_rad / TAU;
+        let day =
+            (mjd_utc(options.first_night) + east_days).floor() + f64::from(number) * f64::from(options.night_step_days);
+        let noon = epoch_from_mjd(day + 0.5 - east_days, TimeScale::UTC).expect("a date");
+        let end = seconds_after(noon, DAY_S);
+        let (orientations, suns) = (OrientationTable::new(noon, end, &EopTable::embedded()), SunTable::new(noon, end));
+        let mut night = Self { number, options, site, noon, orientations, suns, dark: Vec::new() };
+        let is_dark =
+            |moment: &Moment| moment.zenith.dot(&moment.sun.vector().normalize()) < HIGHEST_SUN_DEG.to_radians().sin();
+        let steps = 0..(DAY_S / STEP_S) as u32;
+        night.dark = steps.map(|step| night.at(f64::from(step) * STEP_S)).filter(is_dark).collect();
+        night
+    }
+
+    /// Seconds are counted from noon.
+    fn at(&self, seconds: f64) -> Moment {
+        let orientation = self.orientations.at_s(seconds);
+        let to_gcrs = &orientation.itrs_to_gcrs;
+        let observer = *to_gcrs * self.site.itrs();
+        let zenith = to_gcrs.matrix() * self.site.horizon().matrix().row(2).transpose();
+        Moment { seconds, orientation, sun: self.suns.at_s(seconds).sun, observer, zenith }
+    }
+
+    /// The generator of the night (`track` 0) or of one of its tracks.
+    fn random(&self, track: usize) -> ChaCha8Rng {
+        let mut random = ChaCha8Rng::seed_from_u64(self.options.seed);
+        random.set_stream((u64::from(self.number) << 32) | track as u64);
+        random
+    }
+
+    fn tracks(&self, model: &BrightnessModel, objects: &[&[ElementSet]]) -> Vec<(TrackTruth, Vec<Record>)> {
+        let mut order: Vec<usize> = (0..objects.len()).collect();
+        order.shuffle(&mut self.random(0));
+        let mut tracks = Vec::new();
+        let mut drawn = 0;
+        for object in order {
+            if tracks.len() >= self.options.tracks_per_night {
+                break;
+            }
+            let Some(propagator) = self.propagator(objects[object]) else { continue };
+            for pass in self.passes(&propagator) {
+                drawn += 1;
+                let track = self.track(model, objects, &propagator, pass, &mut self.random(drawn));
+                tracks.extend(Some(track).filter(|(_, points)| !points.is_empty()));
+            }
+        }
+        tracks.truncate(self.options.tracks_per_night);
+        tracks
+    }
+
+    fn propagator(&self, sets: &[ElementSet]) -> Option<Propagator> {
+        let midnight = seconds_after(self.noon, 0.5 * DAY_S);
+        let distance = |set: &&ElementSet| (midnight - set.epoch).to_unit(Unit::Day).abs();
+        let nearest = sets.iter().min_by(|a, b| distance(a).total_cmp(&distance(b)))?;
+        Propagator::new(nearest).ok()
+    }
+
+    fn satellite(&self, propagator: &Propagator, moment: &Moment) -> Option<Position<Gcrs>> {
+        let minutes = propagator.minutes_since_epoch(self.noon) + moment.seconds / 60.0;
+        propagator.state_at_minutes(minutes, &moment.orientation.teme_to_gcrs).ok().map(|state| state.position)
+    }
+
+    /// First and last second of each pass, in steps of the search.
+    fn passes(&self, propagator: &Propagator) -> Vec<[f64; 2]> {
+        let mut passes: Vec<[f64; 2]> = Vec::new();
+        for moment in &self.dark {
+            let Some(satellite) = self.satellite(propagator, moment) else { break };
+            let sight = satellite.vector() - moment.observer.vector();
+            let is_high = moment.zenith.dot(&sight) >= LEAST_ALTITUDE_DEG.to_radians().sin() * sight.norm();
+            if !is_high || !sunlit_by_100_km_rule(&satellite, &moment.sun) {
+                continue;
+            }
+            match passes.last_mut() {
+                Some([_, end]) if moment.seconds - *end <= 1.5 * STEP_S => *end = moment.seconds,
+                _ => passes.push([moment.seconds, moment.seconds]),
+            }
+        }
+        passes
+    }
+
+    /// Geometry, altitude in radians, and whether the satellite is lit.
+    fn seen(&self, propagator: &Propagator, moment: &Moment) -> Option<(ViewingGeometry, f64, bool)> {
+        let satellite = self.satellite(propagator, moment)?;
+        let geometry = ViewingGeometry::new(&satellite, &moment.observer, &moment.sun)?;
+        let sine = moment.zenith.dot(&(satellite.vector() - moment.observer.vector())) / geometry.range_km;
+        Some((geometry, sine.clamp(-1.0, 1.0).asin(), sunlit_by_100_km_rule(&satellite, &moment.sun)))
+    }
+
+    fn track(
+        &self,
+        model: &BrightnessModel,
+        objects: &[&[ElementSet]],
+        propagator: &Propagator,
+        [first_s, last_s]: [f64; 2],
+        random: &mut ChaCha8Rng,
+    ) -> (TrackTruth, Vec<Record>) {
+        let options = self.options;
+        let normal = |sigma: f64, random: &mut ChaCha8Rng| sigma * random.sample::<f64, _>(StandardNormal);
+        let [shortest, longest] = options.track_s;
+        // A pass of one step lasts a step.
+        let pass_s = (last_s - first_s).max(STEP_S);
+        let wanted_s = shortest + (longest - shortest) * random.random::<f64>();
+        let track_s = wanted_s.min(pass_s);
+        let start_s = first_s + (pass_s - track_s) * random.random::<f64>();
+        let is_wrong = random.random::<f64>() < options.wrong_association_share;
+        let recorded = if is_wrong { self.another(objects, propagator, start_s, random) } else { None };
+        let is_outlier = random.random::<f64>() < options.outlier_track_share;
+        let attitude_mag = if is_outlier { normal(OUTLIER_MAG, random) } else { 0.0 };
+        let track_mag = attitude_mag + normal(options.track_scatter_mag, random);
+        let truth = TrackTruth {
+            norad_id: propagator.norad_id(),
+            recorded_as: recorded.as_ref().unwrap_or(propagator).norad_id(),
+            attitude_mag,
+        };
+        let mut points = Vec::new();
+        for step in 0..=(track_s / options.cadence_s) as u32 {
+            // To the microsecond of the survey.
+            let seconds = ((start_s + f64::from(step) * options.cadence_s) * 1e6).round() * 1e-6;
+            let moment = self.at(seconds);
+            let Some((geometry, altitude_rad, is_lit)) = self.seen(propagator, &moment) else { continue };
+            // Drawn for every point, so that points do not depend on one another.
+            let noise_mag = normal(options.noise_mag.hypot(options.point_scatter_mag), random);
+            let is_turned = random.random::<f64>() < options.outlier_point_share;
+            let turned_mag = normal(OUTLIER_MAG, random);
+            if !is_lit || altitude_rad < LEAST_ALTITUDE_DEG.to_radians() {
+                continue;
+            }
+            let Some(standard) = model.standard_magnitude_with(&geometry, options.earthshine) else { continue };
+            let added_mag = track_mag + noise_mag + if is_turned { turned_mag } else { 0.0 };
+            let recorded =
+                recorded.as_ref().and_then(|other| self.seen(other, &moment)).map_or(geometry, |seen| seen.0);
+            points.push(Record {
+                epoch: Some(seconds_after(self.noon, seconds)),
+                magnitude: standard.at_range(geometry.range_km).dimmed_by(added_mag),
+                sigma_mag: None,
+                sighting: Sighting::Distance {
+                    range_km: recorded.range_km,
+                    phase_rad: Some(recorded.phase_angle_rad()),
+                },
+                norad_id: Some(truth.recorded_as),
+                group: 0,
+                site: Some(0),
+                in_penumbra: false,
+                file: 0,
+                row: 0,
+            });
+        }
+        (truth, points)
+    }
+
+    /// Another satellite, above the horizon if one is drawn soon.
+    fn another(
+        &self,
+        objects: &[&[ElementSet]],
+        own: &Propagator,
+        seconds: f64,
+        random: &mut ChaCha8Rng,
+    ) -> Option<Propagator> {
+        let moment = self.at(seconds);
+        let mut drawn = None;
+        for _ in 0..DRAWS {
+            let other = self.propagator(objects[random.random_range(0..objects.len())]);
+            let Some(other) = other.filter(|other| other.norad_id() != own.norad_id()) else { continue };
+            let is_up = self.seen(&other, &moment).is_some_and(|(_, altitude_rad, _)| altitude_rad > 0.0);
+            drawn = Some(other);
+            if is_up {
+                break;
+            }
+        }
+        drawn
+    }
+}
