@@ -5,9 +5,9 @@
 
 use std::borrow::Cow;
 
-use super::chunks::{next_line, parse_in_chunks};
 use super::omm::{Fields, Keyword};
 use super::record::{Parsed, RecordError};
+use super::record::{next_line, parse_in_chunks};
 use super::tle::Checksums;
 
 /// Whether the first line that says something is a line of titles with the columns needed.

@@ -24,7 +24,7 @@ use thiserror::Error;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch::DAY_NS;
-use super::mean_motion::{mean_motion_for_radius, secular_rates_rad_day};
+use super::on_station::{mean_motion_for_radius, secular_rates_rad_day};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 
 /// The constellations that come with the library, with their sources.

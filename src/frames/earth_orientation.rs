@@ -235,11 +235,6 @@ fn day(epoch: Epoch) -> String {
     format!("{year:04}-{month:02}-{day:02}")
 }
 
-/// How far an error of UT1 moves a place on the Earth's equator, metres.
-pub fn ut1_error_m(ut1_error_s: f64) -> f64 {
-    ut1_error_s.abs() * EARTH_ROTATION_RAD_S * EARTH_EQUATORIAL_RADIUS_KM * 1e3
-}
-
 /// The embedded table's own form: a head of `key value` lines, then `UT1-TAI x y` in 0.1 ms and 0.1 mas.
 ///
 /// It is part of the library and read by its tests, so lines that do not fit are left out instead of reported.
@@ -357,7 +352,6 @@ mod tests {
         assert_eq!(table.status(utc("2024-08-14T00:00:00 UTC")), EopStatus::Measured);
         assert_eq!(table.status(utc("2027-01-01T00:00:00 UTC")), EopStatus::Predicted);
         assert_eq!(table.status(utc("2028-01-01T00:00:00 UTC")), EopStatus::Expired { last });
-        assert!((ut1_error_m(0.1) - 46.5).abs() < 0.1);
         assert!(table.describe().contains("2027-10-29"), "{}", table.describe());
     }
 }

@@ -25,7 +25,8 @@ impl AtomicFile {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory"));
         }
         if is_special(&target) {
-            let reason = "is a pipe, a terminal or a device, which no file can take the place of; allowed: a file's name";
+            let reason =
+                "is a pipe, a terminal or a device, which no file can take the place of; allowed: a file's name";
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
         }
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));

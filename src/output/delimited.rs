@@ -61,6 +61,11 @@ pub fn ecsv_column<'a>(column: &Column, mut values: impl Iterator<Item = &'a Val
     Ok(text + "}")
 }
 
+/// Returns a cell of CSV, quoted if necessary.
+pub(crate) fn csv_cell(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
 /// Writes the line of names and the rows, common to CSV and ECSV.
 fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
     let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(out);

@@ -47,8 +47,7 @@ pub(crate) fn parquet_fields(table: &Table) -> impl Iterator<Item = Field> + '_ 
         };
         let entries = [("unit", column.unit), ("description", column.description)];
         let entries = entries.into_iter().filter(|(_, text)| !text.is_empty());
-        let entries: HashMap<String, String> =
-            entries.map(|(key, text)| (key.to_owned(), text.to_owned())).collect();
+        let entries: HashMap<String, String> = entries.map(|(key, text)| (key.to_owned(), text.to_owned())).collect();
         Field::new(column.name, kind, true).with_metadata(entries)
     })
 }

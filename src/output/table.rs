@@ -151,6 +151,13 @@ pub enum Value {
     Rows(Vec<Vec<Value>>),
 }
 
+impl Value {
+    /// Returns a text, or a missing value for an empty one.
+    pub(crate) fn nonempty(text: &str) -> Self {
+        if text.is_empty() { Value::Null } else { text.into() }
+    }
+}
+
 impl<T: Into<Value>> From<Option<T>> for Value {
     fn from(value: Option<T>) -> Self {
         value.map_or(Value::Null, Into::into)

@@ -1,10 +1,11 @@
-//! A box with an axis on each side: where values stand, round ticks, and their labels as far as there is room.
+//! Frames with axes, ticks and labels, and colour bars.
 
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::numbers::labels;
-use super::picture::{INK, Picture, width_of};
+use super::picture::{INK, Picture, Pixels, width_of};
+use super::scale::ColourScale;
 
 /// Letters of tick labels and of the names of axes.
 pub(super) const TICK_SIZE: f64 = 16.0;
@@ -218,6 +219,27 @@ impl Frame {
         let [left, top, _, bottom] = self.sides;
         picture.upright(name, (left - away, (top + bottom) / 2.0), NAME_SIZE);
     }
+}
+
+/// Steps of colour a pixel.
+const STEPS_PER_PIXEL: f64 = 2.0;
+const BAR_TEXT_SIZE: f64 = 19.0;
+
+/// A bar with this left, top, right and bottom, ticks at its right, and words above.
+pub(super) fn colour_bar(picture: &mut Picture, scale: &ColourScale, sides: [f64; 4], words: &str) {
+    let [left, top, right, bottom] = sides;
+    let steps = ((bottom - top) * STEPS_PER_PIXEL).max(1.0) as usize;
+    let colour = |step: usize| Some(scale.colour_at(1.0 - (step as f64 + 0.5) / steps as f64));
+    let each = (right - left, (bottom - top) / steps as f64);
+    let colours = (0..steps).map(colour).collect();
+    picture.paint(Pixels { corner: (left, top), each, columns: 1, colours, within: None });
+    picture.border(sides, 1.4);
+    for (value, label) in scale.ticks() {
+        let y = bottom - (bottom - top) * scale.share(value);
+        picture.line(&[(right, y), (right + 6.0, y)], INK.to_rgba(), 1.4);
+        picture.text(&label, (right + 11.0, y), BAR_TEXT_SIZE, HPos::Left);
+    }
+    picture.text(words, (left, top - 20.0), BAR_TEXT_SIZE, HPos::Left);
 }
 
 #[cfg(test)]

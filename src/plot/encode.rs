@@ -10,8 +10,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 
 use super::error::PlotError;
-use super::font;
-use super::picture::{Picture, Underlay};
+use super::picture::{Picture, Underlay, font_style_sheet};
 
 /// PNGs are drawn this many times as large and averaged: smooth lines and letters.
 const FINE: usize = 2;
@@ -95,7 +94,7 @@ impl Picture {
             "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {across} {down}\" xmlns=\"http://www.w3.org/2000/svg\" \
              xmlns:xlink=\"http://www.w3.org/1999/xlink\">\n{}\n<image x=\"0\" y=\"0\" width=\"{across}\" height=\"{down}\" \
              xlink:href=\"data:image/png;base64,{pixels}\"/>{rest}",
-            font::style_sheet()
+            font_style_sheet()
         ))
     }
 }

@@ -4,8 +4,7 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use super::axes::{Axis, Frame};
-use super::bar::colour_bar;
+use super::axes::{Axis, Frame, colour_bar};
 use super::error::PlotError;
 use super::numbers::{fixed, many};
 use super::picture::{INK, Picture, width_of};

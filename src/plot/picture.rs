@@ -4,15 +4,17 @@
 //! size; `scale` of a drawing is how many pixels of the backend one of them takes.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Text};
 use plotters::prelude::{DrawingArea, DrawingBackend, IntoFont, RGBAColor, RGBColor, ShapeStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform, TextStyle};
+use plotters::style::{Color, FontStyle, FontTransform, TextStyle, register_font};
 
 use super::error::PlotError;
-use super::font;
 use super::scale::ColourScale;
 
 /// Lines and words.
@@ -175,6 +177,18 @@ impl Picture {
         }
     }
 
+    /// Draws a filled disc with a thin rim.
+    pub(super) fn dot(&mut self, (x, y): (f64, f64), colour: RGBColor) {
+        const RADIUS: f64 = 4.6;
+        let corner = |part: u8| {
+            let (sin, cos) = (f64::from(part) * TAU / 16.0).sin_cos();
+            (x + RADIUS * cos, y + RADIUS * sin)
+        };
+        let corners: Vec<_> = (0..=16).map(corner).collect();
+        self.patch(corners.clone(), colour.to_rgba());
+        self.line(&corners, INK.mix(0.8), 0.9);
+    }
+
     /// A disc with rays.
     pub(super) fn sun(&mut self, (x, y): (f64, f64)) {
         for ray in 0..8 {
@@ -220,7 +234,7 @@ impl Picture {
 
     /// Lines and words over the underlay.
     pub(super) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: f64) -> Result<(), PlotError> {
-        font::make_ready()?;
+        register_embedded_font()?;
         let at = |&(x, y): &(f64, f64)| ((x * scale).round() as i32, (y * scale).round() as i32);
         let thin = |colour: RGBAColor, width: f64| ShapeStyle {
             color: colour,
@@ -243,7 +257,7 @@ impl Picture {
                     area.draw(&Polygon::new(places, colour.filled()))
                 }
                 Mark::Text { words, place, size, horizontal, is_upright } => {
-                    let mut font = (font::FAMILY, size * scale).into_font();
+                    let mut font = (FONT_FAMILY, size * scale).into_font();
                     if *is_upright {
                         font = font.transform(FontTransform::Rotate270);
                     }
@@ -266,10 +280,10 @@ pub(super) fn width_of(words: &str, size: f64) -> f64 {
     // Measured large, because the font crate counts whole pixels.
     const LARGE: f64 = 8.0;
     // A font that cannot be measured cannot be drawn either, and drawing says so.
-    if font::make_ready().is_err() {
+    if register_embedded_font().is_err() {
         return 0.0;
     }
-    (font::FAMILY, size * LARGE).into_font().box_size(words).map_or(0.0, |(width, _)| f64::from(width) / LARGE)
+    (FONT_FAMILY, size * LARGE).into_font().box_size(words).map_or(0.0, |(width, _)| f64::from(width) / LARGE)
 }
 
 /// Words broken at spaces into lines of this width at most, where no single word is wider.
@@ -285,4 +299,26 @@ pub(super) fn lines_of(words: &str, width: f64, size: f64) -> Vec<String> {
         }
     }
     lines
+}
+
+/// DejaVu Sans 2.37 as matplotlib 3.11.2 brings it, through fonttools 4.68.0 (`pyftsubset`, unhinted) on 2026-11-21.
+const DEJAVU_SANS: &[u8] = include_bytes!("fonts/DejaVuSans-subset.ttf");
+
+/// The name under which it is known to the drawing crate, and in SVG.
+const FONT_FAMILY: &str = "DejaVu Sans";
+
+/// The style sheet that brings the font along in an SVG. Viewers that take no fonts from files have a sans serif of their own.
+pub(super) fn font_style_sheet() -> String {
+    let bytes = STANDARD.encode(DEJAVU_SANS);
+    format!(
+        "<style>@font-face{{font-family:\"{FONT_FAMILY}\";src:url(data:font/ttf;base64,{bytes}) format(\"truetype\")}}\
+         text{{font-family:\"{FONT_FAMILY}\",sans-serif}}</style>"
+    )
+}
+
+/// Makes the font known, once a process.
+fn register_embedded_font() -> Result<(), PlotError> {
+    static READY: OnceLock<bool> = OnceLock::new();
+    let is_ready = READY.get_or_init(|| register_font(FONT_FAMILY, FontStyle::Normal, DEJAVU_SANS).is_ok());
+    if *is_ready { Ok(()) } else { Err(PlotError::Drawing("the built-in font could not be read".to_owned())) }
 }

@@ -6,7 +6,7 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use super::bar::colour_bar;
+use super::axes::colour_bar;
 use super::disc::place;
 use super::error::PlotError;
 use super::picture::{INK, Picture};
