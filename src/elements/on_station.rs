@@ -110,13 +110,13 @@ impl Default for StationRule {
 pub enum OrbitPhase {
     /// High enough and steady.
     OnStation,
-    /// Steady, but lower than the rule asks: parked, or a shell that stands lower.
+    /// Steady, but below the rule: parked, or a lower shell.
     Parked,
     /// The semi-major axis grows faster than the rule allows.
     Raising,
     /// The semi-major axis shrinks faster than the rule allows.
     Decaying,
-    /// Too few element sets around this one to say, or rates of both signs.
+    /// Undetermined: too few element sets nearby, or rates of both signs.
     Unknown,
 }
 

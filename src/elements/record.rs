@@ -1,4 +1,4 @@
-//! One record at a time: what can be wrong with it, and how a bad one is named while the rest goes on.
+//! Records of element files: their errors, rejected records, and reading in parallel chunks.
 
 use std::fmt;
 use std::sync::Arc;
@@ -8,7 +8,7 @@ use thiserror::Error;
 
 use super::element_set::ElementSet;
 
-/// Why one record was left out.
+/// Errors of one record.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RecordError {
@@ -19,7 +19,7 @@ pub enum RecordError {
         line: u8,
         /// Name of the field.
         field: &'static str,
-        /// What stands there.
+        /// Text found there.
         text: String,
         /// First column, from 1.
         first: u8,
@@ -33,7 +33,7 @@ pub enum RecordError {
     BadTleId {
         /// Line of the element set, 1 or 2.
         line: u8,
-        /// What stands there.
+        /// Text found there.
         text: String,
     },
     /// A message without any of the fields of an element set, or with empty ones only.
@@ -67,7 +67,7 @@ pub enum RecordError {
         /// Sum of the digits, a minus counting 1, modulo 10.
         computed: u8,
     },
-    /// The two lines speak of different satellites.
+    /// The two lines have different catalogue numbers.
     #[error("line 1 is of object {first}, line 2 of object {second}")]
     MixedObjects {
         /// Catalogue number in line 1.
@@ -78,7 +78,7 @@ pub enum RecordError {
     /// A line 1 that no line 2 follows.
     #[error("line 1 of an element set is not followed by its line 2")]
     LineOneAlone,
-    /// A line 2 before which no line 1 stands.
+    /// A line 2 without a line 1 before it.
     #[error("line 2 of an element set has no line 1 before it")]
     LineTwoAlone,
     /// A line that no element set follows.
@@ -92,7 +92,7 @@ pub enum RecordError {
     FieldNotANumber {
         /// Keyword.
         field: &'static str,
-        /// What stands there.
+        /// Text found there.
         text: String,
     },
     /// A field that must be there is not.
@@ -104,13 +104,13 @@ pub enum RecordError {
     /// The catalogue number of an OMM is no number of one to nine digits.
     #[error("NORAD_CAT_ID {text:?} is not a catalogue number (1 to 999999999, or Alpha-5)")]
     BadId {
-        /// What stands there.
+        /// Text found there.
         text: String,
     },
     /// An epoch that is no date.
     #[error("epoch {text:?} is not a date: {allowed}")]
     BadEpoch {
-        /// What stands there.
+        /// Text found there.
         text: String,
         /// What is allowed.
         allowed: &'static str,
@@ -130,7 +130,7 @@ pub enum RecordError {
     Unsupported {
         /// Keyword.
         field: &'static str,
-        /// What stands there.
+        /// Text found there.
         text: String,
         /// What is allowed.
         allowed: &'static str,
@@ -145,7 +145,7 @@ pub enum RecordError {
     },
 }
 
-/// A record that was left out: where it stands and why. Prints as `file:line: why`.
+/// Rejected record with its position and reason. Prints as `file:line: why`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
     /// Name of the file as it was given.
@@ -242,7 +242,7 @@ pub(super) fn excerpt(bytes: &[u8]) -> String {
     }
 }
 
-/// Shorter texts are read in one piece: a thread costs more than it saves.
+/// Least length of a chunk, bytes: smaller ones cost more than they save.
 const LEAST_CHUNK: usize = 200_000;
 
 /// Reads `text` with `parse`, in pieces that begin where `next_record(text, from)` says: the offset at or after `from` at

@@ -1,4 +1,4 @@
-//! A text of TLEs: finds the element sets among names, comments and rubble.
+//! Reading texts of TLEs with names, comments and invalid lines, and writing TLEs.
 
 use thiserror::Error;
 
@@ -86,7 +86,7 @@ pub(super) fn looks_like(text: &str) -> bool {
     })
 }
 
-/// The lines that say something: not blank, no comment.
+/// Lines that are neither blank nor comments.
 struct Lines<'a> {
     text: &'a [u8],
     at: usize,
@@ -128,7 +128,7 @@ pub enum TleFormatError {
     /// A number does not fit its columns.
     #[error("{field} {value} of object {norad_id} does not fit its columns of a TLE")]
     DoesNotFit {
-        /// Whose.
+        /// NORAD catalogue number.
         norad_id: NoradId,
         /// Name of the field.
         field: &'static str,

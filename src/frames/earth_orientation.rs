@@ -1,4 +1,4 @@
-//! What the Earth does beside the formulas: UT1 - UTC and the motion of the pole, measured and predicted by the IERS.
+//! Earth orientation parameters: UT1 - UTC and polar motion, measured and predicted by the IERS.
 //!
 //! Without them UT1 is taken as UTC: 0.1 s of UT1 turns the Earth by 46 m at the equator, and UT1 - UTC reaches 0.9 s; the pole moves by
 //! up to 0.6" (18 m). That is an error of the observer's place, not of the satellite's: at 550 km range 46 m are 17".
@@ -11,10 +11,10 @@ use hifitime::Epoch;
 
 use super::error::FramesError;
 use super::time::{epoch_from_utc_day, seconds_between, tai_minus_utc_s};
-use crate::constants::{DAY_S, EARTH_EQUATORIAL_RADIUS_KM, EARTH_ROTATION_RAD_S};
+use crate::constants::DAY_S;
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
-/// Numbers derived from finals2000A; the head of the file tells how.
+/// Numbers derived from finals2000A; the header of the file describes how.
 const EMBEDDED: &str = include_str!("data/earth_orientation.txt");
 
 /// UT1 - UTC and the coordinates of the pole at one moment.

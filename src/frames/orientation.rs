@@ -1,4 +1,4 @@
-//! How the Earth-fixed, the satellite's and the celestial axes stand to one another at a moment.
+//! Rotations between Earth-fixed, TEME and celestial axes at an epoch.
 //!
 //! The chain that reproduces astropy (and Skyfield within millimetres):
 //!

@@ -1,4 +1,4 @@
-//! How Sun, Earth, satellite and observer stand to one another.
+//! Geometry of Sun, Earth, satellite and observer.
 //!
 //! ```
 //! use hifitime::Epoch;

@@ -1,4 +1,4 @@
-//! Corner plots: what a posterior says of each parameter, and of each two together.
+//! Corner plots: posterior distributions of each parameter and of each pair.
 
 use colorous::BLUES;
 use plotters::prelude::RGBColor;

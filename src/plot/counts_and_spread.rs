@@ -23,7 +23,7 @@ const BEYOND: f64 = 0.005;
 /// What cells hold, and what is asked of them.
 #[derive(Clone, Debug)]
 pub struct CountsAndSpread<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
     /// `(n_cell)` samples of each cell, 1 or more.
     pub counts: &'a [f64],

@@ -145,7 +145,7 @@ const CAPTION_SIZE: f64 = 16.0;
 
 /// What a picture of discs is made of.
 pub struct DiscSheet<'a> {
-    /// Above all.
+    /// Title.
     pub title: String,
     /// Below all.
     pub caption: String,

@@ -18,7 +18,7 @@ const FINE: usize = 2;
 /// Lines of an SVG are laid out on a mesh this many times as fine as its pixels.
 const MESH: usize = 8;
 
-/// PNG or SVG.
+/// Format of a picture.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
     /// Pixels.
@@ -42,7 +42,7 @@ impl PictureFormat {
     }
 }
 
-/// A PNG as a data URL, to stand within a page.
+/// Returns a PNG as a data URL.
 pub fn data_url(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(png))
 }
@@ -51,7 +51,7 @@ impl Picture {
     /// The bytes of a file.
     ///
     /// # Errors
-    /// What the drawing or encoding crate reports.
+    /// Error of the drawing or encoding crate.
     pub fn to_bytes(&self, format: PictureFormat) -> Result<Vec<u8>, PlotError> {
         match format {
             PictureFormat::Png => self.to_png(),
@@ -62,7 +62,7 @@ impl Picture {
     /// A PNG of [`size`](Picture::size).
     ///
     /// # Errors
-    /// What the drawing or encoding crate reports.
+    /// Error of the drawing or encoding crate.
     pub fn to_png(&self) -> Result<Vec<u8>, PlotError> {
         let Underlay { width, height, mut rgb } = self.underlay(FINE);
         let area = BitMapBackend::with_buffer(&mut rgb, (width as u32, height as u32)).into_drawing_area();
@@ -75,7 +75,7 @@ impl Picture {
     /// An SVG of [`size`](Picture::size) that needs nothing but itself: its font is in it.
     ///
     /// # Errors
-    /// What the drawing or encoding crate reports.
+    /// Error of the drawing or encoding crate.
     pub fn to_svg(&self) -> Result<String, PlotError> {
         let (width, height) = self.size();
         let (across, down) = (width * MESH, height * MESH);

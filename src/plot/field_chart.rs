@@ -24,9 +24,9 @@ const INSIDE: RGBColor = RGBColor(240, 240, 240);
 /// A field and what crosses it.
 #[derive(Clone, Debug)]
 pub struct FieldChart<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
-    /// Below, behind what the chart says of itself.
+    /// Caption, after that of the chart.
     pub caption: &'a str,
     /// Right ascension of the centre, degrees.
     pub ra_deg: f64,

@@ -23,7 +23,7 @@ const LIMIT: RGBColor = RGBColor(90, 90, 90);
 /// One satellite along its track.
 #[derive(Clone, Debug)]
 pub struct LightCurve<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
     /// Below.
     pub caption: &'a str,

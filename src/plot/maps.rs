@@ -54,7 +54,7 @@ pub fn body_picture(view: &BodyView<'_>) -> Picture {
 /// A figure of the paper: three maps with one scale, Sun in the north, spherical Earth.
 ///
 /// # Errors
-/// A panel that is no map.
+/// A panel is not a map.
 pub fn paper_picture(
     figure: &PaperFigure,
     model: &BrightnessModel,
@@ -202,7 +202,7 @@ const MOST_PANELS: usize = 12;
 /// Cells of a satellite's sky, as pictures show them.
 #[derive(Clone, Debug)]
 pub struct Layers<'a> {
-    /// Above all.
+    /// Title.
     pub title: &'a str,
     /// Below all; what is needed to read the picture is said after it.
     pub caption: &'a str,

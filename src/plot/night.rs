@@ -25,12 +25,12 @@ const UNKNOWN: RGBColor = RGBColor(90, 90, 90);
 const LIMIT: RGBColor = RGBColor(213, 94, 0);
 const DAY_S: f64 = 86_400.0;
 
-/// The exposures of a night.
+/// Exposures of a night.
 #[derive(Clone, Debug)]
 pub struct NightTimeline<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
-    /// Below; how many exposures there are is said before it.
+    /// Caption, after the number of exposures.
     pub caption: &'a str,
     /// `(n_exposure)` shutter openings, MJD (UTC), within two days.
     pub start_mjd: &'a [f64],
@@ -51,7 +51,7 @@ pub struct NightTimeline<'a> {
 /// Draws a night: above, the brightest magnitude of each exposure that is struck, bright up, in its colour; below it how many satellites cross;
 /// at the bottom every exposure as a bar, grey where it is clear.
 ///
-/// A night without any streak is drawn too, and says so.
+/// A night without streaks is drawn with a note.
 ///
 /// # Errors
 /// No exposure, columns of unequal length, a time that is not finite, exposures that lie more than two days apart.

@@ -22,7 +22,7 @@ const HISTOGRAM_BEYOND: f64 = 0.003;
 /// Residuals of a fit.
 #[derive(Clone, Debug)]
 pub struct ResidualHistogram<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
     /// Observed less computed magnitudes, finite, mag.
     pub residuals_mag: &'a [f64],
@@ -32,7 +32,7 @@ pub struct ResidualHistogram<'a> {
 
 /// Draws the density of residuals as bars, the normal curve of the sigma given over them, and mean, standard deviation and 1.4826 MAD below.
 ///
-/// The axis is as long on both sides of 0 and holds at least 99.4 % of the residuals and three sigma; how many lie beyond is said.
+/// The axis is as long on both sides of 0 and holds at least 99.4 % of the residuals and three sigma; the caption has the number beyond.
 ///
 /// # Errors
 /// No residual, one that is not finite, a sigma that is not above 0.
@@ -104,7 +104,7 @@ const PHASE_BEYOND: f64 = 0.002;
 /// Magnitudes at phase angles.
 #[derive(Clone, Debug)]
 pub struct PhaseCurve<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
     /// What the magnitudes are: `magnitude V at 1000 km`.
     pub magnitude_name: &'a str,
@@ -119,7 +119,7 @@ pub struct PhaseCurve<'a> {
 /// Draws measured magnitudes against phase angle, those of the model beside on the same axes, and the running medians of both in both; bright
 /// is up.
 ///
-/// The axis of magnitudes holds at least 99.6 % of either; how many points lie beyond is said.
+/// The axis of magnitudes holds at least 99.6 % of either; the caption has the number beyond.
 ///
 /// # Errors
 /// No point, columns of unequal length, a value that is not finite, a phase angle that is none.
@@ -212,7 +212,7 @@ const PANEL_BEYOND: f64 = 0.01;
 /// Residuals and their geometry.
 #[derive(Clone, Debug)]
 pub struct ResidualPanels<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
     /// `(n_point)` observed less computed magnitudes, finite, mag.
     pub residuals_mag: &'a [f64],
@@ -228,7 +228,7 @@ pub struct ResidualPanels<'a> {
 
 /// Draws residuals against each of the four angles: points, running median, and the band from the quantile 0.16 to 0.84.
 ///
-/// The axis of residuals is as long on both sides of 0 and holds at least 98 % of them; how many lie beyond is said. Bins of fewer than eight
+/// The axis of residuals is as long on both sides of 0 and holds at least 98 % of them; the caption has the number beyond. Bins of fewer than eight
 /// points have no median, and the line breaks there.
 ///
 /// # Errors

@@ -14,9 +14,9 @@ const SKY_RADIUS: usize = 270;
 /// Streaks an exposure, by direction.
 #[derive(Clone, Debug)]
 pub struct SkyRate<'a> {
-    /// Above all.
+    /// Title.
     pub title: &'a str,
-    /// Above the disc: where the Sun stands.
+    /// Subtitle above the disc: the position of the Sun.
     pub subtitle: &'a str,
     /// Below.
     pub caption: &'a str,
@@ -30,7 +30,7 @@ pub struct SkyRate<'a> {
     pub sun_azimuth_deg: f64,
 }
 
-/// Draws the sky as one sees it lying on the back, north up and east left: zenith in the middle, horizon at the rim; grey where nothing was asked.
+/// Draws the sky as one sees it lying on the back, north up and east left: zenith in the middle, horizon at the rim; grey for directions that were not computed.
 ///
 /// # Errors
 /// No cell, columns of unequal length, a division or a cell that there is not, a rate that is negative or not finite.
@@ -100,7 +100,7 @@ const EQUATORIAL_RADIUS: usize = 230;
 /// Streaks an exposure, by place among the stars.
 #[derive(Clone, Debug)]
 pub struct EquatorialRate<'a> {
-    /// Above all.
+    /// Title.
     pub title: &'a str,
     /// Below.
     pub caption: &'a str,

@@ -1,4 +1,4 @@
-//! What charts ask of columns of numbers: quantiles, spread, histograms, and bands that run along an axis.
+//! Statistics of columns for charts: quantiles, spread, histograms, and running bands.
 
 use super::axes::Axis;
 use super::error::PlotError;

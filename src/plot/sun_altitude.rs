@@ -23,9 +23,9 @@ const BRIGHT: RGBColor = RGBColor(213, 94, 0);
 /// Exposures and how high the Sun stood.
 #[derive(Clone, Debug)]
 pub struct SunAltitude<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
-    /// Below; how many exposures there are is said before it.
+    /// Caption, after the number of exposures.
     pub caption: &'a str,
     /// `(n_exposure)` altitude of the Sun in the middle of the exposure, degrees.
     pub sun_altitude_deg: &'a [f64],

@@ -156,7 +156,7 @@ fn paint(picture: &mut Picture, frame: &Frame, [from, to]: [f64; 2], altitude_de
     }
 }
 
-/// The bands that were shown, side by side; says where the next sign may begin.
+/// Draws the legend of the bands shown; returns the x position of the next entry.
 pub(super) fn legend(picture: &mut Picture, shown: &[usize], mut x: f64, y: f64) -> f64 {
     for &band in shown {
         let (_, words, colour) = BANDS[band];
