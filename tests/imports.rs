@@ -59,7 +59,6 @@ const DOORS: &[(&str, &[&str])] = &[
     ("rand_distr", &["fit", "images", "streaks"]),
     ("sha2", &["elements", "fit"]),
     ("saphyr", &["schedule"]),
-    ("nix", &["output"]),
     ("tempfile", &["output"]),
     ("fitsio", &["maps"]),
     ("fitsio_sys", &["images"]),

@@ -27,7 +27,7 @@ pub enum Keep {
     /// The one with the latest epoch.
     #[default]
     Newest,
-    /// The one nearest to an epoch, before or after it: what a question about that time wants.
+    /// The one nearest to an epoch, before or after it.
     Nearest(Epoch),
     /// All of them, for a [`History`].
     All,

@@ -111,13 +111,13 @@ impl fmt::Display for Generation {
     }
 }
 
-/// How a kind was told.
+/// Evidence for a kind.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Certainty {
-    /// The launch stands in the table.
+    /// The launch is in the table.
     Table,
-    /// The name says so: a constellation, or the number in it.
+    /// The name contains a constellation or its number.
     Name,
     /// Likely from the date of the launch or the catalogue number alone, or a synthetic satellite for which a kind is assumed.
     Guess,
@@ -168,7 +168,7 @@ impl GenerationTable {
         self.classify(set).0
     }
 
-    /// The kind of a satellite and how it was told.
+    /// Returns the kind of a satellite and its evidence.
     pub fn classify(&self, set: &ElementSet) -> (Generation, Certainty) {
         let name = set.name.trim();
         if set.origin == Origin::Synthetic {

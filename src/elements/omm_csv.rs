@@ -5,12 +5,12 @@
 
 use std::borrow::Cow;
 
-use super::chunks::{next_line, parse_in_chunks};
 use super::omm::{Fields, Keyword};
 use super::record::{Parsed, RecordError};
+use super::record::{next_line, parse_in_chunks};
 use super::tle::Checksums;
 
-/// Whether the first line that says something is a line of titles with the columns needed.
+/// Returns true if the first line with content is a line of titles with the required columns.
 pub(super) fn looks_like(text: &str) -> bool {
     let line = text.split(['\n', '\r']).find(|line| is_content(line));
     let Some(line) = line.filter(|line| line.len() < 10_000) else { return false };

@@ -2,9 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::chunks::{next_line, parse_in_chunks};
 use super::omm::{Fields, Keyword};
 use super::record::{Parsed, RecordError, excerpt};
+use super::record::{next_line, parse_in_chunks};
 use super::tle::Checksums;
 
 /// The keyword that opens a message.

@@ -7,8 +7,8 @@ use std::borrow::Cow;
 use quick_xml::Reader;
 use quick_xml::events::Event;
 
-use super::chunks::parse_in_chunks;
 use super::omm::{Fields, Keyword};
+use super::record::parse_in_chunks;
 use super::record::{Parsed, RecordError};
 use super::tle::Checksums;
 

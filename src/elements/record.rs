@@ -1,13 +1,14 @@
-//! One record at a time: what can be wrong with it, and how a bad one is named while the rest goes on.
+//! Records of element files: their errors, rejected records, and reading in parallel chunks.
 
 use std::fmt;
 use std::sync::Arc;
 
+use rayon::prelude::*;
 use thiserror::Error;
 
 use super::element_set::ElementSet;
 
-/// Why one record was left out.
+/// Errors of one record.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RecordError {
@@ -18,7 +19,7 @@ pub enum RecordError {
         line: u8,
         /// Name of the field.
         field: &'static str,
-        /// What stands there.
+        /// Text found there.
         text: String,
         /// First column, from 1.
         first: u8,
@@ -32,7 +33,7 @@ pub enum RecordError {
     BadTleId {
         /// Line of the element set, 1 or 2.
         line: u8,
-        /// What stands there.
+        /// Text found there.
         text: String,
     },
     /// A message without any of the fields of an element set, or with empty ones only.
@@ -66,7 +67,7 @@ pub enum RecordError {
         /// Sum of the digits, a minus counting 1, modulo 10.
         computed: u8,
     },
-    /// The two lines speak of different satellites.
+    /// The two lines have different catalogue numbers.
     #[error("line 1 is of object {first}, line 2 of object {second}")]
     MixedObjects {
         /// Catalogue number in line 1.
@@ -77,7 +78,7 @@ pub enum RecordError {
     /// A line 1 that no line 2 follows.
     #[error("line 1 of an element set is not followed by its line 2")]
     LineOneAlone,
-    /// A line 2 before which no line 1 stands.
+    /// A line 2 without a line 1 before it.
     #[error("line 2 of an element set has no line 1 before it")]
     LineTwoAlone,
     /// A line that no element set follows.
@@ -91,7 +92,7 @@ pub enum RecordError {
     FieldNotANumber {
         /// Keyword.
         field: &'static str,
-        /// What stands there.
+        /// Text found there.
         text: String,
     },
     /// A field that must be there is not.
@@ -103,13 +104,13 @@ pub enum RecordError {
     /// The catalogue number of an OMM is no number of one to nine digits.
     #[error("NORAD_CAT_ID {text:?} is not a catalogue number (1 to 999999999, or Alpha-5)")]
     BadId {
-        /// What stands there.
+        /// Text found there.
         text: String,
     },
     /// An epoch that is no date.
     #[error("epoch {text:?} is not a date: {allowed}")]
     BadEpoch {
-        /// What stands there.
+        /// Text found there.
         text: String,
         /// What is allowed.
         allowed: &'static str,
@@ -129,7 +130,7 @@ pub enum RecordError {
     Unsupported {
         /// Keyword.
         field: &'static str,
-        /// What stands there.
+        /// Text found there.
         text: String,
         /// What is allowed.
         allowed: &'static str,
@@ -144,7 +145,7 @@ pub enum RecordError {
     },
 }
 
-/// A record that was left out: where it stands and why. Prints as `file:line: why`.
+/// Rejected record with its position and reason. Prints as `file:line: why`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
     /// Name of the file as it was given.
@@ -239,4 +240,46 @@ pub(super) fn excerpt(bytes: &[u8]) -> String {
         Some((end, _)) => format!("{}...", &text[..end]),
         None => text.to_string(),
     }
+}
+
+/// Least length of a chunk, bytes: smaller ones cost more than they save.
+const LEAST_CHUNK: usize = 200_000;
+
+/// Reads `text` with `parse`, in pieces that begin where `next_record(text, from)` says: the offset at or after `from` at
+/// which reading may begin afresh, or the length of the text. The answer is the one that a single piece gives.
+pub(super) fn parse_in_chunks<'a>(
+    text: &'a str,
+    next_record: impl Fn(&'a str, usize) -> usize,
+    parse: impl Fn(&'a str) -> Parsed + Sync,
+) -> Parsed {
+    // Two pieces a thread, for threads may be busy elsewhere.
+    let pieces = (text.len() / LEAST_CHUNK).min(2 * rayon::current_num_threads());
+    let mut cuts = vec![0];
+    for piece in 1..pieces {
+        let from = text.len() / pieces * piece;
+        let last = cuts[cuts.len() - 1];
+        let from = (from.max(last + 1)..=text.len()).find(|&at| text.is_char_boundary(at)).unwrap_or(text.len());
+        cuts.push(next_record(text, from));
+    }
+    cuts.push(text.len());
+    let parts: Vec<(usize, Parsed)> =
+        cuts.par_windows(2).map(|cut| (cut[0], parse(text.get(cut[0]..cut[1]).unwrap_or_default()))).collect();
+    let mut parts = parts.into_iter();
+    let mut whole = parts.next().map(|(_, first)| first).unwrap_or_default();
+    for (offset, part) in parts {
+        whole.sets.extend(part.sets);
+        whole.last_good_at = part.last_good_at.map(|at| at + offset).or(whole.last_good_at);
+        whole.rejected.extend(part.rejected.into_iter().map(|(at, reason)| (at + offset, reason)));
+        whole.bad_checksums_accepted += part.bad_checksums_accepted;
+    }
+    whole
+}
+
+/// Offset of the first line that begins at or after `from`.
+pub(super) fn next_line(text: &str, from: usize) -> usize {
+    if from == 0 {
+        return 0;
+    }
+    let rest = text.as_bytes().get(from - 1..).unwrap_or_default();
+    rest.iter().position(|&byte| byte == b'\n' || byte == b'\r').map_or(text.len(), |at| from + at)
 }

@@ -24,7 +24,7 @@ use thiserror::Error;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch::DAY_NS;
-use super::mean_motion::{mean_motion_for_radius, secular_rates_rad_day};
+use super::on_station::{mean_motion_for_radius, secular_rates_rad_day};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 
 /// The constellations that come with the library, with their sources.
@@ -75,7 +75,7 @@ fn full_circle() -> f64 {
 #[derive(Clone, Debug, PartialEq)]
 #[non_exhaustive]
 pub struct Constellation {
-    /// Name as it is asked for, such as `starlink-gen1`.
+    /// Name, such as `starlink-gen1`.
     pub name: String,
     /// Where the numbers come from.
     pub source: String,
@@ -85,19 +85,19 @@ pub struct Constellation {
     pub first_id: NoradId,
 }
 
-/// Why there is no such constellation.
+/// Errors of constellations.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ShellError {
     /// No constellation of this name comes with the library.
     #[error("unknown shells {name:?}; known are {known}")]
     UnknownName {
-        /// What was asked for.
+        /// Requested value.
         name: String,
         /// The names there are.
         known: String,
     },
-    /// The TOML does not say what it should.
+    /// The TOML is invalid.
     #[error("constellation file: {0}")]
     Syntax(String),
     /// A number outside what can be.
@@ -152,7 +152,7 @@ impl Constellation {
     /// The constellation of this name, in any case.
     ///
     /// # Errors
-    /// There is none of this name; the error lists those there are.
+    /// The name is unknown; the error lists the known ones.
     pub fn by_name(name: &str) -> Result<Self, ShellError> {
         let mut all = Self::embedded();
         match all.iter().position(|constellation| constellation.name.eq_ignore_ascii_case(name.trim())) {

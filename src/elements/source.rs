@@ -102,7 +102,7 @@ pub enum CatalogueError {
     BrokenGzip {
         /// Name as it was given.
         file: String,
-        /// What the decoder says.
+        /// Error of the decoder.
         source: io::Error,
     },
     /// None of the formats.

@@ -28,7 +28,7 @@ use super::tle_fields::{BODY, decimal, designator_of, exponential, parse_five_ch
 pub(super) enum Checksums {
     /// Leave the record out.
     Require,
-    /// Take the record, and say that it was wrong.
+    /// Accepts the record and counts it.
     Ignore,
 }
 
@@ -87,7 +87,7 @@ pub(super) fn name_of(line: &[u8]) -> Arc<str> {
     if line.is_empty() { Arc::default() } else { Arc::from(String::from_utf8_lossy(line).as_ref()) }
 }
 
-/// What line 1 says.
+/// Fields of line 1.
 struct Line1 {
     norad_id: u32,
     designator: Arc<str>,
@@ -97,7 +97,7 @@ struct Line1 {
     bstar: f64,
 }
 
-/// What line 2 says.
+/// Fields of line 2.
 struct Line2 {
     norad_id: u32,
     inclination: f64,

@@ -1,4 +1,4 @@
-//! What stands in the columns of a two-line element set: numbers, catalogue numbers, designators, checksums.
+//! Column fields of two-line element sets: numbers, catalogue numbers, designators, checksums.
 
 use std::sync::Arc;
 

@@ -1,34 +1,34 @@
-//! Why there is no forecast.
+//! Errors of forecasts and statistics.
 
 use thiserror::Error;
 
 use crate::passes::SkyError;
 
-/// Why a question about a night has no answer.
+/// Errors of forecasts and statistics.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum ForecastError {
-    /// A number beyond what is allowed.
+    /// A number is out of range.
     #[error("{what} {given}{unit}: allowed {allowed}")]
     OutOfRange {
-        /// Which number.
+        /// Name of the number.
         what: &'static str,
-        /// What was given.
+        /// Given value.
         given: f64,
         /// Its unit with a blank before it; empty for none.
         unit: &'static str,
-        /// What is allowed.
+        /// Allowed range.
         allowed: &'static str,
     },
-    /// No satellite is of the kind asked for.
+    /// No satellite matches the selection.
     #[error("none of the {satellites} satellites has {wanted}")]
-    NobodyWanted {
-        /// How many there are.
+    EmptySelection {
+        /// Number of satellites.
         satellites: usize,
-        /// What was asked for.
+        /// Description of the selection.
         wanted: String,
     },
-    /// The sky has no answer.
+    /// Positions cannot be computed.
     #[error(transparent)]
     Sky(#[from] SkyError),
 }

@@ -1,30 +1,100 @@
-//! The answer to a question about a night.
+//! Forecast of a night: dark intervals, visible passes, and reasons why there are none.
+
+use hifitime::{Epoch, TimeScale};
 
 use super::error::ForecastError;
-use super::night::Night;
 use super::request::{ForecastRequest, Selection};
-use crate::output::counted;
-use crate::passes::{Sky, VisiblePass, VisiblePasses, VisibleRequest};
+use crate::frames::{seconds_after, seconds_between};
+use crate::geometry::SunTable;
+use crate::output::{Column, Kind, Table, Value, counted, format_utc};
+use crate::passes::{Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, stretches_where};
 use crate::photometry::MagnitudeSource;
 
-/// A night and what passes in it.
+/// Sampling interval of the Sun, seconds: a quarter of a degree.
+const STEP_S: f64 = 60.0;
+
+/// Time span at a site, with the intervals in which the Sun is low enough.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Night {
+    /// Start.
+    pub start: Epoch,
+    /// End.
+    pub end: Epoch,
+    /// Upper limit of the Sun's altitude, radians; `None` for day and night.
+    pub max_sun_altitude_rad: Option<f64>,
+    /// Intervals below it, in order of time.
+    pub dark: Vec<(Epoch, Epoch)>,
+    /// The lowest altitude of the Sun's centre, radians, without refraction.
+    pub lowest_sun_rad: f64,
+    /// Time of the lowest altitude.
+    pub lowest_sun_at: Epoch,
+}
+
+impl Night {
+    /// Finds the dark intervals from `start` to `end` (not before it) at the site of a sky.
+    ///
+    /// # Errors
+    /// [`SkyError::NoHorizon`] for an observer in orbit.
+    pub fn over(sky: &Sky, start: Epoch, end: Epoch, max_sun_altitude_rad: Option<f64>) -> Result<Self, SkyError> {
+        let observer =
+            sky.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: sky.viewpoint().name() })?;
+        let (orientation, sun) = (sky.orientation_over(start, end), SunTable::new(start, end));
+        let span_s = seconds_between(start, end).max(0.0);
+        let altitude_rad = |time_s: f64| observer.sun_altitude_rad(&orientation, &sun, time_s);
+        let steps = (span_s / STEP_S).ceil().max(1.0) as usize;
+        let (lowest_s, lowest_sun_rad) = (0..=steps)
+            .map(|step| span_s * step as f64 / steps as f64)
+            .map(|time_s| (time_s, altitude_rad(time_s)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .unwrap_or((0.0, f64::NAN));
+        let epoch = |time_s: f64| seconds_after(start, time_s).to_time_scale(TimeScale::UTC);
+        let dark = match max_sun_altitude_rad {
+            Some(limit_rad) => stretches_where(0.0, span_s, steps, |time_s| altitude_rad(time_s) < limit_rad)
+                .into_iter()
+                .map(|(from_s, until_s)| (epoch(from_s), epoch(until_s)))
+                .collect(),
+            None => vec![(start, end)],
+        };
+        Ok(Self { start, end, max_sun_altitude_rad, dark, lowest_sun_rad, lowest_sun_at: epoch(lowest_s) })
+    }
+
+    /// Returns the total duration of darkness, seconds.
+    pub fn dark_s(&self) -> f64 {
+        self.dark.iter().map(|(from, until)| seconds_between(*from, *until)).sum()
+    }
+
+    /// Returns the reason why it is never dark; `None` if it is.
+    pub fn why_never_dark(&self, site: &str) -> Option<String> {
+        let limit_rad = self.max_sun_altitude_rad.filter(|_| self.dark.is_empty())?;
+        Some(format!(
+            "it does not get dark at {site} between {} and {}: the Sun sinks to {:.1} deg at the lowest ({}), and {:.1} deg was asked for",
+            format_utc(self.start, 0),
+            format_utc(self.end, 0),
+            self.lowest_sun_rad.to_degrees(),
+            format_utc(self.lowest_sun_at, 0),
+            limit_rad.to_degrees(),
+        ))
+    }
+}
+
+/// Night and its passes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Forecast {
-    /// When it is dark.
+    /// The night.
     pub night: Night,
-    /// What passes.
+    /// The passes.
     pub found: VisiblePasses,
 }
 
-/// Every visible pass of the satellites selected, on all threads of the current pool.
+/// Computes every visible pass of the selected satellites, on all threads of the current pool.
 ///
 /// # Errors
-/// A number out of range, nobody selected, an observer in orbit, or a time for which Sun and Earth are not known.
+/// A number is out of range, no satellite is selected, the observer is in orbit, or the time is outside the ephemerides.
 pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> Result<Forecast, ForecastError> {
     request.check()?;
     let satellites = sky.elements().len();
-    if !sky.elements().iter().any(|elements| selection.holds(elements)) {
-        return Err(ForecastError::NobodyWanted { satellites, wanted: selection.words() });
+    if !sky.elements().iter().any(|elements| selection.contains(elements)) {
+        return Err(ForecastError::EmptySelection { satellites, wanted: selection.description() });
     }
     let night = Night::over(sky, request.start, request.end, request.max_sun_altitude_rad)?;
     let found = sky.visible_passes(
@@ -39,18 +109,18 @@ pub fn forecast(sky: &Sky, request: &ForecastRequest, selection: &Selection) -> 
             samples: request.samples,
             photometry: request.photometry,
         },
-        &|element_index| selection.holds(&sky.elements()[element_index]),
+        &|element_index| selection.contains(&sky.elements()[element_index]),
     )?;
     Ok(Forecast { night, found })
 }
 
 impl Forecast {
-    /// In words, why there is no pass over the sky's site; `None` where there is one.
+    /// Returns the reason why there is no pass over the site; `None` if there is one.
     pub fn why_empty(&self, sky: &Sky, request: &ForecastRequest) -> Option<String> {
         if !self.found.passes.is_empty() {
             return None;
         }
-        // Coordinates alone have no name.
+        // A site given by coordinates has no name.
         let named = sky.viewpoint().site().map(|observer| observer.site().name.as_str());
         let site = named.filter(|name| *name != "site").unwrap_or("the site");
         if let Some(why) = self.night.why_never_dark(site).filter(|_| !request.include_dark) {
@@ -87,22 +157,61 @@ impl Forecast {
         Some(reasons.join("; "))
     }
 
-    /// In words, how many passes rest on a prior alone, shown or left out as too faint; `None` where none does.
+    /// Returns a warning with the number of passes whose magnitudes are only a prior, shown or omitted as too faint; `None` without them.
     pub fn prior_warning(&self, sky: &Sky, max_magnitude: Option<f64>) -> Option<String> {
         let is_prior = |pass: &&VisiblePass| *sky.model(pass.element_index).source() == MagnitudeSource::Prior;
         let shown = self.found.passes.iter().filter(|pass| pass.visible.is_some()).filter(is_prior).count();
         let hidden = self.found.not_shown.too_faint_by_prior;
         let passes = |count: usize| counted(count, "pass", "passes");
-        let mut told = Vec::new();
+        let mut parts = Vec::new();
         if shown > 0 {
-            told.push(format!("{} shown", passes(shown)));
+            parts.push(format!("{} shown", passes(shown)));
         }
         if let Some(limit) = max_magnitude.filter(|_| hidden > 0) {
-            told.push(format!("{} left out as fainter than mag {limit}", passes(hidden)));
+            parts.push(format!("{} left out as fainter than mag {limit}", passes(hidden)));
         }
-        let told = (!told.is_empty()).then(|| told.join(", "))?;
+        let parts = (!parts.is_empty()).then(|| parts.join(", "))?;
         Some(format!(
-            "nothing is known of the brightness of some satellites, and their magnitudes are a wide prior alone ({told}); --qs-mag FILE takes standard magnitudes"
+            "nothing is known of the brightness of some satellites, and their magnitudes are a wide prior alone ({parts}); --qs-mag FILE takes standard magnitudes"
         ))
     }
+}
+
+const NIGHT_COLUMNS: [Column; 12] = [
+    Column::time("start_utc", "First moment asked about."),
+    Column::time("end_utc", "Last moment asked about."),
+    Column::real("sun_altitude_limit_deg", "deg", 3, "Darkness is a Sun below this; empty where day counts too."),
+    Column::time("dark_from_utc", "It first gets dark; empty where it never does."),
+    Column::time("dark_until_utc", "It was dark for the last time."),
+    Column::real("dark_h", "h", 4, "How long it is dark, all stretches together."),
+    Column::real("lowest_sun_altitude_deg", "deg", 3, "The Sun's centre at its lowest, without refraction."),
+    Column::time("lowest_sun_utc", "When that is."),
+    Column::new(
+        "passes_in_shadow",
+        Kind::Integer,
+        "Passes left out because the satellite is in the Earth's shadow whenever it is up while it is dark.",
+    ),
+    Column::new("passes_too_faint", Kind::Integer, "Passes left out because of the magnitude asked for."),
+    Column::new("passes_too_low", Kind::Integer, "Passes left out because they culminate too low."),
+    Column::new("why_empty", Kind::Text, "Where there is no pass: why."),
+];
+
+/// Returns the night of a forecast as a table of one row, with the reason if there is no pass.
+pub fn night_table(forecast: &Forecast, why_empty: Option<&str>) -> Table {
+    let (night, count) = (&forecast.night, &forecast.found.not_shown);
+    let row: Vec<Value> = vec![
+        night.start.into(),
+        night.end.into(),
+        night.max_sun_altitude_rad.map(f64::to_degrees).into(),
+        night.dark.first().map(|dark| dark.0).into(),
+        night.dark.last().map(|dark| dark.1).into(),
+        (night.dark_s() / 3600.0).into(),
+        night.lowest_sun_rad.to_degrees().into(),
+        night.lowest_sun_at.into(),
+        count.in_shadow.into(),
+        count.too_faint.into(),
+        count.too_low.into(),
+        why_empty.into(),
+    ];
+    Table { columns: NIGHT_COLUMNS.to_vec(), rows: vec![row] }
 }

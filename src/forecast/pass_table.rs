@@ -1,34 +1,36 @@
-//! Passes of a night as a table: one row a pass.
+//! Tables of passes: one row for each pass, one row for each point of a light curve, and a table in local time for observers.
+
+use hifitime::Epoch;
 
 use crate::elements::ElementSet;
-use crate::frames::seconds_between;
-use crate::output::{Column, Kind, Table, Value};
+use crate::frames::{seconds_after, seconds_between};
+use crate::output::{Column, Kind, Table, TableField, Value, format_utc};
 use crate::passes::{TrackPoint, Visibility, VisiblePass};
 
-/// Two moments this close are one, seconds.
+/// Largest difference of equal times, seconds.
 const SAME_S: f64 = 0.01;
 
-/// A pass and whose it is.
+/// Pass with its element set.
 #[derive(Copy, Clone)]
 pub struct PassRow<'a> {
     /// The pass.
     pub pass: &'a VisiblePass,
-    /// Its element set: name and designator.
+    /// Its element set.
     pub elements: &'a ElementSet,
 }
 
 impl<'a> PassRow<'a> {
-    /// Name, or number where there is none.
+    /// Returns the name, or the number for a satellite without a name.
     pub fn name(&self) -> String {
         if self.elements.name.is_empty() { self.pass.norad_id.to_string() } else { self.elements.name.to_string() }
     }
 
-    /// The brightest point, where the model sees anything.
+    /// Returns the brightest point, if there is a magnitude.
     pub fn peak(&self) -> Option<&'a TrackPoint> {
         self.pass.visible.as_ref()?.peak.as_ref()
     }
 
-    /// What begins the visible part: `rise`, `shadow` or `dusk`.
+    /// Returns the event that begins the visible part: `rise`, `shadow` or `dusk`.
     pub fn begins_by(&self) -> Option<&'static str> {
         let begin = &self.pass.visible.as_ref()?.begin;
         Some(if is_at(begin, self.pass.rise.as_ref()) {
@@ -40,7 +42,7 @@ impl<'a> PassRow<'a> {
         })
     }
 
-    /// What ends it: `set`, `shadow` or `dawn`.
+    /// Returns the event that ends it: `set`, `shadow` or `dawn`.
     pub fn ends_by(&self) -> Option<&'static str> {
         let end = &self.pass.visible.as_ref()?.end;
         Some(if is_at(end, self.pass.set.as_ref()) {
@@ -57,144 +59,136 @@ fn is_at(point: &TrackPoint, other: Option<&TrackPoint>) -> bool {
     other.is_some_and(|other| seconds_between(point.epoch, other.epoch).abs() < SAME_S)
 }
 
-/// One column and how its cell comes from a row.
-struct Field {
-    column: Column,
-    value: fn(&PassRow<'_>) -> Value,
+fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
+    let field = TableField::<PassRow<'a>>::new;
+    vec![
+        field(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |row| {
+            i64::from(row.pass.norad_id.0).into()
+        }),
+        field(Column::new("name", Kind::Text, "Name in the element set."), |row| Value::nonempty(&row.elements.name)),
+        field(
+            Column::time("rise_utc", "Reaches the least altitude; empty where it is up before the search begins."),
+            |row| epoch(row.pass.rise.as_ref()),
+        ),
+        field(Column::time("culmination_utc", "Highest point of the pass, seen or not."), |row| {
+            row.pass.culmination.epoch.into()
+        }),
+        field(
+            Column::time("set_utc", "Falls below the least altitude; empty where it is up after the search ends."),
+            |row| epoch(row.pass.set.as_ref()),
+        ),
+        field(Column::real("rise_azimuth_deg", "deg", 3, "Azimuth at the rise, from north through east."), |row| {
+            azimuth_deg(row.pass.rise.as_ref())
+        }),
+        field(Column::real("max_altitude_deg", "deg", 3, "Altitude at culmination, without refraction."), |row| {
+            altitude_deg(Some(&row.pass.culmination))
+        }),
+        field(Column::real("set_azimuth_deg", "deg", 3, "Azimuth at the set."), |row| {
+            azimuth_deg(row.pass.set.as_ref())
+        }),
+        field(
+            Column::time(
+                "shadow_entry_utc",
+                "Light first begins to fade into the Earth's shadow; empty where it does not.",
+            ),
+            |row| epoch(row.pass.shadow_entry.as_ref()),
+        ),
+        field(Column::time("shadow_exit_utc", "Light is first back in full; empty where it was never gone."), |row| {
+            epoch(row.pass.shadow_exit.as_ref())
+        }),
+        field(Column::time("peak_utc", "Brightest moment that can be seen."), |row| epoch(row.peak())),
+        field(
+            Column::real("peak_magnitude", "mag", 3, "Apparent magnitude there; empty where nothing is seen."),
+            |row| magnitude(row.peak()),
+        ),
+        field(Column::real("peak_magnitude_sigma", "mag", 3, "One sigma of it."), |row| sigma(row.peak())),
+        field(Column::real("peak_altitude_deg", "deg", 3, "Altitude there, without refraction."), |row| {
+            altitude_deg(row.peak())
+        }),
+        field(Column::real("peak_azimuth_deg", "deg", 3, "Azimuth there."), |row| azimuth_deg(row.peak())),
+        field(Column::real("range_km", "km", 3, "Distance there; at culmination where there is no peak."), |row| {
+            row.peak().unwrap_or(&row.pass.culmination).range_km.into()
+        }),
+        field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
+            row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.source.to_string()).into()
+        }),
+        field(
+            Column::real(
+                "element_age_days",
+                "d",
+                4,
+                "Culmination less epoch of the elements; negative where these are newer.",
+            ),
+            |row| row.pass.element_age_days.into(),
+        ),
+    ]
 }
 
-const fn field(column: Column, value: fn(&PassRow<'_>) -> Value) -> Field {
-    Field { column, value }
+/// Columns that only formats with nested tables contain: scripts rely on the columns of the other formats.
+fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
+    let field = TableField::<PassRow<'a>>::new;
+    vec![
+        field(Column::new("international_designator", Kind::Text, "COSPAR designator."), |row| {
+            Value::nonempty(&row.elements.international_designator)
+        }),
+        field(Column::time("begin_utc", "The visible part begins."), |row| epoch(seen(row).map(|seen| &seen.begin))),
+        field(Column::real("begin_altitude_deg", "deg", 3, "Altitude there."), |row| {
+            altitude_deg(seen(row).map(|seen| &seen.begin))
+        }),
+        field(Column::real("begin_azimuth_deg", "deg", 3, "Azimuth there."), |row| {
+            azimuth_deg(seen(row).map(|seen| &seen.begin))
+        }),
+        field(Column::new("begins_by", Kind::Text, "rise, shadow or dusk."), |row| row.begins_by().into()),
+        field(Column::time("highest_utc", "Highest point of the visible part."), |row| {
+            epoch(seen(row).map(|seen| &seen.highest))
+        }),
+        field(Column::real("highest_altitude_deg", "deg", 3, "Altitude there."), |row| {
+            altitude_deg(seen(row).map(|seen| &seen.highest))
+        }),
+        field(Column::real("highest_azimuth_deg", "deg", 3, "Azimuth there."), |row| {
+            azimuth_deg(seen(row).map(|seen| &seen.highest))
+        }),
+        field(Column::time("end_utc", "The visible part ends."), |row| epoch(seen(row).map(|seen| &seen.end))),
+        field(Column::real("end_altitude_deg", "deg", 3, "Altitude there."), |row| {
+            altitude_deg(seen(row).map(|seen| &seen.end))
+        }),
+        field(Column::real("end_azimuth_deg", "deg", 3, "Azimuth there."), |row| {
+            azimuth_deg(seen(row).map(|seen| &seen.end))
+        }),
+        field(Column::new("ends_by", Kind::Text, "set, shadow or dawn."), |row| row.ends_by().into()),
+        field(Column::real("peak_phase_angle_deg", "deg", 3, "Sun-satellite-observer angle at the peak."), |row| {
+            row.peak().map(|peak| peak.geometry.phase_angle_rad().to_degrees()).into()
+        }),
+        field(
+            Column::new(
+                "in_fitted_range",
+                Kind::Boolean,
+                "False where the model is asked beyond the geometry it rests on, and the sigma is wide.",
+            ),
+            |row| row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.in_fitted_range).into(),
+        ),
+    ]
 }
 
-static FIELDS: &[Field] = &[
-    field(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |row| {
-        i64::from(row.pass.norad_id.0).into()
-    }),
-    field(Column::new("name", Kind::Text, "Name in the element set."), |row| text(&row.elements.name)),
-    field(
-        Column::time("rise_utc", "Reaches the least altitude; empty where it is up before the search begins."),
-        |row| moment(row.pass.rise.as_ref()),
-    ),
-    field(Column::time("culmination_utc", "Highest point of the pass, seen or not."), |row| {
-        row.pass.culmination.epoch.into()
-    }),
-    field(
-        Column::time("set_utc", "Falls below the least altitude; empty where it is up after the search ends."),
-        |row| moment(row.pass.set.as_ref()),
-    ),
-    field(Column::real("rise_azimuth_deg", "deg", 3, "Azimuth at the rise, from north through east."), |row| {
-        azimuth_deg(row.pass.rise.as_ref())
-    }),
-    field(Column::real("max_altitude_deg", "deg", 3, "Altitude at culmination, without refraction."), |row| {
-        altitude_deg(Some(&row.pass.culmination))
-    }),
-    field(Column::real("set_azimuth_deg", "deg", 3, "Azimuth at the set."), |row| azimuth_deg(row.pass.set.as_ref())),
-    field(
-        Column::time(
-            "shadow_entry_utc",
-            "Light first begins to fade into the Earth's shadow; empty where it does not.",
-        ),
-        |row| moment(row.pass.shadow_entry.as_ref()),
-    ),
-    field(Column::time("shadow_exit_utc", "Light is first back in full; empty where it was never gone."), |row| {
-        moment(row.pass.shadow_exit.as_ref())
-    }),
-    field(Column::time("peak_utc", "Brightest moment that can be seen."), |row| moment(row.peak())),
-    field(Column::real("peak_magnitude", "mag", 3, "Apparent magnitude there; empty where nothing is seen."), |row| {
-        magnitude(row.peak())
-    }),
-    field(Column::real("peak_magnitude_sigma", "mag", 3, "One sigma of it."), |row| sigma(row.peak())),
-    field(Column::real("peak_altitude_deg", "deg", 3, "Altitude there, without refraction."), |row| {
-        altitude_deg(row.peak())
-    }),
-    field(Column::real("peak_azimuth_deg", "deg", 3, "Azimuth there."), |row| azimuth_deg(row.peak())),
-    field(Column::real("range_km", "km", 3, "Distance there; at culmination where there is no peak."), |row| {
-        row.peak().unwrap_or(&row.pass.culmination).range_km.into()
-    }),
-    field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
-        row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.source.to_string()).into()
-    }),
-    field(
-        Column::real(
-            "element_age_days",
-            "d",
-            4,
-            "Culmination less epoch of the elements; negative where these are newer.",
-        ),
-        |row| row.pass.element_age_days.into(),
-    ),
-];
-
-/// Columns that only formats with tables inside tables carry: scripts count on the others' columns.
-static MORE: &[Field] = &[
-    field(Column::new("international_designator", Kind::Text, "COSPAR designator."), |row| {
-        text(&row.elements.international_designator)
-    }),
-    field(Column::time("begin_utc", "The visible part begins."), |row| moment(seen(row).map(|seen| &seen.begin))),
-    field(Column::real("begin_altitude_deg", "deg", 3, "Altitude there."), |row| {
-        altitude_deg(seen(row).map(|seen| &seen.begin))
-    }),
-    field(Column::real("begin_azimuth_deg", "deg", 3, "Azimuth there."), |row| {
-        azimuth_deg(seen(row).map(|seen| &seen.begin))
-    }),
-    field(Column::new("begins_by", Kind::Text, "rise, shadow or dusk."), |row| row.begins_by().into()),
-    field(Column::time("highest_utc", "Highest point of the visible part."), |row| {
-        moment(seen(row).map(|seen| &seen.highest))
-    }),
-    field(Column::real("highest_altitude_deg", "deg", 3, "Altitude there."), |row| {
-        altitude_deg(seen(row).map(|seen| &seen.highest))
-    }),
-    field(Column::real("highest_azimuth_deg", "deg", 3, "Azimuth there."), |row| {
-        azimuth_deg(seen(row).map(|seen| &seen.highest))
-    }),
-    field(Column::time("end_utc", "The visible part ends."), |row| moment(seen(row).map(|seen| &seen.end))),
-    field(Column::real("end_altitude_deg", "deg", 3, "Altitude there."), |row| {
-        altitude_deg(seen(row).map(|seen| &seen.end))
-    }),
-    field(Column::real("end_azimuth_deg", "deg", 3, "Azimuth there."), |row| {
-        azimuth_deg(seen(row).map(|seen| &seen.end))
-    }),
-    field(Column::new("ends_by", Kind::Text, "set, shadow or dawn."), |row| row.ends_by().into()),
-    field(Column::real("peak_phase_angle_deg", "deg", 3, "Sun-satellite-observer angle at the peak."), |row| {
-        row.peak().map(|peak| peak.geometry.phase_angle_rad().to_degrees()).into()
-    }),
-    field(
-        Column::new(
-            "in_fitted_range",
-            Kind::Boolean,
-            "False where the model is asked beyond the geometry it rests on, and the sigma is wide.",
-        ),
-        |row| row.peak().and_then(|peak| peak.brightness.as_ref()).map(|light| light.in_fitted_range).into(),
-    ),
-];
-
-static SAMPLED: &[Field] =
-    &[field(Column::new("samples", Kind::Rows(super::light_curve::POINTS), "Points from rise to set."), |row| {
-        Value::Rows(row.pass.samples.iter().map(super::light_curve::cells).collect())
-    })];
-
-/// The passes as a table, in their order: the columns of the forecast, `more` of them for formats that hold any number, and the points along each
-/// pass where samples were asked for.
+/// Returns passes as a table, in their order; with `more` columns for formats that hold any number of them, and with the points along each
+/// pass if there are samples.
 pub fn pass_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, more: bool, samples: bool) -> Table {
-    let more: &[Field] = if more { MORE } else { &[] };
-    let samples: &[Field] = if samples { SAMPLED } else { &[] };
-    let fields: Vec<&Field> = FIELDS.iter().chain(more).chain(samples).collect();
-    Table {
-        columns: fields.iter().map(|field| field.column).collect(),
-        rows: rows.into_iter().map(|row| fields.iter().map(|field| (field.value)(&row)).collect()).collect(),
+    let mut fields = pass_fields();
+    if more {
+        fields.extend(more_fields());
     }
+    if samples {
+        let column = Column::new("samples", Kind::Rows(POINTS), "Points from rise to set.");
+        fields.push(TableField::new(column, |row| Value::Rows(row.pass.samples.iter().map(point_cells).collect())));
+    }
+    Table::from_records(&fields, rows)
 }
 
 fn seen<'a>(row: &PassRow<'a>) -> Option<&'a Visibility> {
     row.pass.visible.as_ref()
 }
 
-fn text(text: &str) -> Value {
-    if text.is_empty() { Value::Null } else { text.into() }
-}
-
-fn moment(point: Option<&TrackPoint>) -> Value {
+fn epoch(point: Option<&TrackPoint>) -> Value {
     point.map(|point| point.epoch).into()
 }
 
@@ -212,4 +206,157 @@ fn magnitude(point: Option<&TrackPoint>) -> Value {
 
 fn sigma(point: Option<&TrackPoint>) -> Value {
     point.and_then(|point| point.brightness.as_ref()).map(|light| light.sigma_mag).into()
+}
+
+/// Columns of a point of a pass.
+const POINTS: &[Column] = &[
+    Column::time("utc", "Moment of reception."),
+    Column::real("altitude_deg", "deg", 4, "Altitude without refraction."),
+    Column::real("azimuth_deg", "deg", 4, "Azimuth from north through east."),
+    Column::real("ra_deg", "deg", 6, "Right ascension, ICRS astrometric topocentric."),
+    Column::real("dec_deg", "deg", 6, "Declination."),
+    Column::real("range_km", "km", 3, "Distance from the observer."),
+    Column::real("phase_angle_deg", "deg", 3, "Sun-satellite-observer angle."),
+    Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra."),
+    Column::real("lit_fraction", "", 4, "Share of the Sun's light that arrives."),
+    Column::real("magnitude", "mag", 3, "Apparent magnitude; empty in the umbra and where nothing lit is seen."),
+    Column::real("magnitude_sigma", "mag", 3, "One sigma of it."),
+];
+
+/// Columns of the pass of a point.
+const PASS: [Column; 3] = [
+    Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
+    Column::new("name", Kind::Text, "Name in the element set."),
+    Column::time("culmination_utc", "Highest point of the pass that the row belongs to."),
+];
+
+/// Returns the cells of a point.
+fn point_cells(point: &TrackPoint) -> Vec<Value> {
+    let light = point.brightness.as_ref();
+    vec![
+        point.epoch.into(),
+        point.altitude_rad.map(f64::to_degrees).into(),
+        point.azimuth_rad.map(f64::to_degrees).into(),
+        point.direction.longitude_rad().to_degrees().into(),
+        point.direction.latitude_rad().to_degrees().into(),
+        point.range_km.into(),
+        point.geometry.phase_angle_rad().to_degrees().into(),
+        point.illumination.name().into(),
+        point.illumination.lit_fraction().into(),
+        light.map(|light| light.magnitude.0).into(),
+        light.map(|light| light.sigma_mag).into(),
+    ]
+}
+
+/// Returns the samples of all passes, pass by pass in order of time.
+pub fn light_curve_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>) -> Table {
+    let mut table = Table { columns: PASS.iter().chain(POINTS).copied().collect(), rows: Vec::new() };
+    for row in rows {
+        let of_pass: Vec<Value> =
+            vec![i64::from(row.pass.norad_id.0).into(), row.name().into(), row.pass.culmination.epoch.into()];
+        table
+            .rows
+            .extend(row.pass.samples.iter().map(|point| of_pass.iter().cloned().chain(point_cells(point)).collect()));
+    }
+    table
+}
+
+const READABLE_COLUMNS: [Column; 16] = [
+    Column::new("date", Kind::Text, "Local date of the start."),
+    Column::new("satellite", Kind::Text, "Name."),
+    Column::real("magnitude", "mag", 1, "At the brightest moment."),
+    Column::real("sigma", "mag", 1, "One sigma of it."),
+    Column::new("start", Kind::Text, "Local time at which it can first be seen."),
+    Column::new("start_altitude", Kind::Text, "Altitude there."),
+    Column::new("start_azimuth", Kind::Text, "Direction there."),
+    Column::new("highest", Kind::Text, "Local time of the highest visible point."),
+    Column::new("highest_altitude", Kind::Text, "Altitude there."),
+    Column::new("highest_azimuth", Kind::Text, "Direction there."),
+    Column::new("end", Kind::Text, "Local time at which it can last be seen."),
+    Column::new("end_altitude", Kind::Text, "Altitude there."),
+    Column::new("end_azimuth", Kind::Text, "Direction there."),
+    Column::new("ends_by", Kind::Text, "set, shadow or dawn."),
+    Column::new("norad_id", Kind::Integer, "NORAD catalogue number."),
+    Column::new("mag_source", Kind::Text, "What the magnitude rests on."),
+];
+
+/// Returns the passes as the table that observers know: date, magnitude, start, highest point and end with time, altitude and direction.
+/// Times are `utc_offset_s` ahead of UTC; passes without a visible part have those of rise and set.
+pub fn readable_table<'a>(rows: impl IntoIterator<Item = PassRow<'a>>, utc_offset_s: f64) -> Table {
+    Table {
+        columns: READABLE_COLUMNS.to_vec(),
+        rows: rows.into_iter().map(|row| readable_cells(&row, utc_offset_s)).collect(),
+    }
+}
+
+fn readable_cells(row: &PassRow<'_>, utc_offset_s: f64) -> Vec<Value> {
+    let pass = row.pass;
+    let (begin, highest, end) = match &pass.visible {
+        Some(seen) => (Some(&seen.begin), &seen.highest, Some(&seen.end)),
+        None => (pass.rise.as_ref(), &pass.culmination, pass.set.as_ref()),
+    };
+    let clock = |epoch: Epoch| local(epoch, utc_offset_s).1;
+    let three = |point: Option<&TrackPoint>| -> [Value; 3] {
+        let altitude = |point: &TrackPoint| Some(format!("{:.0}\u{b0}", point.altitude_rad?.to_degrees()));
+        [
+            point.map(|point| clock(point.epoch)).into(),
+            point.and_then(altitude).into(),
+            point.and_then(|point| point.azimuth_rad).map(compass).into(),
+        ]
+    };
+    let light = row.peak().and_then(|peak| peak.brightness.as_ref());
+    let date = local(begin.unwrap_or(highest).epoch, utc_offset_s).0;
+    let mut cells: Vec<Value> = vec![
+        date.into(),
+        row.name().into(),
+        light.map(|light| light.magnitude.0).into(),
+        light.map(|light| light.sigma_mag).into(),
+    ];
+    cells.extend([begin, Some(highest), end].into_iter().flat_map(three));
+    cells.push(row.ends_by().unwrap_or("not visible").into());
+    cells.push(i64::from(pass.norad_id.0).into());
+    cells.push(light.map(|light| light.source.to_string()).into());
+    cells
+}
+
+/// Returns the local date and time of day.
+fn local(epoch: Epoch, utc_offset_s: f64) -> (String, String) {
+    let text = format_utc(seconds_after(epoch, utc_offset_s), 0);
+    (text.chars().take(10).collect(), text.chars().skip(11).take(8).collect())
+}
+
+/// Returns the nearest of the sixteen points of the compass.
+pub fn compass(azimuth_rad: f64) -> &'static str {
+    const POINTS: [&str; 16] =
+        ["N", "NNE", "NE", "ENE", "E", "ESE", "SE", "SSE", "S", "SSW", "SW", "WSW", "W", "WNW", "NW", "NNW"];
+    let point = (azimuth_rad.rem_euclid(std::f64::consts::TAU) / std::f64::consts::TAU * 16.0).round();
+    POINTS[point as usize % 16]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn points_of_the_compass() {
+        for (degrees, point) in [
+            (0.0, "N"),
+            (11.2, "N"),
+            (11.3, "NNE"),
+            (95.0, "E"),
+            (236.0, "SW"),
+            (284.0, "WNW"),
+            (359.0, "N"),
+            (-90.0, "W"),
+        ] {
+            assert_eq!(compass(f64::to_radians(degrees)), point, "{degrees}");
+        }
+    }
+
+    #[test]
+    fn clocks_ahead_of_utc_turn_the_date() {
+        let epoch = Epoch::from_gregorian_utc(2022, 1, 21, 23, 30, 0, 600_000_000);
+        assert_eq!(local(epoch, 3600.0), ("2022-01-22".to_owned(), "00:30:01".to_owned()));
+        assert_eq!(local(epoch, -4.5 * 3600.0), ("2022-01-21".to_owned(), "19:00:01".to_owned()));
+    }
 }

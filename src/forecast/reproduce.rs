@@ -1,4 +1,4 @@
-//! Published counts beside ours: what a paper says, what comes out here under assumptions that are stated, and the difference.
+//! Reproduction of published counts: the published number, ours with its assumptions, and the difference.
 
 use std::f64::consts::{FRAC_PI_2, PI};
 
@@ -12,34 +12,34 @@ use crate::output::{Column, Kind, Table};
 use crate::passes::{Exposure, Field, PassOptions, Sky};
 use crate::photometry::PhotometryOptions;
 
-/// A number that agrees is within this of the published one, percent.
-pub const AGREES_PERCENT: f64 = 20.0;
+/// Largest difference of a number that agrees with the published one, percent.
+const AGREES_PERCENT: f64 = 20.0;
 
-/// A published number and ours.
+/// Published number and ours.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reproduced {
-    /// What is counted.
+    /// Description of the quantity.
     pub quantity: String,
     /// Unit; empty for a number of satellites.
     pub unit: &'static str,
-    /// As printed, or counted in what the authors released; `None` where nothing is.
+    /// Published number, or the count in the data released by the authors; `None` without either.
     pub published: Option<f64>,
-    /// What the paper's formula gives, computed here; where a method is compared and no printed number.
+    /// Result of the formula of the paper, computed here, if no number is published.
     pub by_method: Option<f64>,
     /// Ours.
     pub ours: f64,
-    /// One sigma of ours by counting, where it is a count.
+    /// One sigma of ours from counting, if it is a count.
     pub ours_sigma: Option<f64>,
-    /// Where the published number stands.
+    /// Source of the published number.
     pub source: &'static str,
-    /// What was assumed here.
+    /// Assumptions of ours.
     pub assumed: String,
-    /// Why ours is another number; empty where nothing is compared.
+    /// Reason of the difference; empty if there is no published number.
     pub reason: &'static str,
 }
 
 impl Reproduced {
-    /// Ours less what it is compared with, percent of that.
+    /// Returns ours less the published number (or that of the method), percent of that.
     pub fn difference_percent(&self) -> Option<f64> {
         self.published.or(self.by_method).map(|theirs| 100.0 * (self.ours - theirs) / theirs)
     }
@@ -50,7 +50,7 @@ pub const HU2022: [(&str, f64); 3] = [("starlink-gen1", 1.66), ("starlink-gen2",
 /// The same of the first 10,000 visits (2023-10-01 to 13), from the counts by visit that the authors released with the paper:
 /// github.com/lsst-sims/satellite-dodging-ApJL, `plots/satellite_sim_0.0_{slv1,slv2,onew}_v2.2_1yrs.npz`, rows with `observationId` below 10,000 and
 /// `n_streaks` above 0. All 214,014 visits of these files give the three numbers of [`HU2022`] to their last digit.
-pub const HU2022_FIRST_VISITS: [(&str, f64); 3] = [("starlink-gen1", 1.44), ("starlink-gen2", 7.95), ("oneweb", 9.22)];
+const HU2022_FIRST_VISITS: [(&str, f64); 3] = [("starlink-gen1", 1.44), ("starlink-gen2", 7.95), ("oneweb", 9.22)];
 const HU2022_FIRST_SOURCE: &str =
     "Hu et al. 2022, counts by visit released with the paper (lsst-sims/satellite-dodging-ApJL), visits 0 to 9,999";
 const HU2022_REASON: &str = "season: in the paper's own counts Gen2 goes from 12.6 % of the visits of a twelfth of the year to 5.7 % of those of another";
@@ -59,7 +59,7 @@ const HU2022_FIRST_REASON: &str = "other visits of the same nights (baseline v2.
 const HU2022_SOURCE: &str = "Hu et al. 2022 (ApJL 941, L15), simulated first year without avoidance";
 
 /// Satellites brighter than 7 mag among the visible ones, percent: Lu (2024, arXiv 2403.11118), abstract.
-pub const LU2024B_PERCENT: f64 = 69.33;
+const LU2024B_PERCENT: f64 = 69.33;
 const LU2024B_REASON: &str = "the lowest altitude that counts, which the abstract does not name (25 % of ours above 0, 95 % above 30 deg), and the photometry \
      that the model was fitted to";
 const LU2024B_SOURCE: &str = "Lu 2024 (arXiv 2403.11118), abstract";
@@ -87,16 +87,16 @@ const BASSA2022_SOURCE: &str =
 const BASSA2022_REASON: &str =
     "the flattened Earth, and the pattern of a shell's satellites where the formula has a smooth density";
 
-/// The satellites of Lu (2024b).
+/// Returns the constellations of Lu (2024b).
 ///
 /// # Errors
-/// None that the tests have not met: the shells are part of the library.
+/// None: the shells are part of the library.
 pub fn lu2024b_constellations() -> Result<Vec<Constellation>, ShellError> {
     Constellation::from_toml(LU2024B_SHELLS)
 }
 
-/// Share of exposures that at least one lit satellite crosses, percent, beside that of Hu et al. (2022) for a constellation of [`HU2022`]: of their year,
-/// and, where `is_first_visits`, of their visits in the same nights ([`HU2022_FIRST_VISITS`]).
+/// Returns the share of exposures crossed by at least one lit satellite, percent, with that of Hu et al. (2022) for a constellation of [`HU2022`]: of
+/// their year and, if `is_first_visits`, of their visits in the same nights (`HU2022_FIRST_VISITS`).
 ///
 /// # Errors
 /// As of [`Sky::field_passes`].
@@ -129,7 +129,8 @@ pub fn hu2022(
     Ok(rows)
 }
 
-/// Share of the lit satellites above an altitude that are brighter than 7 mag, percent, over many moments, beside that of Lu (2024b) where `is_theirs`.
+/// Returns the share of the lit satellites above an altitude that are brighter than 7 mag, percent, over many moments, with that of Lu (2024b) if
+/// `is_theirs`.
 ///
 /// # Errors
 /// As of [`Sky::glance`].
@@ -154,7 +155,7 @@ pub fn lu2024b(
         published: is_theirs.then_some(LU2024B_PERCENT),
         by_method: None,
         ours: 100.0 * bright / lit.max(1.0),
-        // Moments share their satellites: counting alone says nothing of how sure the share is.
+        // The moments have the same satellites: there is no error from counting.
         ours_sigma: None,
         source: LU2024B_SOURCE,
         assumed: assumed.to_owned(),
@@ -162,7 +163,8 @@ pub fn lu2024b(
     })
 }
 
-/// Satellites of a constellation above an altitude, lit or not: the mean over a day from `start`, beside the density of Bassa et al. (2022).
+/// Returns the number of satellites of a constellation above an altitude, lit or not: the mean over a day from `start`, with the density of Bassa et al.
+/// (2022).
 ///
 /// # Errors
 /// As of [`Sky::glance`].
@@ -195,20 +197,20 @@ pub fn bassa2022(
     })
 }
 
-/// How many satellites of a shell stand above an altitude at a latitude, on average over time: Bassa et al. (2022), section 2, on a spherical Earth.
+/// Returns the mean number of satellites of a shell above an altitude at a latitude: Bassa et al. (2022), section 2, on a spherical Earth.
 ///
-/// A circular orbit of inclination i spends its time so that a shell of N satellites has at latitude δ
+/// A shell of N satellites in circular orbits of inclination i has at latitude δ the density
 ///
 /// ```text
 /// n(δ) = N / (2π² √(sin² i - sin² δ))   satellites per steradian about the Earth's centre
 /// ```
 ///
-/// Satellites above the altitude h stand within ψ = acos(R cos h / r) - h of the site. With sin δ = sin i sin u the density cancels, and
+/// Satellites above the altitude h are within ψ = acos(R cos h / r) - h of the site. With sin δ = sin i sin u the density cancels, and
 ///
 /// ```text
 /// N(h) = N / π² ∫ Δλ(u) du,   cos Δλ = (cos ψ - sin φ sin δ) / (cos φ cos δ)
 /// ```
-pub fn expected_above(shell: &Shell, latitude_rad: f64, min_altitude_rad: f64) -> f64 {
+fn expected_above(shell: &Shell, latitude_rad: f64, min_altitude_rad: f64) -> f64 {
     const STEPS: usize = 20_000;
     let satellites = f64::from(shell.planes) * f64::from(shell.satellites_per_plane);
     let radius_km = EARTH_EQUATORIAL_RADIUS_KM + shell.altitude_km;
@@ -239,7 +241,7 @@ const COLUMNS: [Column; 11] = [
     Column::new("reason", Kind::Text, "Why ours is another number."),
 ];
 
-/// Published numbers and ours as a table.
+/// Returns published numbers and ours as a table.
 pub fn reproduced_table(rows: &[Reproduced]) -> Table {
     let row = |one: &Reproduced| {
         vec![
@@ -266,13 +268,13 @@ mod tests {
     #[test]
     fn a_shell_over_the_whole_sky_holds_all_its_satellites() {
         let shell = &lu2024b_constellations().expect("part of the library")[0].shells[2];
-        // From the ground half of nothing is hidden for a shell infinitely far; here: the cap of 180° counts every one.
+        // A cap of 180° contains every satellite.
         let everywhere = {
             let far = Shell { altitude_km: 5_000.0, ..shell.clone() };
             expected_above(&far, 0.0, -FRAC_PI_2 + 1e-9)
         };
         assert!((everywhere - 720.0).abs() < 1.0, "{everywhere}");
-        // A polar shell over a pole: every orbit passes there, two arcs of ψ in a turn of 2π.
+        // A polar shell over a pole: every orbit passes the pole, with two arcs of ψ in a revolution of 2π.
         let polar = Shell { inclination_deg: 90.0, ..shell.clone() };
         let reach_rad = (EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + 570.0)).acos();
         let at_the_pole = expected_above(&polar, FRAC_PI_2 - 1e-6, 0.0);

@@ -1,4 +1,4 @@
-//! What is wanted of a night.
+//! Request of a forecast: time, limits, and selection of satellites.
 
 use hifitime::Epoch;
 
@@ -8,27 +8,27 @@ use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::frames::seconds_between;
 use crate::photometry::PhotometryOptions;
 
-/// The longest time that is looked through at once, days.
+/// Longest time of a forecast, days.
 const LONGEST_DAYS: f64 = 31.0;
-/// The most points along one pass.
+/// Most points along one pass.
 const MOST_SAMPLES: usize = 10_000;
 
-/// A question about a night, or about any other stretch of time.
+/// Request of the passes of a night or of another time span.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ForecastRequest {
-    /// First moment.
+    /// Start.
     pub start: Epoch,
-    /// Last moment, at most 31 days later.
+    /// End, at most 31 days later.
     pub end: Epoch,
-    /// What the Sun's altitude must be below at the site, radians; `None` for day and night.
+    /// Upper limit of the Sun's altitude at the site, radians; `None` for day and night.
     pub max_sun_altitude_rad: Option<f64>,
-    /// What counts as rise and set, radians, [0, π/2).
+    /// Altitude of rise and set, radians, [0, π/2).
     pub min_altitude_rad: f64,
-    /// Passes that culminate lower are left out, radians.
+    /// Least altitude at culmination, radians.
     pub min_culmination_rad: f64,
-    /// Passes whose peak is fainter are left out, those without a magnitude too.
+    /// Faintest peak magnitude; passes without a magnitude are omitted too.
     pub max_magnitude: Option<f64>,
-    /// Passes in the Earth's shadow and by daylight too.
+    /// Includes passes in the Earth's shadow and in daylight.
     pub include_dark: bool,
     /// Points along each pass from rise to set; 0 for none.
     pub samples: usize,
@@ -37,7 +37,7 @@ pub struct ForecastRequest {
 }
 
 impl ForecastRequest {
-    /// From `start` to `end` with the Sun 6 deg below the horizon, everything above 10 deg, however faint.
+    /// Creates a request from `start` to `end` with the Sun 6 deg below the horizon, altitudes above 10 deg, and any magnitude.
     pub fn new(start: Epoch, end: Epoch) -> Self {
         Self {
             start,
@@ -52,13 +52,13 @@ impl ForecastRequest {
         }
     }
 
-    /// Holds every number against what is allowed.
+    /// Checks the ranges of all numbers.
     ///
     /// # Errors
-    /// [`ForecastError::OutOfRange`] for the first that is not.
+    /// [`ForecastError::OutOfRange`] for the first that is out of range.
     pub fn check(&self) -> Result<(), ForecastError> {
         let days = seconds_between(self.start, self.end) / DAY_S;
-        // As they were written: the way to radians and back costs the last digits.
+        // The degrees as written: the conversion to radians and back loses the last digits.
         let degrees = |radians: f64| (radians.to_degrees() * 1e9).round() / 1e9;
         let refuse = |what, given, unit, allowed| Err(ForecastError::OutOfRange { what, given, unit, allowed });
         if !(0.0..=LONGEST_DAYS).contains(&days) {
@@ -90,8 +90,7 @@ impl ForecastRequest {
     }
 }
 
-/// Which satellites are asked about: those that are of one of the kinds, hold one of the names, and have one of the numbers; a list that is empty
-/// asks nothing.
+/// Selection of satellites: of one of the kinds, with one of the names, and with one of the numbers; an empty list selects all.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Selection {
     /// Kinds.
@@ -103,8 +102,8 @@ pub struct Selection {
 }
 
 impl Selection {
-    /// True for a satellite that is asked about.
-    pub fn holds(&self, elements: &ElementSet) -> bool {
+    /// Returns true for a selected satellite.
+    pub fn contains(&self, elements: &ElementSet) -> bool {
         let is_named = || {
             let name = elements.name.to_lowercase();
             self.names.iter().any(|part| name.contains(&part.to_lowercase()))
@@ -114,7 +113,7 @@ impl Selection {
             && (self.generations.is_empty() || self.generations.contains(&GenerationTable::embedded().of(elements)))
     }
 
-    /// In words, the catalogue numbers asked for that none of the satellites has; `None` where all are known.
+    /// Returns a warning with the selected catalogue numbers that no satellite has; `None` without them.
     pub fn unknown_warning(&self, elements: &[ElementSet]) -> Option<String> {
         let is_unknown = |id: &&u32| !elements.iter().any(|set| set.norad_id.0 == **id);
         let unknown: Vec<String> = self.norad_ids.iter().filter(is_unknown).map(ToString::to_string).collect();
@@ -123,8 +122,8 @@ impl Selection {
             .then(|| format!("none of the {} satellites has NORAD {numbers} {}", elements.len(), unknown.join(" or ")))
     }
 
-    /// What is asked, in words.
-    pub fn words(&self) -> String {
+    /// Returns a description of the selection.
+    pub fn description(&self) -> String {
         let list =
             |what: &str, items: Vec<String>| (!items.is_empty()).then(|| format!("{what} {}", items.join(" or ")));
         let parts = [

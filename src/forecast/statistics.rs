@@ -1,13 +1,14 @@
-//! Statistics of a site: how many satellites are lit above an altitude, how bright, and how many trails an exposure gets, against the Sun's altitude.
+//! Statistics of a site: numbers of lit satellites above an altitude, their brightness, and the expected trails in an exposure, as functions of
+//! the Sun's altitude.
 //!
-//! Trails go by the expectation of Bassa et al. (2022, A&A 657, A75): a satellite is in a field at the opening with the share that the field has of the
-//! sky looked at, and crosses into it with the share that its way sweeps,
+//! Expected trails follow Bassa et al. (2022, A&A 657, A75): the probability that a satellite is in the field at the opening is the solid angle of
+//! the field over that of the sky, and the probability that it crosses into it is the solid angle swept over that of the sky,
 //!
 //! ```text
 //! trails = Σ (π D²/4 + ω t D) / 2π (1 - sin h)
 //! ```
 //!
-//! over the lit satellites above the altitude h, each with its own angular rate ω: the mean over pointings spread evenly above h, for a circular field
+//! over the lit satellites above the altitude h, each with its angular rate ω: the mean over uniform pointings above h, for a circular field
 //! of diameter D and an exposure of length t.
 
 use std::f64::consts::{PI, TAU};
@@ -18,22 +19,23 @@ use super::error::ForecastError;
 use crate::frames::{OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
+use crate::output::{Column, Kind, Table, Value};
 use crate::passes::{Glance, Sky, SkyError, stretches_where};
 use crate::photometry::PhotometryOptions;
 
-/// Whole magnitudes that satellites are counted to.
-pub const MAGNITUDES: [f64; 6] = [3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
-/// The Sun is looked at in steps of this, seconds.
+/// Magnitude limits of the counts.
+const MAGNITUDES: [f64; 6] = [3.0, 4.0, 5.0, 6.0, 7.0, 8.0];
+/// Sampling interval of the Sun, seconds.
 const STEP_S: f64 = 60.0;
 
-/// What is counted.
+/// Request of counts.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StatisticsRequest {
-    /// From one noon to the next.
+    /// Start: noon.
     pub start: Epoch,
-    /// The next noon.
+    /// End: the next noon.
     pub end: Epoch,
-    /// Altitudes of the Sun at which is counted, radians.
+    /// Altitudes of the Sun at the counts, radians.
     pub sun_altitudes_rad: Vec<f64>,
     /// Lowest altitudes of satellites, radians.
     pub min_altitudes_rad: Vec<f64>,
@@ -41,15 +43,15 @@ pub struct StatisticsRequest {
     pub field_rad: f64,
     /// Length of the exposure, seconds.
     pub exposure_s: f64,
-    /// Moments that each count is the mean of, evenly spread over [`Self::spread_s`].
+    /// Number of moments averaged in each count, evenly spread over [`Self::spread_s`].
     pub moments: usize,
-    /// Seconds.
+    /// Time span of these moments, seconds.
     pub spread_s: f64,
     /// Band, system, extinction.
     pub photometry: PhotometryOptions,
 }
 
-/// The mean count at one altitude of the Sun.
+/// Mean count at one altitude of the Sun.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyCount {
     /// Middle of the moments.
@@ -62,28 +64,28 @@ pub struct SkyCount {
     pub min_altitude_rad: f64,
     /// Satellites above it, lit or not.
     pub above: f64,
-    /// Those that are lit.
+    /// Lit satellites above it.
     pub lit: f64,
-    /// Those brighter than each of [`MAGNITUDES`].
+    /// Satellites brighter than the magnitudes 3 to 8.
     pub brighter_than: [f64; 6],
     /// Expected trails in one exposure.
     pub trails: f64,
 }
 
 impl SkyCount {
-    /// Share of exposures with a trail, where trails come independently: 1 - exp(-trails).
+    /// Returns the share of exposures with a trail, for independent trails: 1 - exp(-trails).
     pub fn streaked_share(&self) -> f64 {
         -(-self.trails).exp_m1()
     }
 }
 
-/// Counts of one night, evening before morning, by falling Sun; the altitudes of the Sun that the night does not reach; satellites left out.
+/// Counts of one night, evening before morning, by decreasing altitude of the Sun; the altitudes that the Sun does not reach; satellites left out.
 pub type SkyCounts = (Vec<SkyCount>, Vec<f64>, Vec<LeftOut>);
 
-/// Counts at every altitude of the Sun, in the evening and in the morning.
+/// Counts satellites at every altitude of the Sun, in the evening and in the morning.
 ///
 /// # Errors
-/// A number out of range; an observer in orbit; a time for which Sun and Earth are not known.
+/// A number is out of range, the observer is in orbit, or the time is outside the ephemerides.
 pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, ForecastError> {
     request.check()?;
     let observer = sky.viewpoint().site().ok_or_else(|| SkyError::NoHorizon { observer: sky.viewpoint().name() })?;
@@ -141,15 +143,12 @@ impl StatisticsRequest {
     }
 }
 
-/// When the Sun goes through each altitude, and whether it sinks.
+/// Returns the altitudes of the Sun with the times at which it crosses them, and true in the evening.
 fn moments_of(sky: &Sky, observer: &Observer, request: &StatisticsRequest) -> Vec<(f64, Epoch, bool)> {
     let orientation: OrientationTable = sky.orientation_over(request.start, request.end);
     let sun = SunTable::new(request.start, request.end);
     let span_s = seconds_between(request.start, request.end);
-    let altitude_rad = |time_s: f64| {
-        let here = observer.state(&orientation.at_s(time_s));
-        here.sine_of_altitude(&(sun.at_s(time_s).sun - here.position)).asin()
-    };
+    let altitude_rad = |time_s: f64| observer.sun_altitude_rad(&orientation, &sun, time_s);
     let steps = (span_s / STEP_S).ceil().max(1.0) as usize;
     let at = |time_s: f64| seconds_after(request.start, time_s).to_time_scale(TimeScale::UTC);
     let mut found = Vec::new();
@@ -196,4 +195,48 @@ fn count(
         }
     }
     count
+}
+
+const COLUMNS: [Column; 17] = [
+    Column::time("utc", "Middle of the moments that are averaged."),
+    Column::new("twilight", Kind::Text, "evening or morning."),
+    Column::real("latitude_deg", "deg", 4, "Of the site."),
+    Column::real("sun_altitude_deg", "deg", 2, "The Sun's centre, without refraction."),
+    Column::real("min_altitude_deg", "deg", 1, "Satellites above this are counted, and pointings spread over it."),
+    Column::real("above", "", 2, "Satellites above it, lit or not."),
+    Column::real("lit", "", 2, "Those in any sunlight."),
+    Column::real("brighter_than_3", "", 2, "Those brighter than magnitude 3."),
+    Column::real("brighter_than_4", "", 2, "Brighter than magnitude 4."),
+    Column::real("brighter_than_5", "", 2, "Brighter than magnitude 5."),
+    Column::real("brighter_than_6", "", 2, "Brighter than magnitude 6."),
+    Column::real("brighter_than_7", "", 2, "Brighter than magnitude 7."),
+    Column::real("brighter_than_8", "", 2, "Brighter than magnitude 8."),
+    Column::real("field_deg", "deg", 4, "Full diameter of the field."),
+    Column::real("exposure_s", "s", 3, "Length of the exposure."),
+    Column::real("trails_per_exposure", "", 5, "Expected trails of lit satellites."),
+    Column::real("streaked_share", "", 5, "Share of exposures with at least one."),
+];
+
+/// Returns counts at a latitude (radians) as a table: one row for each night, latitude, altitude of the Sun and lowest altitude.
+pub fn statistics_table<'a>(counts: impl IntoIterator<Item = (f64, &'a StatisticsRequest, &'a SkyCount)>) -> Table {
+    let row = |(latitude_rad, request, count): (f64, &StatisticsRequest, &SkyCount)| -> Vec<Value> {
+        let mut row: Vec<Value> = vec![
+            count.epoch.into(),
+            if count.evening { "evening" } else { "morning" }.into(),
+            latitude_rad.to_degrees().into(),
+            count.sun_altitude_rad.to_degrees().into(),
+            count.min_altitude_rad.to_degrees().into(),
+            count.above.into(),
+            count.lit.into(),
+        ];
+        row.extend(count.brighter_than.iter().map(|number| Value::Real(*number)));
+        row.extend([
+            request.field_rad.to_degrees().into(),
+            request.exposure_s.into(),
+            count.trails.into(),
+            count.streaked_share().into(),
+        ]);
+        row
+    };
+    Table { columns: COLUMNS.to_vec(), rows: counts.into_iter().map(row).collect() }
 }

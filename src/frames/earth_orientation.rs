@@ -1,4 +1,4 @@
-//! What the Earth does beside the formulas: UT1 - UTC and the motion of the pole, measured and predicted by the IERS.
+//! Earth orientation parameters: UT1 - UTC and polar motion, measured and predicted by the IERS.
 //!
 //! Without them UT1 is taken as UTC: 0.1 s of UT1 turns the Earth by 46 m at the equator, and UT1 - UTC reaches 0.9 s; the pole moves by
 //! up to 0.6" (18 m). That is an error of the observer's place, not of the satellite's: at 550 km range 46 m are 17".
@@ -11,10 +11,10 @@ use hifitime::Epoch;
 
 use super::error::FramesError;
 use super::time::{epoch_from_utc_day, seconds_between, tai_minus_utc_s};
-use crate::constants::{DAY_S, EARTH_EQUATORIAL_RADIUS_KM, EARTH_ROTATION_RAD_S};
+use crate::constants::DAY_S;
 
 const ARCSEC_RAD: f64 = PI / 648_000.0;
-/// Numbers derived from finals2000A; the head of the file tells how.
+/// Numbers derived from finals2000A; the header of the file describes how.
 const EMBEDDED: &str = include_str!("data/earth_orientation.txt");
 
 /// UT1 - UTC and the coordinates of the pole at one moment.
@@ -235,11 +235,6 @@ fn day(epoch: Epoch) -> String {
     format!("{year:04}-{month:02}-{day:02}")
 }
 
-/// How far an error of UT1 moves a place on the Earth's equator, metres.
-pub fn ut1_error_m(ut1_error_s: f64) -> f64 {
-    ut1_error_s.abs() * EARTH_ROTATION_RAD_S * EARTH_EQUATORIAL_RADIUS_KM * 1e3
-}
-
 /// The embedded table's own form: a head of `key value` lines, then `UT1-TAI x y` in 0.1 ms and 0.1 mas.
 ///
 /// It is part of the library and read by its tests, so lines that do not fit are left out instead of reported.
@@ -357,7 +352,6 @@ mod tests {
         assert_eq!(table.status(utc("2024-08-14T00:00:00 UTC")), EopStatus::Measured);
         assert_eq!(table.status(utc("2027-01-01T00:00:00 UTC")), EopStatus::Predicted);
         assert_eq!(table.status(utc("2028-01-01T00:00:00 UTC")), EopStatus::Expired { last });
-        assert!((ut1_error_m(0.1) - 46.5).abs() < 0.1);
         assert!(table.describe().contains("2027-10-29"), "{}", table.describe());
     }
 }

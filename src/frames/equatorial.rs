@@ -1,25 +1,39 @@
-//! Between the fixed axes of ICRS and the true equator and equinox of a date.
-//!
-//! Places among catalogue stars are given in ICRS everywhere in this library. Telescope mounts, old catalogues and some almanacs want the
-//! equator and equinox *of date*; that is this rotation and nothing else: aberration is a matter of the direction itself, see
-//! [`annual_aberration`].
+//! Rotations from Earth-fixed axes to the horizon and from ICRS to the equator and equinox of date, and annual aberration.
 
 use hifitime::Epoch;
-use nalgebra::Vector3;
+use nalgebra::{Matrix3, Vector3};
 
-use super::frame::{Gcrs, OfDate};
 use super::orientation::matrix;
 use super::time::tt_jd;
-use super::vector::{Direction, Rotation, Velocity};
+use super::vector::{Direction, Gcrs, Horizontal, Itrs, OfDate, Rotation, Velocity};
 use crate::constants::SPEED_OF_LIGHT_KM_S;
 
-/// From the axes of ICRS to the true equator and equinox of date, IAU 2006/2000A (SOFA pnm06a).
+/// Returns the rotation from Earth-fixed axes to north, east, zenith at an east longitude and a geodetic latitude, radians.
+///
+/// The zenith is the normal of the ellipsoid, without the deflection of the vertical (up to a minute of arc in mountains).
+pub fn itrs_to_horizontal(longitude_rad: f64, latitude_rad: f64) -> Rotation<Itrs, Horizontal> {
+    let (sin_lon, cos_lon) = longitude_rad.sin_cos();
+    let (sin_lat, cos_lat) = latitude_rad.sin_cos();
+    Rotation::from_matrix(Matrix3::new(
+        -sin_lat * cos_lon,
+        -sin_lat * sin_lon,
+        cos_lat, // north
+        -sin_lon,
+        cos_lon,
+        0.0, // east
+        cos_lat * cos_lon,
+        cos_lat * sin_lon,
+        sin_lat, // zenith
+    ))
+}
+
+/// Returns the rotation from ICRS to the true equator and equinox of date, IAU 2006/2000A (SOFA pnm06a).
 pub fn gcrs_to_of_date(epoch: Epoch) -> Rotation<Gcrs, OfDate> {
     let (day, fraction) = tt_jd(epoch);
     Rotation::from_matrix(matrix(&sofars::pnp::pnm06a(day, fraction)))
 }
 
-/// Where a thing in `direction` (astrometric, as a barycentric observer sees it) appears to an observer of velocity `observer` against the barycentre.
+/// Returns the direction in which an observer with the barycentric velocity `observer` sees an object in the astrometric `direction`.
 ///
 /// With β = v/c:  p' = (p/γ + β (1 + p·β/(1 + 1/γ))) / (1 + p·β)        (SOFA ab, without the Sun's potential: 0.4 µas)
 pub fn annual_aberration(direction: &Direction<Gcrs>, observer: &Velocity<Gcrs>) -> Direction<Gcrs> {
@@ -27,7 +41,7 @@ pub fn annual_aberration(direction: &Direction<Gcrs>, observer: &Velocity<Gcrs>)
     aberrated(direction, &beta)
 }
 
-/// The way back from [`annual_aberration`].
+/// Returns the inverse of [`annual_aberration`].
 pub fn without_annual_aberration(direction: &Direction<Gcrs>, observer: &Velocity<Gcrs>) -> Direction<Gcrs> {
     let beta = -observer.vector() / SPEED_OF_LIGHT_KM_S;
     aberrated(direction, &beta)
@@ -43,7 +57,19 @@ fn aberrated(direction: &Direction<Gcrs>, beta: &Vector3<f64>) -> Direction<Gcrs
 
 #[cfg(test)]
 mod tests {
+
     use super::*;
+
+    #[test]
+    fn pole_star_stands_in_the_north_at_the_latitude() {
+        let horizon = itrs_to_horizontal(1.0, 0.6);
+        let pole = horizon * Direction::<Itrs>::from_lon_lat_rad(0.0, std::f64::consts::FRAC_PI_2);
+        assert!((pole.latitude_rad() - 0.6).abs() < 1e-15);
+        assert!(pole.longitude_rad().sin().abs() < 1e-15 && pole.longitude_rad().cos() > 0.0);
+        let east = horizon * Direction::<Itrs>::from_lon_lat_rad(1.0 + std::f64::consts::FRAC_PI_2, 0.0);
+        assert!((east.longitude_rad() - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        assert!(east.latitude_rad().abs() < 1e-15);
+    }
 
     #[test]
     fn aberration_is_twenty_arcseconds_and_returns() {

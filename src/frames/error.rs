@@ -1,6 +1,6 @@
 //! What can go wrong with times, angles and tables of the Earth's orientation.
 
-/// An error of this room.
+/// Errors of this module.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FramesError {
     /// A date that is not a number, or far outside of what the calendar of this library covers.
@@ -18,7 +18,7 @@ pub enum FramesError {
     /// A time scale that dates are not read in.
     #[error("dates in {scale} are not read; use UTC, TAI, TT, TDB or GPS time")]
     UnsupportedTimeScale {
-        /// The scale asked for.
+        /// Requested scale.
         scale: hifitime::TimeScale,
     },
     /// A line of a finals2000A file that cannot be read.
@@ -28,7 +28,7 @@ pub enum FramesError {
         line: usize,
         /// Column name of the IERS ReadMe.
         column: &'static str,
-        /// What stands there.
+        /// Text found there.
         text: String,
     },
     /// Dates that do not grow from line to line.
@@ -47,7 +47,7 @@ pub enum FramesError {
         /// Lines that were read.
         lines: usize,
     },
-    /// Text that is not an angle of the kind asked for.
+    /// The text is not an angle of the requested kind.
     #[error("{text:?} is not {wanted}")]
     BadAngle {
         /// What was given.

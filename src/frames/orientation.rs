@@ -1,4 +1,4 @@
-//! How the Earth-fixed, the satellite's and the celestial axes stand to one another at a moment.
+//! Rotations between Earth-fixed, TEME and celestial axes at an epoch.
 //!
 //! The chain that reproduces astropy (and Skyfield within millimetres):
 //!
@@ -17,10 +17,10 @@ use hifitime::Epoch;
 use nalgebra::Matrix3;
 
 use super::earth_orientation::{EarthOrientationParameters, EopTable};
-use super::frame::{Gcrs, Itrs, Teme};
 use super::sampled::Sampled;
 use super::time::{seconds_between, tai_minus_utc_s, tt_jd, ut1_jd};
 use super::vector::Rotation;
+use super::vector::{Gcrs, Itrs, Teme};
 use crate::constants::DAY_S;
 
 /// The rotations between the three geocentric frames at one moment.

@@ -1,4 +1,4 @@
-//! Between `hifitime` epochs and the Julian dates that the astronomical routines ask for.
+//! Conversions between `hifitime` epochs and the Julian dates of astronomical routines.
 //!
 //! An [`Epoch`] counts nanoseconds as an integer. A Julian date in one `f64` loses 40 µs, so dates leave this file in two parts: a whole
 //! number of days and a half, and the fraction of the day (resolution 10⁻¹¹ s).

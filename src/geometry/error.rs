@@ -1,6 +1,6 @@
 //! What can go wrong with a place on the Earth.
 
-/// An error of this room.
+/// Errors of this module.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum GeometryError {
     /// A coordinate outside of its range.
@@ -22,7 +22,7 @@ pub enum GeometryError {
     /// A name that the table does not hold.
     #[error("unknown site {name:?}; {}", near(nearest))]
     UnknownSite {
-        /// What was asked for.
+        /// Requested value.
         name: String,
         /// Names in the table that look like it, nearest first; none where nothing does.
         nearest: Vec<String>,
@@ -32,7 +32,7 @@ pub enum GeometryError {
         "unknown MPC observatory code {code:?}; the bundled table knows {known} codes, any other place can be given by latitude, longitude and height"
     )]
     UnknownMpcCode {
-        /// What was asked for.
+        /// Requested value.
         code: String,
         /// How many codes the table knows.
         known: usize,

@@ -1,4 +1,4 @@
-//! How Sun, Earth, satellite and observer stand to one another.
+//! Geometry of Sun, Earth, satellite and observer.
 //!
 //! ```
 //! use hifitime::Epoch;
@@ -17,7 +17,6 @@
 //! # Ok::<(), streakcast::geometry::GeometryError>(())
 //! ```
 
-mod apparent;
 mod error;
 mod limb;
 mod observer;
@@ -27,7 +26,6 @@ mod sun;
 mod topocentric;
 mod viewing;
 
-pub use apparent::icrs_of_apparent;
 pub use error::GeometryError;
 pub use limb::EarthLimb;
 pub use observer::{Observer, ObserverState};
@@ -35,5 +33,5 @@ pub use shadow::{Illumination, KARMAN_LINE_KM, ShadowModel, grazing_height_km, i
 pub use site::Site;
 pub(crate) use site::edit_distance;
 pub use sun::{SunState, SunTable};
-pub use topocentric::{Aspect, aspect};
+pub use topocentric::{Aspect, aspect, icrs_of_apparent};
 pub use viewing::ViewingGeometry;

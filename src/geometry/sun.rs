@@ -1,4 +1,4 @@
-//! Where the Sun stands, and how the Earth moves.
+//! Position of the Sun and velocity of the Earth.
 //!
 //! From the analytic Earth ephemeris of SOFA (epv00, VSOP2000): within 11 km of JPL's DE405 from 1900 to 2100, which is 0.015" in the Sun's
 //! direction. No file is needed.

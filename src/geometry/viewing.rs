@@ -1,4 +1,4 @@
-//! Where Sun and observer stand in a satellite's own sky: all that the photometry ever sees.
+//! Directions of Sun and observer in the frame of a satellite: the input of the photometry.
 //!
 //! The body frame of Lu (2024), section 2.2: origin at the chassis, **z** to the satellite's zenith, **x** in the plane
 //! of the chassis so that the Sun lies in the zx half plane with x > 0 (the Sun's longitude is 0 by construction),

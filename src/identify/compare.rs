@@ -1,105 +1,53 @@
-//! One satellite held against a streak: how late it would have to be, how far beside its path the streak lies, by how much it is turned.
+//! Comparison of one satellite with a streak: its delay, the distance of the streak from its path, and the angle between them.
 //!
-//! 1. The delay δ with which the satellite passes nearest to the middle of the streak at the streak's own time, by Newton's method on SGP4. Where the time
-//!    is an exposure, the moment in it that wants the least of delay and distance (in sigmas) is taken.
-//! 2. With that delay the whole track: the distances of both ends from it. Their mean is the offset across the track, their difference over the length the
-//!    turn. So a curved track is held against the ends that it should meet, not against a straight line; and where the times of the ends are known, the delay is
-//!    that with which it meets them at these times, in the mean.
-//! 3. The length that the satellite makes in the time, against the one measured; where the ends may be those of the frame, a longer one alone counts.
+//! 1. The delay δ with which the satellite passes nearest to the middle of the streak at the time of the streak, by Newton's method
+//!    on SGP4. If the time is an exposure, the moment with the least delay and distance (in sigmas) is taken.
+//! 2. With that delay the whole track, and the distances of both ends from it. Their mean is the offset across the track, their
+//!    difference over the length the turn. A curved track is thus compared with the ends, not with a straight line. If the times of
+//!    the ends are known, the delay is the mean of those with which the track meets them at these times.
+//! 3. The predicted length against the measured one; if the ends may be those of the frame, only a longer streak counts.
 //!
-//! Sigmas are those of the elements' age ([`Stretch::uncertainty`]) and of the measurement:
+//! Sigmas are those of the age of the elements ([`Stretch::uncertainty`]) and of the measurement:
 //!
 //! ```text
 //! σ_δ² = σ_along² + σ_clock² + (σ_place/ω)²/2     σ_x² = (σ_cross/ρ)² + σ_place²/2
 //! σ_θ² = (n σ_cross/(ω ρ))² + σ_angle²            σ_L² = 2 σ_place² + 2 (ω σ_clock)² + (L σ_cross/ρ)²
 //! ```
 //!
-//! with the rate ω on the sky, the distance ρ, and the satellite's mean motion n: an orbit tilted by σ_cross crosses its own prediction under n σ_cross / v.
+//! with the angular rate ω, the range ρ and the mean motion n: an orbit tilted by σ_cross crosses its own prediction at the angle
+//! n σ_cross / v.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
 
-use super::likelihood::{Weighed, within};
+use super::likelihood::{Candidate, Offset, Weighed, within};
 use super::streak::{MeasuredStreak, Timing};
-use crate::elements::NoradId;
 use crate::frames::{Direction, Gcrs};
 use crate::orbit::{OrbitUncertainty, Propagator};
-use crate::passes::{LateTrack, Sighting, Stretch, TrackPoint};
+use crate::passes::{LateTrack, Sighting, Stretch};
 use crate::photometry::PhotometryOptions;
 
-/// Newton's method ends here, seconds: 0.1 m of way.
+/// Tolerance of Newton's method, seconds: 0.1 m along the track.
 const CLOSE_S: f64 = 1e-5;
-/// Its most steps; three or four are usual.
+/// Most steps; three or four are usual.
 const MOST_STEPS: usize = 40;
-/// The mean of both ends is closed in on in at most so many steps; each leaves a tenth of what was there.
+/// Most corrections of the mean of both ends; each leaves a tenth of the difference.
 const MOST_CORRECTIONS: usize = 5;
-/// Beyond this turn the ends have no nearest points that mean anything, radians.
+/// Largest turn at which the nearest points of the ends are meaningful, radians.
 const LARGEST_TURN_RAD: f64 = 0.2;
 
-/// Beyond this χ² a satellite that comes near is not the one, however heavy the tails of its errors: 14 sigmas.
+/// Largest χ² of a candidate, 14 sigmas: allows for the heavy tails of the errors.
 const MOST_CHI_SQUARE: f64 = 200.0;
 
-/// How far from its prediction a satellite is still looked for.
+/// Largest distance of a satellite from its prediction.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Reach {
     pub along_track_s: f64,
     pub cross_track_rad: f64,
 }
 
-/// A difference with its one-sigma error.
-#[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Offset {
-    /// Measured less predicted.
-    pub value: f64,
-    /// One sigma of prediction and measurement together, above 0.
-    pub sigma: f64,
-}
-
-impl Offset {
-    /// In sigmas, squared.
-    pub(super) fn square(self) -> f64 {
-        (self.value / self.sigma).powi(2)
-    }
-}
-
-/// A satellite that may have made the streak.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Candidate {
-    /// Who.
-    pub norad_id: NoradId,
-    /// Position of its element set in the sky's catalogue.
-    pub element_index: usize,
-    /// Where it passes the middle of the streak, at the time at which it does if it is late by `along_track_s`.
-    pub passage: TrackPoint,
-    /// The satellite passes so many seconds later than predicted (negative: earlier).
-    pub along_track_s: Offset,
-    /// The streak lies so far beside the predicted path, radians; positive on the side of the position angle of motion + 90°.
-    pub cross_track_rad: Offset,
-    /// The streak's position angle less that of the motion, (-π/2, π/2], radians; (-π, π] where the streak's direction is known.
-    pub angle_rad: Offset,
-    /// Length measured less predicted, radians. Where the ends may be those of the frame, what it is too long. `None` of a streak of unknown length.
-    pub length_rad: Option<Offset>,
-    /// Length that it makes in the time, radians.
-    pub predicted_length_rad: f64,
-    /// Position angle of its motion, from north through east, [0, 2π), radians.
-    pub position_angle_rad: f64,
-    /// Its speed among the stars, rad/s.
-    pub angular_rate_rad_s: f64,
-    /// Passage less epoch of the elements, days.
-    pub element_age_days: f64,
-    /// Sum of the squares of all offsets in sigmas.
-    pub chi_square: f64,
-    /// How many of them count.
-    pub terms: u32,
-    /// Probability of a χ² as large as that or larger, were it this satellite.
-    pub p_value: f64,
-    /// Probability that it is this satellite, among all candidates and satellites of which no element set tells.
-    pub probability: f64,
-    pub(super) log_weight: f64,
-}
-
-/// A delay at which the satellite passes nearest to the middle of the streak.
+/// Nearest passage of the middle of the streak.
 #[derive(Copy, Clone)]
 struct Met {
     late_s: f64,
@@ -107,7 +55,7 @@ struct Met {
     sighting: Sighting,
 }
 
-/// Holds one satellite against a streak; `None` where it cannot be it: out of reach, below the horizon, or dark where light is wanted.
+/// Compares one satellite with a streak; `None` if it is out of reach, below the horizon, or dark (unless `include_dark`).
 pub(super) fn compare(
     stretch: &Stretch<'_>,
     element_index: usize,
@@ -124,7 +72,7 @@ pub(super) fn compare(
     let errors = stretch.uncertainty(element_index, age_days);
     let sigmas = Sigmas::new(&errors, &middle, propagator, streak);
 
-    // The moment of the passage.
+    // The time of the passage.
     let (passage_s, met, evidence) = match streak.timing() {
         Timing::FirstToSecond | Timing::Whole => (mid_s, middle, None),
         Timing::Within => {
@@ -133,7 +81,7 @@ pub(super) fn compare(
                 .map(|time_s| meet(stretch, propagator, streak, time_s, middle.late_s + time_s - mid_s));
             let [Some(before), Some(after)] = ends else { return None };
             let pulls = |met: &Met| [met.late_s / sigmas.late_s, met.beside_rad / sigmas.beside_rad];
-            // A streak of known length takes its time, which must be within the exposure too.
+            // A streak of known length takes time, which must be within the exposure.
             let rate_rad_s = middle.sighting.own_rate.norm();
             let crossing_s = streak.length_rad().map_or(0.0, |length_rad| length_rad / rate_rad_s);
             let free = (1.0 - crossing_s / (2.0 * half_s)).clamp(0.0, 1.0);
@@ -153,7 +101,7 @@ pub(super) fn compare(
     let mut track = stretch.track(element_index, late_s).ok()?;
     let mut line = Line::new(&track, passage_s, streak, met.beside_rad);
     for _ in 0..MOST_CORRECTIONS {
-        // A track that gets faster or slower is not at its middle at half time: the mean of both ends is.
+        // At a changing rate, the middle of the track is the mean of both ends, not its position at half time.
         let Some(early_s) = line.ends_early_s(streak).filter(|early_s| early_s.abs() > CLOSE_S) else { break };
         late_s += early_s;
         track = stretch.track(element_index, late_s).ok()?;
@@ -184,16 +132,16 @@ pub(super) fn compare(
         probability: 0.0,
         log_weight: 0.0,
     };
-    Weighed::of(&candidate, streak.timing(), evidence).put_into(&mut candidate);
+    Weighed::new(&candidate, streak.timing(), evidence).apply_to(&mut candidate);
     (candidate.chi_square <= MOST_CHI_SQUARE).then_some(candidate)
 }
 
-/// One sigma of each difference.
+/// One-sigma errors of the differences.
 struct Sigmas {
     late_s: f64,
     beside_rad: f64,
     turn_rad: f64,
-    /// Of the rate, as a share of it.
+    /// Relative error of the rate.
     rate_share: f64,
 }
 
@@ -215,7 +163,7 @@ impl Sigmas {
     }
 }
 
-/// The delay with which a satellite passes nearest to the middle of the streak at a time.
+/// Finds the delay with which a satellite passes nearest to the middle of the streak at a time.
 fn meet(
     stretch: &Stretch<'_>,
     propagator: &Propagator,
@@ -232,7 +180,7 @@ fn meet(
         if square == 0.0 {
             return None;
         }
-        // The way left along the motion, as time: ahead of the satellite means that it has to be earlier.
+        // Remaining distance along the motion, as time: a place ahead of the satellite needs it earlier.
         let step_s = (place.dot(&sighting.own_rate) / square).clamp(-longest_s, longest_s);
         late_s -= step_s;
         if step_s.abs() < CLOSE_S {
@@ -245,19 +193,19 @@ fn meet(
     None
 }
 
-/// Unit vector at right angles to the motion, towards its position angle + 90°.
+/// Returns the unit vector at right angles to the motion, towards its position angle + 90°.
 fn side(direction: &Direction<Gcrs>, rate: &Vector3<f64>) -> Vector3<f64> {
-    // With north through east growing, PA + 90° is motion × line of sight.
+    // With PA from north through east, PA + 90° is motion × line of sight.
     rate.normalize().cross(direction.vector())
 }
 
-/// The streak against a track.
+/// Streak relative to a track.
 struct Line {
     beside_rad: f64,
     turn_rad: f64,
     position_angle_rad: f64,
     rate_rad_s: f64,
-    /// Where the track is nearest to the first end, the middle and the second end.
+    /// Times at which the track is nearest to the first end, the middle and the second end.
     times_s: [f64; 3],
 }
 
@@ -267,7 +215,7 @@ impl Line {
         let (east, north) = direction.east_north();
         let position_angle_rad = rate.dot(&east).atan2(rate.dot(&north)).rem_euclid(TAU);
         let rate_rad_s = rate.norm();
-        // The motion's direction is the same at the foot and at the middle of the streak: the way between is at right angles to it.
+        // The direction of motion is the same at the foot and at the middle of the streak, which lie at right angles to it.
         let motion = rate.normalize();
         let place = streak.place();
         let (east, north) = place.east_north();
@@ -295,13 +243,13 @@ impl Line {
         line
     }
 
-    /// By how much the track passes the ends too early, the mean of both; `None` where their times are not known.
+    /// Returns the mean time by which the track passes the ends too early; `None` if their times are not known.
     fn ends_early_s(&self, streak: &MeasuredStreak) -> Option<f64> {
         let is_timed = streak.timing() != Timing::Within && self.turn_rad.abs() < LARGEST_TURN_RAD;
         is_timed.then(|| 0.5 * (streak.duration_s() - self.times_s[0] - self.times_s[2]))
     }
 
-    /// Length measured less predicted with its sigma, and the predicted one.
+    /// Returns the measured less the predicted length with its sigma, and the predicted length.
     fn length(&self, track: &LateTrack<'_>, streak: &MeasuredStreak, sigmas: &Sigmas) -> Option<(Offset, f64)> {
         let length_rad = streak.length_rad()?;
         let (is_whole, predicted_rad) = match streak.timing() {

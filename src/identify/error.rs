@@ -1,57 +1,57 @@
-//! Why a streak cannot be identified at all.
+//! Errors of identifying a streak.
 
 use thiserror::Error;
 
 use crate::passes::SkyError;
 
-/// What is wrong with a measured streak, or with the question.
+/// Errors in a measured streak, in a file of regions, or of the search.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum IdentifyError {
-    /// A number that makes no streak.
+    /// A value is invalid.
     #[error("{what} {given}; allowed: {allowed}")]
     Value {
-        /// Of what.
+        /// Name of the value.
         what: &'static str,
-        /// As given, with its unit.
+        /// Given value, with its unit.
         given: String,
-        /// What is allowed.
+        /// Allowed values.
         allowed: &'static str,
     },
-    /// Both ends at one place.
+    /// Both ends are at one position.
     #[error(
         "both ends of the streak are at one place ({separation_arcsec:.3} arcsec apart); allowed: more than 0.01 arcsec"
     )]
     NoLine {
-        /// How far they are apart.
+        /// Distance of the ends.
         separation_arcsec: f64,
     },
-    /// A file of regions that cannot be read.
+    /// A file of regions cannot be read.
     #[error("{path}: line {line}: {problem}")]
     Region {
         /// The file.
         path: String,
-        /// Line, counted from 1.
+        /// Line, from 1.
         line: usize,
-        /// What is wrong, and what is allowed.
+        /// Error, and allowed values.
         problem: String,
     },
-    /// A file of regions without one.
+    /// A file has no region.
     #[error("{path}: no region in it; allowed: polygon, box, line and vector in fk5 or icrs")]
     NoRegion {
         /// The file.
         path: String,
     },
-    /// Outlines of more than one streak.
+    /// The outlines belong to more than one streak.
     #[error(
         "the regions do not lie on one line: the middle of one stands {off_arcsec:.1} arcsec beside it, where they are {width_arcsec:.1} arcsec wide; allowed: the regions of one streak"
     )]
     NotOneLine {
-        /// The farthest middle.
+        /// Largest distance of a middle from the line.
         off_arcsec: f64,
         /// Full width of the regions.
         width_arcsec: f64,
     },
-    /// The sky has no answer.
+    /// Positions cannot be computed.
     #[error(transparent)]
     Sky(#[from] SkyError),
 }

@@ -1,30 +1,84 @@
-//! What offsets are worth: χ², and the probability of each candidate.
+//! Candidates, their χ² and their probabilities.
 //!
-//! Each candidate says how likely the streak is to be where it was found: a product of normal densities of the offsets (delay, across, turn, length). Small
-//! sigmas make a sharp and high one, so that of two candidates equally far in sigmas the one with the younger elements is the likelier. Where the time is an
-//! exposure, the density of delay and distance is integrated over it. Against all of them stands a satellite of which no element set tells: one for ten of
-//! the catalogue, anywhere along any low orbit.
+//! The likelihood of a candidate is the product of the normal densities of its offsets (delay, across, turn, length). The density is
+//! higher for small sigmas, so that of two candidates at the same distance in sigmas the one with the younger elements is more
+//! probable. If the time is an exposure, the density of delay and distance is integrated over it. The alternative to all candidates
+//! is a satellite without element set: one for ten of the catalogue, anywhere along any low orbit.
 
 use std::f64::consts::{PI, TAU};
 
-use super::compare::Candidate;
 use super::streak::Timing;
+use crate::elements::NoradId;
+use crate::passes::TrackPoint;
 
-/// Satellites without an element set, for one with: what is classified, new, or left out of a file. An assumption, not a count.
+/// Difference with its one-sigma error.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Offset {
+    /// Measured less predicted.
+    pub value: f64,
+    /// One sigma of prediction and measurement together, above 0.
+    pub sigma: f64,
+}
+
+impl Offset {
+    /// Returns the square of the difference in sigmas.
+    fn square(self) -> f64 {
+        (self.value / self.sigma).powi(2)
+    }
+}
+
+/// Satellite that may have made the streak.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// NORAD catalogue number.
+    pub norad_id: NoradId,
+    /// Index of its element set in the catalogue.
+    pub element_index: usize,
+    /// Its passage of the middle of the streak, if it is late by `along_track_s`.
+    pub passage: TrackPoint,
+    /// Delay of the satellite after its prediction, seconds (negative: early).
+    pub along_track_s: Offset,
+    /// Distance of the streak from the predicted path, radians; positive on the side of the position angle of motion + 90°.
+    pub cross_track_rad: Offset,
+    /// Position angle of the streak less that of the motion, (-π/2, π/2], radians; (-π, π] if the direction of the streak is known.
+    pub angle_rad: Offset,
+    /// Measured less predicted length, radians; at least 0 if the ends may be those of the frame. `None` for an unknown length.
+    pub length_rad: Option<Offset>,
+    /// Predicted length of its track in the time, radians.
+    pub predicted_length_rad: f64,
+    /// Position angle of its motion, from north through east, [0, 2π), radians.
+    pub position_angle_rad: f64,
+    /// Angular rate relative to the stars, rad/s.
+    pub angular_rate_rad_s: f64,
+    /// Passage less epoch of the elements, days.
+    pub element_age_days: f64,
+    /// Sum of the squares of all offsets in sigmas.
+    pub chi_square: f64,
+    /// Number of squares in the sum.
+    pub terms: u32,
+    /// Probability of a χ² at least as large for this satellite.
+    pub p_value: f64,
+    /// Probability that it is this satellite, among all candidates and satellites without element sets.
+    pub probability: f64,
+    pub(super) log_weight: f64,
+}
+
+/// Assumed number of satellites without element set (classified, new or missing in a file) for each one with.
 const UNKNOWN_SHARE: f64 = 0.1;
-/// A low orbit's period, s, and how a way across it at 7,000 km looks from 1,000 km away: densities of a satellite that may be anywhere.
+/// Period of a low orbit, s, and foreshortening of a distance at 7,000 km seen from 1,000 km, for a satellite anywhere.
 const PERIOD_S: f64 = 5_700.0;
 const FORESHORTENING: f64 = 1_000.0 / 7_000.0;
 
-/// The sum over an exposure.
+/// Integral over an exposure.
 pub(super) struct Within {
-    /// Where the sum of squares is least, from -1 (opening) to 1 (closing), as far as it is free to be.
+    /// Position of the least sum of squares, from -1 (opening) to 1 (closing), within the allowed range.
     pub at: f64,
     /// ln ∫₋₁¹ du exp(-½ (square of the pulls at u)).
     pub log_integral: f64,
 }
 
-/// Pulls (offsets in sigmas) that change linearly from `before` at u = -1 to `after` at u = 1; the least is looked for within ± `free`.
+/// Integrates over pulls (offsets in sigmas) that change linearly from `before` at u = -1 to `after` at u = 1; the least sum of squares
+/// is searched within ± `free`.
 pub(super) fn within(before: [f64; 2], after: [f64; 2], free: f64) -> Within {
     // f(u) = Σ (p + q u)² = A u² + 2 B u + C
     let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
@@ -43,7 +97,7 @@ pub(super) fn within(before: [f64; 2], after: [f64; 2], free: f64) -> Within {
     let log_integral = if share > 1e-280 {
         -0.5 * (c - b * b / a) + 0.5 * (TAU / a).ln() + share.ln()
     } else {
-        // Far outside all lies at one end: exp(-½ f) falls from there by the slope ½ f'.
+        // Far outside, the integral is that of one end, where exp(-½ f) decreases with the slope ½ f'.
         let end = (-b / a).clamp(-1.0, 1.0);
         -0.5 * square(end) - (a * end + b).abs().ln()
     };
@@ -56,7 +110,7 @@ fn normal_between(low: f64, high: f64) -> f64 {
     if low > 0.0 { upper(low) - upper(high) } else { upper(-high) - upper(-low) }
 }
 
-/// What one candidate is worth.
+/// Weight of one candidate.
 pub(super) struct Weighed {
     chi_square: f64,
     terms: u32,
@@ -64,27 +118,28 @@ pub(super) struct Weighed {
 }
 
 impl Weighed {
-    /// `evidence` is ln ∫ dt N(δ) N(x) over an exposure, where the time is one.
-    pub fn of(candidate: &Candidate, timing: Timing, evidence: Option<f64>) -> Self {
-        let log_normal = |offset: super::compare::Offset| -0.5 * offset.square() - (TAU.sqrt() * offset.sigma).ln();
+    /// Computes the weight; `evidence` is ln ∫ dt N(δ) N(x) if the time is an exposure.
+    pub fn new(candidate: &Candidate, timing: Timing, evidence: Option<f64>) -> Self {
+        let log_normal = |offset: Offset| -0.5 * offset.square() - (TAU.sqrt() * offset.sigma).ln();
         let length = candidate.length_rad;
         let mut squares = vec![candidate.cross_track_rad.square(), candidate.angle_rad.square()];
         let mut log_weight = log_normal(candidate.angle_rad);
         if timing == Timing::Within {
-            // These can only be too large: where they are not, they say nothing.
+            // These can only be too large: otherwise they do not count.
             squares.extend([candidate.along_track_s.square()].into_iter().filter(|square| *square > 1e-6));
-            squares.extend(length.map(super::compare::Offset::square).filter(|square| *square > 0.0));
-            log_weight += evidence.unwrap_or(0.0) - 0.5 * length.map_or(0.0, super::compare::Offset::square);
+            squares.extend(length.map(Offset::square).filter(|square| *square > 0.0));
+            log_weight += evidence.unwrap_or(0.0) - 0.5 * length.map_or(0.0, Offset::square);
         } else {
             squares.push(candidate.along_track_s.square());
-            squares.extend(length.map(super::compare::Offset::square));
+            squares.extend(length.map(Offset::square));
             log_weight += log_normal(candidate.cross_track_rad) + log_normal(candidate.along_track_s);
             log_weight += length.map_or(0.0, log_normal);
         }
         Self { chi_square: squares.iter().sum(), terms: squares.len() as u32, log_weight }
     }
 
-    pub fn put_into(self, candidate: &mut Candidate) {
+    /// Sets χ², its probability and the weight of a candidate.
+    pub fn apply_to(self, candidate: &mut Candidate) {
         candidate.chi_square = self.chi_square;
         candidate.terms = self.terms;
         candidate.p_value = chi_square_survival(self.chi_square, self.terms);
@@ -92,7 +147,7 @@ impl Weighed {
     }
 }
 
-/// Logarithm of the weight of all satellites of which no element set tells.
+/// Returns the logarithm of the weight of all satellites without element sets.
 pub(super) fn log_weight_of_unknown(
     satellites: usize,
     timing: Timing,
@@ -100,7 +155,7 @@ pub(super) fn log_weight_of_unknown(
     length_rad: Option<f64>,
 ) -> f64 {
     let number = (UNKNOWN_SHARE * satellites as f64).max(0.1);
-    // Anywhere along an orbit that may lie anywhere: 1/P in time, ½ the foreshortening across, any turn.
+    // Uniform along any orbit: 1/P in time, ½ the foreshortening across, any turn.
     let anywhere = number / PERIOD_S * 0.5 * FORESHORTENING;
     match timing {
         Timing::Within => (anywhere * duration_s.max(1.0) / PI).ln(),
@@ -109,8 +164,8 @@ pub(super) fn log_weight_of_unknown(
     }
 }
 
-/// Fills in the probabilities; returns that of a satellite without elements.
-pub(super) fn share_out(candidates: &mut [Candidate], log_unknown: f64) -> f64 {
+/// Sets the probabilities of the candidates; returns that of a satellite without elements.
+pub(super) fn set_probabilities(candidates: &mut [Candidate], log_unknown: f64) -> f64 {
     let greatest = candidates.iter().map(|candidate| candidate.log_weight).fold(log_unknown, f64::max);
     let unknown = (log_unknown - greatest).exp();
     let total = unknown + candidates.iter().map(|candidate| (candidate.log_weight - greatest).exp()).sum::<f64>();
@@ -120,8 +175,9 @@ pub(super) fn share_out(candidates: &mut [Candidate], log_unknown: f64) -> f64 {
     unknown / total
 }
 
-/// Probability of a χ² of `terms` squares as large as `chi_square` or larger (Abramowitz & Stegun 26.4.4 and 26.4.5). One for no terms.
-pub fn chi_square_survival(chi_square: f64, terms: u32) -> f64 {
+/// Returns the probability of a χ² of `terms` squares of at least `chi_square` (Abramowitz & Stegun 26.4.4 and 26.4.5); 1 without
+/// terms.
+fn chi_square_survival(chi_square: f64, terms: u32) -> f64 {
     if terms == 0 {
         return 1.0;
     }
@@ -144,7 +200,7 @@ pub fn chi_square_survival(chi_square: f64, terms: u32) -> f64 {
 mod tests {
     use super::*;
 
-    /// Table 26.8 of Abramowitz & Stegun: χ² that is exceeded with the probability at the head.
+    /// Table 26.8 of Abramowitz & Stegun: χ² exceeded with the probability in its header.
     #[test]
     fn valid_chi_square_against_abramowitz_and_stegun() {
         for (terms, at_5_percent, at_01_percent) in [

@@ -1,24 +1,24 @@
-//! Regions of SAOImage DS9: boxes, polygons, lines and vectors on the sky, as outlines.
+//! Regions of SAOImage DS9 (boxes, polygons, lines and vectors on the sky) as outlines, and the line fitted to the outlines of a streak.
 //!
-//! Read are the lines of the format (DS9 reference manual, "Regions"): a system of coordinates (`fk5`, `j2000`, `icrs`), then shapes with their numbers
-//! in brackets or after blanks, parted by commas or blanks; `;` parts statements, `#` begins a comment, `global` lines are passed over, a `-` before
-//! a shape takes it away (and is refused here). FK5 of equinox 2000 is taken as ICRS: they differ by 0.02 arcsec.
+//! Format (DS9 reference manual, "Regions"): a coordinate system (`fk5`, `j2000`, `icrs`), then shapes with their numbers in brackets or
+//! after blanks, separated by commas or blanks. `;` separates statements, `#` starts a comment, `global` lines are ignored; an excluded
+//! shape (`-`) is an error. FK5 of equinox 2000 is read as ICRS: they differ by 0.02 arcsec.
 
-use nalgebra::Vector3;
+use nalgebra::{Matrix2, SymmetricEigen, Vector2, Vector3};
 
 use super::error::IdentifyError;
 use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 
 const SYSTEMS: &[&str] = &["fk5", "j2000", "icrs"];
-/// Known to DS9, and not on the sky in ICRS.
+/// Coordinate systems of DS9 that are not supported.
 const OTHER_SYSTEMS: &[&str] =
     &["image", "physical", "linear", "amplifier", "detector", "fk4", "b1950", "galactic", "ecliptic", "wcs", "wcsa"];
 const ALLOWED: &str = "allowed: polygon, box, line and vector in fk5 or icrs";
 
-/// The outlines in the text of a file; `path` is what errors call it.
+/// Reads the outlines in the text of a file; `path` is its name in errors.
 ///
 /// # Errors
-/// [`IdentifyError::Region`] with the line: another system or shape, numbers that are none; [`IdentifyError::NoRegion`].
+/// [`IdentifyError::Region`] with the line for another system or shape and for invalid numbers; [`IdentifyError::NoRegion`].
 pub fn parse_regions(path: &str, text: &str) -> Result<Vec<Vec<Direction<Gcrs>>>, IdentifyError> {
     let mut outlines = Vec::new();
     let mut system: Option<String> = None;
@@ -87,7 +87,7 @@ fn place(right_ascension: &str, declination: &str) -> Result<Direction<Gcrs>, St
     Ok(Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians()))
 }
 
-/// A size: `12.5"` arcsec, `3'` arcmin, `0.2d` or a bare number degrees.
+/// Parses a size: `12.5"` in arcsec, `3'` in arcmin, `0.2d` or a number in degrees.
 fn size_rad(text: &str) -> Result<f64, String> {
     let (number, factor) = match text.char_indices().last() {
         Some((at, '"')) => (&text[..at], 1.0 / 3600.0),
@@ -105,11 +105,87 @@ fn angle_rad(text: &str) -> Result<f64, String> {
     angle.map(f64::to_radians).ok_or_else(|| format!("'{text}' is no angle; allowed: degrees"))
 }
 
-/// DS9 measures angles of sky regions from the axis of growing x of an image with north up and east left: towards the west, anticlockwise over north.
+/// Returns a displaced position. DS9 measures angles of regions from the x axis of an image with north up and east left: from west
+/// through north.
 fn moved(from: &Direction<Gcrs>, west_rad: f64, north_rad: f64) -> Direction<Gcrs> {
     let (east, north) = from.east_north();
     let moved: Vector3<f64> = from.vector() - east * west_rad.tan() + north * north_rad.tan();
     Direction::from_vector(moved.normalize())
+}
+
+/// Line fitted to the outlines of a streak.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FittedLine {
+    /// Both ends: the outermost corners, projected onto the line.
+    pub ends: [Direction<Gcrs>; 2],
+    /// Half width of the outlines, radians: the root mean square distance of their corners from the line.
+    pub half_width_rad: f64,
+}
+
+/// Largest distance of the middle of an outline from the line: in widths of the outline,
+const WIDTHS_BESIDE: f64 = 2.0;
+/// and in lengths of the line, since lines drawn by hand along a streak have no width.
+const LENGTHS_BESIDE: f64 = 0.01;
+
+/// Fits a line to the corners of outlines (boxes, polygons, lines) of one streak: through their mean, in the direction of their largest
+/// variance. The outlines may cover parts of the streak only.
+///
+/// # Errors
+/// [`IdentifyError::NoLine`] if all corners are at one position; [`IdentifyError::NotOneLine`] if the middle of an outline is farther
+/// from the line than twice its width and a hundredth of the length of the line.
+pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, IdentifyError> {
+    let corners: Vec<Vector3<f64>> = outlines.iter().flatten().map(|corner| *corner.vector()).collect();
+    let no_line = IdentifyError::NoLine { separation_arcsec: 0.0 };
+    let centre = corners.iter().sum::<Vector3<f64>>().try_normalize(0.0).ok_or(no_line.clone())?;
+    let (east, north) = Direction::<Gcrs>::from_vector(centre).east_north();
+    // Great circles are straight lines on the tangent plane.
+    let plane = |corner: &Vector3<f64>| Vector2::new(corner.dot(&east), corner.dot(&north)) / corner.dot(&centre);
+    let points: Vec<Vector2<f64>> = corners.iter().map(plane).collect();
+    let middle = points.iter().sum::<Vector2<f64>>() / points.len() as f64;
+    let along = longest(&points, &middle);
+    let across = Vector2::new(-along.y, along.x);
+    let half_width_rad =
+        (points.iter().map(|point| (point - middle).dot(&across).powi(2)).sum::<f64>() / points.len() as f64).sqrt();
+
+    let ways = points.iter().map(|point| (point - middle).dot(&along));
+    let (low, high) = ends_of(ways);
+    if high <= low {
+        return Err(no_line);
+    }
+    for outline in outlines.iter().filter(|outline| !outline.is_empty()) {
+        let own: Vec<Vector2<f64>> = outline.iter().map(|corner| plane(corner.vector())).collect();
+        let own_middle = own.iter().sum::<Vector2<f64>>() / own.len() as f64;
+        let off_rad = (own_middle - middle).dot(&across).abs();
+        let narrow_rad = narrow_width(&own, &own_middle);
+        if off_rad > WIDTHS_BESIDE * narrow_rad + LENGTHS_BESIDE * (high - low) {
+            let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
+            return Err(IdentifyError::NotOneLine { off_arcsec: arcsec(off_rad), width_arcsec: arcsec(narrow_rad) });
+        }
+    }
+    let ends = [low, high].map(|way| {
+        let point = middle + along * way;
+        Direction::from_vector((centre + east * point.x + north * point.y).normalize())
+    });
+    Ok(FittedLine { ends, half_width_rad })
+}
+
+/// Returns the direction of the largest variance of points.
+fn longest(points: &[Vector2<f64>], middle: &Vector2<f64>) -> Vector2<f64> {
+    let spread: Matrix2<f64> = points.iter().map(|point| (point - middle) * (point - middle).transpose()).sum();
+    let axes = SymmetricEigen::new(spread);
+    axes.eigenvectors.column(axes.eigenvalues.imax()).into_owned()
+}
+
+/// Returns the full width of an outline across its length, radians.
+fn narrow_width(points: &[Vector2<f64>], middle: &Vector2<f64>) -> f64 {
+    let along = longest(points, middle);
+    let across = Vector2::new(-along.y, along.x);
+    let (low, high) = ends_of(points.iter().map(|point| (point - middle).dot(&across)));
+    (high - low).max(0.0)
+}
+
+fn ends_of(ways: impl Iterator<Item = f64>) -> (f64, f64) {
+    ways.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), way| (low.min(way), high.max(way)))
 }
 
 #[cfg(test)]
@@ -128,12 +204,12 @@ mod tests {
         assert_eq!(outlines.iter().map(Vec::len).collect::<Vec<_>>(), [3, 2, 4, 2]);
         assert!((outlines[0][1].longitude_rad().to_degrees() - 232.0161734).abs() < 1e-9);
         assert!((outlines[1][0].latitude_rad().to_degrees() - 8.928_333_333).abs() < 1e-8);
-        // A vector of angle 90° leads north.
+        // A vector of angle 90° points north.
         let [from, to] = [outlines[3][0], outlines[3][1]];
         assert!(from.position_angle_rad(&to).sin().abs() < 1e-6, "{}", from.position_angle_rad(&to));
         assert!(to.latitude_rad() > from.latitude_rad());
         assert!((from.separation_rad(&to).to_degrees() * 3600.0 - 60.0).abs() < 1e-3);
-        // The long side of the box leads, turned by 30° anticlockwise, 30° from north to east.
+        // The long side of the box, rotated by 30° anticlockwise, is at 30° from north to east.
         let angle_deg = outlines[2][1].position_angle_rad(&outlines[2][2]).to_degrees();
         assert!((angle_deg - 30.0).abs() < 0.01, "{angle_deg}");
     }
@@ -150,5 +226,39 @@ mod tests {
         assert_eq!(said(""), format!("a.reg: no region in it; {ALLOWED}"));
         let bare = parse_regions("a.reg", "line(1,2,3,4)").unwrap_err().to_string();
         assert!(bare.contains("before any system"), "{bare}");
+    }
+
+    fn at(x_arcsec: f64, y_arcsec: f64) -> Direction<Gcrs> {
+        let deg = |arcsec: f64| (arcsec / 3600.0).to_radians();
+        let (dec, ra) = (0.5 + deg(y_arcsec), 2.0 + deg(x_arcsec) / 0.5_f64.cos());
+        Direction::from_lon_lat_rad(ra, dec)
+    }
+
+    /// A box of 100 by 10 arcsec about a place, turned by 30°.
+    fn streak_box(middle_arcsec: f64, beside_arcsec: f64) -> Vec<Direction<Gcrs>> {
+        let (sin, cos) = 30_f64.to_radians().sin_cos();
+        [(-50.0, -5.0), (50.0, -5.0), (50.0, 5.0), (-50.0, 5.0)]
+            .map(|(along, across)| (along + middle_arcsec, across + beside_arcsec))
+            .map(|(along, across)| at(along * cos - across * sin, along * sin + across * cos))
+            .to_vec()
+    }
+
+    #[test]
+    fn verif_boxes_of_one_streak() {
+        let line = fit_line(&[streak_box(0.0, 0.0), streak_box(300.0, 0.0)]).unwrap();
+        let length_arcsec = line.ends[0].separation_rad(&line.ends[1]).to_degrees() * 3600.0;
+        assert!((length_arcsec - 400.0).abs() < 0.1, "{length_arcsec}");
+        assert!((line.half_width_rad.to_degrees() * 3600.0 - 5.0).abs() < 0.05);
+        // 30° from east towards north: position angle 60° or 240°.
+        let angle_deg = line.ends[0].position_angle_rad(&line.ends[1]).to_degrees() % 180.0;
+        assert!((angle_deg - 60.0).abs() < 0.1, "{angle_deg}");
+    }
+
+    #[test]
+    fn what_is_no_line_is_refused() {
+        let apart = fit_line(&[streak_box(0.0, 0.0), streak_box(10.0, 400.0), streak_box(300.0, 0.0)]);
+        assert!(matches!(apart, Err(IdentifyError::NotOneLine { .. })), "{apart:?}");
+        assert!(matches!(fit_line(&[vec![at(0.0, 0.0)]]), Err(IdentifyError::NoLine { .. })));
+        assert!(matches!(fit_line(&[]), Err(IdentifyError::NoLine { .. })));
     }
 }

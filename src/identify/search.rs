@@ -1,52 +1,62 @@
-//! A whole catalogue asked for the satellite of a streak.
+//! Search of a catalogue for the satellites that may have made a streak.
+//!
+//! A satellite on the line of sight at its distance r from the Earth's centre is at P. Its orbital plane must pass P, and it must be
+//! there after a delay that its errors allow:
+//!
+//! ```text
+//! beside = ĥ · P          Δu = atan2(P · (ĥ × r̂), P · r̂)          δ = -Δu r² / |r × v|
+//! ```
+//!
+//! This takes one call of SGP4 for each satellite; the few in a thousand that remain are compared exactly.
 
+use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::compare::{Candidate, Reach, compare};
+use super::compare::{Reach, compare};
 use super::error::IdentifyError;
-use super::likelihood::{log_weight_of_unknown, share_out};
-use super::near::delays_s;
+use super::likelihood::{Candidate, log_weight_of_unknown, set_probabilities};
 use super::streak::MeasuredStreak;
-use crate::orbit::LeftOut;
+use crate::frames::{Direction, Gcrs, Position};
+use crate::orbit::{LeftOut, Propagator, State};
 use crate::passes::{Exposure, Sky, Stretch};
 use crate::photometry::PhotometryOptions;
 
-/// Candidates are looked for as far as so many sigmas, and at least so far.
+/// Reach of the search, sigmas, and least reach.
 const REACH_SIGMAS: f64 = 6.0;
 const LEAST_REACH_S: f64 = 30.0;
 const LEAST_REACH_RAD: f64 = 0.0175;
-/// Mean distance of what is near enough to have a wide angle across its track, km: for the reach before the distance is known.
+/// Distance for the reach across the track before the range is known, km.
 const NEAR_KM: f64 = 500.0;
-/// Two delays of one satellite nearer to one another are the same passage, seconds.
+/// Least difference of the delays of two passages of one satellite, seconds.
 const SAME_PASSAGE_S: f64 = 1.0;
 
-/// What is wanted of the candidates.
+/// Options of the search.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct IdentifyOptions {
-    /// Satellites in the Earth's shadow too.
+    /// Includes satellites in the Earth's shadow.
     pub include_dark: bool,
     /// Band, system, extinction.
     pub photometry: PhotometryOptions,
 }
 
-/// The answer.
+/// Result of the search.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Identified {
     /// Candidates, the most probable first.
     pub candidates: Vec<Candidate>,
-    /// Probability that it is none of them, but a satellite of which no element set tells.
+    /// Probability of a satellite without element set.
     pub unknown_probability: f64,
     /// Satellites without a position at that time, in catalogue order.
     pub left_out: Vec<LeftOut>,
 }
 
-/// All satellites of a sky that may have made a streak, on all threads of the current pool.
+/// Finds all satellites that may have made a streak, on all threads of the current pool.
 ///
-/// Looked at are those whose delay and distance from the streak are within six sigmas of their elements' age and the measurement (at least 30 s and 1°).
-/// 20,000 satellites take some tens of milliseconds.
+/// Candidates have a delay and a distance from the streak within six sigmas of the age of their elements and of the measurement (at
+/// least 30 s and 1°). 20,000 satellites take some tens of milliseconds.
 ///
 /// # Errors
-/// [`IdentifyError::Sky`] where the sky has no answer at that time.
+/// [`IdentifyError::Sky`] if positions cannot be computed at that time.
 pub fn identify_streak(
     sky: &Sky,
     streak: &MeasuredStreak,
@@ -74,12 +84,12 @@ pub fn identify_streak(
     left_out.sort_by_key(|left_out| left_out.element_index);
     let log_unknown =
         log_weight_of_unknown(sky.elements().len(), streak.timing(), streak.duration_s(), streak.length_rad());
-    let unknown_probability = share_out(&mut candidates, log_unknown);
+    let unknown_probability = set_probabilities(&mut candidates, log_unknown);
     candidates.sort_by(|a, b| b.log_weight.total_cmp(&a.log_weight).then(a.element_index.cmp(&b.element_index)));
     Ok(Identified { candidates, unknown_probability, left_out })
 }
 
-/// The best passage of one satellite, at most one.
+/// Returns the best passage of one satellite, if there is one.
 fn one_satellite(
     stretch: &Stretch<'_>,
     element_index: usize,
@@ -95,7 +105,7 @@ fn one_satellite(
     let along_s = REACH_SIGMAS * errors.along_track_s.hypot(streak.time_sigma_s());
     let across_rad = REACH_SIGMAS * (errors.cross_track_km / NEAR_KM).hypot(streak.place_sigma_rad());
     let reach = Reach {
-        // Half a turn away is as late as early.
+        // At most half a revolution.
         along_track_s: (along_s.max(LEAST_REACH_S) + mid_s).min(0.5 * propagator.period_s()),
         cross_track_rad: across_rad.clamp(LEAST_REACH_RAD, 0.5),
     };
@@ -109,4 +119,81 @@ fn one_satellite(
         })
         .max_by(|a, b| a.log_weight.total_cmp(&b.log_weight));
     (best.into_iter().collect(), None)
+}
+
+/// Largest eccentricity of an orbit treated as circular; on others the position is found in steps.
+const CIRCULAR: f64 = 0.03;
+/// Allowance for J₂ and for the varying radius of nearly circular orbits, km and share of the distance along the orbit.
+const SLOP_KM: f64 = 60.0;
+const SLOP_SHARE: f64 = 0.05;
+/// Tolerance, seconds, and most steps to a position on an eccentric orbit.
+const CLOSE_S: f64 = 1.0;
+const MOST_STEPS: usize = 30;
+
+/// Returns first guesses of the delays with which a satellite passes the streak, seconds; empty if it does not. An observer in orbit
+/// may see two positions of one orbit in the same direction.
+fn delays_s(stretch: &Stretch<'_>, element_index: usize, streak: &MeasuredStreak, reach: &Reach) -> Vec<f64> {
+    let mid_s = 0.5 * stretch.duration_s();
+    let Some(propagator) = stretch.propagator(element_index) else { return Vec::new() };
+    let Ok(state) = stretch.state(propagator, mid_s, 0.0) else { return Vec::new() };
+    let observer = stretch.observer(mid_s);
+    let towards = streak.place();
+    let (r, v) = (state.position.vector(), state.velocity.vector());
+    let Some(normal) = r.cross(v).try_normalize(0.0) else { return Vec::new() };
+    if stretch.sky().elements()[element_index].eccentricity > CIRCULAR {
+        // Position at which the line of sight meets the orbital plane.
+        let range_km = -normal.dot(observer.vector()) / normal.dot(towards.vector());
+        if !(range_km > 0.0 && range_km.is_finite()) {
+            return Vec::new();
+        }
+        let place = observer.vector() + towards.vector() * range_km;
+        return delay_on_eccentric(stretch, propagator, &place, mid_s)
+            .filter(|late_s| late_s.abs() <= reach.along_track_s + SLOP_KM)
+            .into_iter()
+            .collect();
+    }
+    let delay = |range_km: f64| {
+        let place = observer.vector() + towards.vector() * range_km;
+        let angle_rad = angle_to(&state, &place);
+        let slop_km = SLOP_KM + SLOP_SHARE * angle_rad.abs() * r.norm();
+        let late_s = -angle_rad * r.norm_squared() / r.cross(v).norm();
+        let is_near = normal.dot(&place).abs() <= reach.cross_track_rad * range_km + slop_km
+            && late_s.abs() <= reach.along_track_s + slop_km / v.norm();
+        is_near.then_some(late_s)
+    };
+    ranges_km(&observer, &towards, r.norm()).into_iter().filter_map(delay).collect()
+}
+
+/// Returns the angle along the orbit from the satellite to a position, (-π, π], radians.
+fn angle_to(state: &State<Gcrs>, place: &Vector3<f64>) -> f64 {
+    let radial = state.position.vector().normalize();
+    let ahead = state.position.vector().cross(state.velocity.vector()).normalize().cross(&radial);
+    place.dot(&ahead).atan2(place.dot(&radial))
+}
+
+/// Returns the delay for an eccentric orbit, in steps of SGP4 with the current angular rate.
+fn delay_on_eccentric(stretch: &Stretch<'_>, propagator: &Propagator, place: &Vector3<f64>, mid_s: f64) -> Option<f64> {
+    let longest_s = 0.1 * propagator.period_s();
+    let mut late_s = 0.0;
+    for _ in 0..MOST_STEPS {
+        let state = stretch.state(propagator, mid_s, late_s).ok()?;
+        let momentum = state.position.vector().cross(state.velocity.vector()).norm();
+        let step_s = angle_to(&state, place) * state.position.vector().norm_squared() / momentum;
+        late_s -= step_s.clamp(-longest_s, longest_s);
+        if step_s.abs() < CLOSE_S {
+            return Some(late_s);
+        }
+    }
+    None
+}
+
+/// Returns the distances at which a line of sight meets a sphere about the Earth's centre, in front of the observer, km.
+fn ranges_km(observer: &Position<Gcrs>, towards: &Direction<Gcrs>, radius_km: f64) -> Vec<f64> {
+    // ρ = -O·d ± √((O·d)² + r² - O²)
+    let along = observer.vector().dot(towards.vector());
+    let square = along * along + radius_km * radius_km - observer.vector().norm_squared();
+    if square < 0.0 {
+        return Vec::new();
+    }
+    [-along - square.sqrt(), -along + square.sqrt()].into_iter().filter(|range_km| *range_km > 0.0).collect()
 }

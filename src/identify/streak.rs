@@ -1,4 +1,4 @@
-//! A streak as it was measured: a line on the sky, and when the shutter was open.
+//! Measured streaks: a line on the sky, and the time of the exposure.
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
@@ -6,19 +6,19 @@ use nalgebra::Vector3;
 use super::error::IdentifyError;
 use crate::frames::{Direction, Gcrs};
 
-/// What is known of the time at which the satellite was where.
+/// Relation between the times of the exposure and the positions along the streak.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Timing {
-    /// At the first end when the time began and at the second when it ended: the direction of motion is known.
+    /// The satellite was at the first end at the start and at the second at the end of the time: the direction of motion is known.
     FirstToSecond,
-    /// The whole streak is there: its ends are at shutter opening and closing, which is which is not known.
+    /// The ends belong to the opening and closing of the shutter, in unknown order.
     Whole,
-    /// Somewhere along the streak at some moment of the exposure: the ends may be those of the frame.
+    /// The satellite was somewhere along the streak during the exposure: the ends may be those of the frame.
     Within,
 }
 
 impl Timing {
-    /// Its name in outputs.
+    /// Returns the name in outputs.
     pub fn name(self) -> &'static str {
         match self {
             Timing::FirstToSecond => "first end to second",
@@ -28,7 +28,7 @@ impl Timing {
     }
 }
 
-/// A measured streak with its errors. Places are ICRS astrometric.
+/// Measured streak with its errors. Positions are ICRS astrometric.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MeasuredStreak {
     place: Direction<Gcrs>,
@@ -43,18 +43,18 @@ pub struct MeasuredStreak {
     by_ends: bool,
 }
 
-/// Ends nearer to one another make no line, radians: 0.01 arcsec.
+/// Least length, radians: 0.01 arcsec.
 const LEAST_LENGTH_RAD: f64 = 4.8e-8;
-/// A longer streak is not one great circle, radians.
+/// Largest length, radians: longer streaks are not great circles.
 const LONGEST_RAD: f64 = 2.0;
-/// No angle is known better, radians: what curvature and distortions leave.
+/// Least error of an angle, radians: curvature and distortions.
 const LEAST_ANGLE_SIGMA_RAD: f64 = 1e-5;
 
 impl MeasuredStreak {
-    /// From two ends. The errors are one sigma of either end in any direction (radians) and of all times together (seconds).
+    /// Creates a streak from two ends. The errors are one sigma of either end in any direction (radians) and of the clock (seconds).
     ///
     /// # Errors
-    /// [`IdentifyError`]: ends at one place or more than 115° apart, errors that are no positive numbers, a length of the time that does not fit the timing.
+    /// The ends are at one position or more than 115° apart, an error is not positive, or the duration does not fit the timing.
     pub fn from_ends(
         ends: [Direction<Gcrs>; 2],
         (start, duration_s): (Epoch, f64),
@@ -79,18 +79,19 @@ impl MeasuredStreak {
             timing,
             place_sigma_rad,
             time_sigma_s,
-            // Two ends, each off by σ at right angles to the line.
+            // Two ends, each with an error σ at right angles to the line.
             angle_sigma_rad: (std::f64::consts::SQRT_2 * place_sigma_rad / length_rad).max(LEAST_ANGLE_SIGMA_RAD),
             by_ends: true,
         };
         streak.checked()
     }
 
-    /// From a place in the middle of the streak, the position angle of the line there (north through east, either of its two directions) with one sigma,
-    /// radians, and its length where that is known.
+    /// Creates a streak from its middle, the position angle of the line there (north through east, either direction) with one sigma,
+    /// radians, and its length, if known.
     ///
     /// # Errors
-    /// As [`MeasuredStreak::from_ends`]; the whole streak without a length, or a direction of motion, which an angle of a line does not tell.
+    /// As [`MeasuredStreak::from_ends`]; a whole streak without a length; or a direction of motion, which a position angle does not
+    /// contain.
     pub fn from_place(
         place: Direction<Gcrs>,
         (position_angle_rad, angle_sigma_rad): (f64, f64),
@@ -139,10 +140,10 @@ impl MeasuredStreak {
     }
 
     fn checked(self) -> Result<Self, IdentifyError> {
-        let is_instant_enough = self.timing == Timing::Within;
-        if !self.duration_s.is_finite() || self.duration_s < 0.0 || (self.duration_s == 0.0 && !is_instant_enough) {
+        let may_be_instant = self.timing == Timing::Within;
+        if !self.duration_s.is_finite() || self.duration_s < 0.0 || (self.duration_s == 0.0 && !may_be_instant) {
             let allowed =
-                if is_instant_enough { "0 s or more" } else { "above 0 s; the ends were not reached at one moment" };
+                if may_be_instant { "0 s or more" } else { "above 0 s; the ends were not reached at one moment" };
             return Err(value("length of the exposure", self.duration_s, "s", allowed));
         }
         for (what, sigma, unit, allowed) in [
@@ -157,22 +158,22 @@ impl MeasuredStreak {
         Ok(self)
     }
 
-    /// The middle of the streak.
+    /// Returns the middle of the streak.
     pub fn place(&self) -> Direction<Gcrs> {
         self.place
     }
 
-    /// Position angle of the line at the middle, towards the second end, from north through east, [0, 2π), radians.
+    /// Returns the position angle of the line at the middle, towards the second end, from north through east, [0, 2π), radians.
     pub fn position_angle_rad(&self) -> f64 {
         self.position_angle_rad
     }
 
-    /// Its length, radians.
+    /// Returns the length, radians, if known.
     pub fn length_rad(&self) -> Option<f64> {
         self.length_rad
     }
 
-    /// Both ends, where the length is known.
+    /// Returns both ends, if the length is known.
     pub fn ends(&self) -> Option<[Direction<Gcrs>; 2]> {
         let half_rad = 0.5 * self.length_rad?;
         let (east, north) = self.place.east_north();
@@ -182,37 +183,37 @@ impl MeasuredStreak {
         }))
     }
 
-    /// True where its ends were measured, not its middle and angle: a curved track then meets the ends.
+    /// Returns true if the ends were measured, not the middle and the angle: a curved track then passes the ends.
     pub fn is_by_ends(&self) -> bool {
         self.by_ends
     }
 
-    /// When the time began.
+    /// Returns the start of the time.
     pub fn start(&self) -> Epoch {
         self.start
     }
 
-    /// How long it was, seconds.
+    /// Returns the duration, seconds.
     pub fn duration_s(&self) -> f64 {
         self.duration_s
     }
 
-    /// What is known of the times along the streak.
+    /// Returns the relation between times and positions.
     pub fn timing(&self) -> Timing {
         self.timing
     }
 
-    /// One sigma of either end in any direction, radians.
+    /// Returns one sigma of either end in any direction, radians.
     pub fn place_sigma_rad(&self) -> f64 {
         self.place_sigma_rad
     }
 
-    /// One sigma of all times together, seconds.
+    /// Returns one sigma of the clock, seconds.
     pub fn time_sigma_s(&self) -> f64 {
         self.time_sigma_s
     }
 
-    /// One sigma of the position angle, radians.
+    /// Returns one sigma of the position angle, radians.
     pub fn angle_sigma_rad(&self) -> f64 {
         self.angle_sigma_rad
     }

@@ -1,160 +1,157 @@
-//! Streak and candidates as tables.
+//! Tables of the measured streak and of its candidates.
 
-use super::compare::Candidate;
+use super::likelihood::Candidate;
 use super::streak::MeasuredStreak;
 use crate::elements::ElementSet;
 use crate::frames::{Direction, Gcrs, seconds_after};
-use crate::output::{Column, Kind, Table, Value};
+use crate::output::{Column, Kind, Table, TableField, Value};
 use crate::photometry::{Brightness, PhotometryOptions};
 
-/// A candidate with all that its row says.
+/// Candidate with the data of its row.
 #[derive(Copy, Clone)]
 pub struct CandidateRow<'a> {
     /// The candidate.
     pub candidate: &'a Candidate,
-    /// Its element set: name and designator.
+    /// Its element set.
     pub elements: &'a ElementSet,
     /// Band and system of the magnitudes.
     pub photometry: &'a PhotometryOptions,
 }
 
-struct Field {
-    column: Column,
-    value: fn(&CandidateRow<'_>) -> Value,
+const ARCSEC_PER_RAD: f64 = 3600.0 * 180.0 / std::f64::consts::PI;
+
+fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
+    let field = TableField::<CandidateRow<'a>>::new;
+    vec![
+        field(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |row| {
+            i64::from(row.candidate.norad_id.0).into()
+        }),
+        field(Column::new("name", Kind::Text, "Name in the element set."), |row| Value::nonempty(&row.elements.name)),
+        field(Column::new("international_designator", Kind::Text, "COSPAR designator."), |row| {
+            Value::nonempty(&row.elements.international_designator)
+        }),
+        field(
+            Column::real(
+                "probability",
+                "",
+                6,
+                "Probability that it is this satellite, among all candidates and satellites without elements.",
+            ),
+            |row| row.candidate.probability.into(),
+        ),
+        field(Column::real("chi_square", "", 3, "Sum of the squares of the offsets in sigmas."), |row| {
+            row.candidate.chi_square.into()
+        }),
+        field(Column::new("chi_square_terms", Kind::Integer, "How many offsets count in it."), |row| {
+            i64::from(row.candidate.terms).into()
+        }),
+        field(
+            Column::real("p_value", "", 6, "Probability of a chi square as large or larger, were it this satellite."),
+            |row| row.candidate.p_value.into(),
+        ),
+        field(
+            Column::real(
+                "along_track_offset_s",
+                "s",
+                3,
+                "The satellite passes so much later than predicted; negative: earlier. 0 where the prediction lies within the exposure.",
+            ),
+            |row| row.candidate.along_track_s.value.into(),
+        ),
+        field(Column::real("along_track_offset_deg", "deg", 5, "The same as a way on the sky."), |row| {
+            (row.candidate.along_track_s.value * row.candidate.angular_rate_rad_s.to_degrees()).into()
+        }),
+        field(
+            Column::real("along_track_sigma_s", "s", 3, "One sigma of it: elements of that age, and the clock."),
+            |row| row.candidate.along_track_s.sigma.into(),
+        ),
+        field(
+            Column::real(
+                "cross_track_offset_arcsec",
+                "arcsec",
+                2,
+                "The streak lies so far beside the predicted path, on the side of its position angle + 90 deg.",
+            ),
+            |row| (row.candidate.cross_track_rad.value * ARCSEC_PER_RAD).into(),
+        ),
+        field(Column::real("cross_track_sigma_arcsec", "arcsec", 2, "One sigma of it."), |row| {
+            (row.candidate.cross_track_rad.sigma * ARCSEC_PER_RAD).into()
+        }),
+        field(
+            Column::real("angle_difference_deg", "deg", 4, "Position angle of the streak less that of the motion."),
+            |row| row.candidate.angle_rad.value.to_degrees().into(),
+        ),
+        field(Column::real("angle_sigma_deg", "deg", 4, "One sigma of it."), |row| {
+            row.candidate.angle_rad.sigma.to_degrees().into()
+        }),
+        field(
+            Column::real(
+                "length_difference_deg",
+                "deg",
+                5,
+                "Length measured less predicted; where the ends may be those of the frame, by how much it is too long.",
+            ),
+            |row| row.candidate.length_rad.map(|offset| offset.value.to_degrees()).into(),
+        ),
+        field(Column::real("length_sigma_deg", "deg", 5, "One sigma of it."), |row| {
+            row.candidate.length_rad.map(|offset| offset.sigma.to_degrees()).into()
+        }),
+        field(
+            Column::real("predicted_length_deg", "deg", 5, "Length of the track while the shutter was open."),
+            |row| row.candidate.predicted_length_rad.to_degrees().into(),
+        ),
+        field(Column::real("angular_rate_deg_s", "deg / s", 6, "Speed on the sky."), |row| {
+            row.candidate.angular_rate_rad_s.to_degrees().into()
+        }),
+        field(Column::real("position_angle_deg", "deg", 4, "Direction of motion, from north through east."), |row| {
+            row.candidate.position_angle_rad.to_degrees().into()
+        }),
+        field(Column::time("passage_utc", "When it passed the middle of the streak, if it was that late."), |row| {
+            row.candidate.passage.epoch.into()
+        }),
+        field(Column::real("altitude_deg", "deg", 4, "Altitude then, without refraction."), |row| {
+            row.candidate.passage.altitude_rad.map(f64::to_degrees).into()
+        }),
+        field(Column::real("azimuth_deg", "deg", 4, "Azimuth then, from north through east."), |row| {
+            row.candidate.passage.azimuth_rad.map(f64::to_degrees).into()
+        }),
+        field(Column::real("range_km", "km", 3, "Distance from the observer then."), |row| {
+            row.candidate.passage.range_km.into()
+        }),
+        field(Column::real("phase_angle_deg", "deg", 4, "Sun-satellite-observer angle then."), |row| {
+            row.candidate.passage.geometry.phase_angle_rad().to_degrees().into()
+        }),
+        field(Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra, then."), |row| {
+            row.candidate.passage.illumination.name().into()
+        }),
+        field(Column::real("magnitude", "mag", 3, "Predicted apparent magnitude then, steady."), |row| {
+            light(row).map(|light| light.magnitude.0).into()
+        }),
+        field(Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."), |row| {
+            light(row).map(|light| light.sigma_mag).into()
+        }),
+        field(Column::new("band", Kind::Text, "Passband of the magnitude."), |row| row.photometry.band.name().into()),
+        field(Column::new("mag_system", Kind::Text, "Zero point of the magnitude."), |row| {
+            row.photometry.system.to_string().into()
+        }),
+        field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
+            light(row).map(|light| light.source.to_string()).into()
+        }),
+        field(
+            Column::real(
+                "element_age_days",
+                "d",
+                4,
+                "Passage less epoch of the elements; negative where they are newer.",
+            ),
+            |row| row.candidate.element_age_days.into(),
+        ),
+    ]
 }
 
-const fn field(column: Column, value: fn(&CandidateRow<'_>) -> Value) -> Field {
-    Field { column, value }
-}
-
-const ARCSEC_A_RADIAN: f64 = 3600.0 * 180.0 / std::f64::consts::PI;
-
-static FIELDS: &[Field] = &[
-    field(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |row| {
-        i64::from(row.candidate.norad_id.0).into()
-    }),
-    field(Column::new("name", Kind::Text, "Name in the element set."), |row| text(&row.elements.name)),
-    field(Column::new("international_designator", Kind::Text, "COSPAR designator."), |row| {
-        text(&row.elements.international_designator)
-    }),
-    field(
-        Column::real(
-            "probability",
-            "",
-            6,
-            "Probability that it is this satellite, among all candidates and satellites without elements.",
-        ),
-        |row| row.candidate.probability.into(),
-    ),
-    field(Column::real("chi_square", "", 3, "Sum of the squares of the offsets in sigmas."), |row| {
-        row.candidate.chi_square.into()
-    }),
-    field(Column::new("chi_square_terms", Kind::Integer, "How many offsets count in it."), |row| {
-        i64::from(row.candidate.terms).into()
-    }),
-    field(
-        Column::real("p_value", "", 6, "Probability of a chi square as large or larger, were it this satellite."),
-        |row| row.candidate.p_value.into(),
-    ),
-    field(
-        Column::real(
-            "along_track_offset_s",
-            "s",
-            3,
-            "The satellite passes so much later than predicted; negative: earlier. 0 where the prediction lies within the exposure.",
-        ),
-        |row| row.candidate.along_track_s.value.into(),
-    ),
-    field(Column::real("along_track_offset_deg", "deg", 5, "The same as a way on the sky."), |row| {
-        (row.candidate.along_track_s.value * row.candidate.angular_rate_rad_s.to_degrees()).into()
-    }),
-    field(
-        Column::real("along_track_sigma_s", "s", 3, "One sigma of it: elements of that age, and the clock."),
-        |row| row.candidate.along_track_s.sigma.into(),
-    ),
-    field(
-        Column::real(
-            "cross_track_offset_arcsec",
-            "arcsec",
-            2,
-            "The streak lies so far beside the predicted path, on the side of its position angle + 90 deg.",
-        ),
-        |row| (row.candidate.cross_track_rad.value * ARCSEC_A_RADIAN).into(),
-    ),
-    field(Column::real("cross_track_sigma_arcsec", "arcsec", 2, "One sigma of it."), |row| {
-        (row.candidate.cross_track_rad.sigma * ARCSEC_A_RADIAN).into()
-    }),
-    field(
-        Column::real("angle_difference_deg", "deg", 4, "Position angle of the streak less that of the motion."),
-        |row| row.candidate.angle_rad.value.to_degrees().into(),
-    ),
-    field(Column::real("angle_sigma_deg", "deg", 4, "One sigma of it."), |row| {
-        row.candidate.angle_rad.sigma.to_degrees().into()
-    }),
-    field(
-        Column::real(
-            "length_difference_deg",
-            "deg",
-            5,
-            "Length measured less predicted; where the ends may be those of the frame, by how much it is too long.",
-        ),
-        |row| row.candidate.length_rad.map(|offset| offset.value.to_degrees()).into(),
-    ),
-    field(Column::real("length_sigma_deg", "deg", 5, "One sigma of it."), |row| {
-        row.candidate.length_rad.map(|offset| offset.sigma.to_degrees()).into()
-    }),
-    field(Column::real("predicted_length_deg", "deg", 5, "Length of the track while the shutter was open."), |row| {
-        row.candidate.predicted_length_rad.to_degrees().into()
-    }),
-    field(Column::real("angular_rate_deg_s", "deg / s", 6, "Speed on the sky."), |row| {
-        row.candidate.angular_rate_rad_s.to_degrees().into()
-    }),
-    field(Column::real("position_angle_deg", "deg", 4, "Direction of motion, from north through east."), |row| {
-        row.candidate.position_angle_rad.to_degrees().into()
-    }),
-    field(Column::time("passage_utc", "When it passed the middle of the streak, if it was that late."), |row| {
-        row.candidate.passage.epoch.into()
-    }),
-    field(Column::real("altitude_deg", "deg", 4, "Altitude then, without refraction."), |row| {
-        row.candidate.passage.altitude_rad.map(f64::to_degrees).into()
-    }),
-    field(Column::real("azimuth_deg", "deg", 4, "Azimuth then, from north through east."), |row| {
-        row.candidate.passage.azimuth_rad.map(f64::to_degrees).into()
-    }),
-    field(Column::real("range_km", "km", 3, "Distance from the observer then."), |row| {
-        row.candidate.passage.range_km.into()
-    }),
-    field(Column::real("phase_angle_deg", "deg", 4, "Sun-satellite-observer angle then."), |row| {
-        row.candidate.passage.geometry.phase_angle_rad().to_degrees().into()
-    }),
-    field(Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra, then."), |row| {
-        row.candidate.passage.illumination.name().into()
-    }),
-    field(Column::real("magnitude", "mag", 3, "Predicted apparent magnitude then, steady."), |row| {
-        light(row).map(|light| light.magnitude.0).into()
-    }),
-    field(Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."), |row| {
-        light(row).map(|light| light.sigma_mag).into()
-    }),
-    field(Column::new("band", Kind::Text, "Passband of the magnitude."), |row| row.photometry.band.name().into()),
-    field(Column::new("mag_system", Kind::Text, "Zero point of the magnitude."), |row| {
-        row.photometry.system.to_string().into()
-    }),
-    field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
-        light(row).map(|light| light.source.to_string()).into()
-    }),
-    field(
-        Column::real("element_age_days", "d", 4, "Passage less epoch of the elements; negative where they are newer."),
-        |row| row.candidate.element_age_days.into(),
-    ),
-];
-
-/// The candidates as a table, in their order.
+/// Returns candidates as a table, in their order.
 pub fn candidate_table<'a>(rows: impl IntoIterator<Item = CandidateRow<'a>>) -> Table {
-    Table {
-        columns: FIELDS.iter().map(|field| field.column).collect(),
-        rows: rows.into_iter().map(|row| FIELDS.iter().map(|field| (field.value)(&row)).collect()).collect(),
-    }
+    Table::from_records(&candidate_fields(), rows)
 }
 
 const STREAK: [Column; 14] = [
@@ -174,7 +171,7 @@ const STREAK: [Column; 14] = [
     Column::real("angle_sigma_deg", "deg", 4, "One sigma of the position angle."),
 ];
 
-/// The streak as one row.
+/// Returns the streak as a table of one row.
 pub fn streak_table(streak: &MeasuredStreak) -> Table {
     let ends = streak.ends();
     let longitude = |end: usize| -> Value { ends.map(|ends| ends[end].longitude_rad().to_degrees()).into() };
@@ -194,15 +191,11 @@ pub fn streak_table(streak: &MeasuredStreak) -> Table {
             latitude(0),
             longitude(1),
             latitude(1),
-            (streak.place_sigma_rad() * ARCSEC_A_RADIAN).into(),
+            (streak.place_sigma_rad() * ARCSEC_PER_RAD).into(),
             streak.time_sigma_s().into(),
             streak.angle_sigma_rad().to_degrees().into(),
         ]],
     }
-}
-
-fn text(text: &str) -> Value {
-    if text.is_empty() { Value::Null } else { text.into() }
 }
 
 fn light<'a>(row: &CandidateRow<'a>) -> Option<&'a Brightness> {

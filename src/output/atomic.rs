@@ -1,5 +1,4 @@
-//! Files that are there whole or not at all: written beside their target and renamed. Only a power cut may leave less, of a file that is
-//! [finished lazily](AtomicFile::finish_lazily).
+//! Files written completely or not at all: a temporary file in the folder of the target, renamed when it is complete.
 
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
@@ -7,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use tempfile::{Builder, NamedTempFile, TempDir};
 
-/// A file in the making. Dropped without [`finish`](AtomicFile::finish), it leaves nothing behind.
+/// An unfinished output file. Dropped without [`finish`](AtomicFile::finish), it leaves nothing behind.
 #[derive(Debug)]
 pub struct AtomicFile {
     temporary: NamedTempFile,
@@ -15,31 +14,32 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Begins a file that will stand at `target`, in the same folder so that the rename is one step. Symbolic links are followed: what they lead to, there
-    /// already or not yet, is replaced, and they stay.
+    /// Creates the temporary file, in the folder of `target`. Symbolic links at `target` stay: the file that they lead to,
+    /// existing or not, is replaced.
     ///
     /// # Errors
-    /// The folder is missing or cannot be written to, the target is a directory, a pipe or a device, or its links go round in a circle.
+    /// The folder is missing or not writable; the target is a directory, a pipe or a device; its links form a circle.
     pub fn new(target: &Path) -> io::Result<Self> {
         let target = behind_links(target)?;
         if target.is_dir() {
             return Err(io::Error::new(io::ErrorKind::IsADirectory, "is a directory"));
         }
         if is_special(&target) {
-            let why = "is a pipe, a terminal or a device, which no file can take the place of; allowed: a file's name";
-            return Err(io::Error::new(io::ErrorKind::InvalidInput, why));
+            let reason =
+                "is a pipe, a terminal or a device, which no file can take the place of; allowed: a file's name";
+            return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
         }
         let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = Builder::new();
         builder.prefix(".streakcast-").suffix(".part");
-        // What the process would give any new file; a temporary one is for its owner only.
+        // The permissions of any new file, less the umask; temporary files are readable by their owner only.
         #[cfg(unix)]
         builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-        let temporary = builder.tempfile_in(folder).map_err(|error| of_folder(folder, &error))?;
+        let temporary = builder.tempfile_in(folder).map_err(|error| folder_error(folder, &error))?;
         Ok(Self { temporary, target })
     }
 
-    /// Whether a file can be begun there: better asked before long work than after it. Leaves nothing behind.
+    /// Checks, before long work, that a file can be created at `target`. Leaves nothing behind.
     ///
     /// # Errors
     /// As [`new`](AtomicFile::new).
@@ -47,145 +47,104 @@ impl AtomicFile {
         Self::new(target).map(drop)
     }
 
-    /// The file as it is being made.
+    /// Returns the temporary file, open for writing.
     pub fn file(&self) -> &File {
         self.temporary.as_file()
     }
 
-    /// Asks for room for so many bytes before they are written: large files are written a third faster than where each write asks for more, and a full
-    /// disk is told before anything is written. The file is so long then. Where a file system has no such thing, nothing happens.
-    ///
-    /// # Errors
-    /// There is not so much room.
-    pub fn reserve(&self, length: u64) -> io::Result<()> {
-        reserve(self.file(), length)
-    }
-
-    /// Where it is being made.
+    /// Returns the path of the temporary file.
     pub fn path(&self) -> &Path {
         self.temporary.path()
     }
 
-    /// Whether another file stands where this one will.
+    /// Returns true if another file stands at the target.
     pub fn is_replacing(&self) -> bool {
         self.target.symlink_metadata().is_ok()
     }
 
-    /// Puts the file in its place, over whatever stood there, when all of it is on the disk.
+    /// Renames the file to its target, replacing any other file there, after all of it has reached the disk.
     ///
     /// # Errors
-    /// Whatever the system reports; the old file then stands as it was.
+    /// Any error of the system; an old file at the target is then unchanged.
     pub fn finish(self) -> io::Result<()> {
         self.temporary.as_file().sync_all()?;
-        self.put()
+        self.rename()
     }
 
-    /// The same, but waits for the disk only where another file is replaced, which a power cut must not take away before this one is there. A file that
-    /// replaces nothing is as safe as one that was copied: for large ones that can be made again.
+    /// As [`finish`](AtomicFile::finish), but waits for the disk only if another file is replaced. For large files that can
+    /// be made again: after a power cut, a file that replaced nothing may be incomplete, as after any copy.
     ///
     /// # Errors
     /// As [`finish`](AtomicFile::finish).
     pub fn finish_lazily(self) -> io::Result<()> {
-        if self.is_replacing() { self.finish() } else { self.put() }
+        if self.is_replacing() { self.finish() } else { self.rename() }
     }
 
-    fn put(self) -> io::Result<()> {
-        let (file, path) = self.temporary.into_parts();
-        close(file)?;
-        path.persist(&self.target).map_err(|error| error.error)
+    fn rename(self) -> io::Result<()> {
+        self.temporary.persist(&self.target).map(drop).map_err(|error| error.error)
     }
 }
 
-#[cfg(target_os = "linux")]
-fn reserve(file: &File, length: u64) -> io::Result<()> {
-    use nix::errno::Errno;
-    use nix::fcntl::{FallocateFlags, fallocate};
-    let Ok(length) = i64::try_from(length) else { return Ok(()) };
-    match fallocate(file, FallocateFlags::empty(), 0, length) {
-        Err(full @ (Errno::ENOSPC | Errno::EDQUOT)) => Err(full.into()),
-        _ => Ok(()),
-    }
-}
-
-/// Other systems grow files as they are written.
-#[cfg(not(target_os = "linux"))]
-fn reserve(_: &File, _: u64) -> io::Result<()> {
-    Ok(())
-}
-
-/// Closes a file. Network file systems say only now that something could not be written; dropping a `File` would not tell.
-#[cfg(unix)]
-fn close(file: File) -> io::Result<()> {
-    nix::unistd::close(file).map_err(io::Error::from)
-}
-
-/// Closes a file; what other systems say then is not to be had.
-#[cfg(not(unix))]
-fn close(file: File) -> io::Result<()> {
-    drop(file);
-    Ok(())
-}
-
-/// A folder for files that only pass through; removed with all in it when dropped.
+/// A temporary folder, removed with all its files when dropped.
 #[derive(Debug)]
 pub struct ScratchFolder(TempDir);
 
 impl ScratchFolder {
-    /// Makes one in `parent`.
+    /// Creates the folder in `parent`.
     ///
     /// # Errors
-    /// `parent` is missing or cannot be written to.
+    /// `parent` is missing or not writable.
     pub fn new(parent: &Path) -> io::Result<Self> {
-        Builder::new().prefix("streakcast-").tempdir_in(parent).map(Self).map_err(|error| of_folder(parent, &error))
+        Builder::new().prefix("streakcast-").tempdir_in(parent).map(Self).map_err(|error| folder_error(parent, &error))
     }
 
-    /// Where it is.
+    /// Returns its path.
     pub fn path(&self) -> &Path {
         self.0.path()
     }
 }
 
-/// What the system said, about the folder: the name of the temporary file in it means nothing to anyone.
-fn of_folder(folder: &Path, error: &io::Error) -> io::Error {
+/// The error with the folder's name in the place of the temporary file's, which a user does not recognize.
+fn folder_error(folder: &Path, error: &io::Error) -> io::Error {
     let text = error.to_string();
     let cause = text.split_once(" at path ").map_or(text.as_str(), |(cause, _)| cause);
     io::Error::new(error.kind(), format!("folder {}: {cause}", folder.display()))
 }
 
-/// Whether [`write_atomically`] can write to `target`: better asked before long work than after it. Leaves nothing behind.
+/// Checks, before long work, that [`write_atomically`] can write to `target`. Leaves nothing behind.
 ///
 /// # Errors
-/// The folder is missing or cannot be written to, or the target is a directory.
+/// The folder is missing or not writable, or the target is a directory.
 pub fn check_target(target: &Path) -> io::Result<()> {
     if is_special(target) { Ok(()) } else { AtomicFile::check(target) }
 }
 
-/// Links on the way to a file; a system follows 40 of them (`man 7 path_resolution`).
+/// Most symbolic links on the way to a file, as on Linux (`man 7 path_resolution`).
 const MOST_LINKS: usize = 40;
 
-/// Where the symbolic links at `target` lead to, whether something stands there or not; `target` itself where it is none.
+/// Resolves the symbolic links at `target`, whether or not a file stands at their end.
 fn behind_links(target: &Path) -> io::Result<PathBuf> {
     let mut target = target.to_owned();
     for _ in 0..=MOST_LINKS {
         if !target.is_symlink() {
             return Ok(target);
         }
-        // A link that begins with a folder's name begins in its own folder; `join` takes an absolute one as it is.
+        // A relative link starts from its own folder; `join` takes an absolute one as it is.
         let link = std::fs::read_link(&target)?;
         target = target.parent().unwrap_or(Path::new("")).join(link);
     }
     Err(io::Error::other(format!("is a symbolic link that leads to no file within {MOST_LINKS} steps")))
 }
 
-/// A pipe, a terminal: what cannot be replaced by another file.
+/// True for a pipe, a terminal or another device, which a rename would replace.
 fn is_special(target: &Path) -> bool {
     target.metadata().is_ok_and(|metadata| !metadata.is_file() && !metadata.is_dir())
 }
 
-/// Writes a file in one step. What is no ordinary file (a pipe, a terminal) is written to as it is.
+/// Writes a file completely or not at all. Pipes, terminals and other devices are written to directly.
 ///
 /// # Errors
-/// Whatever the writer or the system reports; nothing half-written stays.
+/// Any error of the writer or the system; no incomplete file stays behind.
 pub fn write_atomically(target: &Path, write: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     if is_special(target) {
         let mut out = BufWriter::new(File::options().write(true).open(target)?);

@@ -1,10 +1,9 @@
-//! JSON and JSON lines: the same rows with types, keys in the order of the columns.
+//! JSON and JSON lines: rows with types, keys in the order of the columns.
 
 use std::io::{self, Write};
 
-use super::column::{Column, Kind};
 use super::provenance::Provenance;
-use super::value::{Table, Value};
+use super::table::{Table, json_members, quoted};
 
 /// One array of a JSON document.
 pub struct Section<'a> {
@@ -14,19 +13,19 @@ pub struct Section<'a> {
     pub table: &'a Table,
 }
 
-/// Writes `{"provenance": {...}, "name": [...], ...}`, one row a line, with what is attached to the provenance at the end.
+/// Writes `{"provenance": {...}, "name": [...], ...}`, one row a line, with the attachments of the provenance at the end.
 ///
-/// Numbers carry the digits that CSV carries; what is missing is `null`.
+/// Numbers have the digits of CSV; a missing value is `null`.
 ///
 /// # Errors
-/// Whatever the writer reports.
+/// Any error of the writer.
 pub fn write_json(out: &mut dyn Write, sections: &[Section], provenance: &Provenance) -> io::Result<()> {
     write!(out, "{{\"provenance\": {}", serde_json::to_string_pretty(provenance)?)?;
     for section in sections {
         write!(out, ",\n{}: [", quoted(section.name))?;
         for (index, row) in section.table.rows.iter().enumerate() {
             let comma = if index == 0 { "" } else { "," };
-            write!(out, "{comma}\n  {}", object_text(&section.table.columns, row))?;
+            write!(out, "{comma}\n  {{{}}}", json_members(&section.table.columns, row))?;
         }
         write!(out, "{}]", if section.table.rows.is_empty() { "" } else { "\n" })?;
     }
@@ -43,67 +42,22 @@ pub fn write_json(out: &mut dyn Write, sections: &[Section], provenance: &Proven
     writeln!(out, "}}")
 }
 
-/// Writes a first line `{"provenance": {...}}`, with what is attached beside it, then one object a line.
+/// Writes a first line `{"provenance": {...}}`, with the attachments beside it, then one object a line.
 ///
 /// # Errors
-/// Whatever the writer reports.
+/// Any error of the writer.
 pub fn write_json_lines(out: &mut dyn Write, table: &Table, provenance: &Provenance) -> io::Result<()> {
     let attached: String = provenance.attached().map(|(name, value)| format!(", {}: {value}", quoted(name))).collect();
     writeln!(out, "{{\"provenance\": {}{attached}}}", serde_json::to_string(provenance)?)?;
     for row in &table.rows {
-        writeln!(out, "{}", object_text(&table.columns, row))?;
+        writeln!(out, "{{{}}}", json_members(&table.columns, row))?;
     }
     Ok(())
 }
 
-/// A JSON array of objects, on one line.
-pub fn json_rows(columns: &[Column], rows: &[Vec<Value>]) -> String {
-    let objects: Vec<String> = rows.iter().map(|row| object_text(columns, row)).collect();
-    format!("[{}]", objects.join(", "))
-}
-
-fn object_text(columns: &[Column], row: &[Value]) -> String {
-    format!("{{{}}}", json_members(columns, row))
-}
-
-/// The members of a row's object, without its braces: `"name": value, ...`.
-pub fn json_members(columns: &[Column], row: &[Value]) -> String {
-    let members: Vec<String> = columns
-        .iter()
-        .zip(row)
-        .map(|(column, value)| format!("{}: {}", quoted(column.name), value_text(column, value)))
-        .collect();
-    members.join(", ")
-}
-
-fn value_text(column: &Column, value: &Value) -> String {
-    match (value, column.kind) {
-        (Value::Null, _) => "null".to_owned(),
-        (Value::Real(_) | Value::Integer(_), _) => {
-            let text = column.text(value);
-            if text.is_empty() { "null".to_owned() } else { text }
-        }
-        (Value::Boolean(truth), _) => truth.to_string(),
-        (Value::List(items), _) => {
-            let items: Vec<String> = items.iter().map(|item| quoted(item)).collect();
-            format!("[{}]", items.join(", "))
-        }
-        (Value::Integers(items), _) => {
-            let items: Vec<String> = items.iter().map(i64::to_string).collect();
-            format!("[{}]", items.join(", "))
-        }
-        (Value::Rows(rows), Kind::Rows(columns)) => json_rows(columns, rows),
-        (Value::Rows(_), _) => "null".to_owned(),
-        (Value::Text(_) | Value::Time(_), _) => quoted(&column.text(value)),
-    }
-}
-
-fn quoted(text: &str) -> String {
-    serde_json::Value::from(text).to_string()
-}
-
 #[cfg(test)]
 mod tests {
+    use super::super::{Column, Kind, Value};
     use super::*;
 
     fn table() -> Table {

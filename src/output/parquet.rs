@@ -1,4 +1,4 @@
-//! Parquet: columns with types, units and meanings in their metadata, the provenance in the file's.
+//! Parquet: columns with types, units and descriptions in their metadata, the provenance in the metadata of the file.
 
 use std::collections::HashMap;
 use std::io::{self, Write};
@@ -12,22 +12,21 @@ use parquet::errors::ParquetError;
 use parquet::file::metadata::KeyValue;
 use parquet::file::properties::WriterProperties;
 
-use super::column::{Column, Kind};
 use super::provenance::Provenance;
-use super::value::{Table, Value};
+use super::table::{Column, Kind, Table, Value};
 
-/// Writes a table: whole numbers, numbers and truths with types, all else as text with the digits of the other formats; the provenance as JSON under
-/// the key `provenance` of the file's metadata.
+/// Writes a table: integers, real numbers and booleans with types, all else as text; numbers with the digits of the other
+/// formats; the provenance as JSON under the key `provenance` of the file's metadata.
 ///
 /// # Errors
-/// Whatever `out` fails with.
+/// Any error of `out`.
 pub fn write_parquet(out: impl Write + Send, table: &Table, provenance: &Provenance) -> io::Result<()> {
     let broken = |error: ParquetError| io::Error::other(error);
     let schema: SchemaRef = Arc::new(Schema::new(parquet_fields(table).collect::<Vec<_>>()));
-    let said = serde_json::to_string(provenance).unwrap_or_default();
+    let statements = serde_json::to_string(provenance).unwrap_or_default();
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(ZstdLevel::default()))
-        .set_key_value_metadata(Some(vec![KeyValue::new("provenance".to_owned(), said)]))
+        .set_key_value_metadata(Some(vec![KeyValue::new("provenance".to_owned(), statements)]))
         .build();
     let mut writer = ArrowWriter::try_new(out, schema.clone(), Some(properties)).map_err(broken)?;
     let columns = parquet_columns(&table.columns, &table.rows);
@@ -37,7 +36,7 @@ pub fn write_parquet(out: impl Write + Send, table: &Table, provenance: &Provena
     Ok(())
 }
 
-/// The columns of a table as Arrow calls them, units and meanings in their metadata.
+/// Returns the columns of a table as Arrow fields, with units and descriptions in their metadata.
 pub(crate) fn parquet_fields(table: &Table) -> impl Iterator<Item = Field> + '_ {
     table.columns.iter().map(|column| {
         let kind = match column.kind {
@@ -46,14 +45,14 @@ pub(crate) fn parquet_fields(table: &Table) -> impl Iterator<Item = Field> + '_ 
             Kind::Boolean => DataType::Boolean,
             Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => DataType::Utf8,
         };
-        let said = [("unit", column.unit), ("description", column.description)];
-        let said = said.into_iter().filter(|(_, text)| !text.is_empty());
-        let said: HashMap<String, String> = said.map(|(key, text)| (key.to_owned(), text.to_owned())).collect();
-        Field::new(column.name, kind, true).with_metadata(said)
+        let entries = [("unit", column.unit), ("description", column.description)];
+        let entries = entries.into_iter().filter(|(_, text)| !text.is_empty());
+        let entries: HashMap<String, String> = entries.map(|(key, text)| (key.to_owned(), text.to_owned())).collect();
+        Field::new(column.name, kind, true).with_metadata(entries)
     })
 }
 
-/// Rows as columns; numbers with the digits of the other formats.
+/// Returns the rows as Arrow columns; numbers with the digits of the other formats.
 pub(crate) fn parquet_columns(columns: &[Column], rows: &[Vec<Value>]) -> Vec<ArrayRef> {
     let column = |(index, column): (usize, &Column)| -> ArrayRef {
         let texts =

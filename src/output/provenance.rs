@@ -1,10 +1,10 @@
-//! What an output rests on: program, elements, models, time scale, options, in the order in which they were stated.
+//! Provenance of an output: program, elements, models, time scale and options, in the order in which they were added.
 
 use serde::Serialize;
 use serde::ser::{SerializeMap, Serializer};
 use serde_json::Value;
 
-/// Named statements about where an answer comes from. They travel in every output.
+/// Named statements on the origin of a result, written into every output.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Provenance {
     entries: Vec<(String, Value)>,
@@ -12,7 +12,7 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Begins with the program's name and version.
+    /// Creates provenance with the program's name and version.
     pub fn new() -> Self {
         let mut provenance = Self::default();
         provenance.state("software", "streakcast");
@@ -29,22 +29,23 @@ impl Provenance {
         }
     }
 
-    /// Attaches a list too long for the head of a text table: JSON and JSON lines carry it beside the provenance, other formats do not.
+    /// Attaches a list that is too long for the header of a text table. JSON and JSON lines contain it beside the provenance,
+    /// other formats do not.
     pub fn attach(&mut self, name: &str, value: impl Into<Value>) {
         self.attached.push((name.to_owned(), value.into()));
     }
 
-    /// What is attached, in order.
+    /// Returns the attachments in order.
     pub fn attached(&self) -> impl Iterator<Item = (&str, &Value)> {
         self.attached.iter().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// The statements in order.
+    /// Returns the statements in order.
     pub fn entries(&self) -> impl Iterator<Item = (&str, &Value)> {
         self.entries.iter().map(|(name, value)| (name.as_str(), value))
     }
 
-    /// The statement of this name.
+    /// Returns the statement of this name.
     pub fn get(&self, name: &str) -> Option<&Value> {
         self.entries.iter().find(|(known, _)| known == name).map(|(_, value)| value)
     }

@@ -1,15 +1,14 @@
-//! VOTable, the table of the Virtual Observatory: `FIELD`s with unit, type and meaning, rows as `TABLEDATA`.
+//! VOTable, the table format of the Virtual Observatory: `FIELD`s with unit, type and description, rows as `TABLEDATA`.
 
 use std::io::{self, Write};
 
-use super::column::{Column, Kind};
 use super::provenance::Provenance;
-use super::value::{Table, Value};
+use super::table::{Column, Kind, Table, Value};
 
-/// What stands for no number in columns of whole ones.
+/// Code of a missing value in columns of integers.
 const NULL: i64 = i64::MIN;
 
-/// One `<FIELD .../>` for each column.
+/// Returns one `<FIELD>` for each column.
 pub fn votable_fields(columns: &[Column]) -> Vec<String> {
     columns.iter().map(field).collect()
 }
@@ -33,7 +32,7 @@ fn field(column: &Column) -> String {
     format!("<FIELD name=\"{name}\" {datatype}{unit}>{description}{values}</FIELD>")
 }
 
-/// The `<TD>` elements of a row.
+/// Returns the `<TD>` elements of a row.
 pub fn votable_cells(columns: &[Column], row: &[Value]) -> String {
     let cell = |(column, value): (&Column, &Value)| {
         let text = column.text(value);
@@ -43,7 +42,7 @@ pub fn votable_cells(columns: &[Column], row: &[Value]) -> String {
     columns.iter().zip(row).map(cell).collect()
 }
 
-/// A whole `<TABLE>`, its provenance as `INFO` elements, the values as JSON.
+/// Returns a `<TABLE>` with its provenance as `INFO` elements, their values as JSON.
 pub fn votable_table(name: &str, table: &Table, provenance: &Provenance) -> String {
     let mut text = format!("<TABLE name=\"{}\">\n", escaped(name));
     for (name, value) in provenance.entries() {
@@ -59,17 +58,17 @@ pub fn votable_table(name: &str, table: &Table, provenance: &Provenance) -> Stri
     text + "</TABLEDATA></DATA>\n</TABLE>"
 }
 
-/// A whole document of one table: VOTable 1.4, as astropy and TOPCAT read it.
+/// Writes a document of one table: VOTable 1.4, as read by astropy and TOPCAT.
 ///
 /// # Errors
-/// What the writer says.
+/// Any error of the writer.
 pub fn write_votable(out: &mut dyn Write, table: &Table, provenance: &Provenance) -> io::Result<()> {
     writeln!(out, "<?xml version=\"1.0\" encoding=\"UTF-8\"?>")?;
     writeln!(out, "<VOTABLE version=\"1.4\" xmlns=\"http://www.ivoa.net/xml/VOTable/v1.3\">")?;
     writeln!(out, "<RESOURCE>\n{}\n</RESOURCE>\n</VOTABLE>", votable_table("streakcast", table, provenance))
 }
 
-/// Text as XML takes it; control characters, which it does not take at all, become blanks.
+/// Escapes text for XML; control characters, which XML does not allow, become blanks.
 fn escaped(text: &str) -> String {
     let mut out = String::with_capacity(text.len());
     for character in text.chars() {

@@ -1,10 +1,11 @@
-//! A box with an axis on each side: where values stand, round ticks, and their labels as far as there is room.
+//! Frames with axes, ticks and labels, and colour bars.
 
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
 use super::numbers::labels;
-use super::picture::{INK, Picture, width_of};
+use super::picture::{INK, Picture, Pixels, width_of};
+use super::scale::ColourScale;
 
 /// Letters of tick labels and of the names of axes.
 pub(super) const TICK_SIZE: f64 = 16.0;
@@ -13,7 +14,7 @@ pub(super) const NAME_SIZE: f64 = 18.0;
 /// Between two tick labels.
 const ROOM: f64 = 12.0;
 
-/// The values along one side.
+/// Range of values along one side.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub(super) struct Axis {
     /// At the left or lower end.
@@ -24,7 +25,7 @@ pub(super) struct Axis {
     pub is_log: bool,
 }
 
-/// A box of the picture in which values stand.
+/// Box of the picture with two axes.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Frame {
     /// Left, top, right, bottom.
@@ -36,7 +37,7 @@ pub(super) struct Frame {
 }
 
 impl Axis {
-    /// Equal steps; where both ends are one value, some room about it.
+    /// Creates a linear axis, widened if both ends are equal.
     pub fn linear(from: f64, to: f64) -> Self {
         // Nearer than a few bits: no two ticks would differ.
         if (to - from).abs() > 1e-12 * from.abs().max(to.abs()) {
@@ -46,13 +47,13 @@ impl Axis {
         Self { from: from - room, to: from + room, is_log: false }
     }
 
-    /// Equal factors, between two positive values.
+    /// Creates a logarithmic axis between two positive values.
     pub fn log(from: f64, to: f64) -> Self {
         let to = if to > from { to } else { 10.0 * from };
         Self { from, to, is_log: true }
     }
 
-    /// 0 at the beginning, 1 at the end, beyond them outside.
+    /// Returns the position of a value: 0 at the start, 1 at the end.
     pub fn share(&self, value: f64) -> f64 {
         if self.is_log {
             (value / self.from).ln() / (self.to / self.from).ln()
@@ -61,7 +62,7 @@ impl Axis {
         }
     }
 
-    /// The value at a share.
+    /// Returns the value at a position.
     pub fn value(&self, share: f64) -> f64 {
         if self.is_log {
             self.from * (self.to / self.from).powf(share)
@@ -70,7 +71,7 @@ impl Axis {
         }
     }
 
-    /// True of values between the ends.
+    /// Returns true for a value between the ends.
     pub fn holds(&self, value: f64) -> bool {
         (0.0..=1.0).contains(&self.share(value))
     }
@@ -138,14 +139,14 @@ impl Axis {
 }
 
 impl Frame {
-    /// Where a pair of values stands, at the border where it lies beyond.
+    /// Returns the position of a pair of values in the picture, clamped to the border.
     pub fn at(&self, x: f64, y: f64) -> (f64, f64) {
         let [left, top, right, bottom] = self.sides;
         let (across, up) = (self.x.share(x).clamp(0.0, 1.0), self.y.share(y).clamp(0.0, 1.0));
         (left + across * (right - left), bottom - up * (bottom - top))
     }
 
-    /// True of pairs within the box.
+    /// Returns true for a pair of values inside the box.
     pub fn holds(&self, x: f64, y: f64) -> bool {
         self.x.holds(x) && self.y.holds(y)
     }
@@ -158,7 +159,7 @@ impl Frame {
         self.sides[3] - self.sides[1]
     }
 
-    /// Border and ticks, with labels below and at the left where wanted.
+    /// Draws border and ticks, with labels below and at the left if requested.
     pub fn draw(&self, picture: &mut Picture, labels: [bool; 2]) {
         self.draw_within(picture, labels, f64::INFINITY);
     }
@@ -176,7 +177,7 @@ impl Frame {
         self.draw_without_y(picture, has_x_labels, beyond);
     }
 
-    /// Border and ticks of the left side alone, with labels: for frames whose x axis is drawn otherwise.
+    /// Draws border and ticks of the left side with labels, for frames with another x axis.
     pub fn draw_y(&self, picture: &mut Picture) {
         let [left, top, _, bottom] = self.sides;
         for (value, label) in self.y.ticks(bottom - top, false) {
@@ -202,22 +203,43 @@ impl Frame {
         picture.border(self.sides, 1.4);
     }
 
-    /// Pixels that the labels at the left take.
+    /// Returns the width of the labels at the left, pixels.
     pub fn y_label_width(&self) -> f64 {
         self.y.ticks(self.height(), false).iter().map(|(_, label)| width_of(label, TICK_SIZE)).fold(0.0, f64::max)
     }
 
-    /// The name of the axis below.
+    /// Draws the name of the x axis.
     pub fn name_x(&self, picture: &mut Picture, name: &str) {
         let [left, _, right, bottom] = self.sides;
         picture.text(name, ((left + right) / 2.0, bottom + 42.0), NAME_SIZE, HPos::Center);
     }
 
-    /// The name of the axis at the left, `away` pixels from it.
+    /// Draws the name of the y axis, `away` pixels from it.
     pub fn name_y(&self, picture: &mut Picture, name: &str, away: f64) {
         let [left, top, _, bottom] = self.sides;
         picture.upright(name, (left - away, (top + bottom) / 2.0), NAME_SIZE);
     }
+}
+
+/// Steps of colour a pixel.
+const STEPS_PER_PIXEL: f64 = 2.0;
+const BAR_TEXT_SIZE: f64 = 19.0;
+
+/// A bar with this left, top, right and bottom, ticks at its right, and words above.
+pub(super) fn colour_bar(picture: &mut Picture, scale: &ColourScale, sides: [f64; 4], words: &str) {
+    let [left, top, right, bottom] = sides;
+    let steps = ((bottom - top) * STEPS_PER_PIXEL).max(1.0) as usize;
+    let colour = |step: usize| Some(scale.colour_at(1.0 - (step as f64 + 0.5) / steps as f64));
+    let each = (right - left, (bottom - top) / steps as f64);
+    let colours = (0..steps).map(colour).collect();
+    picture.paint(Pixels { corner: (left, top), each, columns: 1, colours, within: None });
+    picture.border(sides, 1.4);
+    for (value, label) in scale.ticks() {
+        let y = bottom - (bottom - top) * scale.share(value);
+        picture.line(&[(right, y), (right + 6.0, y)], INK.to_rgba(), 1.4);
+        picture.text(&label, (right + 11.0, y), BAR_TEXT_SIZE, HPos::Left);
+    }
+    picture.text(words, (left, top - 20.0), BAR_TEXT_SIZE, HPos::Left);
 }
 
 #[cfg(test)]

@@ -1,11 +1,9 @@
-//! Corner plots: what a posterior says of each parameter, and of each two together.
+//! Corner plots: posterior distributions of each parameter and of each pair.
 
 use colorous::BLUES;
 use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
-
-use crate::math::quantile::quantile;
 
 use super::axes::{Axis, Frame, NAME_SIZE};
 use super::density::Density;
@@ -13,6 +11,7 @@ use super::error::PlotError;
 use super::numbers::with_errors;
 use super::picture::{INK, Picture, width_of};
 use super::statistics::{ONE_SIGMA, check, check_length, histogram, sorted};
+use crate::math::quantile::quantile;
 
 /// Shares of a two-dimensional normal distribution within one and two sigma, 1 − exp(−1/2) and 1 − exp(−2).
 const HELD: [f64; 2] = [0.393, 0.865];

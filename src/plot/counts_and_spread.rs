@@ -4,16 +4,14 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use crate::math::quantile::quantile;
-
-use super::axes::{Axis, Frame};
-use super::bar::colour_bar;
+use super::axes::{Axis, Frame, colour_bar};
 use super::density::Density;
 use super::error::PlotError;
 use super::numbers::{count, fixed, per_cent};
 use super::picture::{Picture, width_of};
 use super::scale::{ColourScale, Quantity};
 use super::statistics::{check, check_length, sorted};
+use crate::math::quantile::quantile;
 
 const LINE: RGBColor = RGBColor(0, 114, 178);
 const THRESHOLD: RGBColor = RGBColor(213, 94, 0);
@@ -25,7 +23,7 @@ const BEYOND: f64 = 0.005;
 /// What cells hold, and what is asked of them.
 #[derive(Clone, Debug)]
 pub struct CountsAndSpread<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
     /// `(n_cell)` samples of each cell, 1 or more.
     pub counts: &'a [f64],

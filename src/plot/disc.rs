@@ -5,10 +5,15 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
+use plotters::prelude::RGBColor;
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
 use rayon::prelude::*;
 
+use super::axes::colour_bar;
 use super::contour::contours;
-use super::scale::Quantity;
+use super::picture::{INK, PAPER, Picture, Pixels, lines_of};
+use super::scale::{ColourScale, Quantity};
 
 /// Sides of the squares through which lines run, pixels.
 const SQUARE: usize = 2;
@@ -121,6 +126,233 @@ impl Raster {
     /// True where any pixel is so.
     pub fn shows(&self, seen: Seen) -> bool {
         self.pixels.contains(&Some(seen))
+    }
+}
+
+const SHADOW: [u8; 3] = [150, 150, 150];
+/// Where nothing is known, darker than the middle of the residuals' colours.
+const UNKNOWN: [u8; 3] = [205, 205, 205];
+const WHITE: RGBColor = RGBColor(255, 255, 255);
+
+/// Between the rim of a disc and the border of its share of the picture.
+const MARGIN: usize = 66;
+const TITLE: usize = 46;
+const DISC_TITLE: usize = 32;
+const LEGEND: usize = 74;
+const BAR_SHARE: usize = 120;
+const BAR_WIDTH: usize = 26;
+const CAPTION_SIZE: f64 = 16.0;
+
+/// What a picture of discs is made of.
+pub struct DiscSheet<'a> {
+    /// Title.
+    pub title: String,
+    /// Below all.
+    pub caption: String,
+    /// Side by side, each asked for all its pixels on all threads of the caller's pool. Where all show one quantity, one colour bar stands for
+    /// all; otherwise each has its own, and those of one quantity have one scale.
+    pub discs: Vec<Disc<'a>>,
+    /// Of each disc, pixels.
+    pub radius: usize,
+    /// How many stand in a row, 1 or more.
+    pub in_a_row: usize,
+    /// Magnitude of a line in every disc, and what the legend calls it.
+    pub contour_mag: Option<(f64, String)>,
+    /// What it means where a disc shows nothing.
+    pub nothing: &'static str,
+}
+
+/// Discs asked for their pixels, and where they stand.
+struct Layout<'a> {
+    sheet: DiscSheet<'a>,
+    rasters: Vec<Raster>,
+    scales: Vec<ColourScale>,
+}
+
+impl DiscSheet<'_> {
+    /// Laid out and drawn.
+    pub fn picture(self) -> Picture {
+        let rasters: Vec<Raster> = self.discs.iter().map(|disc| disc.raster(self.radius)).collect();
+        let mut scales: Vec<ColourScale> = Vec::new();
+        for disc in &self.discs {
+            if scales.iter().all(|scale| scale.quantity != disc.quantity) {
+                let alike = self.discs.iter().zip(&rasters).filter(|(other, _)| other.quantity == disc.quantity);
+                let shown = || alike.clone().flat_map(|(disc, raster)| raster.values().map(move |value| (disc, value)));
+                let counted = shown().filter(|(disc, (angle, _))| *angle <= disc.scaled_within_rad);
+                let scale = ColourScale::of(disc.quantity, counted.map(|(_, (_, value))| value));
+                scales.push(scale.showing(shown().map(|(_, (_, value))| value)));
+            }
+        }
+        Layout { sheet: self, rasters, scales }.picture()
+    }
+}
+
+impl Layout<'_> {
+    fn picture(&self) -> Picture {
+        let sheet = &self.sheet;
+        let (columns, rows) = self.grid();
+        let bars = if self.is_mixed() { columns } else { 1 };
+        let width = columns * self.share() + bars * BAR_SHARE;
+        let caption = lines_of(&sheet.caption, width as f64 - 48.0, CAPTION_SIZE).len().max(1);
+        let height = TITLE + rows * self.row() + LEGEND + (caption - 1) * 22;
+        let mut picture = Picture::new(width, height);
+        picture.set_scales(self.scales.clone());
+        picture.text(&sheet.title, (width as f64 / 2.0, 26.0), 23.0, HPos::Center);
+        for (index, (disc, raster)) in sheet.discs.iter().zip(&self.rasters).enumerate() {
+            let middle = self.middle(index);
+            self.draw_disc(&mut picture, disc, raster, middle);
+            if self.is_mixed() {
+                let left = (index % columns * (self.share() + BAR_SHARE) + self.share()) as f64;
+                self.draw_bar(&mut picture, self.scale_of(disc.quantity), left, middle.1);
+            }
+        }
+        if let (false, Some(scale)) = (self.is_mixed(), self.scales.first()) {
+            let middle = TITLE as f64 + (rows * self.row() + DISC_TITLE) as f64 / 2.0;
+            self.draw_bar(&mut picture, scale, (columns * self.share()) as f64, middle);
+        }
+        self.draw_legend(&mut picture, (TITLE + rows * self.row()) as f64 + 18.0);
+        picture
+    }
+
+    fn is_mixed(&self) -> bool {
+        self.scales.len() > 1
+    }
+
+    /// Columns and rows.
+    fn grid(&self) -> (usize, usize) {
+        let columns = self.sheet.in_a_row.clamp(1, self.sheet.discs.len().max(1));
+        (columns, self.sheet.discs.len().div_ceil(columns).max(1))
+    }
+
+    fn has_halves(&self) -> bool {
+        self.sheet.discs.iter().all(|disc| disc.is_half)
+    }
+
+    /// What a disc takes across.
+    fn share(&self) -> usize {
+        2 * MARGIN + self.sheet.radius * if self.has_halves() { 1 } else { 2 }
+    }
+
+    /// What a row takes.
+    fn row(&self) -> usize {
+        DISC_TITLE + 2 * (self.sheet.radius + MARGIN)
+    }
+
+    /// The middle of a disc: of a half one, that of its straight side.
+    fn middle(&self, index: usize) -> (f64, f64) {
+        let (columns, _) = self.grid();
+        let step = self.share() + if self.is_mixed() { BAR_SHARE } else { 0 };
+        let left = (index % columns * step) as f64 + (MARGIN + self.sheet.radius) as f64;
+        (left, (TITLE + index / columns * self.row() + DISC_TITLE + MARGIN + self.sheet.radius) as f64)
+    }
+
+    fn scale_of(&self, quantity: Quantity) -> &ColourScale {
+        self.scales.iter().find(|scale| scale.quantity == quantity).unwrap_or(&self.scales[0])
+    }
+
+    fn colour(&self, quantity: Quantity, seen: Seen) -> [u8; 3] {
+        match seen {
+            Seen::Value(value) => self.scale_of(quantity).colour(value),
+            Seen::Shadow => SHADOW,
+            Seen::Nothing if self.sheet.contour_mag.is_none() => UNKNOWN,
+            Seen::Nothing => PAPER,
+        }
+    }
+
+    fn draw_disc(&self, picture: &mut Picture, disc: &Disc<'_>, raster: &Raster, middle: (f64, f64)) {
+        let radius = self.sheet.radius as f64;
+        let at = |(right, below): (f64, f64)| (middle.0 + radius * right, middle.1 + radius * below);
+        let corner = (middle.0 - raster.side as f64 / 2.0, middle.1 - raster.side as f64 / 2.0);
+        let colours = raster.pixels.iter().map(|pixel| pixel.map(|seen| self.colour(disc.quantity, seen))).collect();
+        let within = Some((middle, radius));
+        picture.paint(Pixels { corner, each: (1.0, 1.0), columns: raster.side, colours, within });
+        for line in self.sheet.contour_mag.iter().flat_map(|(level, _)| raster.contours(*level)) {
+            let line: Vec<_> = line.iter().map(|(x, y)| (corner.0 + x, corner.1 + y)).collect();
+            picture.line(&line, INK.to_rgba(), 4.0);
+            picture.line(&line, WHITE.to_rgba(), 2.0);
+        }
+        if let Some(limb) = disc.limb_rad {
+            for dash in 0..60 {
+                let part = |part: u8| at(place((f64::from(dash) * 6.0 + f64::from(part) * 0.75).to_radians(), limb));
+                picture.line(&(0..=4).map(part).collect::<Vec<_>>(), INK.mix(0.8), 1.5);
+            }
+        }
+        // A circle about the middle, or the half of it.
+        let round = |picture: &mut Picture, angle: f64, colour, width| {
+            if disc.is_half {
+                let arc: Vec<_> = (0..=90).map(|part| at(place(f64::from(2 * part).to_radians(), angle))).collect();
+                picture.line(&arc, colour, width);
+            } else {
+                picture.circle(middle, radius * angle / FRAC_PI_2, colour, width);
+            }
+        };
+        for (angle_deg, words) in &disc.circles {
+            let angle = angle_deg.to_radians();
+            round(picture, angle, INK.mix(0.45), 1.0);
+            // Words where the Sun is far from and no other words are.
+            let sun_rad = disc.sun_longitude_rad.unwrap_or(0.0);
+            picture.note(words, at(place(sun_rad + 112.5_f64.to_radians(), angle)));
+        }
+        round(picture, FRAC_PI_2, INK.to_rgba(), 1.6);
+        if disc.is_half {
+            picture.line(&[at((0.0, -1.0)), at((0.0, 1.0))], INK.to_rgba(), 1.6);
+        }
+        for (longitude_deg, words) in &disc.rim {
+            let (right, below) = place(longitude_deg.to_radians(), FRAC_PI_2);
+            let room = 17.0 + 1.6 * (words.chars().count() as f64 - 1.0) * right.abs() * 3.0;
+            let place = (middle.0 + (radius + room) * right, middle.1 + (radius + 17.0) * below);
+            picture.text(words, place, 19.0, HPos::Center);
+        }
+        if let Some(sun_rad) = disc.sun_longitude_rad {
+            picture.sun(at(place(sun_rad, FRAC_PI_2 * (radius + 46.0) / radius)));
+        }
+        let across = if disc.is_half { middle.0 - radius / 2.0 } else { middle.0 };
+        let above = middle.1 - radius - MARGIN as f64 - 16.0;
+        picture.text(&disc.title, (across, above), 20.0, HPos::Center);
+    }
+
+    /// A bar in a share of the picture that begins at `left`.
+    fn draw_bar(&self, picture: &mut Picture, scale: &ColourScale, left: f64, middle: f64) {
+        let half = 0.85 * self.sheet.radius as f64;
+        // Bars of half discs stand by the straight side.
+        let left = left + 8.0 - if self.has_halves() { 30.0 } else { 0.0 };
+        let (top, right, bottom) = (middle - half, left + BAR_WIDTH as f64, middle + half);
+        colour_bar(picture, scale, [left, top, right, bottom], scale.quantity.words());
+        let contour = self.sheet.contour_mag.as_ref().map(|(level, _)| *level);
+        if let Some(level) = contour.filter(|level| (scale.least..=scale.greatest).contains(level)) {
+            let y = bottom - (bottom - top) * scale.share(level);
+            picture.line(&[(left, y), (right, y)], INK.to_rgba(), 4.0);
+            picture.line(&[(left, y), (right, y)], WHITE.to_rgba(), 2.0);
+        }
+    }
+
+    /// What the signs mean, and the caption.
+    fn draw_legend(&self, picture: &mut Picture, y: f64) {
+        let mut x = 24.0;
+        if self.sheet.discs.iter().any(|disc| disc.sun_longitude_rad.is_some()) {
+            picture.sun((x + 12.0, y));
+            x = picture.words("Sun", x + 32.0, y);
+        }
+        if let Some((level, words)) = &self.sheet.contour_mag
+            && self.rasters.iter().any(|raster| !raster.contours(*level).is_empty())
+        {
+            picture.line(&[(x, y), (x + 30.0, y)], INK.to_rgba(), 4.0);
+            picture.line(&[(x, y), (x + 30.0, y)], WHITE.to_rgba(), 2.0);
+            x = picture.words(words, x + 38.0, y);
+        }
+        for (seen, words) in [(Seen::Shadow, "Earth's shadow"), (Seen::Nothing, self.sheet.nothing)] {
+            if self.rasters.iter().any(|raster| raster.shows(seen)) {
+                let [red, green, blue] = self.colour(Quantity::Magnitude, seen);
+                picture.rectangle([x, y - 8.0, x + 24.0, y + 8.0], RGBColor(red, green, blue).to_rgba());
+                picture.border([x, y - 8.0, x + 24.0, y + 8.0], 1.0);
+                x = picture.words(words, x + 32.0, y);
+            }
+        }
+        if self.sheet.discs.iter().any(|disc| disc.limb_rad.is_some()) {
+            picture.dashed(&[(x, y), (x + 30.0, y)], [5.0, 3.0], INK.mix(0.8), 1.5);
+            picture.words("Earth's limb", x + 38.0, y);
+        }
+        picture.paragraph(&self.sheet.caption, [24.0, picture.size().0 as f64 - 24.0], y + 34.0, CAPTION_SIZE);
     }
 }
 

@@ -10,8 +10,7 @@ use image::{ExtendedColorType, ImageEncoder};
 use plotters::prelude::{BitMapBackend, IntoDrawingArea, SVGBackend};
 
 use super::error::PlotError;
-use super::font;
-use super::picture::{Picture, Underlay};
+use super::picture::{Picture, Underlay, font_style_sheet};
 
 /// PNGs are drawn this many times as large and averaged: smooth lines and letters.
 const FINE: usize = 2;
@@ -19,7 +18,7 @@ const FINE: usize = 2;
 /// Lines of an SVG are laid out on a mesh this many times as fine as its pixels.
 const MESH: usize = 8;
 
-/// PNG or SVG.
+/// Format of a picture.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum PictureFormat {
     /// Pixels.
@@ -43,7 +42,7 @@ impl PictureFormat {
     }
 }
 
-/// A PNG as a data URL, to stand within a page.
+/// Returns a PNG as a data URL.
 pub fn data_url(png: &[u8]) -> String {
     format!("data:image/png;base64,{}", STANDARD.encode(png))
 }
@@ -52,7 +51,7 @@ impl Picture {
     /// The bytes of a file.
     ///
     /// # Errors
-    /// What the drawing or encoding crate reports.
+    /// Error of the drawing or encoding crate.
     pub fn to_bytes(&self, format: PictureFormat) -> Result<Vec<u8>, PlotError> {
         match format {
             PictureFormat::Png => self.to_png(),
@@ -63,7 +62,7 @@ impl Picture {
     /// A PNG of [`size`](Picture::size).
     ///
     /// # Errors
-    /// What the drawing or encoding crate reports.
+    /// Error of the drawing or encoding crate.
     pub fn to_png(&self) -> Result<Vec<u8>, PlotError> {
         let Underlay { width, height, mut rgb } = self.underlay(FINE);
         let area = BitMapBackend::with_buffer(&mut rgb, (width as u32, height as u32)).into_drawing_area();
@@ -76,7 +75,7 @@ impl Picture {
     /// An SVG of [`size`](Picture::size) that needs nothing but itself: its font is in it.
     ///
     /// # Errors
-    /// What the drawing or encoding crate reports.
+    /// Error of the drawing or encoding crate.
     pub fn to_svg(&self) -> Result<String, PlotError> {
         let (width, height) = self.size();
         let (across, down) = (width * MESH, height * MESH);
@@ -95,7 +94,7 @@ impl Picture {
             "<svg width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {across} {down}\" xmlns=\"http://www.w3.org/2000/svg\" \
              xmlns:xlink=\"http://www.w3.org/1999/xlink\">\n{}\n<image x=\"0\" y=\"0\" width=\"{across}\" height=\"{down}\" \
              xlink:href=\"data:image/png;base64,{pixels}\"/>{rest}",
-            font::style_sheet()
+            font_style_sheet()
         ))
     }
 }

@@ -1,29 +1,29 @@
-//! What can go wrong with a picture.
+//! Errors of pictures.
 
 use thiserror::Error;
 
 use crate::maps::MapError;
 
-/// Why there is no picture.
+/// Errors of drawing a picture.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum PlotError {
-    /// A file name that ends in neither `.png` nor `.svg`.
+    /// The file name ends in neither `.png` nor `.svg`.
     #[error("picture {name}: its name must end in .png or .svg")]
     UnknownFormat {
         /// The name given.
         name: String,
     },
-    /// A panel that is no map.
+    /// A panel is not a map.
     #[error(transparent)]
     Map(#[from] MapError),
-    /// Nothing to be drawn.
+    /// There is nothing to draw.
     #[error("nothing to draw: there are no {what}")]
     Empty {
-        /// What there is none of.
+        /// What is missing.
         what: String,
     },
-    /// Columns that belong together differ in length.
+    /// Columns differ in length.
     #[error("{what}: {given} values, but there must be {expected}, as many as in the column beside")]
     Length {
         /// The column.
@@ -33,7 +33,7 @@ pub enum PlotError {
         /// Values of the other.
         expected: usize,
     },
-    /// A value that has no place on an axis.
+    /// A value is not finite.
     #[error("{what}: value {index}, counted from 0, is {value}; only finite numbers can be drawn")]
     NotFinite {
         /// The column.
@@ -43,7 +43,7 @@ pub enum PlotError {
         /// Not a number, or infinite.
         value: f64,
     },
-    /// A number out of its range.
+    /// A number is out of range.
     #[error("{what} is {given}, allowed: {allowed}")]
     OutOfRange {
         /// The number.
@@ -53,7 +53,7 @@ pub enum PlotError {
         /// In words, with unit.
         allowed: &'static str,
     },
-    /// What the drawing or encoding crate reports.
+    /// Error of the drawing or encoding crate.
     #[error("drawing failed: {0}")]
     Drawing(String),
 }

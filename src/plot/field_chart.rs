@@ -4,8 +4,7 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use super::axes::{Axis, Frame};
-use super::bar::colour_bar;
+use super::axes::{Axis, Frame, colour_bar};
 use super::error::PlotError;
 use super::numbers::{fixed, many};
 use super::picture::{INK, Picture, width_of};
@@ -25,9 +24,9 @@ const INSIDE: RGBColor = RGBColor(240, 240, 240);
 /// A field and what crosses it.
 #[derive(Clone, Debug)]
 pub struct FieldChart<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
-    /// Below, behind what the chart says of itself.
+    /// Caption, after that of the chart.
     pub caption: &'a str,
     /// Right ascension of the centre, degrees.
     pub ra_deg: f64,

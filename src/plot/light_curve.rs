@@ -23,7 +23,7 @@ const LIMIT: RGBColor = RGBColor(90, 90, 90);
 /// One satellite along its track.
 #[derive(Clone, Debug)]
 pub struct LightCurve<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
     /// Below.
     pub caption: &'a str,
@@ -105,7 +105,7 @@ pub fn light_curve(input: &LightCurve<'_>) -> Result<Picture, PlotError> {
         let line: Vec<_> = run.iter().map(|&k| at(k, 0.0)).collect();
         picture.line(&line, LINE.to_rgba(), 3.0);
         if let [alone] = line.as_slice() {
-            super::night::dot(&mut picture, *alone, LINE);
+            picture.dot(*alone, LINE);
         }
     }
     for (number, [enter, exit]) in input.in_field.iter().enumerate() {

@@ -4,15 +4,13 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use super::axes::{Axis, Frame};
-use super::bar::colour_bar;
+use super::axes::{Axis, Frame, colour_bar};
 use super::error::PlotError;
 use super::numbers::{count, fixed, many, per_cent};
-use super::picture::{INK, Picture};
+use super::picture::Picture;
 use super::scale::{ColourScale, Quantity};
 use super::statistics::{check, check_length};
-use super::time_axis::{LocalClock, draw_local, draw_utc};
-use super::twilight::{bands_in_time, legend};
+use super::time_axis::{LocalClock, bands_in_time, draw_local, draw_utc, legend};
 
 const WIDTH: f64 = 1180.0;
 const LEFT: f64 = 92.0;
@@ -24,16 +22,15 @@ const STRIP: [f64; 2] = [536.0, 566.0];
 const CLEAR: RGBColor = RGBColor(208, 208, 208);
 /// Struck, but by nothing that a magnitude is known of; and rows that could not be judged.
 const UNKNOWN: RGBColor = RGBColor(90, 90, 90);
-const DOT: f64 = 4.6;
 const LIMIT: RGBColor = RGBColor(213, 94, 0);
 const DAY_S: f64 = 86_400.0;
 
-/// The exposures of a night.
+/// Exposures of a night.
 #[derive(Clone, Debug)]
 pub struct NightTimeline<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
-    /// Below; how many exposures there are is said before it.
+    /// Caption, after the number of exposures.
     pub caption: &'a str,
     /// `(n_exposure)` shutter openings, MJD (UTC), within two days.
     pub start_mjd: &'a [f64],
@@ -54,7 +51,7 @@ pub struct NightTimeline<'a> {
 /// Draws a night: above, the brightest magnitude of each exposure that is struck, bright up, in its colour; below it how many satellites cross;
 /// at the bottom every exposure as a bar, grey where it is clear.
 ///
-/// A night without any streak is drawn too, and says so.
+/// A night without streaks is drawn with a note.
 ///
 /// # Errors
 /// No exposure, columns of unequal length, a time that is not finite, exposures that lie more than two days apart.
@@ -122,7 +119,7 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
             if mag.is_finite() {
                 let (across, up) = magnitudes.at(middle, mag);
                 picture.line(&[(left, up), (right, up)], colour.to_rgba(), 3.0);
-                dot(&mut picture, (across, up), colour);
+                picture.dot((across, up), colour);
             }
         }
     }
@@ -172,15 +169,4 @@ pub fn night_timeline(input: &NightTimeline<'_>) -> Result<Picture, PlotError> {
     picture.set_scales(vec![scale]);
     picture.paragraph(&caption, [LEFT, WIDTH - 24.0], 674.0, 16.0);
     Ok(picture)
-}
-
-/// A filled disc with a thin rim.
-pub(super) fn dot(picture: &mut Picture, (x, y): (f64, f64), colour: RGBColor) {
-    let corner = |part: u8| {
-        let (sin, cos) = (f64::from(part) * std::f64::consts::TAU / 16.0).sin_cos();
-        (x + DOT * cos, y + DOT * sin)
-    };
-    let corners: Vec<_> = (0..=16).map(corner).collect();
-    picture.patch(corners.clone(), colour.to_rgba());
-    picture.line(&corners, INK.mix(0.8), 0.9);
 }

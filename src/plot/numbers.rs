@@ -1,4 +1,4 @@
-//! Numbers as words: as many digits as a step or an error bears out, a true minus sign.
+//! Formatting of numbers: digits from a step or an error, with a minus sign.
 
 /// With so many decimals, and no sign on a zero.
 pub(super) fn fixed(value: f64, decimals: usize) -> String {

@@ -1,27 +1,29 @@
-//! A picture as a list of marks, drawn by any backend.
+//! Pictures: lists of marks drawn by any backend, and their font.
 //!
-//! What is made of pixels is painted into an [`Underlay`]; lines and words are drawn over it. Lengths are in pixels of a picture at its own
-//! size; `scale` of a drawing is how many pixels of the backend one of them takes.
+//! Pixels are painted into an [`Underlay`]; lines and text are drawn over it. Lengths are in pixels of the picture; `scale` is the number
+//! of pixels of the backend for one of them.
 
 use std::f64::consts::TAU;
+use std::sync::OnceLock;
 
+use base64::Engine;
+use base64::engine::general_purpose::STANDARD;
 use plotters::coord::Shift;
 use plotters::element::{Circle, PathElement, Polygon, Text};
 use plotters::prelude::{DrawingArea, DrawingBackend, IntoFont, RGBAColor, RGBColor, ShapeStyle};
 use plotters::style::text_anchor::{HPos, Pos, VPos};
-use plotters::style::{Color, FontTransform, TextStyle};
+use plotters::style::{Color, FontStyle, FontTransform, TextStyle, register_font};
 
 use super::error::PlotError;
-use super::font;
 use super::scale::ColourScale;
 
-/// Lines and words.
+/// Colour of lines and text.
 pub(super) const INK: RGBColor = RGBColor(30, 30, 30);
-/// What lies below everything.
+/// Colour of the background.
 pub(super) const PAPER: [u8; 3] = [255, 255, 255];
 const SUN: RGBColor = RGBColor(255, 190, 0);
 
-/// A finished picture: maps or charts, as PNG or SVG.
+/// Picture of maps or charts, for PNG or SVG.
 pub struct Picture {
     width: usize,
     height: usize,
@@ -30,21 +32,21 @@ pub struct Picture {
     marks: Vec<Mark>,
 }
 
-/// A field of coloured rectangles.
+/// Grid of coloured rectangles.
 pub(super) struct Pixels {
     /// Left upper corner.
     pub corner: (f64, f64),
     /// Width and height of one.
     pub each: (f64, f64),
-    /// How many across.
+    /// Number of columns.
     pub columns: usize,
-    /// Row by row from the top; nothing is painted where there is no colour.
+    /// Colours row by row from the top; `None` is transparent.
     pub colours: Vec<Option<[u8; 3]>>,
-    /// Nothing is painted outside of the circle with this middle and radius.
+    /// Circle (middle and radius) outside of which nothing is painted.
     pub within: Option<((f64, f64), f64)>,
 }
 
-/// The pixels below the lines: red, green, blue, row by row.
+/// Pixels below the lines: red, green, blue, row by row.
 pub(super) struct Underlay {
     /// Pixels across.
     pub width: usize,
@@ -62,17 +64,17 @@ enum Mark {
 }
 
 impl Picture {
-    /// White paper.
+    /// Creates an empty white picture.
     pub(super) fn new(width: usize, height: usize) -> Self {
         Self { width, height, scales: Vec::new(), pixels: Vec::new(), marks: Vec::new() }
     }
 
-    /// Width and height in pixels.
+    /// Returns the width and height in pixels.
     pub fn size(&self) -> (usize, usize) {
         (self.width, self.height)
     }
 
-    /// What its colours mean: one for each quantity that a colour bar stands for; charts of lines and points have none.
+    /// Returns the colour scales, one for each quantity with a colour bar; none for charts of lines and points.
     pub fn scales(&self) -> &[ColourScale] {
         &self.scales
     }
@@ -89,7 +91,7 @@ impl Picture {
         self.marks.push(Mark::Line { places: places.to_vec(), colour, width });
     }
 
-    /// Strokes and gaps of these lengths along a line.
+    /// Draws a dashed line with strokes and gaps of these lengths.
     pub(super) fn dashed(&mut self, places: &[(f64, f64)], [stroke, gap]: [f64; 2], colour: RGBAColor, width: f64) {
         let mut dash = Vec::new();
         let (mut is_stroke, mut left) = (true, stroke);
@@ -108,7 +110,7 @@ impl Picture {
                 }
                 left -= next - gone;
                 gone = next;
-                // What rounding leaves over of a stroke would never be gone.
+                // A remainder from rounding would never be used up.
                 if left <= 1e-6 {
                     if is_stroke {
                         self.line(&dash, colour, width);
@@ -128,54 +130,66 @@ impl Picture {
         self.marks.push(Mark::Circle { middle, radius, colour, width });
     }
 
-    /// A filled area.
+    /// Draws a filled area.
     pub(super) fn patch(&mut self, places: Vec<(f64, f64)>, colour: RGBAColor) {
         self.marks.push(Mark::Patch { places, colour });
     }
 
-    /// A filled rectangle.
+    /// Draws a filled rectangle.
     pub(super) fn rectangle(&mut self, sides: [f64; 4], colour: RGBAColor) {
         self.patch(corners(sides).to_vec(), colour);
     }
 
-    /// The border of a rectangle, from its left, top, right and bottom.
+    /// Draws the border of a rectangle, from its left, top, right and bottom.
     pub(super) fn border(&mut self, sides: [f64; 4], width: f64) {
         let [a, b, c, d] = corners(sides);
         self.line(&[a, b, c, d, a], INK.to_rgba(), width);
     }
 
-    /// Words whose middle height is at `place`.
+    /// Draws text with its vertical middle at `place`.
     pub(super) fn text(&mut self, words: &str, place: (f64, f64), size: f64, horizontal: HPos) {
         self.marks.push(Mark::Text { words: words.to_owned(), place, size, horizontal, is_upright: false });
     }
 
-    /// Words that are read from below, their middle at `place`.
+    /// Draws text upwards with its middle at `place`.
     pub(super) fn upright(&mut self, words: &str, place: (f64, f64), size: f64) {
         let words = words.to_owned();
         self.marks.push(Mark::Text { words, place, size, horizontal: HPos::Center, is_upright: true });
     }
 
-    /// Words of a legend; says where the next sign may begin.
+    /// Draws text of a legend; returns the x position of the next entry.
     pub(super) fn words(&mut self, words: &str, x: f64, y: f64) -> f64 {
         self.text(words, (x, y), 17.0, HPos::Left);
         x + width_of(words, 17.0) + 28.0
     }
 
-    /// Small words on a light ground, so that they can be read on any colour.
+    /// Draws small text on a light background, readable on any colour.
     pub(super) fn note(&mut self, words: &str, (x, y): (f64, f64)) {
         let half = width_of(words, 16.0) / 2.0 + 4.0;
         self.rectangle([x - half, y - 11.0, x + half, y + 11.0], RGBColor(255, 255, 255).mix(0.72));
         self.text(words, (x, y), 16.0, HPos::Center);
     }
 
-    /// Words in as many lines as they need between two verticals, the first line's middle at `y`.
+    /// Draws text wrapped between two x positions, the middle of its first line at `y`.
     pub(super) fn paragraph(&mut self, words: &str, [left, right]: [f64; 2], y: f64, size: f64) {
         for (index, line) in lines_of(words, right - left, size).iter().enumerate() {
             self.text(line, (left, y + 1.4 * size * index as f64), size, HPos::Left);
         }
     }
 
-    /// A disc with rays.
+    /// Draws a filled disc with a thin rim.
+    pub(super) fn dot(&mut self, (x, y): (f64, f64), colour: RGBColor) {
+        const RADIUS: f64 = 4.6;
+        let corner = |part: u8| {
+            let (sin, cos) = (f64::from(part) * TAU / 16.0).sin_cos();
+            (x + RADIUS * cos, y + RADIUS * sin)
+        };
+        let corners: Vec<_> = (0..=16).map(corner).collect();
+        self.patch(corners.clone(), colour.to_rgba());
+        self.line(&corners, INK.mix(0.8), 0.9);
+    }
+
+    /// Draws a sun: a disc with rays.
     pub(super) fn sun(&mut self, (x, y): (f64, f64)) {
         for ray in 0..8 {
             let (sin, cos) = (f64::from(ray) * std::f64::consts::FRAC_PI_4).sin_cos();
@@ -190,7 +204,7 @@ impl Picture {
         self.line(&corners, INK.to_rgba(), 1.2);
     }
 
-    /// All that is made of pixels, each of them `fine` by `fine`.
+    /// Returns all pixels, each enlarged to `fine` by `fine`.
     pub(super) fn underlay(&self, fine: usize) -> Underlay {
         let (width, height) = (self.width * fine, self.height * fine);
         let mut rgb = PAPER.repeat(width * height);
@@ -198,7 +212,7 @@ impl Picture {
             let rows = field.colours.len() / field.columns.max(1);
             let (left, top) = field.corner;
             let (right, bottom) = (left + field.columns as f64 * field.each.0, top + rows as f64 * field.each.1);
-            // Those whose middles lie within.
+            // Pixels with their middles inside.
             let first = |side: f64| (side * fine as f64 - 0.5).ceil().max(0.0) as usize;
             for row in first(top)..first(bottom).min(height) {
                 for column in first(left)..first(right).min(width) {
@@ -218,9 +232,9 @@ impl Picture {
         Underlay { width, height, rgb }
     }
 
-    /// Lines and words over the underlay.
+    /// Draws lines and text over the pixels.
     pub(super) fn draw<B: DrawingBackend>(&self, area: &DrawingArea<B, Shift>, scale: f64) -> Result<(), PlotError> {
-        font::make_ready()?;
+        register_embedded_font()?;
         let at = |&(x, y): &(f64, f64)| ((x * scale).round() as i32, (y * scale).round() as i32);
         let thin = |colour: RGBAColor, width: f64| ShapeStyle {
             color: colour,
@@ -243,7 +257,7 @@ impl Picture {
                     area.draw(&Polygon::new(places, colour.filled()))
                 }
                 Mark::Text { words, place, size, horizontal, is_upright } => {
-                    let mut font = (font::FAMILY, size * scale).into_font();
+                    let mut font = (FONT_FAMILY, size * scale).into_font();
                     if *is_upright {
                         font = font.transform(FontTransform::Rotate270);
                     }
@@ -261,18 +275,18 @@ fn corners([left, top, right, bottom]: [f64; 4]) -> [(f64, f64); 4] {
     [(left, top), (right, top), (right, bottom), (left, bottom)]
 }
 
-/// Pixels that words take across.
+/// Returns the width of a text, pixels.
 pub(super) fn width_of(words: &str, size: f64) -> f64 {
-    // Measured large, because the font crate counts whole pixels.
+    // Measured enlarged, because the font crate returns whole pixels.
     const LARGE: f64 = 8.0;
-    // A font that cannot be measured cannot be drawn either, and drawing says so.
-    if font::make_ready().is_err() {
+    // Drawing returns the error of a font that cannot be measured.
+    if register_embedded_font().is_err() {
         return 0.0;
     }
-    (font::FAMILY, size * LARGE).into_font().box_size(words).map_or(0.0, |(width, _)| f64::from(width) / LARGE)
+    (FONT_FAMILY, size * LARGE).into_font().box_size(words).map_or(0.0, |(width, _)| f64::from(width) / LARGE)
 }
 
-/// Words broken at spaces into lines of this width at most, where no single word is wider.
+/// Wraps text at spaces into lines of at most this width, unless a single word is wider.
 pub(super) fn lines_of(words: &str, width: f64, size: f64) -> Vec<String> {
     let mut lines: Vec<String> = Vec::new();
     for word in words.split_whitespace() {
@@ -285,4 +299,26 @@ pub(super) fn lines_of(words: &str, width: f64, size: f64) -> Vec<String> {
         }
     }
     lines
+}
+
+/// DejaVu Sans 2.37 as matplotlib 3.11.2 brings it, through fonttools 4.68.0 (`pyftsubset`, unhinted) on 2026-11-21.
+const DEJAVU_SANS: &[u8] = include_bytes!("fonts/DejaVuSans-subset.ttf");
+
+/// Name of the font in the drawing crate and in SVG.
+const FONT_FAMILY: &str = "DejaVu Sans";
+
+/// Returns the style sheet that embeds the font in an SVG, with a sans serif font for viewers without embedded fonts.
+pub(super) fn font_style_sheet() -> String {
+    let bytes = STANDARD.encode(DEJAVU_SANS);
+    format!(
+        "<style>@font-face{{font-family:\"{FONT_FAMILY}\";src:url(data:font/ttf;base64,{bytes}) format(\"truetype\")}}\
+         text{{font-family:\"{FONT_FAMILY}\",sans-serif}}</style>"
+    )
+}
+
+/// Registers the font once in a process.
+fn register_embedded_font() -> Result<(), PlotError> {
+    static READY: OnceLock<bool> = OnceLock::new();
+    let is_ready = READY.get_or_init(|| register_font(FONT_FAMILY, FontStyle::Normal, DEJAVU_SANS).is_ok());
+    if *is_ready { Ok(()) } else { Err(PlotError::Drawing("the built-in font could not be read".to_owned())) }
 }

@@ -1,8 +1,8 @@
-//! Which colour a value has, and what stands beside the colour bar. All colours keep their order for the colour-blind.
+//! Colour scales and the labels of their bars. All colours keep their order for colour-blind readers.
 
 use colorous::{CIVIDIS, RED_BLUE, VIRIDIS};
 
-/// What colours show.
+/// Quantity shown by colours.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Quantity {
     /// Magnitudes: viridis, bright colours for bright satellites.
@@ -17,18 +17,18 @@ pub enum Quantity {
     Rate,
 }
 
-/// A colour for each value of a quantity.
+/// Colour scale of a quantity.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ColourScale {
-    /// What it shows.
+    /// Quantity shown.
     pub quantity: Quantity,
-    /// What lies below has the colour of this value.
+    /// Lower end; smaller values have its colour.
     pub least: f64,
-    /// What lies above has the colour of this value.
+    /// Upper end; larger values have its colour.
     pub greatest: f64,
-    /// True where something lower is shown.
+    /// True if smaller values are shown.
     pub has_lower: bool,
-    /// True where something higher is shown.
+    /// True if larger values are shown.
     pub has_higher: bool,
 }
 

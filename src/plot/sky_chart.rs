@@ -6,7 +6,7 @@ use plotters::prelude::RGBColor;
 use plotters::style::Color;
 use plotters::style::text_anchor::HPos;
 
-use super::bar::colour_bar;
+use super::axes::colour_bar;
 use super::disc::place;
 use super::error::PlotError;
 use super::picture::{INK, Picture};
@@ -37,9 +37,9 @@ const GROUND: RGBColor = RGBColor(240, 240, 240);
 /// Passes over a site.
 #[derive(Clone, Debug)]
 pub struct SkyChart<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
-    /// Below, behind what the chart says of itself.
+    /// Caption, after that of the chart.
     pub caption: &'a str,
     /// The passes; the brightest of them are drawn, as many as the list beside has room for, in this order.
     pub tracks: &'a [SkyTrack],
@@ -66,7 +66,7 @@ pub struct SkyTrack {
 
 /// Draws the sky as one sees it lying on the back, north up and east left: every pass in the colours of its magnitudes, grey where nothing is seen, with
 /// an arrow where it sets, and beside it a list with the times of its ends and its brightest magnitude. Up to three passes have times along them.
-/// Without a pass the sky says so.
+/// A sky without a pass has a note.
 ///
 /// # Errors
 /// Fewer than two points, columns of unequal length, times that do not grow, altitudes that are none.

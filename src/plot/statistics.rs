@@ -1,9 +1,8 @@
-//! What charts ask of columns of numbers: quantiles, spread, histograms, and bands that run along an axis.
-
-use crate::math::quantile::quantile;
+//! Statistics of columns for charts: quantiles, spread, histograms, and running bands.
 
 use super::axes::Axis;
 use super::error::PlotError;
+use crate::math::quantile::quantile;
 
 /// Quantiles of the dashed lines and of bands: one standard deviation on each side of the median.
 pub(super) const ONE_SIGMA: [f64; 3] = [0.16, 0.5, 0.84];

@@ -9,7 +9,7 @@ use super::error::PlotError;
 use super::numbers::{count, fixed, many};
 use super::picture::Picture;
 use super::statistics::{check, check_length, mean_and_sd};
-use super::twilight::{bands_in_altitude, legend};
+use super::time_axis::{bands_in_altitude, legend};
 
 const WIDTH: f64 = 1060.0;
 const LEFT: f64 = 92.0;
@@ -23,9 +23,9 @@ const BRIGHT: RGBColor = RGBColor(213, 94, 0);
 /// Exposures and how high the Sun stood.
 #[derive(Clone, Debug)]
 pub struct SunAltitude<'a> {
-    /// Above.
+    /// Title.
     pub title: &'a str,
-    /// Below; how many exposures there are is said before it.
+    /// Caption, after the number of exposures.
     pub caption: &'a str,
     /// `(n_exposure)` altitude of the Sun in the middle of the exposure, degrees.
     pub sun_altitude_deg: &'a [f64],
@@ -161,7 +161,7 @@ fn series(picture: &mut Picture, frame: &Frame, bins: &[Bin], colour: RGBColor, 
             (frame.at(middle(bin), bin.mean - bin.error).1, frame.at(middle(bin), bin.mean + bin.error).1);
         picture.line(&[(x, low), (x, high)], colour.to_rgba(), 2.0);
         // Open where the line is dashed: both series can be seen where they are one.
-        super::night::dot(picture, (x, y), if is_dashed { RGBColor(255, 255, 255) } else { colour });
+        picture.dot((x, y), if is_dashed { RGBColor(255, 255, 255) } else { colour });
     }
 }
 

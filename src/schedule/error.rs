@@ -1,16 +1,16 @@
-//! What can be wrong with a schedule as a whole.
+//! Errors of reading and annotating schedules.
 
 use std::io;
 
 use hifitime::TimeScale;
 use thiserror::Error;
 
-/// The columns a schedule has, for every message that names them.
+/// Columns of a schedule, as listed in messages.
 pub(super) const ALLOWED_COLUMNS: &str = "exposure_id, start_utc (or start_mjd, start_jd with --time-scale, or \
      start_mjd_utc, start_mjd_tai, start_mjd_tt and the like), duration_s, ra_deg, dec_deg and, if known, rotation_deg, band; \
      the names of Rubin's opsim and ConsDB and of ObsLocTAP are understood too";
 
-/// Why a schedule cannot be read at all. What is wrong with one row stays with the row.
+/// Errors of reading a schedule. An invalid row keeps its place, with its reason.
 #[derive(Debug, Error)]
 pub enum ScheduleError {
     /// The file cannot be opened or read.
@@ -18,7 +18,7 @@ pub enum ScheduleError {
     Io {
         /// The file.
         path: String,
-        /// What the system said.
+        /// Error of the system.
         source: io::Error,
     },
     /// A directory was given.
@@ -27,7 +27,7 @@ pub enum ScheduleError {
         /// The path.
         path: String,
     },
-    /// Nothing is in the file.
+    /// The file is empty.
     #[error(
         "schedule {path} is empty; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable or Parquet with at least one exposure"
     )]
@@ -35,41 +35,41 @@ pub enum ScheduleError {
         /// The file.
         path: String,
     },
-    /// Columns but no rows.
+    /// The file has columns but no rows.
     #[error("schedule {path} has columns but no exposures; at least one row is needed")]
     NoRows {
         /// The file.
         path: String,
     },
-    /// No format that is read here.
+    /// The format is not supported.
     #[error("schedule {path}: {what}; allowed: opsim SQLite, CSV, ECSV, JSON, VOTable (TABLEDATA) or Parquet")]
     Format {
         /// The file.
         path: String,
-        /// What was found.
+        /// What the file is.
         what: String,
     },
-    /// A line that does not parse.
+    /// A line is invalid.
     #[error("schedule {path}, line {line}: {what}")]
     Line {
         /// The file.
         path: String,
         /// Line, from 1.
         line: u64,
-        /// What is wrong with it.
+        /// Error in the line.
         what: String,
     },
-    /// Columns that must be there are not.
+    /// Required columns are missing.
     #[error("schedule {path}: missing {missing}; found {found}; allowed: {ALLOWED_COLUMNS}")]
     MissingColumns {
         /// The file.
         path: String,
         /// The missing names.
         missing: String,
-        /// The names that are there.
+        /// The columns found.
         found: String,
     },
-    /// Columns that a target list must have are not there.
+    /// Required columns of a target list are missing.
     #[error(
         "target list {path}: missing {missing}; found {found}; allowed: name, ra_deg, dec_deg, exposure_s (or --exposure) and, if known, \
          unique_id, rotation_deg, band"
@@ -79,10 +79,10 @@ pub enum ScheduleError {
         path: String,
         /// The missing names.
         missing: String,
-        /// The names that are there.
+        /// The columns found.
         found: String,
     },
-    /// Times are bare numbers or texts without a zone, and nobody said their scale.
+    /// Times are numbers or texts without a zone, and no time scale is specified.
     #[error(
         "schedule {path}: column {column} names no time scale; say --time-scale utc, tai or tt \
          (opsim files hold UTC, ConsDB and many others TAI; TAI read as UTC is 37 s off, which turns every answer wrong)"
@@ -93,7 +93,7 @@ pub enum ScheduleError {
         /// The column.
         column: String,
     },
-    /// The column names one time scale, the caller another, and the cells have no zone of their own.
+    /// The time scale of the column differs from that of the caller, and the cells have no zone.
     #[error(
         "schedule {path}: column {column} is in {named}, but --time-scale says {said}; allowed: no --time-scale, \
          --time-scale {}, a column named otherwise, or times that end in Z", .named.to_string().to_ascii_lowercase()
@@ -103,12 +103,12 @@ pub enum ScheduleError {
         path: String,
         /// The column.
         column: String,
-        /// The scale of its name or its file's header.
+        /// Time scale in its name or in the header of the file.
         named: TimeScale,
-        /// The scale that the caller says.
+        /// Time scale of the caller.
         said: TimeScale,
     },
-    /// A column in another unit than its name says.
+    /// A column has another unit than its name implies.
     #[error("schedule {path}: column {column} is in '{unit}'; allowed: {allowed}")]
     Unit {
         /// The file.
@@ -117,16 +117,76 @@ pub enum ScheduleError {
         column: String,
         /// The unit in the header.
         unit: String,
-        /// The unit that the name promises.
+        /// Allowed unit.
         allowed: &'static str,
     },
-    /// SQLite found something wrong.
+    /// SQLite reported an error.
     #[cfg(feature = "sqlite")]
     #[error("schedule {path}: {source}")]
     Sqlite {
         /// The file.
         path: String,
-        /// What SQLite said.
+        /// Error of SQLite.
+        source: rusqlite::Error,
+    },
+}
+
+/// Errors of annotating a schedule. Nothing is written then.
+#[derive(Debug, Error)]
+pub enum AnnotateError {
+    /// The schedule cannot be read.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
+    /// The format cannot be written.
+    #[error("schedule {path} is {format}, which this build cannot write; allowed: CSV, ECSV, JSON and VOTable")]
+    Format {
+        /// The file.
+        path: String,
+        /// Its format.
+        format: String,
+    },
+    /// The file has an earlier annotation.
+    #[error("schedule {path} already has {what}; say --replace to put new ones in their place")]
+    AlreadyThere {
+        /// The file.
+        path: String,
+        /// Tables or columns of the earlier annotation.
+        what: String,
+    },
+    /// The file changed between reading and writing.
+    #[error("schedule {path} has {rows} rows now, {flags} were judged: it changed in between")]
+    Changed {
+        /// The file.
+        path: String,
+        /// Rows found.
+        rows: usize,
+        /// Rows judged.
+        flags: usize,
+    },
+    /// The output cannot be written.
+    #[error("cannot write {path}: {source}")]
+    Write {
+        /// The file.
+        path: String,
+        /// Error of the system.
+        source: io::Error,
+    },
+    /// Parquet reported an error.
+    #[cfg(feature = "parquet")]
+    #[error("cannot write {path}: {what}")]
+    Parquet {
+        /// The file.
+        path: String,
+        /// Error of Parquet.
+        what: String,
+    },
+    /// SQLite reported an error.
+    #[cfg(feature = "sqlite")]
+    #[error("cannot write {path}: {source}")]
+    Sqlite {
+        /// The file.
+        path: String,
+        /// Error of SQLite.
         source: rusqlite::Error,
     },
 }

@@ -1,4 +1,4 @@
-//! The verdict on one exposure, with the numbers behind it.
+//! Verdict on one exposure, with the numbers that it follows from.
 
 use std::fmt;
 
@@ -6,21 +6,21 @@ use hifitime::Epoch;
 
 use crate::elements::NoradId;
 
-/// What an exposure is.
+/// Verdict on an exposure.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Verdict {
     /// No lit satellite crosses it.
     Clear,
-    /// A lit satellite crosses it, and no rule forbids that one.
+    /// A lit satellite crosses it, within the limits of the policy.
     Streaked,
-    /// A rule forbids what crosses it.
+    /// A crossing exceeds a limit of the policy.
     Avoid,
     /// It cannot be judged.
     Invalid,
 }
 
 impl Verdict {
-    /// The word in tables: `clear`, `streaked`, `avoid`, `invalid`.
+    /// Returns the word in tables: `clear`, `streaked`, `avoid`, `invalid`.
     pub fn name(self) -> &'static str {
         match self {
             Verdict::Clear => "clear",
@@ -37,35 +37,36 @@ impl fmt::Display for Verdict {
     }
 }
 
-/// One exposure judged.
+/// Result for one exposure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExposureFlag {
-    /// The schedule's name of the exposure.
+    /// Identifier of the exposure in the schedule.
     pub exposure_id: String,
-    /// The word.
+    /// The verdict.
     pub verdict: Verdict,
     /// Lit satellites whose nominal tracks cross the field.
     pub n_streaks: usize,
-    /// The brightest magnitude that any lit crossing reaches in the field; `None` without crossings, or where no model sees any light.
+    /// The brightest magnitude of all lit crossings in the field; `None` without crossings or magnitudes.
     pub brightest_mag: Option<f64>,
-    /// Share of the field's pixels expected lost, each streak weighed with its probability; `None` without a telescope.
+    /// Expected fraction of the pixels lost, each streak weighted with its probability; `None` without a telescope.
     pub expected_lost_pixel_fraction: Option<f64>,
-    /// Probability that at least one lit satellite crosses, their errors taken as independent: 1 - Π(1 - p).
+    /// Probability that at least one lit satellite crosses, with independent errors: 1 - Π(1 - p).
     pub p_any: f64,
     /// Length of all nominal lit streaks in the field, degrees.
     pub streak_length_deg: f64,
-    /// Why it is so, in words.
+    /// Reasons for the verdict.
     pub reasons: Vec<String>,
-    /// The earliest start from the scheduled one on at which the verdict would be `clear`; `None` where there is none within the delay allowed.
+    /// The earliest start, not before the scheduled one, at which the verdict is `clear`; `None` if there is none within the allowed
+    /// delay.
     pub next_clear_start: Option<Epoch>,
-    /// How much later than scheduled that is, seconds.
+    /// Its delay after the scheduled start, seconds.
     pub delay_s: Option<f64>,
-    /// The lit crossings in order of entry, near misses that count included.
+    /// Lit crossings in order of entry, with the near misses that count.
     pub norad_ids: Vec<NoradId>,
 }
 
 impl ExposureFlag {
-    /// The flag of a row that cannot be judged.
+    /// Returns the flag of a row that cannot be judged.
     pub fn invalid(exposure_id: &str, reason: String) -> Self {
         Self {
             exposure_id: exposure_id.to_owned(),

@@ -1,29 +1,29 @@
-//! Which pointings stand above the horizon, or clear of the Earth's limb, while the shutter is open.
+//! Altitudes of pointings above the horizon or the Earth's limb while the shutter is open.
 
 use hifitime::Epoch;
 
 use crate::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
 use crate::passes::{Exposure, Viewpoint};
 
-/// Exposures whose orientation of the Earth is sampled together, seconds.
+/// Time span of exposures that share one table of the Earth's orientation, seconds.
 const GROUP_S: f64 = 43_200.0;
 
-/// Between looks at a pointing from an orbit, seconds: the limb moves by half a degree.
-const LIMB_LOOK_EVERY_S: f64 = 10.0;
+/// Sampling interval of a pointing from an orbit, seconds: the limb moves by half a degree.
+const LIMB_INTERVAL_S: f64 = 10.0;
 
-/// The lowest altitude of each pointing while the shutter is open, radians, without refraction and aberration (20").
+/// Returns the lowest altitude of each pointing while the shutter is open, radians, without refraction and aberration (20").
 ///
-/// From a site that is the lower of opening and closing: between the two a pointing can only stand higher, or lower by what an arc sags: below a degree
-/// for an hour. From an orbit it is the lowest angle above the Earth's limb, looked at every 10 s; not a number where the telescope's own elements give no
-/// place.
+/// From a site it is the lower one of opening and closing; between the two a pointing is higher, or lower by less than a degree in
+/// an hour. From an orbit it is the lowest angle above the Earth's limb, sampled every 10 s; NaN if the position of the telescope
+/// cannot be computed.
 pub fn lowest_altitudes_rad(exposures: &[&Exposure], viewpoint: &Viewpoint, eop: &EopTable) -> Vec<f64> {
     lowest_altitudes_over(exposures, viewpoint, &|start, end| OrientationTable::new(start, end, eop))
 }
 
-/// Who knows how the Earth is turned between two moments.
+/// Function that returns the orientation of the Earth between two times.
 pub(super) type Earth<'a> = &'a dyn Fn(Epoch, Epoch) -> OrientationTable;
 
-/// As [`lowest_altitudes_rad`], with the Earth of whoever keeps it.
+/// As [`lowest_altitudes_rad`], with a function for the orientation of the Earth.
 pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoint, earth: Earth<'_>) -> Vec<f64> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&index| exposures[index].start);
@@ -41,42 +41,48 @@ pub(super) fn lowest_altitudes_over(exposures: &[&Exposure], viewpoint: &Viewpoi
             }
         };
         let opened_s = start_s(table.reference());
-        let looks = match viewpoint {
+        let samples = match viewpoint {
             Viewpoint::Site(_) => 1.0,
-            Viewpoint::Orbit(_) => (exposure.duration_s / LIMB_LOOK_EVERY_S).ceil().max(1.0),
+            Viewpoint::Orbit(_) => (exposure.duration_s / LIMB_INTERVAL_S).ceil().max(1.0),
         };
-        altitudes[index] = (0..=looks as usize)
-            .map(|look| altitude_rad(exposure, viewpoint, table, opened_s + exposure.duration_s * look as f64 / looks))
-            // What is not a number stays so.
+        altitudes[index] = (0..=samples as usize)
+            .map(|i| altitude_rad(exposure, viewpoint, table, opened_s + exposure.duration_s * i as f64 / samples))
+            // NaN stays NaN.
             .fold(f64::INFINITY, |lowest, next| if next.is_nan() || next < lowest { next } else { lowest });
     }
     altitudes
 }
 
-/// How high a pointing stands so many seconds after a table's reference, radians; not a number where the telescope's own elements give no place.
+/// Returns the altitude of a pointing a number of seconds after the reference of a table, radians; NaN if the position of the
+/// telescope cannot be computed.
 pub(super) fn altitude_rad(exposure: &Exposure, viewpoint: &Viewpoint, table: &OrientationTable, seconds: f64) -> f64 {
     let epoch = seconds_after(table.reference(), seconds);
     viewpoint.pointing_altitude_rad(&exposure.pointing, epoch, &table.at_s(seconds)).unwrap_or(f64::NAN)
 }
 
-/// No pointing sinks faster than the Earth turns, rad/s (a little more than a turn in a sidereal day).
+/// Fastest descent of a pointing: the rotation of the Earth, rounded up, rad/s.
 const FASTEST_SINKING_RAD_S: f64 = 7.3e-5;
-/// Between looks at a sinking pointing, seconds.
-const LOOK_EVERY_S: f64 = 60.0;
-/// Nor towards the limb faster than a low orbit turns and its distance changes, rad/s.
+/// Sampling interval of a pointing from a site, seconds.
+const SITE_INTERVAL_S: f64 = 60.0;
+/// Fastest approach to the limb from a low orbit, rad/s.
 const FASTEST_LIMB_RAD_S: f64 = 3e-3;
-/// How often it is looked whether a pointing is still up, seconds.
-pub(super) fn look_every_s(viewpoint: &Viewpoint) -> f64 {
-    if viewpoint.site().is_some() { LOOK_EVERY_S } else { LIMB_LOOK_EVERY_S }
+/// Returns the sampling interval of the altitude of a pointing, seconds.
+pub(super) fn sampling_interval_s(viewpoint: &Viewpoint) -> f64 {
+    if viewpoint.site().is_some() { SITE_INTERVAL_S } else { LIMB_INTERVAL_S }
 }
 
-/// A last start is given so much too early rather than too late, seconds.
+/// Allowance by which a last start is early, seconds.
 const BEFORE_SETTING_S: f64 = 0.01;
 
-/// How much later each exposure may start, at most `max_delay_s`, so that its pointing is still up as it ends, seconds.
+/// Returns the longest delay of each exposure, at most `max_delay_s`, after which its pointing is still up when it ends, seconds.
 ///
-/// Pointings that are up at their scheduled closing; the sky position stays the same, so that a pointing that sinks sets.
-pub fn last_starts_s(exposures: &[&Exposure], viewpoint: &Viewpoint, earth: Earth<'_>, max_delay_s: f64) -> Vec<f64> {
+/// The pointings are up at the scheduled closing.
+pub(super) fn last_starts_s(
+    exposures: &[&Exposure],
+    viewpoint: &Viewpoint,
+    earth: Earth<'_>,
+    max_delay_s: f64,
+) -> Vec<f64> {
     let lowest_rad = lowest_altitudes_over(exposures, viewpoint, earth);
     let fastest_rad_s = if viewpoint.site().is_some() { FASTEST_SINKING_RAD_S } else { FASTEST_LIMB_RAD_S };
     let each = exposures.iter().zip(lowest_rad);
@@ -93,10 +99,10 @@ fn last_start_s(exposure: &Exposure, viewpoint: &Viewpoint, earth: Earth<'_>, ma
     let end = seconds_after(exposure.start, exposure.duration_s + max_delay_s);
     let table = earth(exposure.start, end);
     let is_up = |delay_s: f64| altitude_rad(exposure, viewpoint, &table, exposure.duration_s + delay_s) >= 0.0;
-    let look_every_s = look_every_s(viewpoint);
+    let interval_s = sampling_interval_s(viewpoint);
     let mut up_s = 0.0_f64;
     while up_s < max_delay_s {
-        let next_s = (up_s + look_every_s).min(max_delay_s);
+        let next_s = (up_s + interval_s).min(max_delay_s);
         if is_up(next_s) {
             up_s = next_s;
             continue;
@@ -131,7 +137,7 @@ mod tests {
             rotation_rad: 0.0,
         };
         let lowest = |exposure: &Exposure| lowest_altitudes_rad(&[exposure], &viewpoint, &eop)[0];
-        // Half an hour before the pointing is down, some time in the day.
+        // The one hour in which the pointing sets.
         let hours = (0..24).map(|hour| of(crate::frames::seconds_after(midnight, f64::from(hour) * 3600.0)));
         let low: Vec<Exposure> = hours
             .filter(|exposure| {

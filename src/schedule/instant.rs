@@ -1,28 +1,28 @@
-//! Moments from text. A time without `Z` needs its time scale said, and so does a bare number.
+//! Times from text. A time without `Z` needs a time scale, and so does a number.
 
-use hifitime::{Epoch, TimeScale, Unit};
+use hifitime::{Epoch, TimeScale, Unit, is_gregorian_valid};
 use thiserror::Error;
 
-/// Why a text or number is not a moment.
+/// Errors of parsing a time.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum InstantError {
-    /// Neither ISO 8601 nor anything else that is read here.
+    /// The text is not ISO 8601.
     #[error("'{0}' is not a time; allowed: ISO 8601 like 2024-08-14T00:30:00.000Z")]
     NotATime(String),
-    /// A field out of its range.
+    /// A field is out of range.
     #[error("'{text}': {field} {value} is out of range")]
     OutOfRange {
-        /// What was given.
+        /// Given text.
         text: String,
         /// `month`, `day`, `hour`, `minute` or `second`.
         field: &'static str,
         /// The value of the field.
         value: u32,
     },
-    /// A second 60 on a day that has none.
+    /// A second 60 is given for a minute without a leap second.
     #[error("'{0}': there was no leap second at that moment")]
     NoLeapSecond(String),
-    /// A time that names no scale.
+    /// The time has no scale.
     #[error(
         "'{0}' names no time scale: end it with Z (UTC) or say --time-scale utc, tai or tt \
          (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)"
@@ -30,19 +30,19 @@ pub enum InstantError {
     NoScale(String),
 }
 
-/// The first year for which anything is answered: that of the first satellite.
-pub(super) const FIRST_YEAR: u32 = 1957;
-/// The last year for which anything is answered (SOFA's Earth ephemeris `epv00` holds for 1900-2100).
-pub(super) const LAST_YEAR: u32 = 2099;
+/// First valid year: that of the first satellite.
+pub(super) const FIRST_YEAR: i32 = 1957;
+/// Last valid year (the Earth ephemeris `epv00` of SOFA is valid for 1900-2100).
+pub(super) const LAST_YEAR: i32 = 2099;
 
-/// A moment from ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00` for the `Z`.
+/// Parses ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00` for the `Z`.
 ///
-/// Without `Z` or offset the text is in `scale`; without `scale` too it is refused. A second 60 is taken where UTC has one.
+/// Without `Z` or offset the text is in `scale`. A second 60 is valid if UTC has one.
 ///
 /// # Errors
-/// - text of another form, or fields out of their range;
-/// - a second 60 that never was;
-/// - no `Z`, no offset and no `scale`.
+/// - The text has another form, or a field is out of range.
+/// - A second 60 is given without a leap second.
+/// - There is no `Z`, no offset and no `scale`.
 pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, InstantError> {
     let text = text.trim();
     let (body, offset_minutes) = split_zone(text)?;
@@ -50,7 +50,7 @@ pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Inst
         (Some(_), _) => TimeScale::UTC,
         (None, Some(scale)) => scale,
         (None, None) => {
-            // Nonsense is nonsense before it lacks a scale; a bare number is told what it lacks.
+            // An invalid text is reported as such; only a valid time or a number lacks a scale.
             if body.parse::<f64>().is_err() {
                 calendar(text, body)?;
             }
@@ -60,12 +60,12 @@ pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Inst
     let fields = calendar(text, body)?;
     let is_leap = fields.second == 60;
     let nanoseconds = fields.nanoseconds_of_day - if is_leap { 1_000_000_000 } else { 0 };
-    let epoch = Epoch::from_duration(Unit::Day * fields.days_since_1900 + Unit::Nanosecond * nanoseconds, scale)
-        - Unit::Minute * i64::from(offset_minutes.unwrap_or(0));
+    let midnight = Epoch::from_gregorian_at_midnight(fields.year, fields.month, fields.day, scale);
+    let epoch = midnight + Unit::Nanosecond * nanoseconds - Unit::Minute * i64::from(offset_minutes.unwrap_or(0));
     if is_leap { leap_second(epoch, text) } else { Ok(epoch) }
 }
 
-/// One second after the 59th of a minute that has sixty-one.
+/// Returns the time one second after second 59 of a minute with a leap second.
 fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, InstantError> {
     let missing = || InstantError::NoLeapSecond(text.to_owned());
     if second_59.time_scale != TimeScale::UTC {
@@ -77,12 +77,12 @@ fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, InstantError> {
     if next - here > one { Ok(here + one) } else { Err(missing()) }
 }
 
-/// Cuts off `Z` or an offset; the offset in minutes, `None` where the text names no zone.
+/// Returns the text without `Z` or offset, and the offset in minutes; `None` without a zone.
 fn split_zone(text: &str) -> Result<(&str, Option<i32>), InstantError> {
     if let Some(body) = text.strip_suffix(['Z', 'z']) {
         return Ok((body.trim_end(), Some(0)));
     }
-    // The date's own hyphens come before the T.
+    // The hyphens of the date are before the T.
     let Some(time_at) = text.find(['T', 't', ' ']) else { return Ok((text, None)) };
     let Some(sign_at) = text[time_at..].find(['+', '-']).map(|at| at + time_at) else { return Ok((text, None)) };
     let digits: String = text[sign_at + 1..].chars().filter(|c| *c != ':').collect();
@@ -97,7 +97,9 @@ fn split_zone(text: &str) -> Result<(&str, Option<i32>), InstantError> {
 }
 
 struct Calendar {
-    days_since_1900: i64,
+    year: i32,
+    month: u8,
+    day: u8,
     nanoseconds_of_day: i64,
     second: u32,
 }
@@ -128,7 +130,7 @@ fn calendar(text: &str, body: &str) -> Result<Calendar, InstantError> {
     if !(1..=12).contains(&month) {
         return Err(out_of_range("month", month));
     }
-    if !(1..=days_in_month(year, month)).contains(&day) {
+    if !is_gregorian_valid(year as i32, month as u8, day as u8, 0, 0, 0, 0) {
         return Err(out_of_range("day", day));
     }
     if hour > 23 {
@@ -140,46 +142,27 @@ fn calendar(text: &str, body: &str) -> Result<Calendar, InstantError> {
     if second > 60 {
         return Err(out_of_range("second", second));
     }
-    // Nine digits are nanoseconds; what stands behind them is below any clock.
+    // Nine digits are nanoseconds; further digits are ignored.
     let digits: String = fraction.chars().chain("000000000".chars()).take(9).collect();
     let nanoseconds: i64 = digits.parse().map_err(|_| not_a_time())?;
     Ok(Calendar {
-        days_since_1900: days_since_1900(year, month, day),
+        year: year as i32,
+        month: month as u8,
+        day: day as u8,
         nanoseconds_of_day: i64::from(hour * 3600 + minute * 60 + second) * 1_000_000_000 + nanoseconds,
         second,
     })
 }
 
-/// Exactly `digits` decimal digits.
+/// Parses exactly `digits` decimal digits.
 fn number(text: Option<&str>, digits: usize) -> Option<u32> {
     text.filter(|text| text.len() == digits && text.bytes().all(|byte| byte.is_ascii_digit()))?.parse().ok()
 }
 
-fn days_in_month(year: u32, month: u32) -> u32 {
-    match month {
-        2 if year.is_multiple_of(4) && (!year.is_multiple_of(100) || year.is_multiple_of(400)) => 29,
-        2 => 28,
-        4 | 6 | 9 | 11 => 30,
-        _ => 31,
-    }
-}
-
-/// Days from 1900-01-01 to a Gregorian date (Hinnant, "chrono-compatible low-level date algorithms").
-fn days_since_1900(year: u32, month: u32, day: u32) -> i64 {
-    let (year, month, day) = (i64::from(year), i64::from(month), i64::from(day));
-    let year = if month <= 2 { year - 1 } else { year };
-    let era = year.div_euclid(400);
-    let year_of_era = year.rem_euclid(400);
-    let day_of_year = (153 * (if month > 2 { month - 3 } else { month + 9 }) + 2) / 5 + day - 1;
-    let day_of_era = year_of_era * 365 + year_of_era / 4 - year_of_era / 100 + day_of_year;
-    era * 146_097 + day_of_era - 719_468 + 25_567
-}
-
-/// True where the Earth's ephemeris and the idea of a satellite hold: from 1957 to the end of 2099, UTC.
+/// Returns true for the valid times: from 1957 to the end of 2099, UTC.
 pub fn is_covered(epoch: Epoch) -> bool {
-    let since_1900 = epoch.to_duration_in_time_scale(TimeScale::UTC);
-    let day = |year: u32| Unit::Day * days_since_1900(year, 1, 1);
-    (day(FIRST_YEAR)..day(LAST_YEAR + 1)).contains(&since_1900)
+    let year_start = |year| Epoch::from_gregorian_utc_at_midnight(year, 1, 1);
+    (year_start(FIRST_YEAR)..year_start(LAST_YEAR + 1)).contains(&epoch)
 }
 
 #[cfg(test)]

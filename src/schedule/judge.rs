@@ -1,63 +1,42 @@
-//! From the passes of one exposure to its verdict. Pure: no sky is asked here.
+//! Verdict on one exposure from its passes.
 
-use crate::images::Telescope;
 use crate::passes::{Chance, Exposure, FieldPass};
 
 use super::exposure_flag::{ExposureFlag, Verdict};
-use super::policy::{MagnitudeLimit, Policy};
+use super::policy::{LimitKind, MagnitudeLimit, Policy};
 
-/// Satellites named in the reasons; under many shells there are dozens.
+/// Most satellites listed in the reasons; there may be dozens.
 const NAMED_REASONS: usize = 5;
 
-/// What a verdict needs to know besides the passes.
-pub struct Rules<'a> {
+/// Rules of a verdict.
+pub(super) struct Rules<'a> {
     /// The limits.
     pub policy: &'a Policy,
-    /// The camera's own limits, for a policy that names them.
+    /// Limits of the camera, for a policy that refers to them.
     pub camera: Option<&'a dyn CameraLimits>,
 }
 
-/// The magnitudes at which a camera suffers, as a telescope's file states them: of a satellite standing still at 550 km overhead.
-pub trait CameraLimits {
-    /// The limit of a kind in a band; `None` where the file has none.
+/// Magnitude limits of a camera, from the file of its telescope: for a satellite at a distance of 550 km.
+pub(super) trait CameraLimits {
+    /// Returns the limit of a kind in a band; `None` if the file has none.
     fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64>;
-    /// How bright a pass of this magnitude is to the camera: the magnitude of a satellite at 550 km overhead in the limit's band that
-    /// leaves as much light in each pixel of its streak.
+    /// Returns the magnitude, in the band of the limit, of a satellite at 550 km that leaves as much light in each pixel of its
+    /// streak as a pass of this magnitude.
     fn as_at_550_km_mag(&self, pass: &FieldPass, magnitude: f64, band: Option<&str>) -> f64;
 }
 
-/// What happens beyond a limit.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum LimitKind {
-    /// Pixels of the trail saturate.
-    Saturation,
-    /// Crosstalk that cannot be corrected.
-    Crosstalk,
-}
-
-impl LimitKind {
-    /// The limit of this kind that a telescope's file has for a band; `None` where it has none.
-    pub(super) fn limit_mag(self, telescope: &Telescope, band: &str) -> Option<f64> {
-        let limits = telescope.limits.get(band)?;
-        match self {
-            LimitKind::Saturation => limits.trail_saturation_mag,
-            LimitKind::Crosstalk => limits.crosstalk_mag,
-        }
-    }
-}
-
-/// What is to be expected of all satellites together, those that may only just come by included.
+/// Expectation values for all satellites together, near misses included.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub struct Expected {
+pub(super) struct Expected {
     /// Probability that at least one lit satellite crosses.
     pub p_any: f64,
-    /// Share of the field's pixels expected lost, [0, 1]; `None` where no telescope says how wide a streak is.
+    /// Expected fraction of the pixels lost, [0, 1]; `None` without a telescope.
     pub lost_pixel_fraction: Option<f64>,
 }
 
 impl Expected {
-    /// From the chances of all satellites, their errors taken as independent; `lost_fraction` is the share of the pixels that each is
-    /// expected to cost, where a telescope tells.
+    /// Computes the values from the chances of all satellites, with independent errors; `lost_fraction` returns the fraction of
+    /// the pixels that a satellite is expected to cost.
     pub fn of(chances: &[Chance], lost_fraction: Option<&dyn Fn(&Chance) -> f64>) -> Self {
         Self {
             // 1 - Π(1 - p)
@@ -68,13 +47,13 @@ impl Expected {
     }
 }
 
-/// Judges an exposure by the passes that cross it, or nearly cross it.
+/// Judges an exposure by its crossings and near misses.
 ///
-/// Dark passes do not count. A near miss counts only where the policy names a `min_probability` and it is at least that
-/// probable. `avoid` = a crossing at least as probable as the policy asks (0.5 unless it says
-/// otherwise) that is brighter, at its peak, than a limit of the policy; or more expected loss than it allows. `streaked` =
-/// any other lit crossing. The next clear start of what is not clear is left open: it needs the sky.
-pub fn flag(
+/// Dark passes do not count. A near miss counts only if the policy has a `min_probability` and it is at least that probable.
+/// `avoid` = a crossing at least as probable as the policy requires (by default 0.5) that is brighter, at its peak, than a limit of
+/// the policy; or a larger expected loss than the policy allows. `streaked` = any other lit crossing. The next clear start of an
+/// exposure that is not clear is not set here.
+pub(super) fn flag(
     exposure: &Exposure,
     band: Option<&str>,
     passes: &[FieldPass],
@@ -137,7 +116,7 @@ pub fn flag(
     }
 }
 
-/// A share to two significant digits and four decimals at least, and to as many more as show that it is above `most`.
+/// Formats a share with two significant digits, at least four decimals, and as many more as show that it is above `most`.
 fn share_above(share: f64, most: f64) -> String {
     let decimals = (1.0 - share.log10().floor()).clamp(4.0, 17.0) as usize;
     let shown = |decimals: usize| format!("{share:.decimals$}");
@@ -147,7 +126,7 @@ fn share_above(share: f64, most: f64) -> String {
         .unwrap_or(share.to_string())
 }
 
-/// The limits that a pass of this magnitude breaks, in words.
+/// Returns the text of each limit that a pass of this magnitude exceeds.
 fn broken_limits(pass: &FieldPass, magnitude: f64, band: Option<&str>, rules: &Rules<'_>) -> Vec<String> {
     let policy = rules.policy;
     let limits = [
@@ -169,22 +148,21 @@ fn broken_limits(pass: &FieldPass, magnitude: f64, band: Option<&str>, rules: &R
     limits.into_iter().filter_map(words).collect()
 }
 
-/// True where a pass makes an exposure one to avoid: probable enough, and brighter than a limit.
+/// Returns true for a pass that makes an exposure one to avoid: probable enough, and brighter than a limit.
 pub(super) fn is_to_avoid(pass: &FieldPass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     counts(pass, rules.policy)
         && pass.probability >= rules.policy.avoid_probability()
         && peak_magnitude(pass).is_some_and(|magnitude| !broken_limits(pass, magnitude, band, rules).is_empty())
 }
 
-/// True where a lit pass is a streak to this policy: it crosses, or is a near miss more probable than the policy lets pass.
+/// Returns true for a lit crossing, and for a lit near miss at least as probable as the `min_probability` of the policy.
 pub(super) fn counts(pass: &FieldPass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
-/// True where a pass is to be dodged: it counts, and is brighter than a limit of the policy; any that counts where no limit applies to the band.
+/// Returns true for a pass to be dodged: it counts, and is brighter than a limit of the policy, if one applies to the band.
 ///
-/// A policy that names a `min_probability` dodges nothing less probable; one that names none dodges every nominal crossing, however old
-/// its elements.
+/// With a `min_probability`, less probable passes are not dodged; without one, every nominal crossing is, however old its elements.
 pub(super) fn is_dodged(pass: &FieldPass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     let policy = rules.policy;
     if !counts(pass, policy) || policy.min_probability.is_some_and(|least| pass.probability < least) {
@@ -202,11 +180,11 @@ pub(super) fn is_dodged(pass: &FieldPass, band: Option<&str>, rules: &Rules<'_>)
     if !has_limit {
         return true;
     }
-    // What no model gives any light to is brighter than nothing.
+    // A pass without a magnitude is not brighter than any limit.
     peak_magnitude(pass).is_some_and(|magnitude| !broken_limits(pass, magnitude, band, rules).is_empty())
 }
 
-pub(super) fn peak_magnitude(pass: &FieldPass) -> Option<f64> {
+fn peak_magnitude(pass: &FieldPass) -> Option<f64> {
     pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0)
 }
 
@@ -244,7 +222,7 @@ mod tests {
         }
     }
 
-    /// A pass by hand: only what a verdict looks at means anything.
+    /// Pass for tests: only the quantities that a verdict uses are meaningful.
     fn pass(norad_id: u32, peak_mag: Option<f64>, probability: f64) -> FieldPass {
         let observer = Position::new(6378.0, 0.0, 0.0);
         let geometry =
@@ -299,7 +277,7 @@ mod tests {
 
     fn judge(passes: &[FieldPass], policy: &str) -> ExposureFlag {
         let policy = Policy::from_toml(policy).unwrap();
-        // As near misses and crossings would add up.
+        // The sum over near misses and crossings.
         let expected = Expected::of(&chances(passes), Some(&|chance: &Chance| 0.01 * chance.probability));
         flag(&exposure(), Some("r"), passes, &expected, &Rules { policy: &policy, camera: None })
     }

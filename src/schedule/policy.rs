@@ -1,4 +1,4 @@
-//! What an observatory calls bad: limits on magnitude, lost pixels and probability, margins, patience.
+//! Policy: limits on magnitude, lost pixels and probability, margin and longest delay.
 
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -6,10 +6,9 @@ use std::str::FromStr;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use super::judge::LimitKind;
 use crate::images::Telescope;
 
-/// A limiting magnitude for all bands, one for each, or the telescope's own.
+/// Magnitude limit: one for all bands, one for each band, or that of the telescope.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(
     untagged,
@@ -18,9 +17,9 @@ use crate::images::Telescope;
 pub enum MagnitudeLimit {
     /// One number for every exposure.
     All(f64),
-    /// By the band of the exposure; the key `default` is for all others.
+    /// Limits by the band of the exposure; the key `default` is for all other bands.
     PerBand(BTreeMap<String, f64>),
-    /// The word `telescope`: what the telescope's file says of its camera, by the band of the exposure. For saturation and crosstalk.
+    /// The word `telescope`: the limits in the file of the telescope, by the band of the exposure. For saturation and crosstalk.
     OfTelescope(OfTelescope),
 }
 
@@ -28,14 +27,14 @@ pub enum MagnitudeLimit {
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum OfTelescope {
-    /// The telescope's limits hold.
+    /// The limits of the telescope apply.
     Telescope,
 }
 
 impl FromStr for MagnitudeLimit {
     type Err = PolicyError;
 
-    /// As it is typed: `7`, or by band `g=7,y=5,default=6`.
+    /// Parses `7`, or limits by band, `g=7,y=5,default=6`.
     fn from_str(text: &str) -> Result<Self, PolicyError> {
         let number = |text: &str| text.trim().parse::<f64>().ok();
         if let Some(limit) = number(text) {
@@ -57,7 +56,8 @@ impl FromStr for MagnitudeLimit {
 }
 
 impl MagnitudeLimit {
-    /// The limit for an exposure in this band; `None` where the table has neither the band nor `default`, and where the telescope has it.
+    /// Returns the limit for an exposure in this band; `None` if the table has neither the band nor `default`, and for the limits of
+    /// the telescope.
     pub fn of(&self, band: Option<&str>) -> Option<f64> {
         match self {
             MagnitudeLimit::All(limit) => Some(*limit),
@@ -68,8 +68,8 @@ impl MagnitudeLimit {
         }
     }
 
-    /// All its numbers.
-    pub fn numbers(&self) -> Vec<f64> {
+    /// Returns all its numbers.
+    pub(crate) fn numbers(&self) -> Vec<f64> {
         match self {
             MagnitudeLimit::All(limit) => vec![*limit],
             MagnitudeLimit::PerBand(limits) => limits.values().copied().collect(),
@@ -78,11 +78,31 @@ impl MagnitudeLimit {
     }
 }
 
-/// Rules for verdicts. What is `None` does not count; the default is no rule at all.
+/// Effect on the camera beyond a limit.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub(super) enum LimitKind {
+    /// Saturated pixels of the trail.
+    Saturation,
+    /// Crosstalk that cannot be corrected.
+    Crosstalk,
+}
+
+impl LimitKind {
+    /// Returns the limit of this kind in the file of a telescope; `None` if it has none for the band.
+    pub(super) fn limit_mag(self, telescope: &Telescope, band: &str) -> Option<f64> {
+        let limits = telescope.limits.get(band)?;
+        match self {
+            LimitKind::Saturation => limits.trail_saturation_mag,
+            LimitKind::Crosstalk => limits.crosstalk_mag,
+        }
+    }
+}
+
+/// Rules for verdicts. Omitted rules are not applied; by default there is none.
 ///
-/// Magnitudes are those of the satellite as predicted (apparent, steady, at its brightest in the field), in the band of
-/// the prediction; a table by band chooses the limit by the band of the *exposure*. The word `telescope` in the place of a
-/// saturation or crosstalk limit stands for those of the telescope's file.
+/// Limits apply to the predicted apparent magnitude at its brightest in the field, in the band of the prediction; a table by
+/// band selects the limit by the band of the *exposure*. The word `telescope` as saturation or crosstalk limit stands for the
+/// limits in the file of the telescope.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Policy {
@@ -94,60 +114,61 @@ pub struct Policy {
     pub saturation_mag: Option<MagnitudeLimit>,
     /// A crossing brighter than this leaves crosstalk that cannot be corrected: an exposure to avoid.
     pub crosstalk_mag: Option<MagnitudeLimit>,
-    /// Crossings less probable than this do not make an exposure one to avoid, and near misses at least this probable count; 0.5 where unsaid.
+    /// Crossings less probable than this do not make an exposure one to avoid, and near misses at least this probable count;
+    /// by default 0.5, and near misses do not count.
     pub min_probability: Option<f64>,
-    /// Time to keep clear before opening and after closing, seconds; 0 where unsaid.
+    /// Time to keep clear before opening and after closing, seconds; by default 0.
     pub margin_s: Option<f64>,
-    /// How long an exposure may wait for a clear field, seconds; [`Policy::DEFAULT_MAX_DELAY_S`] where unsaid.
+    /// Longest delay of an exposure, seconds; by default [`Policy::DEFAULT_MAX_DELAY_S`].
     pub max_delay_s: Option<f64>,
 }
 
-/// Why a policy is none.
+/// Errors in a policy.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum PolicyError {
-    /// Not TOML, a key that means nothing, or a value of the wrong kind.
+    /// The text is not TOML, or has an unknown key or a value of the wrong type.
     #[error(
         "policy: {0}; allowed: limit_mag, max_lost_fraction, saturation_mag, crosstalk_mag, min_probability, margin_s, max_delay_s"
     )]
     Syntax(String),
-    /// A magnitude limit that is neither a number nor numbers by band.
+    /// The magnitude limit is neither a number nor numbers by band.
     #[error("'{given}' is no magnitude limit; allowed: a number, or numbers by band as g=7,y=5,default=6")]
     Limit {
-        /// What was given.
+        /// Given value.
         given: String,
     },
-    /// Two limits for one band.
+    /// A band has two limits.
     #[error("band {band} has two limits in '{given}'; allowed: one number for each band, as g=7,y=5,default=6")]
     Twice {
         /// The band.
         band: String,
-        /// What was given.
+        /// Given value.
         given: String,
     },
-    /// A number out of its range.
+    /// A number is out of range.
     #[error("policy: {field} is {value}, allowed {allowed}")]
     OutOfRange {
         /// The key.
         field: &'static str,
-        /// What was given.
+        /// Given value.
         value: f64,
-        /// What is allowed.
+        /// Allowed range.
         allowed: &'static str,
     },
 }
 
 impl Policy {
-    /// Probability from which a crossing counts as one to avoid, where a policy says nothing.
+    /// Default probability from which a crossing makes an exposure one to avoid.
     pub const DEFAULT_MIN_PROBABILITY: f64 = 0.5;
-    /// How far ahead the next clear start is looked for where a policy says nothing, seconds.
+    /// Default longest delay of the next clear start, seconds.
     pub const DEFAULT_MAX_DELAY_S: f64 = 600.0;
-    /// The longest delay that can be asked for, seconds.
+    /// Longest delay allowed in a policy, seconds.
     pub const LONGEST_DELAY_S: f64 = 86_400.0;
 
-    /// Reads a policy from TOML; keys that mean nothing are refused.
+    /// Reads a policy from TOML.
     ///
     /// # Errors
-    /// Syntax, an unknown key, or a number out of its range.
+    /// The syntax is invalid, a key is unknown, or a number is out of range.
     pub fn from_toml(text: &str) -> Result<Self, PolicyError> {
         let policy: Policy = toml::from_str(text).map_err(|error| PolicyError::Syntax(one_line(&error, text)))?;
         policy.validate()?;
@@ -157,7 +178,7 @@ impl Policy {
     /// Checks the ranges of all numbers.
     ///
     /// # Errors
-    /// The first number out of its range.
+    /// A number is out of range.
     pub fn validate(&self) -> Result<(), PolicyError> {
         if matches!(self.limit_mag, Some(MagnitudeLimit::OfTelescope(_))) {
             let what = "limit_mag needs a number or a table by band; only saturation_mag and crosstalk_mag can be \"telescope\"";
@@ -191,13 +212,13 @@ impl Policy {
         Ok(())
     }
 
-    /// The first of the limits that the telescope is asked for; `None` where no telescope is needed.
+    /// Returns the first limit taken from the telescope; `None` if no telescope is needed.
     pub fn limit_of_telescope(&self) -> Option<&'static str> {
         self.kinds_of_telescope().next().map(|(name, _)| name)
     }
 
-    /// The limits that the telescope is asked for, by their keys, with the numbers that its file has by band; a table without any where
-    /// its file has none of that kind.
+    /// Returns the limits taken from the telescope, by their keys, with the numbers by band in its file; an empty table if the file
+    /// has none of that kind.
     pub fn limits_of_telescope(&self, telescope: &Telescope) -> Vec<(&'static str, MagnitudeLimit)> {
         let limits = telescope.limits.keys();
         self.kinds_of_telescope()
@@ -219,23 +240,23 @@ impl Policy {
             .map(|(name, kind, _)| (name, kind))
     }
 
-    /// Probability from which a crossing counts as one to avoid.
-    pub fn avoid_probability(&self) -> f64 {
+    /// Returns the probability from which a crossing makes an exposure one to avoid.
+    pub(super) fn avoid_probability(&self) -> f64 {
         self.min_probability.unwrap_or(Self::DEFAULT_MIN_PROBABILITY)
     }
 
-    /// The margin, seconds.
+    /// Returns the margin, seconds.
     pub fn margin_or_default_s(&self) -> f64 {
         self.margin_s.unwrap_or(0.0)
     }
 
-    /// The longest wait, seconds.
+    /// Returns the longest delay, seconds.
     pub fn max_delay_or_default_s(&self) -> f64 {
         self.max_delay_s.unwrap_or(Self::DEFAULT_MAX_DELAY_S)
     }
 }
 
-/// A TOML error on one line: what, and on which line of the text.
+/// Returns a TOML error on one line, with the line number in the text.
 pub(crate) fn one_line(error: &toml::de::Error, text: &str) -> String {
     let what = error.message().split_whitespace().collect::<Vec<_>>().join(" ");
     match error.span() {

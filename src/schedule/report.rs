@@ -1,77 +1,76 @@
-//! A whole schedule against a whole sky: passes, verdicts, and when each field is clear next.
+//! Verdicts on all exposures of a schedule: passes, flags, and the next clear starts.
 
 use std::collections::HashMap;
 
 use crate::frames::{seconds_after, seconds_between};
-use crate::images::Telescope;
+use crate::images::{ARCSEC_PER_RAD, Telescope};
 use crate::orbit::LeftOut;
 use crate::passes::{Chance, Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
-use crate::photometry::PhotometryOptions;
+use crate::photometry::{Band, PhotometryOptions};
 
-use super::camera::Camera;
 use super::exposure_flag::{ExposureFlag, Verdict};
 use super::horizon::{last_starts_s, lowest_altitudes_over};
 use super::judge::{CameraLimits, Expected, Rules, counts, flag};
-use super::policy::Policy;
+use super::policy::{LimitKind, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
 
-/// Entries and exits are good to a millisecond; a start is clear of them by this much more than that, seconds.
+/// Distance of a clear start from entries and exits, which are accurate to a millisecond, seconds.
 pub(super) const GUARD_S: f64 = 0.002;
-/// Starts are given to the millisecond, and never rounded towards the satellite, seconds.
+/// Resolution of starts, which are rounded away from the satellite, seconds.
 pub(super) const TICK_S: f64 = 0.001;
-/// Starts that are tried at most where the sky does not agree with the first.
+/// Most starts that are tried.
 const MOST_STEPS: f64 = 60.0;
-/// How far a satellite may be early or late where a probability counts, sigmas along the track: beyond it lies 0.00135.
+/// Allowance for early and late satellites if the policy has a probability, sigmas along the track; 0.00135 lies beyond.
 const LATE_SIGMAS: f64 = 3.0;
 
-/// What exposures are judged against.
+/// Sky, field, rules and telescope for judging exposures.
 #[derive(Copy, Clone)]
 pub struct FlagRequest<'a> {
-    /// The satellites over the site.
+    /// Satellites and observer.
     pub sky: &'a Sky,
     /// The field of view.
     pub field: &'a Field,
     /// The rules.
     pub policy: &'a Policy,
-    /// The telescope, where one is known.
+    /// The telescope, if known.
     pub telescope: Option<&'a Telescope>,
     /// Band, system, extinction.
     pub photometry: &'a PhotometryOptions,
 }
 
-/// Every row judged.
+/// Results for all rows.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlagReport {
-    /// One for each row, in the order of the rows.
+    /// One flag for each row, in order.
     pub flags: Vec<ExposureFlag>,
-    /// The passes that the flags count, by row: lit crossings, and near misses where the policy names a probability.
+    /// The passes that count, by row: lit crossings, and near misses if the policy has a probability.
     pub passes: Vec<Vec<FieldPass>>,
     /// Satellites without a position for at least one exposure.
     pub left_out: Vec<LeftOut>,
 }
 
 impl FlagReport {
-    /// Puts the report of the rows that follow behind this one.
+    /// Appends the report of the rows that follow.
     pub fn append(&mut self, next: FlagReport) {
         self.flags.extend(next.flags);
         self.passes.extend(next.passes);
         self.left_out.extend(next.left_out);
-        self.name_each_once();
+        self.sort_left_out();
     }
 
-    fn name_each_once(&mut self) {
+    fn sort_left_out(&mut self) {
         self.left_out.sort_by_key(|left_out| left_out.element_index);
         self.left_out.dedup_by_key(|left_out| left_out.element_index);
     }
 }
 
-/// Judges every row. Rows that cannot be judged get the verdict `invalid`; the rest goes on.
+/// Judges every row. Rows that cannot be judged get the verdict `invalid`.
 ///
-/// `margin_s` of the policy counts at both ends: an exposure whose own time is clear but not its margin is `streaked`.
+/// `margin_s` of the policy applies at both ends: an exposure that is clear except for its margins is `streaked`.
 ///
 /// # Errors
-/// [`SkyError`] only where the sky cannot answer at all.
+/// [`SkyError`] if passes cannot be computed at all.
 pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
     let Judged { mut report, mut flags, above } = judge(rows, request)?;
     let waits = shift(&above, request, &mut flags, &mut report)?;
@@ -81,8 +80,8 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
     Ok(finished(report, flags))
 }
 
-/// As [`flag_exposures`] without waiting: margins count for nothing, and only what is clear has a next clear start. Less than half the
-/// time, for who asks about many exposures and starts them when scheduled or not at all.
+/// As [`flag_exposures`], without margins and without next clear starts of exposures that are not clear. Takes less than half the
+/// time; for exposures that start when scheduled or not at all.
 ///
 /// # Errors
 /// As [`flag_exposures`].
@@ -94,9 +93,9 @@ pub fn judge_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -
 /// Verdicts of the exposures as scheduled.
 struct Judged<'a> {
     report: FlagReport,
-    /// By row.
+    /// Flags by row.
     flags: Vec<Option<ExposureFlag>>,
-    /// The rows that could be judged.
+    /// The rows above the horizon.
     above: Vec<(usize, &'a Exposure)>,
 }
 
@@ -124,13 +123,13 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
 }
 
 fn finished(mut report: FlagReport, flags: Vec<Option<ExposureFlag>>) -> FlagReport {
-    report.name_each_once();
-    // Every row has one by now: those above the horizon were judged, the others are invalid.
+    report.sort_left_out();
+    // Every row has a flag: those above the horizon were judged, the others are invalid.
     report.flags = flags.into_iter().flatten().collect();
     report
 }
 
-/// What is asked of the sky for every verdict.
+/// Returns the options of the passes for all verdicts.
 pub(super) fn pass_options(request: &FlagRequest<'_>) -> PassOptions {
     PassOptions {
         min_probability: request.policy.min_probability,
@@ -139,7 +138,7 @@ pub(super) fn pass_options(request: &FlagRequest<'_>) -> PassOptions {
     }
 }
 
-/// Sorts out the rows that cannot be judged, with their reasons.
+/// Returns the rows above the horizon; flags all others as invalid.
 fn above_the_horizon<'a>(
     rows: &[&'a ScheduledExposure],
     request: &FlagRequest<'_>,
@@ -167,7 +166,7 @@ fn above_the_horizon<'a>(
     judged
 }
 
-/// Why a pointing cannot be judged.
+/// Returns the reason why a pointing cannot be judged.
 fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     if altitude_rad.is_nan() {
         return format!("the elements of {} give no place at that time", viewpoint.name());
@@ -185,7 +184,7 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     }
 }
 
-/// What all satellites together are expected to do to one exposure.
+/// Returns the expectation values of one exposure.
 fn expected_of(chances: &[Chance], request: &FlagRequest<'_>) -> Expected {
     let Some(telescope) = request.telescope else { return Expected::of(chances, None) };
     let lost_fraction = |chance: &Chance| {
@@ -195,7 +194,33 @@ fn expected_of(chances: &[Chance], request: &FlagRequest<'_>) -> Expected {
     Expected::of(chances, Some(&lost_fraction))
 }
 
-/// Looks for the next clear start of all exposures that are not clear, or whose margins may not be.
+/// Magnitude limits of a telescope, and the sky and photometry of the passes that they apply to.
+pub(super) struct Camera<'a> {
+    pub telescope: &'a Telescope,
+    pub sky: &'a Sky,
+    pub photometry: &'a PhotometryOptions,
+}
+
+impl CameraLimits for Camera<'_> {
+    fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64> {
+        kind.limit_mag(self.telescope, band?)
+    }
+
+    fn as_at_550_km_mag(&self, pass: &FieldPass, magnitude: f64, band: Option<&str>) -> f64 {
+        // Satellites are grey: the colour is that of the Sun.
+        let colour = band.and_then(|band| band.parse::<Band>().ok()).map_or(0.0, |band| {
+            band.sun_magnitude(band.usual_system()) - self.photometry.band.sun_magnitude(self.photometry.system)
+        });
+        self.telescope.as_at_550_km_mag(
+            magnitude + colour,
+            pass.mid.range_km,
+            pass.angular_rate_rad_s * ARCSEC_PER_RAD,
+            self.sky.model(pass.element_index).size_m(),
+        )
+    }
+}
+
+/// Finds the next clear starts of all exposures that are not clear, or whose margins may not be.
 fn shift(
     judged: &[(usize, &Exposure)],
     request: &FlagRequest<'_>,
@@ -231,12 +256,12 @@ fn shift(
                 .iter()
                 .filter(|pass| counts(pass, policy))
                 .flat_map(|pass| intervals(pass, exposure, margin_s, late(pass)));
-            // What made the verdict blocks the scheduled start, whatever the longer look says at its edges.
+            // The passes of the verdict block the scheduled start too; at its ends the longer interval may miss them.
             let now = report.passes[*row].iter().flat_map(|pass| intervals(pass, exposure, 0.0, late(pass)));
             ahead.chain(now).collect()
         };
         if flag.verdict == Verdict::Clear {
-            // A margin is touched where a satellite is expected, not where it may be late.
+            // Margins apply to nominal crossings, without the allowance for delays.
             let nominal = blocked(&|_| 0.0);
             let touched = next_clear_start(&nominal, exposure.duration_s, margin_s, 0.0, 0.0, 0.0).is_none();
             if !touched {
@@ -247,29 +272,29 @@ fn shift(
         }
         let late_s = |pass: &FieldPass| late_s(pass, policy).min(max_delay_s);
         let wait = Wait { row: *row, blocked: blocked(&late_s), last_start_s };
-        wait.look(exposure, policy, 0.0, flag);
+        wait.find(exposure, policy, 0.0, flag);
         if flag.delay_s == Some(0.0) {
-            // Nothing stands in the field, and yet the row is not clear: what is expected of all together forbids it now.
-            wait.look(exposure, policy, least_step_s(policy), flag);
+            // No satellite blocks the start, but the expected loss of all together is too large now.
+            wait.find(exposure, policy, least_step_s(policy), flag);
         }
         waits.push(wait);
     }
     Ok(waits)
 }
 
-/// What one exposure waits for.
+/// Search for the next clear start of one exposure.
 struct Wait {
     row: usize,
-    /// When satellites may stand in the field, seconds after the scheduled opening.
+    /// Intervals with satellites in the field, seconds after the scheduled opening.
     blocked: Vec<Interval>,
     /// The last start before the pointing sets, seconds.
     last_start_s: f64,
 }
 
 impl Wait {
-    /// Sets the next clear start from a delay on, or says why there is none.
-    fn look(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut ExposureFlag) {
-        // A start given to the millisecond lies within a tick of the exact one: the guard covers both.
+    /// Sets the next clear start that is not before a delay, or adds the reason why there is none.
+    fn find(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut ExposureFlag) {
+        // The guard includes the rounding to the millisecond.
         let guard_s = GUARD_S + TICK_S;
         let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
         let rest_s = max_delay_s - from_s;
@@ -288,14 +313,13 @@ impl Wait {
     }
 }
 
-/// How far on the next start is tried at least, seconds.
+/// Returns the least step to the next start to be tried, seconds.
 fn least_step_s(policy: &Policy) -> f64 {
     (policy.max_delay_or_default_s() / MOST_STEPS).max(TICK_S)
 }
 
-/// Asks the sky again at the starts found: what is only probable depends on more than intervals tell. A start at which any satellite
-/// still counts, or at which more loss is expected than the policy allows, is given up, and the next one looked for, until the sky
-/// agrees or the delay is over.
+/// Computes passes and losses at the starts found, since probabilities depend on more than the intervals. A start at which a
+/// satellite still counts, or with a larger expected loss than the policy allows, is replaced by the next one, within the delay.
 fn confirm(
     judged: &[(usize, &Exposure)],
     mut waits: Vec<Wait>,
@@ -335,10 +359,10 @@ fn confirm(
             if longest_sigma_s.is_none() && !too_much_lost {
                 continue;
             }
-            // Half a sigma on, what still counts is less probable by a tenth or more; the steps end with the delay.
+            // Half a sigma later the probability is smaller by a tenth or more; the steps end with the delay.
             if let Some(delay_s) = flag.delay_s {
                 let step_s = longest_sigma_s.map_or(0.0, |sigma_s| 0.5 * sigma_s).max(least_step_s(policy));
-                wait.look(exposure, policy, delay_s + step_s, flag);
+                wait.find(exposure, policy, delay_s + step_s, flag);
                 waits.push(wait);
             }
         }
@@ -346,16 +370,16 @@ fn confirm(
     Ok(())
 }
 
-/// How far a satellite may be early or late to this policy, seconds; 0 where it names no probability.
+/// Returns the allowance for an early or late satellite, seconds; 0 without a probability in the policy.
 pub(super) fn late_s(pass: &FieldPass, policy: &Policy) -> f64 {
     policy.min_probability.map_or(0.0, |_| LATE_SIGMAS * pass.along_track_sigma_s)
 }
 
-/// When a pass may stand in the field, seconds after the scheduled opening; `lead_s` is how much earlier its own exposure opened.
+/// Returns the intervals in which a pass may be in the field, seconds after the scheduled opening; the exposure of the pass opened
+/// `lead_s` earlier.
 ///
-/// A crossing stands there during its chords, a near miss at its closest; both are widened by `late_s` on both sides, the time
-/// by which the satellite may be early or late. With a delay of sigma σ a chord that ended z σ before an exposure opens
-/// reaches it with a probability below 1 - Φ(z).
+/// These are the chords of a crossing and the closest approach of a near miss, extended at both ends by the allowance `late_s`.
+/// With a delay of sigma σ, a chord that ended z σ before an exposure opens reaches it with a probability below 1 - Φ(z).
 pub(super) fn intervals(pass: &FieldPass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
     let widened = |start_s: f64, end_s: f64| Interval { start_s: start_s - late_s, end_s: end_s + late_s };
     if pass.is_crossing() {

@@ -1,70 +1,70 @@
-//! A schedule: exposures in the order of their rows, judged or not.
+//! Schedules: exposures in the order of their rows, with the reasons of those that are invalid.
 
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
-use hifitime::TimeScale;
+use hifitime::{Epoch, TimeScale};
 
+use crate::frames::{Direction, epoch_from_jd, epoch_from_mjd};
+use crate::output::format_utc;
 use crate::passes::Exposure;
 
 use super::error::ScheduleError;
-use super::formats::{self, ScheduleFormat};
+use super::formats::{Cell, ColumnMap, RawTable, ScheduleFormat, StartColumn, StartForm, display, read_raw};
+use super::instant::{FIRST_YEAR, InstantError, LAST_YEAR, is_covered, parse_instant};
 use super::policy::MagnitudeLimit;
-use super::rows;
 
 /// One row of a schedule.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScheduledExposure {
-    /// The schedule's own name for the exposure; the row's number from 1 where the cell is empty.
+    /// Identifier of the exposure; the number of the row, from 1, if the cell is empty.
     pub id: String,
-    /// The row, counted from 0 in the order of the file.
+    /// Index of the row in the file, from 0.
     pub row: usize,
-    /// The band as written; `None` where the schedule says nothing. Any name is taken.
+    /// The band as written; `None` if the schedule has none. Any name is valid.
     pub band: Option<String>,
-    /// The exposure, or why the row cannot be judged.
+    /// The exposure, or the reason why the row is invalid.
     pub exposure: Result<Exposure, String>,
 }
 
-/// How to read what a file leaves unsaid.
+/// Options for reading a schedule.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ScheduleOptions {
-    /// The scale of times that name none. Without it, bare MJD, JD and times without `Z` are refused. It must not contradict what the
-    /// file itself says.
+    /// Time scale of times without one. Without it, MJD, JD and times without `Z` are an error. It must not contradict the file.
     pub time_scale: Option<TimeScale>,
-    /// The same, as a habit: it yields to what the file itself says.
+    /// Default time scale, which the file may override.
     pub default_time_scale: Option<TimeScale>,
-    /// Rotation of the field where a row gives none, radians.
+    /// Rotation of the field for rows without one, radians.
     pub default_rotation_rad: f64,
 }
 
 /// All exposures of a file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Schedule {
-    /// The syntax it was read in.
+    /// Format of the file.
     pub format: ScheduleFormat,
     /// The rows in the order of the file.
     pub exposures: Vec<ScheduledExposure>,
-    /// The column that shutter openings were read from.
+    /// Column of the start times (shutter openings).
     pub start_column: String,
-    /// The time scale in which that column was read.
+    /// Time scale of that column.
     pub time_scale: TimeScale,
 }
 
 impl Schedule {
-    /// Reads a schedule; the format is found by its content, not by its name.
+    /// Reads a schedule; its contents determine the format.
     ///
-    /// Rows with cells that are missing, not finite or out of range stay in their place with their reason.
+    /// Rows with cells that are missing, not finite or out of range keep their place, with the reason.
     ///
     /// # Errors
-    /// - a file that is missing, a directory, empty or of another format;
-    /// - missing columns, or a column in another unit;
-    /// - times without a scale where `options` gives none.
+    /// - The file is missing, a directory, empty or in another format.
+    /// - A column is missing or in another unit.
+    /// - Times have no scale, and `options` has none.
     pub fn read(path: &Path, options: &ScheduleOptions) -> Result<Self, ScheduleError> {
-        let table = formats::read_raw(path)?;
-        rows::schedule_from_raw(path, table, options)
+        schedule_from_raw(path, read_raw(path)?, options)
     }
 
-    /// The rows that can be judged, with their place in `exposures`.
+    /// Returns the valid rows, with their index in `exposures`.
     pub fn judged(&self) -> impl Iterator<Item = (usize, &Exposure)> {
         self.exposures
             .iter()
@@ -72,13 +72,13 @@ impl Schedule {
             .filter_map(|(index, scheduled)| scheduled.exposure.as_ref().ok().map(|exposure| (index, exposure)))
     }
 
-    /// How many rows carry an id that an earlier row has already.
+    /// Returns the number of rows whose identifier occurs in an earlier row.
     pub fn repeated_ids(&self) -> usize {
         let distinct: HashSet<&str> = self.exposures.iter().map(|row| row.id.as_str()).collect();
         self.exposures.len() - distinct.len()
     }
 
-    /// Bands of the rows for which a limit has no number, each once; none where the telescope has the numbers.
+    /// Returns the bands of the rows for which a limit has no number, each once; empty for the limits of the telescope.
     pub fn bands_without(&self, limit: &MagnitudeLimit) -> BTreeSet<&str> {
         let has_numbers = !matches!(limit, MagnitudeLimit::OfTelescope(_));
         self.exposures
@@ -86,5 +86,165 @@ impl Schedule {
             .filter(|row| has_numbers && limit.of(row.band.as_deref()).is_none())
             .map(|row| row.band.as_deref().unwrap_or("none"))
             .collect()
+    }
+}
+
+/// Longest valid exposure: one day.
+pub(super) const LONGEST_EXPOSURE_S: f64 = 86_400.0;
+
+/// Converts a raw table to a schedule.
+///
+/// # Errors
+/// Missing columns, units that contradict the names of their columns, a missing time scale, or no rows.
+fn schedule_from_raw(path: &Path, table: RawTable, options: &ScheduleOptions) -> Result<Schedule, ScheduleError> {
+    if table.rows.is_empty() {
+        // An empty JSON array has no columns.
+        let no_columns = table.names.is_empty();
+        let path = display(path);
+        return Err(if no_columns { ScheduleError::Empty { path } } else { ScheduleError::NoRows { path } });
+    }
+    let map = ColumnMap::find(path, &table.names)?;
+    check_units(path, &table, &map)?;
+    let scale = start_scale(path, &table, &map.start, options)?;
+    let exposures = table
+        .rows
+        .iter()
+        .enumerate()
+        .map(|(row, cells)| scheduled_exposure(row, cells, &map, scale, options))
+        .collect();
+    Ok(Schedule { format: table.format, exposures, start_column: map.start.name, time_scale: scale })
+}
+
+/// Returns the time scale of the start times: from the name of the column, the header of the file, or the caller.
+fn start_scale(
+    path: &Path,
+    table: &RawTable,
+    start: &StartColumn,
+    options: &ScheduleOptions,
+) -> Result<TimeScale, ScheduleError> {
+    let of_header = table.time_scales.get(&start.name).copied();
+    if let (Some(named), Some(of_header)) = (start.scale, of_header)
+        && named != of_header
+    {
+        let allowed = "the time scale that the column's name says";
+        return Err(ScheduleError::Unit {
+            path: display(path),
+            column: start.name.clone(),
+            unit: of_header.to_string(),
+            allowed,
+        });
+    }
+    // A zone (Z or an offset) in every cell takes precedence.
+    let zoned = || {
+        start.form == StartForm::Iso
+            && table
+                .rows
+                .iter()
+                .flatten()
+                .filter_map(|cells| cells.get(start.index)?.text())
+                .all(|text| !matches!(parse_instant(&text, None), Err(InstantError::NoScale(_))))
+    };
+    if let (Some(named), Some(said)) = (start.scale.or(of_header), options.time_scale)
+        && named != said
+        && !zoned()
+    {
+        let (path, column) = (display(path), start.name.clone());
+        return Err(ScheduleError::OtherTimeScale { path, column, named, said });
+    }
+    start
+        .scale
+        .or(of_header)
+        .or(options.time_scale)
+        .or(options.default_time_scale)
+        .or_else(|| zoned().then_some(TimeScale::UTC))
+        .ok_or_else(|| ScheduleError::NoTimeScale { path: display(path), column: start.name.clone() })
+}
+
+fn check_units(path: &Path, table: &RawTable, map: &ColumnMap) -> Result<(), ScheduleError> {
+    let degrees: &[&str] = &["deg", "degree", "degrees"];
+    let seconds: &[&str] = &["s", "second", "seconds"];
+    let expected = [
+        (Some(map.right_ascension), degrees, "deg"),
+        (Some(map.declination), degrees, "deg"),
+        (map.rotation, degrees, "deg"),
+        (Some(map.duration), seconds, "s"),
+    ];
+    for (index, spellings, allowed) in expected {
+        let Some(column) = index.and_then(|index| table.names.get(index)) else { continue };
+        if let Some(unit) = table.units.get(column).filter(|unit| !spellings.contains(&unit.as_str())) {
+            let (column, unit) = (column.clone(), unit.clone());
+            return Err(ScheduleError::Unit { path: display(path), column, unit, allowed });
+        }
+    }
+    Ok(())
+}
+
+fn scheduled_exposure(
+    row: usize,
+    cells: &Result<Vec<Cell>, String>,
+    map: &ColumnMap,
+    scale: TimeScale,
+    options: &ScheduleOptions,
+) -> ScheduledExposure {
+    let numbered = || (row + 1).to_string();
+    let cells = match cells {
+        Ok(cells) => cells,
+        Err(reason) => return ScheduledExposure { id: numbered(), row, band: None, exposure: Err(reason.clone()) },
+    };
+    let cell = |index: usize| cells.get(index).unwrap_or(&Cell::Missing);
+    let id = map.id.and_then(|index| cell(index).text()).unwrap_or_else(numbered);
+    let band = map.band.and_then(|index| cell(index).text());
+    let exposure = exposure(&id, cell, map, scale, options);
+    ScheduledExposure { id, row, band, exposure }
+}
+
+fn exposure<'a>(
+    id: &str,
+    cell: impl Fn(usize) -> &'a Cell,
+    map: &ColumnMap,
+    scale: TimeScale,
+    options: &ScheduleOptions,
+) -> Result<Exposure, String> {
+    let number = |index: usize, name: &str, range: std::ops::RangeInclusive<f64>| {
+        let value = cell(index).number().map_err(|what| format!("{name} {what}"))?;
+        if range.contains(&value) {
+            Ok(value)
+        } else {
+            Err(format!("{name} is {value}, allowed {} to {}", range.start(), range.end()))
+        }
+    };
+    let start = start_of(cell(map.start.index), &map.start, scale)?;
+    let duration_s = number(map.duration, "duration", 0.0..=LONGEST_EXPOSURE_S)?;
+    // Right ascensions are in use from 0 to 360 and from -180 to 180.
+    let right_ascension_deg = number(map.right_ascension, "right ascension", -180.0..=360.0)?;
+    let declination_deg = number(map.declination, "declination", -90.0..=90.0)?;
+    let rotation_rad = match map.rotation.map(&cell) {
+        None | Some(Cell::Missing) => options.default_rotation_rad,
+        Some(value) => value.number().map_err(|what| format!("rotation {what}"))?.to_radians(),
+    };
+    Ok(Exposure {
+        id: id.to_owned(),
+        start,
+        duration_s,
+        pointing: Direction::from_lon_lat_rad(right_ascension_deg.to_radians(), declination_deg.to_radians()),
+        rotation_rad,
+    })
+}
+
+fn start_of(cell: &Cell, column: &StartColumn, scale: TimeScale) -> Result<Epoch, String> {
+    let number = || cell.number().map_err(|what| format!("start {what}"));
+    let start = match column.form {
+        StartForm::Iso => {
+            let text = cell.text().ok_or("start is missing")?;
+            parse_instant(&text, Some(scale)).map_err(|error| format!("start {error}"))?
+        }
+        StartForm::Mjd => epoch_from_mjd(number()?, scale).map_err(|error| format!("start {error}"))?,
+        StartForm::Jd => epoch_from_jd(number()?, scale).map_err(|error| format!("start {error}"))?,
+    };
+    if is_covered(start) {
+        Ok(start)
+    } else {
+        let shown = format_utc(start, 0);
+        Err(format!("start {shown} is covered by no ephemeris, allowed {FIRST_YEAR} to {LAST_YEAR}"))
     }
 }

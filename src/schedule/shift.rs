@@ -1,22 +1,22 @@
-//! When a field is clear next: arithmetic on the intervals in which satellites stand in it.
+//! Clear starts of exposures, from the intervals in which satellites are in the field.
 
-/// A stretch of time in which a satellite stands in the field, seconds from any common zero, both ends included.
+/// Interval of time, seconds from any common zero, both ends included.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct Interval {
-    /// Beginning, seconds.
+pub(super) struct Interval {
+    /// Start, seconds.
     pub start_s: f64,
     /// End, seconds, not before `start_s`.
     pub end_s: f64,
 }
 
-/// The earliest start, from `from_s` on and at most `max_delay_s` later, of an exposure that meets no interval.
+/// Returns the earliest clear start of an exposure, not before `from_s` and at most `max_delay_s` later.
 ///
-/// The exposure lasts `duration_s` and keeps `margin_s` clear before its start and after its end. Both an interval that
-/// ends as the exposure begins and one that begins as it ends are met: the answer lies `guard_s` beyond them (entries
-/// and exits are root-found to about a millisecond, so a millisecond or two is a guard).
+/// The exposure lasts `duration_s`, with `margin_s` before its start and after its end. It is clear if it meets no interval. An
+/// interval that ends as the exposure begins, or begins as it ends, is met: the start keeps a distance of `guard_s` (entries and
+/// exits are accurate to about a millisecond, so a guard is a millisecond or two).
 ///
-/// `None` where no start within the delay is clear, or where a number is not finite.
-pub fn next_clear_start(
+/// Returns `None` if no start within the delay is clear, or a number is not finite.
+pub(super) fn next_clear_start(
     blocked: &[Interval],
     duration_s: f64,
     margin_s: f64,
@@ -29,21 +29,21 @@ pub fn next_clear_start(
         return None;
     }
     let mut start_s = from_s;
-    for stretch in forbidden {
-        if stretch.start_s > start_s {
-            // Sorted by their beginning: all later ones begin later still.
+    for interval in forbidden {
+        if interval.start_s > start_s {
+            // Sorted by their start: all others start later.
             break;
         }
-        start_s = start_s.max(stretch.end_s);
+        start_s = start_s.max(interval.end_s);
     }
     (start_s - from_s <= max_delay_s).then_some(start_s)
 }
 
-/// All starts within `allowed` (both ends included) of exposures that meet no interval, as stretches in time order.
+/// Returns all clear starts within `allowed`, as intervals in order of time.
 ///
-/// Length, margin and guard are those of [`next_clear_start`], and a stretch begins where that function would wait until. None where a number
-/// is not finite.
-pub fn clear_starts(
+/// Duration, margin and guard are those of [`next_clear_start`], and an interval begins at the start that it returns. Empty if a
+/// number is not finite.
+pub(super) fn clear_starts(
     blocked: &[Interval],
     duration_s: f64,
     margin_s: f64,
@@ -56,14 +56,14 @@ pub fn clear_starts(
     };
     let mut clear = Vec::new();
     let mut start_s = allowed.start_s;
-    for stretch in forbidden {
+    for interval in forbidden {
         if start_s > allowed.end_s {
             break;
         }
-        if stretch.start_s > start_s {
-            clear.push(Interval { start_s, end_s: stretch.start_s.min(allowed.end_s) });
+        if interval.start_s > start_s {
+            clear.push(Interval { start_s, end_s: interval.start_s.min(allowed.end_s) });
         }
-        start_s = start_s.max(stretch.end_s);
+        start_s = start_s.max(interval.end_s);
     }
     if start_s <= allowed.end_s {
         clear.push(Interval { start_s, end_s: allowed.end_s });
@@ -71,7 +71,7 @@ pub fn clear_starts(
     clear
 }
 
-/// The starts that each interval forbids, sorted by their beginning; `None` where a number is not finite.
+/// Returns the starts that each interval forbids, sorted by their start; `None` if a number is not finite.
 fn forbidden_starts(blocked: &[Interval], duration_s: f64, margin_s: f64, guard_s: f64) -> Option<Vec<Interval>> {
     // An exposure from s to s + D meets [a, b] with margin m while a - m - D <= s <= b + m: each interval forbids starts.
     let mut forbidden: Vec<Interval> = blocked
@@ -82,7 +82,7 @@ fn forbidden_starts(blocked: &[Interval], duration_s: f64, margin_s: f64, guard_
         })
         .collect();
     forbidden.sort_by(|a, b| a.start_s.total_cmp(&b.start_s));
-    forbidden.iter().all(|stretch| stretch.start_s.is_finite() && stretch.end_s.is_finite()).then_some(forbidden)
+    forbidden.iter().all(|interval| interval.start_s.is_finite() && interval.end_s.is_finite()).then_some(forbidden)
 }
 
 #[cfg(test)]
@@ -91,7 +91,7 @@ mod tests {
 
     use super::*;
 
-    /// The same question asked moment by moment.
+    /// Tries every start in steps.
     fn brute_force(
         blocked: &[Interval],
         duration_s: f64,
@@ -134,10 +134,10 @@ mod tests {
             let allowed = Interval { start_s: from_s, end_s: from_s + 700.0 };
             let stretches = clear_starts(&blocked, duration_s, margin_s, 0.0, allowed);
             let first = next_clear_start(&blocked, duration_s, margin_s, 0.0, from_s, 700.0);
-            prop_assert_eq!(stretches.first().map(|stretch| stretch.start_s), first);
-            for stretch in &stretches {
+            prop_assert_eq!(stretches.first().map(|interval| interval.start_s), first);
+            for interval in &stretches {
                 // Inside a stretch nothing has to wait.
-                let middle_s = 0.5 * (stretch.start_s + stretch.end_s);
+                let middle_s = 0.5 * (interval.start_s + interval.end_s);
                 prop_assert_eq!(next_clear_start(&blocked, duration_s, margin_s, 0.0, middle_s, 700.0), Some(middle_s));
             }
             for pair in stretches.windows(2) {
@@ -182,11 +182,11 @@ mod tests {
             let (duration_s, margin_s) = (seconds(duration), seconds(margin));
             let allowed = Interval { start_s: 0.0, end_s: seconds(length) };
             let clear = clear_starts(&blocked, duration_s, margin_s, 0.0, allowed);
-            prop_assert!(clear.iter().all(|stretch| stretch.start_s <= stretch.end_s));
+            prop_assert!(clear.iter().all(|interval| interval.start_s <= interval.end_s));
             prop_assert!(clear.windows(2).all(|pair| pair[0].end_s < pair[1].start_s));
             for tick in 0..=length {
                 let start_s = seconds(tick);
-                let inside = clear.iter().any(|stretch| (stretch.start_s..=stretch.end_s).contains(&start_s));
+                let inside = clear.iter().any(|interval| (interval.start_s..=interval.end_s).contains(&start_s));
                 let brute = brute_force(&blocked, duration_s, margin_s, start_s, 0.0, 0.1).is_some();
                 prop_assert_eq!(inside, brute, "{}", start_s);
             }

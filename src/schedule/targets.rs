@@ -1,4 +1,4 @@
-//! Target lists: name, place and length of exposure, in every syntax that schedules are read in.
+//! Target lists: name, position and exposure time, in the formats of schedules.
 
 use std::path::Path;
 
@@ -9,7 +9,7 @@ use crate::passes::Exposure;
 
 use super::error::ScheduleError;
 use super::formats::{Cell, display, read_raw};
-use super::rows::LONGEST_EXPOSURE_S;
+use super::scheduled::LONGEST_EXPOSURE_S;
 use super::windows::WindowTarget;
 
 const NAME: &[&str] = &["name", "target_name", "starname", "target"];
@@ -23,19 +23,19 @@ const BAND: &[&str] = &["band", "filter"];
 /// One row of a target list.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ListedTarget {
-    /// Its name; the row's number from 1 where the cell is empty.
+    /// Name; the number of the row, from 1, if the cell is empty.
     pub name: String,
-    /// What a scheduler knows it by; the name where the list has no such column.
+    /// Identifier in a scheduler; the name if the list has no such column.
     pub unique_id: String,
-    /// What to look for windows of, or why the row has none.
+    /// The target, or the reason why the row is invalid.
     pub target: Result<WindowTarget, String>,
 }
 
-/// Reads a target list (CSV, ECSV, JSON and whatever else schedules are read in): `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or
+/// Reads a target list (CSV, ECSV, JSON and the other formats of schedules): `name, ra_deg (or ra), dec_deg (or dec), exposure_s (or
 /// exposure)` and, if known, `unique_id, rotation_deg, band`.
 ///
-/// Numbers are degrees and seconds, ICRS; texts like `12h34m56s` and `-30d30m` are understood. A row whose target has no place stays, with its reason.
-/// Rows without a length or a rotation of their own take `duration_s` and `rotation_rad`.
+/// Numbers are degrees and seconds, ICRS; texts like `12h34m56s` and `-30d30m` are accepted. A row without a position keeps its
+/// place, with the reason. Rows without an exposure time or a rotation take `duration_s` and `rotation_rad`.
 ///
 /// # Errors
 /// As [`Schedule::read`](super::Schedule::read); missing columns.
@@ -116,7 +116,7 @@ impl Parts<'_> {
         };
         Ok(Exposure {
             id: name.to_owned(),
-            // Windows say when it may start.
+            // Not used: windows contain the start times.
             start: Epoch::from_gregorian_utc_at_midnight(2000, 1, 1),
             duration_s,
             pointing: Direction::from_lon_lat_rad(right_ascension_deg.to_radians(), declination_deg.to_radians()),

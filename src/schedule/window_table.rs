@@ -1,10 +1,10 @@
-//! Windows as tables, and in the shapes that schedulers of observatories take.
+//! Windows as tables and in the formats of observatory schedulers.
 
 use hifitime::{Duration, Epoch, TimeScale};
 use serde_json::{Value as Json, json};
 
 use crate::frames::{seconds_after, seconds_between};
-use crate::output::{Column, Kind, Table, format_utc};
+use crate::output::{Column, Kind, Table, csv_cell, format_utc};
 
 use super::targets::ListedTarget;
 use super::windows::{ClearWindow, TargetWindows};
@@ -12,9 +12,9 @@ use super::windows::{ClearWindow, TargetWindows};
 /// A target with its windows.
 #[derive(Copy, Clone)]
 pub struct FoundWindows<'a> {
-    /// The row of the list.
+    /// Row of the list.
     pub listed: &'a ListedTarget,
-    /// What was found; `None` where the row is no target.
+    /// Its windows; `None` for an invalid row.
     pub found: Option<&'a TargetWindows>,
 }
 
@@ -28,7 +28,7 @@ impl FoundWindows<'_> {
     }
 }
 
-/// One row a window: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s`.
+/// Returns a table with one row for each window: `name, unique_id, first_start_utc, last_start_utc, length_s, ra_deg, dec_deg, exposure_s`.
 pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
     let rows = all.iter().flat_map(|one| {
         one.windows().iter().map(move |window| {
@@ -65,7 +65,7 @@ pub fn window_table(all: &[FoundWindows<'_>]) -> Table {
     }
 }
 
-/// One row a target: `name, unique_id, n_windows, clear_s, observable_s, n_dodged, reason`.
+/// Returns a table with one row for each target: `name, unique_id, n_windows, clear_s, observable_s, n_dodged, reason`.
 pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
     let sum_s =
         |windows: &[ClearWindow]| -> f64 { windows.iter().map(|one| seconds_between(one.first, one.last)).sum() };
@@ -100,20 +100,20 @@ pub fn window_target_table(all: &[FoundWindows<'_>]) -> Table {
     }
 }
 
-/// A scheduler whose shape windows are written in.
+/// Scheduler in whose format windows are written.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum WindowShape {
-    /// `windows` of requests of the LCO observation portal: a request, its overhead included, lies inside one. They are a second apart at least, for
-    /// the scheduler joins those that overlap or touch.
+    /// `windows` of requests of the LCO observation portal: a request with its overhead lies inside one. They are at least a second
+    /// apart, because the scheduler joins windows that overlap or touch.
     Lco,
     /// Absolute time constraints of an ESO p2 observation block: the block begins inside one.
     EsoP2,
-    /// AstroQ's `custom.csv`: allowed stretches of time.
+    /// `custom.csv` of AstroQ: allowed intervals.
     AstroQ,
 }
 
 impl WindowShape {
-    /// By its name on the command line: `lco`, `eso-p2`, `astroq`.
+    /// Returns the format of a name on the command line: `lco`, `eso-p2`, `astroq`.
     pub fn by_name(name: &str) -> Option<Self> {
         match name {
             "lco" => Some(WindowShape::Lco),
@@ -123,10 +123,11 @@ impl WindowShape {
         }
     }
 
-    /// The text of the file, and the targets that are not in it, having no window: to these schedulers no window means no limit.
+    /// Returns the text of the file, and the targets omitted from it because they have no window, which these schedulers would take
+    /// as no constraint.
     ///
-    /// `overhead_s` passes from the beginning of a request or block to the opening of its shutter (slew, acquisition). What a shape has no
-    /// digits for is rounded inwards (seconds for LCO and AstroQ, minutes for p2), and a window that is gone by then is left out.
+    /// `overhead_s` is the time from the start of a request or block to the opening of its shutter (slew, acquisition). Windows are
+    /// rounded inwards to the resolution of the format (seconds for LCO and AstroQ, minutes for p2); empty ones are omitted.
     pub fn text<'a>(self, all: &[FoundWindows<'a>], overhead_s: f64) -> (String, Vec<&'a ListedTarget>) {
         let (with, without): (Vec<_>, Vec<_>) =
             all.iter().map(|one| (one.listed, self.spans(one, overhead_s))).partition(|(_, spans)| !spans.is_empty());
@@ -161,7 +162,7 @@ impl WindowShape {
                 let mut text = "unique_id,starname,start,stop\n".to_owned();
                 for (listed, spans) in all {
                     for (start, stop) in spans {
-                        let cells = [&listed.unique_id, &listed.name].map(|cell| quoted(cell));
+                        let cells = [&listed.unique_id, &listed.name].map(|cell| csv_cell(cell));
                         let time = |epoch| format_utc(epoch, 0).trim_end_matches('Z').to_owned();
                         text += &format!("{},{},{},{}\n", cells[0], cells[1], time(*start), time(*stop));
                     }
@@ -172,8 +173,8 @@ impl WindowShape {
     }
 }
 
-/// Windows in order, none less than a second after another, that `least_s` fits into. Where an overhead reaches back into the window before, the later one
-/// begins later, or the shorter one goes where it is worth less than that.
+/// Returns windows of at least `least_s` in order, at least a second apart. If an overhead extends into the window before, the later
+/// window begins later, or the shorter one is omitted if it would be lost.
 fn apart(windows: &[(Epoch, Epoch)], least_s: f64) -> Vec<(Epoch, Epoch)> {
     let worth_s = |(start, end): (Epoch, Epoch)| seconds_between(start, end) - least_s;
     let mut found: Vec<(Epoch, Epoch)> = Vec::with_capacity(windows.len());
@@ -198,13 +199,13 @@ fn apart(windows: &[(Epoch, Epoch)], least_s: f64) -> Vec<(Epoch, Epoch)> {
     found
 }
 
-/// Windows with something added to their ends (seconds), rounded inwards to whole steps of UTC.
+/// Returns windows with times added to their ends (seconds), rounded inwards to whole steps of UTC.
 fn spans(one: &FoundWindows<'_>, [first_add_s, last_add_s]: [f64; 2], step_s: f64) -> Vec<(Epoch, Epoch)> {
     let nanoseconds = |seconds: f64| (seconds * 1e9).round() as i128;
     let utc = |epoch: Epoch, add_s: f64| {
         epoch.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds() + nanoseconds(add_s)
     };
-    let moment = |steps: i128| {
+    let epoch = |steps: i128| {
         Epoch::from_duration(Duration::from_total_nanoseconds(steps * nanoseconds(step_s)), TimeScale::UTC)
     };
     let step = nanoseconds(step_s);
@@ -212,7 +213,7 @@ fn spans(one: &FoundWindows<'_>, [first_add_s, last_add_s]: [f64; 2], step_s: f6
         .iter()
         .map(|window| {
             let first = -(-utc(window.first, first_add_s)).div_euclid(step);
-            (moment(first), moment(utc(window.last, last_add_s).div_euclid(step)))
+            (epoch(first), epoch(utc(window.last, last_add_s).div_euclid(step)))
         })
         .filter(|(start, end)| seconds_between(*start, *end) > 0.0)
         .collect()
@@ -220,11 +221,6 @@ fn spans(one: &FoundWindows<'_>, [first_add_s, last_add_s]: [f64; 2], step_s: f6
 
 fn pretty(document: &Json) -> String {
     serde_json::to_string_pretty(document).unwrap_or_default() + "\n"
-}
-
-/// A cell of CSV, quoted where it must be.
-fn quoted(cell: &str) -> String {
-    if cell.contains([',', '"', '\n', '\r']) { format!("\"{}\"", cell.replace('"', "\"\"")) } else { cell.to_owned() }
 }
 
 #[cfg(test)]
@@ -279,8 +275,8 @@ mod tests {
         );
     }
 
-    /// Clear starts 40 s apart for an exposure of 30 s: with an overhead of 90 s windows would reach into one another, and the scheduler, which joins what
-    /// overlaps, would expose between them.
+    /// Clear starts 40 s apart for an exposure of 30 s: with an overhead of 90 s windows would overlap, and the scheduler, which joins
+    /// them, would expose between them.
     #[test]
     fn requests_with_overheads_stay_clear_wherever_they_lie() {
         let at = |seconds: f64| seconds_after(utc("2024-08-14T01:00:00Z"), seconds);

@@ -1,43 +1,45 @@
-//! Clear windows: from when to when a shutter may open on a target so that nothing that matters crosses the exposure.
+//! Clear windows: intervals of shutter openings on a target without a crossing that matters.
 
-use hifitime::{Epoch, TimeScale, Unit};
+use hifitime::Epoch;
 
-use crate::frames::{mjd_utc, seconds_after, seconds_between};
+use crate::frames::{OrientationTable, seconds_after, seconds_between};
+use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
-use crate::passes::{Chord, Crossed, Exposure, FieldPass, SkyError};
+use crate::passes::{Chord, Crossed, Exposure, FieldPass, SkyError, Viewpoint};
 
-use super::camera::Camera;
-use super::heavens::Heavens;
+use super::horizon::{altitude_rad, sampling_interval_s};
 use super::judge::{CameraLimits, Rules, counts, is_dodged, is_to_avoid};
-use super::report::{FlagRequest, GUARD_S, TICK_S, intervals, late_s, pass_options};
+use super::report::{Camera, FlagRequest, GUARD_S, TICK_S, intervals, late_s, pass_options};
 use super::shift::{Interval, clear_starts};
 
-/// Which satellites keep an exposure from being clear.
+/// Satellites that block an exposure.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub enum Blocking {
-    /// Every one that is lit: the verdict of an exposure in a window is `clear`.
+    /// All lit satellites: the verdict of an exposure in a window is `clear`.
     #[default]
     Any,
-    /// Those that the policy's limits of magnitude forbid: the verdict is not `avoid` for any single satellite.
+    /// Satellites that exceed a magnitude limit of the policy: the verdict is not `avoid` for any single satellite.
     Avoided,
-    /// Those brighter than a limit, however improbable unless the policy says; every lit one where no limit applies to the band.
+    /// Satellites brighter than a limit, of any probability unless the policy has one; all lit satellites if no limit applies to the
+    /// band.
     Limits,
 }
 
-/// What windows are looked for against.
+/// Sky, rules and constraints for windows.
 pub struct WindowRequest<'a> {
-    /// Sky, field, telescope, and the rules: the magnitude limits, the margin, the probability. What is expected of all satellites together
-    /// (`max_lost_fraction`) and the longest wait (`max_delay_s`) make no windows and are not looked at.
+    /// Sky, field, telescope, and the rules: magnitude limits, margin and probability. The expected loss of all satellites
+    /// (`max_lost_fraction`) and the longest delay (`max_delay_s`) are not applied.
     pub against: FlagRequest<'a>,
-    /// Which satellites matter.
+    /// Satellites that block an exposure.
     pub blocking: Blocking,
-    /// The target's lowest altitude while the shutter is open, radians, without refraction; above the Earth's limb for a telescope in orbit.
+    /// Lowest altitude of the target while the shutter is open, radians, without refraction; above the Earth's limb for a telescope in
+    /// orbit.
     pub min_altitude_rad: f64,
-    /// The Sun's highest altitude while the shutter is open, radians; `None` for day and night.
+    /// Highest altitude of the Sun while the shutter is open, radians; `None` for day and night.
     pub max_sun_altitude_rad: Option<f64>,
 }
 
-/// One exposure that may be started at many times; the `start` of `exposure` means nothing here.
+/// Exposure to be started in a window; the `start` of `exposure` is not used.
 #[derive(Clone, Debug, PartialEq)]
 pub struct WindowTarget {
     /// Name, length and pointing.
@@ -46,7 +48,7 @@ pub struct WindowTarget {
     pub band: Option<String>,
 }
 
-/// A stretch of shutter openings, both ends included: an exposure of the target's length that begins in it is clear.
+/// Interval of shutter openings, both ends included, for which an exposure of the target is clear.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ClearWindow {
     /// Earliest opening, to the millisecond.
@@ -55,47 +57,48 @@ pub struct ClearWindow {
     pub last: Epoch,
 }
 
-/// What was found for one target.
+/// Windows of one target.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct TargetWindows {
     /// The windows in time order.
     pub windows: Vec<ClearWindow>,
-    /// Openings that altitude and Sun allow, satellites or not.
+    /// Openings allowed by the altitudes of target and Sun, regardless of satellites.
     pub observable: Vec<ClearWindow>,
-    /// The passes that part the windows, in order of entry.
+    /// Passes between the windows, in order of entry.
     pub dodged: Vec<FieldPass>,
 }
 
-/// The answer for all targets.
+/// Windows of all targets.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct WindowReport {
-    /// For each target, in its place.
+    /// Windows by target, in their order.
     pub by_target: Vec<TargetWindows>,
     /// Satellites without a position.
     pub left_out: Vec<LeftOut>,
 }
 
-/// All clear windows of shutter openings from `from` to `to`; none where `to` is before `from`.
+/// Computes all clear windows of shutter openings from `from` to `to`; none if `to` is before `from`.
 ///
-/// An exposure that opens in a window meets no satellite that `blocking` names. The margin of the policy is kept at both ends, so that a shutter
-/// that opens up to a margin late is still clear. With a `min_probability` near misses count, and every satellite may be three sigmas early or late.
-/// A pass counts whole: a window ends before a satellite enters even where it would be faint or dark until the shutter closes.
+/// No satellite of `blocking` crosses an exposure that opens in a window. The margin of the policy applies at both ends, so that a
+/// shutter may open late by up to the margin. With a `min_probability` near misses count, and every satellite may be three sigmas
+/// early or late. A pass counts as a whole: a window ends before a satellite enters, even if it is faint or dark until the shutter
+/// closes.
 ///
-/// Target and Sun are looked at once a minute (the limb every 10 s): a target that culminates above its limit for less than that has no window.
+/// Target and Sun are sampled once a minute (the limb every 10 s): a target above its limit for less than that has no window.
 ///
 /// # Errors
-/// [`SkyError`] where the sky cannot answer; a limit for the Sun, where a telescope in orbit has no horizon.
+/// [`SkyError`] if passes cannot be computed, or for a limit on the Sun with a telescope in orbit, which has no horizon.
 pub fn clear_windows(
     targets: &[WindowTarget],
     from: Epoch,
     to: Epoch,
     request: &WindowRequest<'_>,
 ) -> Result<WindowReport, SkyError> {
-    windows_of(targets, from, to, request, Named::Yes)
+    windows_of(targets, from, to, request, true)
 }
 
-/// The same windows without the passes that part them: [`TargetWindows::dodged`] stays empty, and where no magnitude and no probability is asked for,
-/// none is computed. For who plans with many targets.
+/// Computes the same windows without the passes between them: [`TargetWindows::dodged`] is empty, and magnitudes and
+/// probabilities are computed only if the policy needs them. For plans with many targets.
 ///
 /// # Errors
 /// As [`clear_windows`].
@@ -105,14 +108,7 @@ pub fn clear_windows_alone(
     to: Epoch,
     request: &WindowRequest<'_>,
 ) -> Result<WindowReport, SkyError> {
-    windows_of(targets, from, to, request, Named::No)
-}
-
-/// Whether the passes that part the windows are wanted.
-#[derive(Copy, Clone, PartialEq, Eq)]
-enum Named {
-    Yes,
-    No,
+    windows_of(targets, from, to, request, false)
 }
 
 fn windows_of(
@@ -120,14 +116,14 @@ fn windows_of(
     from: Epoch,
     to: Epoch,
     request: &WindowRequest<'_>,
-    named: Named,
+    with_passes: bool,
 ) -> Result<WindowReport, SkyError> {
     let margin_s = request.against.policy.margin_or_default_s();
     let span_s = seconds_between(from, to);
     if span_s < 0.0 {
         return Ok(WindowReport { by_target: vec![TargetWindows::default(); targets.len()], left_out: Vec::new() });
     }
-    let looks: Vec<Exposure> = targets
+    let exposures: Vec<Exposure> = targets
         .iter()
         .map(|target| Exposure {
             start: seconds_after(from, -margin_s),
@@ -135,35 +131,38 @@ fn windows_of(
             ..target.exposure.clone()
         })
         .collect();
-    // Every lit crossing parts the windows: nothing else of it is asked for.
+    // Every lit crossing blocks: its magnitude and probability are not needed.
     let bare = request.blocking == Blocking::Any && request.against.policy.min_probability.is_none();
-    let (blocked, left_out) =
-        if bare && named == Named::No { crossings(&looks, request)? } else { passes(targets, from, &looks, request)? };
+    let (blocked, left_out) = if bare && !with_passes {
+        crossings(&exposures, request)?
+    } else {
+        passes(targets, from, &exposures, request)?
+    };
     let longest_s = targets.iter().map(|target| target.exposure.duration_s).fold(0.0, f64::max);
-    let heavens = Heavens::new(request, from, span_s + longest_s)?;
+    let constraint = ObservabilityConstraint::new(request, from, span_s + longest_s)?;
     let by_target = targets
         .iter()
         .zip(blocked)
         .map(|(target, Blocked { intervals, mut dodged })| {
             let exposure = &target.exposure;
-            let observable: Vec<Interval> = heavens
+            let observable: Vec<Interval> = constraint
                 .observable(exposure)
                 .into_iter()
-                .filter_map(|stretch| {
-                    // The whole exposure lies in the stretch: s >= a and s + D <= b.
-                    let end_s = (stretch.end_s - exposure.duration_s).min(span_s);
-                    (stretch.start_s <= end_s).then_some(Interval { start_s: stretch.start_s, end_s })
+                .filter_map(|interval| {
+                    // The whole exposure lies in the interval: s >= a and s + D <= b.
+                    let end_s = (interval.end_s - exposure.duration_s).min(span_s);
+                    (interval.start_s <= end_s).then_some(Interval { start_s: interval.start_s, end_s })
                 })
                 .collect();
             let clear = observable
                 .iter()
-                .flat_map(|stretch| clear_starts(&intervals, exposure.duration_s, margin_s, GUARD_S, *stretch));
-            if named == Named::No {
+                .flat_map(|interval| clear_starts(&intervals, exposure.duration_s, margin_s, GUARD_S, *interval));
+            if !with_passes {
                 dodged.clear();
             }
             TargetWindows {
-                windows: clear.filter_map(|stretch| window(from, stretch)).collect(),
-                observable: observable.iter().filter_map(|stretch| window(from, *stretch)).collect(),
+                windows: clear.filter_map(|interval| window(from, interval)).collect(),
+                observable: observable.iter().filter_map(|interval| window(from, *interval)).collect(),
                 dodged,
             }
         })
@@ -171,22 +170,22 @@ fn windows_of(
     Ok(WindowReport { by_target, left_out })
 }
 
-/// What stands in one target's way, seconds after the range's beginning.
+/// Intervals in which satellites block one target, seconds after the start of the range, and their passes.
 struct Blocked {
     intervals: Vec<Interval>,
     dodged: Vec<FieldPass>,
 }
 
-/// What blocks each target, from passes with their light.
+/// Returns what blocks each target, from passes with their magnitudes.
 fn passes(
     targets: &[WindowTarget],
     from: Epoch,
-    looks: &[Exposure],
+    exposures: &[Exposure],
     request: &WindowRequest<'_>,
 ) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
     let FlagRequest { sky, field, policy, telescope, photometry } = request.against;
     let margin_s = policy.margin_or_default_s();
-    let answer = sky.field_passes(looks, field, &pass_options(&request.against))?;
+    let answer = sky.field_passes(exposures, field, &pass_options(&request.against))?;
     let camera = telescope.map(|telescope| Camera { telescope, sky, photometry });
     let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
     let blocks = |pass: &FieldPass, band: Option<&str>| match request.blocking {
@@ -196,19 +195,19 @@ fn passes(
     };
     let of = |(target, passes): (&WindowTarget, Vec<FieldPass>)| {
         let dodged: Vec<FieldPass> = passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref())).collect();
-        let asked = Exposure { start: from, ..target.exposure.clone() };
+        let shifted = Exposure { start: from, ..target.exposure.clone() };
         let intervals =
-            dodged.iter().flat_map(|pass| intervals(pass, &asked, margin_s, late_s(pass, policy))).collect();
+            dodged.iter().flat_map(|pass| intervals(pass, &shifted, margin_s, late_s(pass, policy))).collect();
         Blocked { intervals, dodged }
     };
     Ok((targets.iter().zip(answer.by_exposure).map(of).collect(), answer.left_out))
 }
 
-/// What blocks each target where every lit crossing does.
-fn crossings(looks: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
+/// Returns what blocks each target if every lit crossing does.
+fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blocked>, Vec<LeftOut>), SkyError> {
     let FlagRequest { sky, field, policy, .. } = request.against;
     let margin_s = policy.margin_or_default_s();
-    let answer = sky.field_crossings(looks, field)?;
+    let answer = sky.field_crossings(exposures, field)?;
     let of = |crossed: Vec<Crossed>| {
         let chords = crossed.iter().flat_map(|one| &one.chords);
         let interval = |chord: &Chord| Interval { start_s: chord.enter_s - margin_s, end_s: chord.exit_s - margin_s };
@@ -217,29 +216,97 @@ fn crossings(looks: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blo
     Ok((answer.by_exposure.into_iter().map(of).collect(), answer.left_out))
 }
 
-/// To the millisecond, inwards; none where nothing is left.
-fn window(from: Epoch, stretch: Interval) -> Option<ClearWindow> {
+/// Rounds an interval inwards to the millisecond; `None` if it becomes empty.
+fn window(from: Epoch, interval: Interval) -> Option<ClearWindow> {
     let tick = |seconds: f64, round: fn(f64) -> f64| round(seconds / TICK_S) * TICK_S;
-    // A stretch that begins with the range begins there, whatever the last digit of the division says.
-    let (first_s, last_s) = (tick(stretch.start_s - 1e-9, f64::ceil), tick(stretch.end_s + 1e-9, f64::floor));
+    // The tolerance keeps the start of the range, whatever the last digit of the division.
+    let (first_s, last_s) = (tick(interval.start_s - 1e-9, f64::ceil), tick(interval.end_s + 1e-9, f64::floor));
     (first_s <= last_s).then(|| ClearWindow { first: seconds_after(from, first_s), last: seconds_after(from, last_s) })
 }
 
-/// The night that begins on the evening of a date at a longitude (east positive, radians): from local mean noon to the next.
-pub fn night_of(evening: Epoch, longitude_rad: f64) -> (Epoch, Epoch) {
-    let (year, month, day, ..) = evening.to_gregorian_utc();
-    let longitude_rad = (longitude_rad + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
-    let day_s = Unit::Day.in_seconds();
-    // UTC of local mean noon: 12 h - λ / 15 deg/h
-    let noon_s = day_s * (0.5 - longitude_rad / std::f64::consts::TAU);
-    let noon = seconds_after(Epoch::from_gregorian_utc_at_midnight(year, month, day), noon_s);
-    (noon, seconds_after(noon, day_s).to_time_scale(TimeScale::UTC))
+/// Tolerance of risings and settings, which are rounded inwards, seconds.
+const SETTING_TOLERANCE_S: f64 = 1e-3;
+
+/// Limits on the altitudes of target and Sun over a site, or on the height above the limb.
+struct ObservabilityConstraint<'a> {
+    viewpoint: &'a Viewpoint,
+    min_altitude_rad: f64,
+    orientation: OrientationTable,
+    sun: Option<SunLimit<'a>>,
+    span_s: f64,
 }
 
-/// The evening's date of the night that a moment belongs to, as MJD: nights last from local mean noon to noon at a longitude (east positive, radians).
-pub fn evening_mjd(moment: Epoch, longitude_rad: f64) -> i64 {
-    // Local mean time runs ahead of UTC by λ / 2π days; a night is the day that its evening belongs to.
-    (mjd_utc(moment) + longitude_rad / std::f64::consts::TAU - 0.5).floor() as i64
+/// Highest altitude of the Sun.
+struct SunLimit<'a> {
+    observer: &'a Observer,
+    sun: SunTable,
+    most_rad: f64,
+}
+
+impl<'a> ObservabilityConstraint<'a> {
+    fn new(request: &WindowRequest<'a>, from: Epoch, span_s: f64) -> Result<Self, SkyError> {
+        let viewpoint = request.against.sky.viewpoint();
+        let end = seconds_after(from, span_s);
+        let limit = |most_rad: f64| {
+            let no_horizon = || SkyError::NoHorizon { observer: viewpoint.name().to_string() };
+            let observer = viewpoint.site().ok_or_else(no_horizon)?;
+            Ok(SunLimit { observer, sun: SunTable::new(from, end), most_rad })
+        };
+        Ok(Self {
+            viewpoint,
+            min_altitude_rad: request.min_altitude_rad,
+            orientation: request.against.sky.orientation_over(from, end),
+            sun: request.max_sun_altitude_rad.map(limit).transpose()?,
+            span_s,
+        })
+    }
+
+    /// Returns the intervals in which the target is up and the Sun is down, seconds.
+    fn observable(&self, exposure: &Exposure) -> Vec<Interval> {
+        let target_rad =
+            |seconds: f64| altitude_rad(exposure, self.viewpoint, &self.orientation, seconds) - self.min_altitude_rad;
+        let every_s = sampling_interval_s(self.viewpoint);
+        let up = nonnegative_intervals(target_rad, Interval { start_s: 0.0, end_s: self.span_s }, every_s);
+        let Some(SunLimit { observer, sun, most_rad }) = &self.sun else { return up };
+        let sun_rad = |seconds: f64| most_rad - observer.sun_altitude_rad(&self.orientation, sun, seconds);
+        up.into_iter().flat_map(|interval| nonnegative_intervals(sun_rad, interval, every_s)).collect()
+    }
+}
+
+/// Returns the intervals in which a function is not negative, from samples every `every_s`; their ends are bisected and lie inside.
+fn nonnegative_intervals(value: impl Fn(f64) -> f64, within: Interval, every_s: f64) -> Vec<Interval> {
+    let is_in = |seconds: f64| value(seconds) >= 0.0;
+    // The last point on the side of `inside` that is still inside.
+    let border = |mut inside: f64, mut outside: f64| {
+        while (inside - outside).abs() > SETTING_TOLERANCE_S {
+            let middle = 0.5 * (inside + outside);
+            if is_in(middle) { inside = middle } else { outside = middle }
+        }
+        inside
+    };
+    let steps = ((within.end_s - within.start_s) / every_s).ceil().max(1.0);
+    let sample_s = |step: f64| within.start_s + (within.end_s - within.start_s) * step / steps;
+    let mut found = Vec::new();
+    let mut began = is_in(within.start_s).then_some(within.start_s);
+    for step in 1..=steps as u64 {
+        let (before_s, now_s) = (sample_s(step as f64 - 1.0), sample_s(step as f64));
+        match (began, is_in(now_s)) {
+            (None, true) => began = Some(border(now_s, before_s)),
+            (Some(start_s), false) => {
+                found.push(Interval { start_s, end_s: border(before_s, now_s) });
+                began = None;
+            }
+            _ => {}
+        }
+    }
+    found.extend(began.map(|start_s| Interval { start_s, end_s: within.end_s }));
+    found
+}
+
+/// Returns the rest of the first window that is open at `now` or opens until `last`; `None` if there is none.
+pub fn wait_for(windows: &[ClearWindow], now: Epoch, last: Epoch) -> Option<ClearWindow> {
+    let window = windows.iter().find(|window| window.last >= now)?;
+    (window.first <= last).then(|| ClearWindow { first: window.first.max(now), last: window.last })
 }
 
 #[cfg(test)]
@@ -248,26 +315,43 @@ mod tests {
     use crate::output::format_utc;
 
     #[test]
-    fn nights_begin_at_the_local_noon_of_their_evening() {
-        let date = Epoch::from_gregorian_utc_at_midnight(2024, 8, 14);
-        for (longitude_deg, noon) in [
-            (0.0, "2024-08-14T12:00:00Z"),
-            (-70.75, "2024-08-14T16:43:00Z"),
-            (289.25, "2024-08-14T16:43:00Z"),
-            (150.0, "2024-08-14T02:00:00Z"),
-        ] {
-            let (first, last) = night_of(date, f64::to_radians(longitude_deg));
-            assert_eq!(format_utc(first, 0), noon, "{longitude_deg}");
-            assert_eq!(seconds_between(first, last), 86_400.0);
-        }
-    }
-
-    #[test]
     fn windows_are_rounded_inwards() {
         let from = Epoch::from_gregorian_utc_at_midnight(2024, 8, 14);
         let found = window(from, Interval { start_s: 1.000_2, end_s: 2.000_9 }).unwrap();
         assert_eq!(format_utc(found.first, 4), "2024-08-14T00:00:01.0010Z");
         assert_eq!(format_utc(found.last, 4), "2024-08-14T00:00:02.0000Z");
         assert_eq!(window(from, Interval { start_s: 1.000_2, end_s: 1.000_9 }), None);
+    }
+
+    #[test]
+    fn intervals_lie_inside_and_reach_their_borders() {
+        let within = Interval { start_s: 0.0, end_s: 3000.0 };
+        // Up from 100 to 700, and from 1300 to 1900, and so on: a sine of half period 600 s.
+        let found = nonnegative_intervals(|s| ((s - 100.0) / 600.0 * std::f64::consts::PI).sin(), within, 60.0);
+        let expected = [(100.0, 700.0), (1300.0, 1900.0), (2500.0, 3000.0)];
+        assert_eq!(found.len(), expected.len());
+        for (interval, (start_s, end_s)) in found.iter().zip(expected) {
+            assert!((0.0..2e-3).contains(&(interval.start_s - start_s)), "{interval:?}");
+            assert!((0.0..2e-3).contains(&(end_s - interval.end_s)), "{interval:?}");
+        }
+        assert_eq!(nonnegative_intervals(|_| 1.0, within, 60.0), [within]);
+        assert!(nonnegative_intervals(|_| -1.0, within, 60.0).is_empty());
+    }
+
+    #[test]
+    fn the_first_window_that_is_not_over() {
+        let zero = Epoch::from_gregorian_utc_at_midnight(2024, 8, 14);
+        let at = |seconds| seconds_after(zero, seconds);
+        let windows = [(0.0, 10.0), (20.0, 30.0), (90.0, 95.0)]
+            .map(|(first, last)| ClearWindow { first: at(first), last: at(last) });
+        let wait = |now, last| {
+            wait_for(&windows, at(now), at(last))
+                .map(|window| (seconds_between(zero, window.first), seconds_between(zero, window.last)))
+        };
+        assert_eq!(wait(5.0, 5.0), Some((5.0, 10.0)));
+        assert_eq!(wait(10.5, 100.0), Some((20.0, 30.0)));
+        assert_eq!(wait(31.0, 89.0), None);
+        assert_eq!(wait(31.0, 90.0), Some((90.0, 95.0)));
+        assert_eq!(wait(96.0, 900.0), None);
     }
 }

@@ -182,8 +182,6 @@ impl<'a> FrameCopy<'a> {
     fn write(&mut self, tables: &BTreeMap<usize, Vec<u8>>) -> io::Result<()> {
         let is_flushed = self.output.is_replacing();
         let mut output = self.output.file();
-        // About as long as the input; exactly so long as it is in the end.
-        self.output.reserve(self.input.metadata()?.len())?;
         let mut at = 0;
         for info in self.source.hdus() {
             let hdu = info.index;

@@ -1,16 +1,14 @@
-//! The answer beside every original cell: the same schedule file, lossless, with flags and streaks.
+//! Annotated schedules: the file with flags and streaks added, and all of its original contents.
 
-mod beside;
-mod csv_file;
-mod ecsv_file;
-mod error;
-mod json_file;
+mod annotation;
+mod delimited;
+mod json;
 #[cfg(feature = "sqlite")]
-mod opsim_file;
+mod opsim;
 #[cfg(feature = "parquet")]
-mod parquet_file;
-mod votable_file;
+mod parquet;
+mod votable;
 mod write;
 
-pub use error::AnnotateError;
-pub use write::{Annotation, annotate};
+pub use annotation::Annotation;
+pub use write::annotate;

@@ -1,14 +1,14 @@
-//! Which column means what: the names of this program, of Rubin's opsim and ConsDB, and of ObsLocTAP.
+//! Column names of schedules: those of this program, of Rubin's opsim and ConsDB, and of ObsLocTAP.
 
 use std::path::Path;
 
 use hifitime::TimeScale;
 
 use super::super::error::ScheduleError;
-use super::sniff::display;
+use super::raw::display;
 use crate::geometry::edit_distance;
 
-/// Names of the exposure's own name, in the order of preference.
+/// Columns of the exposure identifier, in order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
 const DURATION: &[&str] = &["duration_s", "visitExposureTime", "exp_time", "t_exptime"];
 const RIGHT_ASCENSION: &[&str] = &["ra_deg", "fieldRA", "s_ra"];
@@ -16,7 +16,7 @@ const DECLINATION: &[&str] = &["dec_deg", "fieldDec", "s_dec"];
 const ROTATION: &[&str] = &["rotation_deg", "rotSkyPos", "sky_rotation"];
 const BAND: &[&str] = &["band", "filter"];
 
-/// How shutter openings are written.
+/// Form of the start times.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub(in crate::schedule) enum StartForm {
     /// ISO 8601.
@@ -27,23 +27,23 @@ pub(in crate::schedule) enum StartForm {
     Jd,
 }
 
-/// The column of the shutter openings.
+/// Column of the start times (shutter openings).
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct StartColumn {
-    /// Its place.
+    /// Index of the column.
     pub index: usize,
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// How it is written.
+    /// Form of its cells.
     pub form: StartForm,
-    /// The scale that its name says.
+    /// Time scale in its name.
     pub scale: Option<TimeScale>,
 }
 
-/// The start in ObsLocTAP (the ObsPlan feed), whose rows may have no name of their own.
+/// Start column of ObsLocTAP (the ObsPlan feed), whose rows may have no identifier.
 const PLANNED_START: &str = "t_planning";
 
-/// In the order of preference where a file has several: those that name their scale first.
+/// Start columns in order of preference: those with a time scale in their names first.
 const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
     ("start_utc", StartForm::Iso, Some(TimeScale::UTC)),
     ("start_tai", StartForm::Iso, Some(TimeScale::TAI)),
@@ -58,16 +58,16 @@ const STARTS: &[(&str, StartForm, Option<TimeScale>)] = &[
     ("start_mjd", StartForm::Mjd, None),
     ("start_jd", StartForm::Jd, None),
     ("observationStartMJD", StartForm::Mjd, None),
-    // "MJD ... TAI" says the schema of Rubin's consolidated database (sdm_schemas, cdb_lsstcam.yaml).
+    // "MJD ... TAI" in the schema of Rubin's consolidated database (sdm_schemas, cdb_lsstcam.yaml).
     ("obs_start_mjd", StartForm::Mjd, Some(TimeScale::TAI)),
-    // ObsLocTAP says MJD and no scale.
+    // ObsLocTAP specifies MJD without a scale.
     (PLANNED_START, StartForm::Mjd, None),
 ];
 
-/// Where each quantity stands in a file.
+/// Index of the column of each quantity.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct ColumnMap {
-    /// `None` only in ObsLocTAP's tables: rows are then called by their number.
+    /// `None` only in tables of ObsLocTAP: rows are then identified by their number.
     pub id: Option<usize>,
     pub start: StartColumn,
     pub duration: usize,
@@ -81,7 +81,7 @@ impl ColumnMap {
     /// Finds the columns by their names.
     ///
     /// # Errors
-    /// One error that lists all that is missing and all that was found.
+    /// One error that lists all missing columns and all columns found.
     pub fn find(path: &Path, names: &[String]) -> Result<Self, ScheduleError> {
         let place = |wanted: &[&str]| wanted.iter().find_map(|name| names.iter().position(|found| found == name));
         let start = STARTS.iter().find_map(|&(name, form, scale)| {
@@ -116,8 +116,8 @@ impl ColumnMap {
     }
 }
 
-/// A missing name, with the column that may be meant by it: another case, other signs between the words, a letter or two, or the
-/// name without its unit.
+/// Returns a missing name with the column that is probably meant: one with another case, other signs between the words, a letter
+/// or two exchanged, or without its unit.
 fn with_hint(missing: &str, names: &[String]) -> String {
     let key = |name: &str| name.chars().filter(char::is_ascii_alphanumeric).collect::<String>().to_ascii_lowercase();
     let wanted = key(missing);
@@ -132,7 +132,7 @@ fn with_hint(missing: &str, names: &[String]) -> String {
     near.map_or_else(|| missing.to_owned(), |(.., name)| format!("{missing} (is it {name}?)"))
 }
 
-/// The names, shortened where a file that is no schedule shows a whole line of them.
+/// Returns the names in short: a file that is not a schedule may have a long line of them.
 fn names_text(names: &[String]) -> String {
     const SHOWN: usize = 12;
     let short = |name: &String| name.chars().take(40).filter(|c| !c.is_control()).collect::<String>();

@@ -1,32 +1,33 @@
-//! CSV: a header line, then one row an exposure. Lines that begin with `#` are comments.
+//! CSV and ECSV: a header line, then one row for each exposure. Lines that begin with `#` are comments in CSV; in ECSV they hold
+//! a YAML header with units and, for astropy's `Time` columns, the time scale.
 
 use std::path::Path;
 
-use super::super::error::ScheduleError;
-use super::raw::{Cell, RawTable};
-use super::sniff::{ScheduleFormat, display};
+use hifitime::TimeScale;
+use saphyr::{LoadableYamlNode, YamlOwned};
 
-/// Where the header and the rows stand in the bytes of a CSV file.
+use super::super::error::ScheduleError;
+use super::raw::{Cell, RawTable, ScheduleFormat, display};
+
+/// Byte positions of the header and the rows of a CSV file.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct CsvLayout {
-    /// What stands between cells.
+    /// Separator of cells.
     pub delimiter: u8,
-    /// The columns' names.
+    /// Column names.
     pub names: Vec<String>,
-    /// Where the header record ends, its line end not counted.
+    /// End of the header record, without its line end.
     pub header_end: usize,
-    /// Where each row ends, its line end not counted.
+    /// End of each row, without its line end.
     pub row_ends: Vec<usize>,
     /// The cells of each row.
     pub rows: Vec<Vec<String>>,
-    /// The line each row begins on, from 1.
-    pub lines: Vec<u64>,
 }
 
-/// Finds header and rows. The byte places count from the beginning of `text`.
+/// Finds the header and the rows of CSV text.
 ///
 /// # Errors
-/// No header line.
+/// There is no header line.
 pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayout, ScheduleError> {
     let header = text.lines().find(|line| !line.trim().is_empty() && !line.starts_with('#'));
     let Some(header) = header else { return Err(ScheduleError::Empty { path: display(path) }) };
@@ -37,14 +38,7 @@ pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayo
         .delimiter(delimiter)
         .comment(Some(b'#'))
         .from_reader(text.as_bytes());
-    let mut layout = CsvLayout {
-        delimiter,
-        names: Vec::new(),
-        header_end: 0,
-        row_ends: Vec::new(),
-        rows: Vec::new(),
-        lines: Vec::new(),
-    };
+    let mut layout = CsvLayout { delimiter, names: Vec::new(), header_end: 0, row_ends: Vec::new(), rows: Vec::new() };
     let mut record = csv::StringRecord::new();
     loop {
         let line = reader.position().line();
@@ -56,7 +50,7 @@ pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayo
         if !more {
             break;
         }
-        // The reader may stop between \r and \n; the record itself ends before either.
+        // The reader may stop between \r and \n; the record ends before either.
         let end = text[..reader.position().byte() as usize].trim_end_matches(['\r', '\n']).len();
         if layout.names.is_empty() {
             layout.names = record.iter().map(|name| name.trim().to_owned()).collect();
@@ -64,13 +58,12 @@ pub(in crate::schedule) fn csv_layout(path: &Path, text: &str) -> Result<CsvLayo
         } else {
             layout.row_ends.push(end);
             layout.rows.push(record.iter().map(str::to_owned).collect());
-            layout.lines.push(record.position().map_or(line, csv::Position::line));
         }
     }
     Ok(layout)
 }
 
-/// The separator that the header shows most often; a comma where it shows none.
+/// Returns the most frequent separator of the header; a comma if it has none.
 fn delimiter_of(header: &str) -> u8 {
     let count = |delimiter: u8| header.bytes().filter(|byte| *byte == delimiter).count();
     [b',', b';', b'\t'].into_iter().rev().max_by_key(|delimiter| count(*delimiter)).unwrap_or(b',')
@@ -79,8 +72,8 @@ fn delimiter_of(header: &str) -> u8 {
 /// Reads CSV text.
 ///
 /// # Errors
-/// No header or no rows.
-pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
+/// There is no header line.
+pub(super) fn read_csv(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let layout = csv_layout(path, text)?;
     let mut table = RawTable::new(ScheduleFormat::Csv, layout.names);
     let width = table.names.len();
@@ -88,15 +81,232 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     Ok(table)
 }
 
-/// The cells of one row, or why they cannot be told apart.
+/// Returns the cells of one row, or the reason why it is invalid.
 pub(super) fn cells<'a>(texts: impl Iterator<Item = &'a str>, width: usize) -> Result<Vec<Cell>, String> {
     let cells: Vec<Cell> = texts.map(Cell::from_text).collect();
     if cells.len() == width { Ok(cells) } else { Err(format!("the row has {} cells, the header {width}", cells.len())) }
 }
 
+const SIGNATURE: &str = "# %ECSV ";
+
+/// Returns true for ECSV, which begins with its signature.
+pub(super) fn is_ecsv(text: &str) -> bool {
+    text.starts_with(SIGNATURE)
+}
+
+/// Byte ranges of the header, the names and the rows of an ECSV file.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::schedule) struct EcsvLayout {
+    /// Separator of cells: a comma or a blank.
+    pub delimiter: u8,
+    /// Column names.
+    pub names: Vec<String>,
+    /// End of the header's list `datatype`, where further entries can be inserted.
+    pub datatype_end: usize,
+    /// Lines of the header, with their line ends.
+    pub header_lines: Vec<(usize, usize)>,
+    /// Line of names, without its line end.
+    pub names_line: (usize, usize),
+    /// Rows, without their line ends.
+    pub rows: Vec<(usize, usize)>,
+}
+
+/// Finds the header, the names and the rows of ECSV text.
+///
+/// # Errors
+/// The header is not YAML, the delimiter is neither comma nor blank, the line of names is missing, or a quoted cell continues
+/// on the next line.
+pub(in crate::schedule) fn ecsv_layout(path: &Path, text: &str) -> Result<EcsvLayout, ScheduleError> {
+    parse_ecsv(path, text).map(|(layout, _)| layout)
+}
+
+fn parse_ecsv(path: &Path, text: &str) -> Result<(EcsvLayout, Option<YamlOwned>), ScheduleError> {
+    let error = |line: usize, what: String| ScheduleError::Line { path: display(path), line: line as u64, what };
+    let mut lines: Vec<(usize, usize)> = Vec::new();
+    for line in text.split_inclusive('\n') {
+        let start = lines.last().map_or(0, |(_, end)| *end);
+        lines.push((start, start + line.len()));
+    }
+    let of = |(start, end): (usize, usize)| text[start..end].trim_end_matches(['\r', '\n']);
+    let header_count = lines.iter().take_while(|line| of(**line).starts_with('#')).count();
+    let (header_lines, body) = lines.split_at(header_count);
+    let yaml: Vec<&str> = header_lines.iter().skip(1).map(|line| uncommented(of(*line))).collect();
+    let documents = YamlOwned::load_from_str(&yaml.join("\n"))
+        .map_err(|problem| error(problem.marker().line() + 1, format!("the ECSV header is not YAML: {problem}")))?;
+    let header = documents.into_iter().next();
+    let delimiter = header.as_ref().and_then(|header| get(header, "delimiter")).and_then(YamlOwned::as_str);
+    let delimiter = match delimiter.unwrap_or(" ") {
+        "," => b',',
+        " " => b' ',
+        other => return Err(error(2, format!("ECSV delimiter '{other}'; allowed: comma and blank"))),
+    };
+    // The list ends with the next key that is not indented, or with the header.
+    let in_list = |line: &&(usize, usize)| uncommented(of(**line)).starts_with([' ', '-']);
+    let list = header_lines.iter().position(|line| uncommented(of(*line)).trim_end() == "datatype:");
+    let list_lines = list.map_or(0, |list| list + 1 + header_lines[list + 1..].iter().take_while(in_list).count());
+    let datatype_end = list_lines.checked_sub(1).map_or(0, |last| header_lines[last].1);
+    let mut records = body
+        .iter()
+        .enumerate()
+        .filter(|(_, line)| !of(**line).trim().is_empty() && !of(**line).starts_with('#'))
+        .map(|(number, line)| (number, (line.0, line.0 + of(*line).len())));
+    let no_names = || error(header_count, "no line of column names below the header".into());
+    let (_, names_line) = records.next().ok_or_else(no_names)?;
+    let mut rows = Vec::new();
+    for (number, row) in records {
+        if !text[row.0..row.1].matches('"').count().is_multiple_of(2) {
+            return Err(error(header_count + number + 1, "a quoted cell goes on in the next line".into()));
+        }
+        rows.push(row);
+    }
+    let names = record(&text[names_line.0..names_line.1], delimiter);
+    let header_lines = header_lines.to_vec();
+    Ok((EcsvLayout { delimiter, names, datatype_end, header_lines, names_line, rows }, header))
+}
+
+/// Reads ECSV text, separated by commas or blanks.
+///
+/// # Errors
+/// As [`ecsv_layout`].
+pub(super) fn read_ecsv(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
+    let (layout, header) = parse_ecsv(path, text)?;
+    let mut table = RawTable::new(ScheduleFormat::Ecsv, layout.names);
+    let width = table.names.len();
+    let records = layout.rows.iter().map(|(start, end)| record(&text[*start..*end], layout.delimiter));
+    table.rows = records.map(|record| cells(record.iter().map(String::as_str), width)).collect();
+    if let Some(header) = &header {
+        read_units(header, &mut table);
+        read_time_columns(header, &mut table);
+    }
+    Ok(table)
+}
+
+/// Returns the cells of one line.
+fn record(line: &str, delimiter: u8) -> Vec<String> {
+    if delimiter == b',' { comma_record(line) } else { blank_record(line) }
+}
+
+fn uncommented(line: &str) -> &str {
+    let line = line.strip_prefix('#').unwrap_or(line);
+    line.strip_prefix(' ').unwrap_or(line)
+}
+
+/// Returns a member of a map, or of an ordered map (a list of maps with one key each), as astropy writes `meta`.
+fn get<'a>(node: &'a YamlOwned, key: &str) -> Option<&'a YamlOwned> {
+    match node {
+        YamlOwned::Tagged(_, inner) => get(inner, key),
+        YamlOwned::Sequence(items) => items.iter().find_map(|item| get(item, key)),
+        YamlOwned::Mapping(map) => map.iter().find(|(name, _)| name.as_str() == Some(key)).map(|(_, value)| value),
+        _ => None,
+    }
+}
+
+fn read_units(header: &YamlOwned, table: &mut RawTable) {
+    let Some(YamlOwned::Sequence(columns)) = get(header, "datatype") else { return };
+    for column in columns {
+        let text = |key| get(column, key).and_then(YamlOwned::as_str).map(str::to_owned);
+        if let (Some(name), Some(unit)) = (text("name"), text("unit")) {
+            table.units.insert(name, unit);
+        }
+    }
+}
+
+/// Reads the format and scale of `Time` columns, which astropy writes into the metadata.
+fn read_time_columns(header: &YamlOwned, table: &mut RawTable) {
+    let Some(meta) = get(header, "meta") else { return };
+    let Some(YamlOwned::Mapping(columns)) = get(meta, "__serialized_columns__") else { return };
+    for (name, column) in columns {
+        let text = |key| get(column, key).and_then(YamlOwned::as_str);
+        let (Some(name), Some("astropy.time.core.Time")) = (name.as_str(), text("__class__")) else { continue };
+        let mut name = name.to_owned();
+        // The name `start` has no form; the format of the column has.
+        if name == "start"
+            && let Some(form @ ("mjd" | "jd")) = text("format")
+            && let Some(found) = table.names.iter_mut().find(|found| *found == "start")
+        {
+            *found = format!("start_{form}");
+            name = found.clone();
+        }
+        let scale = match text("scale") {
+            Some("utc") => TimeScale::UTC,
+            Some("tai") => TimeScale::TAI,
+            Some("tt") => TimeScale::TT,
+            Some("tdb") => TimeScale::TDB,
+            _ => continue,
+        };
+        table.time_scales.insert(name, scale);
+    }
+}
+
+fn comma_record(line: &str) -> Vec<String> {
+    let mut reader = csv::ReaderBuilder::new().has_headers(false).flexible(true).from_reader(line.as_bytes());
+    match reader.records().next() {
+        Some(Ok(record)) => record.iter().map(|cell| cell.trim().to_owned()).collect(),
+        _ => Vec::new(),
+    }
+}
+
+/// Splits at one or more blanks; a quoted cell may contain blanks, may be empty, and doubles its own quotes.
+fn blank_record(line: &str) -> Vec<String> {
+    let mut cells = Vec::new();
+    let mut rest = line.trim_start();
+    while !rest.is_empty() {
+        if let Some(quoted) = rest.strip_prefix('"') {
+            let mut cell = String::new();
+            let mut characters = quoted.char_indices().peekable();
+            let mut end = quoted.len();
+            while let Some((at, character)) = characters.next() {
+                if character != '"' {
+                    cell.push(character);
+                } else if characters.next_if(|(_, next)| *next == '"').is_some() {
+                    cell.push('"');
+                } else {
+                    end = at + 1;
+                    break;
+                }
+            }
+            cells.push(cell);
+            rest = quoted[end..].trim_start();
+        } else {
+            let end = rest.find(char::is_whitespace).unwrap_or(rest.len());
+            cells.push(rest[..end].to_owned());
+            rest = rest[end..].trim_start();
+        }
+    }
+    cells
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// As astropy 8.0.2 writes a QTable with a Time column (folded description, ordered map, tags and anchors included).
+    const ASTROPY: &str = "# %ECSV 1.0
+# ---
+# datatype:
+# - {name: exposure_id, datatype: string}
+# - {name: duration_s, unit: s, datatype: float64, description: 'exposure time of the visit, which is a long description that the yaml
+#     dumper folds somewhere'}
+# - {name: ra_deg, unit: deg, datatype: float64}
+# - {name: start, datatype: float64}
+# meta: !!omap
+# - comments: ['hello: x']
+# - __serialized_columns__:
+#     ra_deg:
+#       __class__: astropy.units.quantity.Quantity
+#       unit: &id001 !astropy.units.Unit {unit: deg}
+#       value: !astropy.table.SerializedColumn {name: ra_deg}
+#     start:
+#       __class__: astropy.time.core.Time
+#       format: mjd
+#       in_subfmt: '*'
+#       scale: tai
+#       value: !astropy.table.SerializedColumn {name: start}
+# schema: astropy-2.0
+exposure_id duration_s ra_deg start
+a 30.0 1.5 60536.02083
+\"b \"\"c\"\"\"   nan \"\" 60536.03
+";
 
     #[test]
     fn records_end_where_their_bytes_end() {
@@ -115,5 +325,34 @@ mod tests {
         assert_eq!(delimiter_of("a;b;c"), b';');
         assert_eq!(delimiter_of("a\tb"), b'\t');
         assert_eq!(delimiter_of("only"), b',');
+    }
+
+    #[test]
+    fn astropys_header_gives_units_and_time_scale() {
+        let table = read_ecsv(Path::new("t.ecsv"), ASTROPY).unwrap();
+        assert_eq!(table.names, ["exposure_id", "duration_s", "ra_deg", "start_mjd"]);
+        assert_eq!(table.units.get("ra_deg").map(String::as_str), Some("deg"));
+        assert_eq!(table.units.get("duration_s").map(String::as_str), Some("s"));
+        assert_eq!(table.time_scales.get("start_mjd"), Some(&TimeScale::TAI));
+        let second = table.rows[1].as_ref().unwrap();
+        assert_eq!(second[0], Cell::Text("b \"c\"".to_owned()));
+        assert_eq!(second[2], Cell::Missing);
+    }
+
+    #[test]
+    fn commas_where_the_header_says_so() {
+        let text =
+            "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n# - {name: a, datatype: string}\na,b\n\"x, y\",2\n";
+        let table = read_ecsv(Path::new("t.ecsv"), text).unwrap();
+        assert_eq!(table.names, ["a", "b"]);
+        assert_eq!(table.rows[0].as_ref().unwrap()[0], Cell::Text("x, y".to_owned()));
+    }
+
+    #[test]
+    fn a_header_that_is_no_yaml_is_an_error_with_its_line() {
+        let message =
+            read_ecsv(Path::new("t.ecsv"), "# %ECSV 1.0\n# ---\n# datatype: [\na,b\n").unwrap_err().to_string();
+        assert!(message.starts_with("schedule t.ecsv, line "), "{message}");
+        assert!(!message.contains('\n'), "{message}");
     }
 }

@@ -1,4 +1,4 @@
-//! JSON: an array of rows, or an object that holds it under `exposures` (schedules) or `targets` (target lists).
+//! JSON: an array of rows, or an object with that array as `exposures` (schedules) or `targets` (target lists).
 
 use std::fmt;
 use std::path::Path;
@@ -8,16 +8,15 @@ use serde_json::Value;
 use serde_json::value::RawValue;
 
 use super::super::error::ScheduleError;
-use super::raw::{Cell, RawTable};
-use super::sniff::{ScheduleFormat, display};
+use super::raw::{Cell, RawTable, ScheduleFormat, display};
 
-/// The arrays that rows are looked for in, where the document is an object.
+/// Names of the array of rows in a document that is an object.
 const ARRAYS: [&str; 2] = ["exposures", "targets"];
 
-/// Reads JSON text. The columns are the keys of all rows together.
+/// Reads JSON text. The columns are the keys of all rows.
 ///
 /// # Errors
-/// Text that is not JSON, no array of rows, or no rows.
+/// The text is not JSON, or has no array of rows.
 pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let document: Value = serde_json::from_str(text).map_err(|error| bad(path, &error))?;
     let rows = match &document {
@@ -46,34 +45,41 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     Ok(table)
 }
 
-/// Where the members of an object stand in the bytes of a text.
+/// Byte positions of the members of an object.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::schedule) struct Members {
     /// Each key with the end of its value.
     pub ends: Vec<(String, usize)>,
-    /// Behind the opening brace.
+    /// Position after the opening brace.
     pub open: usize,
 }
 
-/// One row with its places.
+impl Members {
+    /// Returns the keys in order.
+    pub fn keys(&self) -> impl Iterator<Item = &str> {
+        self.ends.iter().map(|(key, _)| key.as_str())
+    }
+}
+
+/// Byte positions of one row.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct JsonRow {
-    /// Where the row stands.
+    /// Start and end of the row.
     pub span: (usize, usize),
-    /// Its members; `None` where it is no object.
+    /// Its members; `None` for a row that is not an object.
     pub members: Option<Members>,
 }
 
-/// Where rows stand in the bytes of a JSON file.
+/// Byte positions of the rows of a JSON file.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct JsonLayout {
     /// The rows in order.
     pub rows: Vec<JsonRow>,
-    /// The members of the document, where it is an object; `None` where it is the array itself.
+    /// The members of the document; `None` for a document that is an array.
     pub document: Option<Members>,
 }
 
-/// Finds the rows; the byte places count from the beginning of `text`.
+/// Finds the rows of JSON text.
 ///
 /// # Errors
 /// As [`read`].
@@ -114,7 +120,7 @@ fn members(text: &str, object: &Object<'_>, place: impl Fn(&str) -> usize) -> Me
     }
 }
 
-/// An object's members in their order, their values as they stand in the text.
+/// Members of an object in order, with their values as slices of the text.
 struct Object<'a>(Vec<(String, &'a RawValue)>);
 
 impl<'de> serde::Deserialize<'de> for Object<'de> {
@@ -150,7 +156,7 @@ fn format(path: &Path, what: &str) -> ScheduleError {
 fn cell(value: Option<&Value>) -> Cell {
     match value {
         None | Some(Value::Null) => Cell::Missing,
-        // Whole numbers keep their digits: an identifier may be longer than a double holds.
+        // Integers keep their digits: an identifier may have more than a double can hold.
         Some(Value::Number(number)) if number.is_f64() => Cell::Number(number.as_f64().unwrap_or(f64::NAN)),
         Some(Value::Number(number)) => Cell::Text(number.to_string()),
         Some(Value::String(text)) => Cell::from_text(text),

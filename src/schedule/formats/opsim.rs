@@ -7,22 +7,21 @@ use rusqlite::{Connection, OpenFlags};
 
 use super::super::error::ScheduleError;
 use super::columns::ColumnMap;
-use super::raw::{Cell, RawTable};
-use super::sniff::{ScheduleFormat, display};
+use super::raw::{Cell, RawTable, ScheduleFormat, display};
 
-/// Opens a database without any right to change it.
+/// Opens a database read-only.
 ///
 /// # Errors
-/// Whatever SQLite reports.
+/// Any error of SQLite.
 pub(in crate::schedule) fn open_read_only(path: &Path) -> Result<Connection, ScheduleError> {
     Connection::open_with_flags(path, OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX)
         .map_err(|source| ScheduleError::Sqlite { path: display(path), source })
 }
 
-/// Reads the columns of `observations` that mean something here, in the order of its rows.
+/// Reads the columns of `observations` that a schedule needs, in the order of the rows.
 ///
 /// # Errors
-/// No table `observations`, missing columns, or whatever SQLite reports.
+/// No table `observations`, missing columns, or any error of SQLite.
 pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
     let sqlite = |source| ScheduleError::Sqlite { path: display(path), source };
     let connection = open_read_only(path)?;

@@ -1,4 +1,4 @@
-//! Parquet: columns with types; numbers and texts are read, anything nested is left alone.
+//! Parquet: columns of numbers and texts; nested columns are not read.
 
 use std::fs::File;
 use std::path::Path;
@@ -12,13 +12,12 @@ use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchR
 use parquet::file::metadata::ParquetMetaData;
 
 use super::super::error::ScheduleError;
-use super::raw::{Cell, RawTable};
-use super::sniff::{ScheduleFormat, display};
+use super::raw::{Cell, RawTable, ScheduleFormat, display};
 
-/// The rows of a file in batches, with what its footer says.
+/// Returns the rows of a file in batches, with the metadata of its footer.
 ///
 /// # Errors
-/// The file cannot be read or is not whole.
+/// The file cannot be read or is incomplete.
 pub(in crate::schedule) fn batches(
     path: &Path,
 ) -> Result<(ParquetRecordBatchReader, std::sync::Arc<ParquetMetaData>), ScheduleError> {
@@ -54,7 +53,8 @@ pub(super) fn read(path: &Path) -> Result<RawTable, ScheduleError> {
     Ok(table)
 }
 
-/// Cells of a column: floating numbers as numbers, whole ones with all their digits, all else as text; nothing where it is no text.
+/// Returns the cells of a column: floating point numbers as numbers, integers with all their digits, all else as text; missing
+/// for a type that has no text.
 fn cells(column: &ArrayRef) -> Vec<Cell> {
     if column.data_type().is_floating()
         && let Ok(numbers) = cast(column, &DataType::Float64)

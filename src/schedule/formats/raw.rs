@@ -1,24 +1,59 @@
-//! The raw table: what a file says before anybody asks what it means.
+//! The raw table of a schedule file: cells as written, before their meaning is known.
 
 use std::collections::BTreeMap;
+use std::fmt;
+use std::path::Path;
 
 use hifitime::TimeScale;
 
-use super::sniff::ScheduleFormat;
+/// Format of a schedule file.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+pub enum ScheduleFormat {
+    /// A SQLite database with a table `observations`, as Rubin's simulations write it.
+    Opsim,
+    /// Comma, semicolon or tab separated text with a header line.
+    Csv,
+    /// astropy's ECSV.
+    Ecsv,
+    /// A JSON array of rows, or an object with the array `exposures`.
+    Json,
+    /// A VOTable whose first table is in TABLEDATA.
+    VoTable,
+    /// Apache Parquet.
+    Parquet,
+}
 
-/// One cell as it was found.
+impl fmt::Display for ScheduleFormat {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            ScheduleFormat::Opsim => "opsim SQLite",
+            ScheduleFormat::Csv => "CSV",
+            ScheduleFormat::Ecsv => "ECSV",
+            ScheduleFormat::Json => "JSON",
+            ScheduleFormat::VoTable => "VOTable",
+            ScheduleFormat::Parquet => "Parquet",
+        })
+    }
+}
+
+/// Returns a path as it is shown in messages.
+pub(in crate::schedule) fn display(path: &Path) -> String {
+    path.display().to_string()
+}
+
+/// One cell as written.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) enum Cell {
     /// Empty, NULL or absent.
     Missing,
     /// A number.
     Number(f64),
-    /// Text, or a whole number with all its digits.
+    /// Text, or an integer with all its digits.
     Text(String),
 }
 
 impl Cell {
-    /// From text: blanks around it do not count, and an empty text is missing.
+    /// Creates a cell from text, without blanks around it; an empty text is missing.
     pub fn from_text(text: &str) -> Self {
         match text.trim() {
             "" => Cell::Missing,
@@ -26,7 +61,7 @@ impl Cell {
         }
     }
 
-    /// As a number. The error is what a row's reason says after the column's name.
+    /// Returns the number. The error text follows the column's name in the reason of a row.
     pub fn number(&self) -> Result<f64, String> {
         let number = match self {
             Cell::Missing => return Err("is missing".to_owned()),
@@ -36,7 +71,7 @@ impl Cell {
         if number.is_finite() { Ok(number) } else { Err(format!("is {number}")) }
     }
 
-    /// As text; `None` where it is missing.
+    /// Returns the text; `None` for a missing cell.
     pub fn text(&self) -> Option<String> {
         match self {
             Cell::Missing => None,
@@ -46,23 +81,23 @@ impl Cell {
     }
 }
 
-/// A file's table with its names, and what its header says about the columns.
+/// The table of a file, with the names, units and time scales of its columns.
 #[derive(Clone, Debug)]
 pub(in crate::schedule) struct RawTable {
-    /// The syntax.
+    /// The format of the file.
     pub format: ScheduleFormat,
-    /// The columns' names in order.
+    /// Column names in order.
     pub names: Vec<String>,
-    /// The rows, each as long as `names`; or the reason why a row has no cells.
+    /// The rows, each as long as `names`; or the reason why a row is invalid.
     pub rows: Vec<Result<Vec<Cell>, String>>,
-    /// Units by column, where the file states them.
+    /// Units by column, where the file has them.
     pub units: BTreeMap<String, String>,
-    /// Time scales by column, where the file states them.
+    /// Time scales by column, where the file has them.
     pub time_scales: BTreeMap<String, TimeScale>,
 }
 
 impl RawTable {
-    /// A table whose header says names and nothing else.
+    /// Creates a table without rows, units and time scales.
     pub fn new(format: ScheduleFormat, names: Vec<String>) -> Self {
         Self { format, names, rows: Vec::new(), units: BTreeMap::new(), time_scales: BTreeMap::new() }
     }

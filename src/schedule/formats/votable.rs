@@ -10,33 +10,32 @@ use quick_xml::events::{BytesStart, Event};
 
 use super::super::error::ScheduleError;
 use super::delimited::cells;
-use super::raw::{Cell, RawTable};
-use super::sniff::{ScheduleFormat, display};
+use super::raw::{Cell, RawTable, ScheduleFormat, display};
 
-/// How far into the text the root is looked for, bytes: behind a declaration, comments and processing instructions.
+/// Length of the beginning searched for the root element, bytes: it follows a declaration, comments and instructions.
 const HEAD: usize = 4096;
 
-/// A piece of the text, from the end of what stands before it to its own end: cut out whole, nothing shows that it was there.
+/// Byte range of an element, with the white space before it, which is removed together with the element.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub(in crate::schedule) struct Span {
-    /// Where the element before it ends.
+    /// End of the element before it.
     pub after: usize,
-    /// Where it begins.
+    /// Start.
     pub start: usize,
-    /// Where it ends.
+    /// End.
     pub end: usize,
 }
 
-/// One column as the header says it.
+/// Attributes of one `FIELD`.
 #[derive(Clone, Debug, PartialEq)]
-struct FieldFacts {
+struct FieldAttributes {
     name: String,
     unit: Option<String>,
     null: Option<String>,
     time_system: Option<String>,
 }
 
-/// One row with the places of its parts.
+/// Byte ranges of one row.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(in crate::schedule) struct VoRow {
     /// The whole `<TR>`.
@@ -46,10 +45,10 @@ pub(in crate::schedule) struct VoRow {
     texts: Vec<String>,
 }
 
-/// Where fields and rows stand in the bytes of a VOTable.
+/// Byte ranges of the fields and rows of a VOTable.
 #[derive(Clone, Debug, PartialEq)]
 pub(in crate::schedule) struct VoTableLayout {
-    /// The columns' names.
+    /// Column names.
     pub names: Vec<String>,
     /// The `<FIELD>`s of the first table.
     pub fields: Vec<Span>,
@@ -59,20 +58,20 @@ pub(in crate::schedule) struct VoTableLayout {
     pub table: Span,
     /// All other tables that have a name.
     pub others: Vec<(String, Span)>,
-    facts: Vec<FieldFacts>,
+    attributes: Vec<FieldAttributes>,
     time_systems: HashMap<String, TimeScale>,
 }
 
-/// True where the text is a VOTable.
+/// Returns true for a VOTable.
 pub(super) fn is_votable(text: &str) -> bool {
     let head = text.get(..HEAD.min(text.len())).unwrap_or_else(|| text.get(..HEAD - 3).unwrap_or(text));
     text.starts_with('<') && (head.contains("<VOTABLE") || head.contains(":VOTABLE"))
 }
 
-/// Finds fields and rows; the byte places count from the beginning of `text`.
+/// Finds the fields and rows of a VOTable.
 ///
 /// # Errors
-/// XML that is broken, no table, or a table whose rows are not in TABLEDATA.
+/// The XML is invalid, there is no table, or its rows are not in TABLEDATA.
 pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoTableLayout, ScheduleError> {
     let fail = |what: &str| ScheduleError::Format { path: display(path), what: what.to_owned() };
     let mut reader = Reader::from_str(text);
@@ -82,10 +81,10 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
         rows: Vec::new(),
         table: Span::default(),
         others: Vec::new(),
-        facts: Vec::new(),
+        attributes: Vec::new(),
         time_systems: HashMap::new(),
     };
-    // Which table stands open, what it is called, and where the open elements began.
+    // Number and name of the open table, and the starts of the open elements.
     let (mut tables, mut table_name) = (0, None::<String>);
     let (mut table, mut field, mut row, mut cell) =
         (Span::default(), Span::default(), VoRow::default(), Span::default());
@@ -109,7 +108,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                     }
                     "FIELD" if tables == 1 => {
                         field = Span { after: last_end, start: before, end: now };
-                        layout.facts.push(facts(&element));
+                        layout.attributes.push(field_attributes(&element));
                     }
                     "TR" if tables == 1 => {
                         row = VoRow { span: Span { after: last_end, start: before, end: now }, ..VoRow::default() };
@@ -130,7 +129,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                 let span = Span { after: last_end, start: before, end: now };
                 match element.local_name().as_ref() {
                     "FIELD" if tables == 1 => {
-                        layout.facts.push(facts(&element));
+                        layout.attributes.push(field_attributes(&element));
                         layout.fields.push(span);
                     }
                     "TD" if tables == 1 => {
@@ -138,7 +137,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                         row.texts.push(String::new());
                     }
                     "VALUES" if tables == 1 => {
-                        if let (Some(fact), Some(null)) = (layout.facts.last_mut(), attribute(&element, "null")) {
+                        if let (Some(fact), Some(null)) = (layout.attributes.last_mut(), attribute(&element, "null")) {
                             fact.null = Some(null);
                         }
                     }
@@ -178,7 +177,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
                             (_, Some(name)) => layout.others.push((name, table)),
                             (_, None) => {}
                         }
-                        // What follows belongs to no table, least of all to the first.
+                        // Elements that follow do not belong to the first table.
                         tables = tables.max(1) + usize::from(tables == 1);
                     }
                     _ => {}
@@ -194,7 +193,7 @@ pub(in crate::schedule) fn votable_layout(path: &Path, text: &str) -> Result<VoT
     if layout.fields.is_empty() {
         return Err(fail("is a VOTable without a table"));
     }
-    layout.names = layout.facts.iter().map(|fact| fact.name.clone()).collect();
+    layout.names = layout.attributes.iter().map(|fact| fact.name.clone()).collect();
     Ok(layout)
 }
 
@@ -223,7 +222,7 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     let width = table.names.len();
     let rows = layout.rows.iter().map(|row| cells(row.texts.iter().map(String::as_str), width));
     table.rows = rows.collect();
-    for (index, fact) in layout.facts.iter().enumerate() {
+    for (index, fact) in layout.attributes.iter().enumerate() {
         if let Some(unit) = fact.unit.clone().filter(|unit| !unit.is_empty()) {
             table.units.insert(fact.name.clone(), unit);
         }
@@ -240,13 +239,13 @@ pub(super) fn read(path: &Path, text: &str) -> Result<RawTable, ScheduleError> {
     Ok(table)
 }
 
-fn facts(element: &BytesStart<'_>) -> FieldFacts {
-    let said = |name: &str| attribute(element, name);
-    FieldFacts {
-        name: said("name").or_else(|| said("ID")).unwrap_or_default(),
-        unit: said("unit"),
+fn field_attributes(element: &BytesStart<'_>) -> FieldAttributes {
+    let value = |name: &str| attribute(element, name);
+    FieldAttributes {
+        name: value("name").or_else(|| value("ID")).unwrap_or_default(),
+        unit: value("unit"),
         null: None,
-        time_system: said("ref"),
+        time_system: value("ref"),
     }
 }
 

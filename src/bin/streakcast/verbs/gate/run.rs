@@ -7,13 +7,13 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Map, Value, json};
 use streakcast::config::{OLD_ELEMENTS_DAYS, Prepared, SetupError, SiteSetup, SiteTable};
+use streakcast::elements::share_of_stale;
 use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, FieldPass};
 use streakcast::schedule::{
-    Blocking, ClearWindow, FlagRequest, TargetWindows, WindowRequest, WindowTarget, clear_windows, share_of_stale,
-    wait_for,
+    Blocking, ClearWindow, FlagRequest, TargetWindows, WindowRequest, WindowTarget, clear_windows, wait_for,
 };
 
 use super::fault::{Fault, FaultKind};

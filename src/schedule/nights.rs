@@ -1,29 +1,49 @@
-//! Shares of a batch: whole nights dealt out, so that each machine prepares few of them.
+//! Nights, and the shards of a schedule made of whole nights, so that each machine prepares few of them.
 
 use std::collections::BTreeSet;
 use std::fmt;
 use std::str::FromStr;
 
+use hifitime::{Epoch, TimeScale, Unit};
 use thiserror::Error;
 
-use super::scheduled::Schedule;
-use super::windows::evening_mjd;
+use crate::frames::{mjd_utc, seconds_after};
 
-/// Share `index` of `count`, counted from 1.
+use super::scheduled::{Schedule, ScheduledExposure};
+
+/// Returns the night that begins on the evening of a date at a longitude (east positive, radians): from local mean noon to noon.
+pub fn night_of(evening: Epoch, longitude_rad: f64) -> (Epoch, Epoch) {
+    let (year, month, day, ..) = evening.to_gregorian_utc();
+    let longitude_rad = (longitude_rad + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+    let day_s = Unit::Day.in_seconds();
+    // UTC of local mean noon: 12 h - λ / 15 deg/h
+    let noon_s = day_s * (0.5 - longitude_rad / std::f64::consts::TAU);
+    let noon = seconds_after(Epoch::from_gregorian_utc_at_midnight(year, month, day), noon_s);
+    (noon, seconds_after(noon, day_s).to_time_scale(TimeScale::UTC))
+}
+
+/// Returns the date of the evening of the night that contains a time, as MJD: nights last from local mean noon to noon at a
+/// longitude (east positive, radians).
+pub fn evening_mjd(epoch: Epoch, longitude_rad: f64) -> i64 {
+    // Local mean time is ahead of UTC by λ / 2π days.
+    (mjd_utc(epoch) + longitude_rad / std::f64::consts::TAU - 0.5).floor() as i64
+}
+
+/// Shard `index` of `count`, counted from 1.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub struct Shard {
     index: usize,
     count: usize,
 }
 
-/// Why a text is no share.
+/// Error of parsing a shard.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[error("shard '{given}' is none; allowed: I/N with I from 1 to N and N at most 1000000, as 3/100")]
 pub struct ShardError {
     given: String,
 }
 
-/// More shares than this are a slip of the finger.
+/// Most shards.
 const MOST: usize = 1_000_000;
 
 impl FromStr for Shard {
@@ -33,8 +53,8 @@ impl FromStr for Shard {
         let parts = text.trim().split_once('/').and_then(|(index, count)| {
             Some(Shard { index: index.trim().parse().ok()?, count: count.trim().parse().ok()? })
         });
-        let is_share = |shard: &Shard| (1..=MOST).contains(&shard.count) && (1..=shard.count).contains(&shard.index);
-        parts.filter(is_share).ok_or_else(|| ShardError { given: text.to_owned() })
+        let is_valid = |shard: &Shard| (1..=MOST).contains(&shard.count) && (1..=shard.count).contains(&shard.index);
+        parts.filter(is_valid).ok_or_else(|| ShardError { given: text.to_owned() })
     }
 }
 
@@ -45,29 +65,28 @@ impl fmt::Display for Shard {
 }
 
 impl Shard {
-    /// Which rows of a schedule are in this share, one for each of them.
+    /// Returns, for each row of a schedule, true if it is in this shard.
     ///
-    /// A night lasts from local mean noon to noon at a longitude (east positive, radians). The nights of the schedule are dealt in time order:
-    /// the first to share 1, the second to share 2, and so on around. Rows that cannot be judged are in share 1. So every row is in one share.
+    /// A night lasts from local mean noon to noon at a longitude (east positive, radians). The nights of the schedule are assigned to
+    /// the shards in turn, in order of time. Invalid rows are in shard 1. Every row is in exactly one shard.
     pub fn rows(&self, schedule: &Schedule, longitude_rad: f64) -> Vec<bool> {
-        let night = |row: &super::ScheduledExposure| {
+        let night = |row: &ScheduledExposure| {
             row.exposure.as_ref().ok().map(|exposure| evening_mjd(exposure.start, longitude_rad))
         };
         let nights: BTreeSet<i64> = schedule.exposures.iter().filter_map(night).collect();
-        let mine: BTreeSet<i64> = nights.into_iter().skip(self.index - 1).step_by(self.count).collect();
-        let is_mine = |row| night(row).map_or(self.index == 1, |night| mine.contains(&night));
-        schedule.exposures.iter().map(is_mine).collect()
+        let own: BTreeSet<i64> = nights.into_iter().skip(self.index - 1).step_by(self.count).collect();
+        let is_own = |row| night(row).map_or(self.index == 1, |night| own.contains(&night));
+        schedule.exposures.iter().map(is_own).collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use hifitime::{Epoch, TimeScale};
-
     use super::*;
-    use crate::frames::{Direction, seconds_after};
+    use crate::frames::{Direction, seconds_between};
+    use crate::output::format_utc;
     use crate::passes::Exposure;
-    use crate::schedule::{ScheduleFormat, ScheduledExposure};
+    use crate::schedule::ScheduleFormat;
 
     fn schedule(hours: &[Option<f64>]) -> Schedule {
         let midnight = Epoch::from_gregorian_utc_at_midnight(2024, 8, 14);
@@ -114,6 +133,21 @@ mod tests {
         assert_eq!("3/100".parse::<Shard>().unwrap().to_string(), "3/100");
         for text in ["", "3", "0/4", "5/4", "1/0", "a/b", "1/2/3", "-1/4", "1/10000000"] {
             assert!(text.parse::<Shard>().unwrap_err().to_string().contains("as 3/100"), "{text}");
+        }
+    }
+
+    #[test]
+    fn nights_begin_at_the_local_noon_of_their_evening() {
+        let date = Epoch::from_gregorian_utc_at_midnight(2024, 8, 14);
+        for (longitude_deg, noon) in [
+            (0.0, "2024-08-14T12:00:00Z"),
+            (-70.75, "2024-08-14T16:43:00Z"),
+            (289.25, "2024-08-14T16:43:00Z"),
+            (150.0, "2024-08-14T02:00:00Z"),
+        ] {
+            let (first, last) = night_of(date, f64::to_radians(longitude_deg));
+            assert_eq!(format_utc(first, 0), noon, "{longitude_deg}");
+            assert_eq!(seconds_between(first, last), 86_400.0);
         }
     }
 }

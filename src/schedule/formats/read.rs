@@ -1,53 +1,17 @@
-//! Which syntax a schedule is in, by its first bytes.
+//! Reading a schedule file in the format that its first bytes show.
 
-use std::fmt;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
 use super::super::error::ScheduleError;
-use super::raw::RawTable;
-use super::{delimited, ecsv, json, votable};
-
-/// The syntaxes a schedule is read in.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum ScheduleFormat {
-    /// A SQLite database with a table `observations`, as Rubin's simulations write it.
-    Opsim,
-    /// Comma, semicolon or tab separated text with a header line.
-    Csv,
-    /// astropy's ECSV.
-    Ecsv,
-    /// A JSON array of rows, or an object with the array `exposures`.
-    Json,
-    /// A VOTable whose first table is in TABLEDATA.
-    VoTable,
-    /// Apache Parquet.
-    Parquet,
-}
-
-impl fmt::Display for ScheduleFormat {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            ScheduleFormat::Opsim => "opsim SQLite",
-            ScheduleFormat::Csv => "CSV",
-            ScheduleFormat::Ecsv => "ECSV",
-            ScheduleFormat::Json => "JSON",
-            ScheduleFormat::VoTable => "VOTable",
-            ScheduleFormat::Parquet => "Parquet",
-        })
-    }
-}
-
-/// A path as messages show it.
-pub(in crate::schedule) fn display(path: &Path) -> String {
-    path.display().to_string()
-}
+use super::raw::{RawTable, display};
+use super::{delimited, json, votable};
 
 /// Reads a file into a raw table.
 ///
 /// # Errors
-/// As [`Schedule::read`](super::super::Schedule::read), columns and time scales not yet judged.
+/// As [`Schedule::read`](super::super::Schedule::read), except for errors in columns and time scales.
 pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleError> {
     let io_error = |source| ScheduleError::Io { path: display(path), source };
     if fs::metadata(path).map_err(io_error)?.is_dir() {
@@ -91,10 +55,10 @@ pub(in crate::schedule) fn read_raw(path: &Path) -> Result<RawTable, ScheduleErr
         Err(ScheduleError::Format { path: display(path), what: "looks like XML or HTML".to_owned() })
     } else if body.starts_with(['{', '[']) {
         json::read(path, body)
-    } else if ecsv::is_ecsv(body) {
-        ecsv::read(path, body)
+    } else if delimited::is_ecsv(body) {
+        delimited::read_ecsv(path, body)
     } else {
-        delimited::read(path, text)
+        delimited::read_csv(path, text)
     }
 }
 

@@ -1,4 +1,4 @@
-//! Moments as text: UTC, ISO 8601, rounded and never cut, leap seconds as `:60`.
+//! Text forms of times and counts.
 
 use hifitime::{Duration, Epoch, TimeScale};
 
@@ -7,9 +7,9 @@ const SECONDS_PER_DAY: i128 = 86_400;
 /// Days from 1900-01-01 (where hifitime's TAI and UTC begin) to 1970-01-01.
 const DAYS_1900_TO_1970: i128 = 25_567;
 
-/// A moment as `2024-08-14T00:30:00.000Z`, rounded to `decimals` digits of the second (at most 9).
+/// Formats a time as UTC, `2024-08-14T00:30:00.000Z`, rounded to `decimals` digits of the second (at most 9).
 ///
-/// Within a leap second the seconds read 60, as the standard wants it.
+/// Within a leap second the seconds are 60, as ISO 8601 requires.
 pub fn format_utc(epoch: Epoch, decimals: usize) -> String {
     let decimals = decimals.min(9);
     let step = 10_i128.pow(9 - decimals as u32);
@@ -25,10 +25,10 @@ pub fn format_utc(epoch: Epoch, decimals: usize) -> String {
     format!("{year:04}-{month:02}-{day:02}T{hour:02}:{minute:02}:{second:02}{fraction}Z")
 }
 
-/// Nanoseconds of UTC since 1900 at nanoseconds of TAI, and whether the moment lies in a leap second (then those of the second before).
+/// Nanoseconds of UTC since 1900 at nanoseconds of TAI; with true in a leap second (then those of the second before).
 ///
-/// hifitime steps TAI-UTC 36 s early on this way (its table is in UTC and is compared with TAI), but not on the way
-/// back; so its answer is a guess that the way back confirms or corrects.
+/// hifitime steps TAI-UTC 36 s early in this direction (it compares TAI with its table in UTC), but not in the
+/// other; the other direction therefore confirms or corrects its result.
 fn utc_from_tai(tai_ns: i128) -> (i128, bool) {
     let tai = Epoch::from_duration(Duration::from_total_nanoseconds(tai_ns), TimeScale::TAI);
     let guess_ns = tai.to_duration_in_time_scale(TimeScale::UTC).total_nanoseconds();
@@ -56,6 +56,11 @@ fn civil_from_days(days: i128) -> (i128, i128, i128) {
     let day = day_of_year - (153 * shifted_month + 2) / 5 + 1;
     let month = if shifted_month < 10 { shifted_month + 3 } else { shifted_month - 9 };
     (year_of_era + era * 400 + i128::from(month <= 2), month, day)
+}
+
+/// Formats a count with the singular or the plural of its noun: `1 pass`, `2 passes`.
+pub fn counted(count: usize, one: &str, many: &str) -> String {
+    format!("{count} {}", if count == 1 { one } else { many })
 }
 
 #[cfg(test)]
@@ -90,5 +95,10 @@ mod tests {
         assert_eq!(format_utc(last - Unit::Second * 20_i64, 1), "2016-12-31T23:59:39.5Z");
         assert_eq!(format_utc(last + Unit::Second * 1_i64, 1), "2016-12-31T23:59:60.5Z");
         assert_eq!(format_utc(last + Unit::Second * 2_i64, 1), "2017-01-01T00:00:00.5Z");
+    }
+
+    #[test]
+    fn one_is_singular() {
+        assert_eq!([0, 1, 2].map(|count| counted(count, "pass", "passes")), ["0 passes", "1 pass", "2 passes"]);
     }
 }

@@ -1,4 +1,4 @@
-//! A copy of an opsim database with three more tables.
+//! Annotation of an opsim database: a copy with three more tables.
 
 use std::path::{Path, PathBuf};
 use std::time::Duration;
@@ -9,17 +9,16 @@ use rusqlite::{Connection, params, params_from_iter};
 
 use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
+use super::super::error::AnnotateError;
 use super::super::formats::{ID, display, open_read_only};
-use super::beside::{check_rows, is_kept};
-use super::error::AnnotateError;
-use super::write::Annotation;
+use super::annotation::Annotation;
 
 const STREAKS: &str = "streaks";
 const FLAGS: &str = "streak_flags";
 const PROVENANCE: &str = "streak_provenance";
-/// What a scheduler's plugin adds to them: a view that joins its own form of the flags.
+/// View that the plugin of a scheduler adds, which joins its own form of the flags.
 const JOINED: &str = "observations_streaks";
-/// Pages copied at a time; the whole file where it is not huge.
+/// Pages copied at a time; the whole file unless it is huge.
 const PAGES_PER_STEP: i32 = 16_384;
 
 pub(super) fn annotate(
@@ -36,7 +35,7 @@ pub(super) fn annotate(
         return Err(AnnotateError::AlreadyThere { path: display(input), what });
     }
     let rows: i64 = source.query_row("SELECT count(*) FROM observations", [], |row| row.get(0)).map_err(sqlite)?;
-    check_rows(input, usize::try_from(rows).unwrap_or(0), annotation)?;
+    annotation.check_rows(input, usize::try_from(rows).unwrap_or(0))?;
     let write_error = |source| AnnotateError::Write { path: display(output), source };
     let file = AtomicFile::new(output).map_err(write_error)?;
     write_copy(&source, file.path(), &earlier, annotation).map_err(sqlite)?;
@@ -45,7 +44,7 @@ pub(super) fn annotate(
     Ok(vec![output.to_owned()])
 }
 
-/// Tables and views of an earlier annotation: kind and name.
+/// Returns the tables and views of an earlier annotation: type and name.
 fn earlier_tables(connection: &Connection) -> Result<Vec<(String, String)>, rusqlite::Error> {
     let mut statement = connection.prepare(
         "SELECT type, name FROM sqlite_master WHERE type IN ('table', 'view') AND name IN (?1, ?2, ?3, ?4) ORDER BY name",
@@ -61,14 +60,14 @@ fn write_copy(
 ) -> Result<(), rusqlite::Error> {
     let mut copy = Connection::open(target)?;
     Backup::new(source, &mut copy)?.run_to_completion(PAGES_PER_STEP, Duration::ZERO, None)?;
-    // One file is what gets renamed: no journal may stay beside it.
+    // Only the database file is renamed: no journal may stay beside it.
     copy.pragma_update(None, "journal_mode", "DELETE")?;
     let transaction = copy.transaction()?;
     for (kind, name) in earlier {
         transaction.execute(&format!("DROP {kind} {name}"), [])?;
     }
     if annotation.keep.is_some() {
-        keep_rows(&transaction, annotation.keep)?;
+        keep_rows(&transaction, annotation)?;
     }
     let id_type = id_type(&transaction)?;
     write_table(&transaction, STREAKS, annotation.streaks, id_type)?;
@@ -78,12 +77,12 @@ fn write_copy(
     copy.close().map_err(|(_, error)| error)
 }
 
-/// Deletes the observations that are not asked for, counted in the order in which they are read.
-fn keep_rows(connection: &Connection, keep: Option<&[bool]>) -> Result<(), rusqlite::Error> {
+/// Deletes the observations that are not kept, counted in the order in which they are read.
+fn keep_rows(connection: &Connection, annotation: &Annotation<'_>) -> Result<(), rusqlite::Error> {
     let mut statement = connection.prepare("SELECT rowid FROM observations")?;
     let rows: Vec<i64> = statement.query_map([], |row| row.get(0))?.collect::<Result<_, _>>()?;
     let mut delete = connection.prepare("DELETE FROM observations WHERE rowid = ?")?;
-    for (_, rowid) in rows.into_iter().enumerate().filter(|(row, _)| !is_kept(keep, *row)) {
+    for (_, rowid) in rows.into_iter().enumerate().filter(|(row, _)| !annotation.is_kept(*row)) {
         delete.execute([rowid])?;
     }
     Ok(())
@@ -109,8 +108,9 @@ fn write_table(
     Ok(())
 }
 
-/// The type of the exposure ids: whole numbers where the schedule's own are declared so (SQLite: a type with `INT` in it) or, where
-/// their column has no type (as after `CREATE TABLE ... AS`), all are; else text (where numbers and texts are mixed, the texts join). As whole numbers '007', '1e3' or '7.0' would join with nothing.
+/// Returns the type of the exposure identifiers: integer if the column of the schedule is declared so (SQLite: a type with `INT` in
+/// it) or, if it has no type (as after `CREATE TABLE ... AS`), contains only integers; else text, since '007', '1e3' or '7.0' as
+/// integers would not join.
 fn id_type(connection: &Connection) -> Result<&'static str, rusqlite::Error> {
     let mut statement = connection.prepare("SELECT name, type FROM pragma_table_info('observations')")?;
     let columns: Vec<(String, String)> =
@@ -142,7 +142,7 @@ fn cell(column: &Column, value: &Value) -> SqlValue {
         Value::Null => SqlValue::Null,
         Value::Integer(number) => SqlValue::Integer(*number),
         Value::Boolean(truth) => SqlValue::Integer(i64::from(*truth)),
-        // The digits of the other formats, as a number again; nothing where it is not finite.
+        // The number with the digits of the other formats; NULL if it is not finite.
         Value::Real(_) => text.parse().map_or(SqlValue::Null, SqlValue::Real),
         Value::Text(_) | Value::Time(_) | Value::List(_) | Value::Integers(_) | Value::Rows(_) => SqlValue::Text(text),
     }
@@ -269,7 +269,7 @@ mod tests {
         assert_eq!(joined, (44713, None, 0.5));
         drop(copy);
 
-        // A second time only when told, and in place too.
+        // A second annotation needs `replace`, and works in place.
         let error = annotate(&output, &output, &annotation(false)).unwrap_err().to_string();
         assert!(error.contains("already has tables streak_flags, streak_provenance, streaks"), "{error}");
         annotate(&output, &output, &annotation(true)).unwrap();
@@ -277,7 +277,7 @@ mod tests {
         let copy = Connection::open(&output).unwrap();
         let count = |copy: &Connection, query: &str| copy.query_row(query, [], |row| row.get::<_, i64>(0)).unwrap();
         assert_eq!(count(&copy, "SELECT count(*) FROM streak_flags"), 2);
-        // The plugin's view of its own tables does not stay behind to fail.
+        // The view of the plugin, which would refer to a missing table, is dropped.
         copy.execute_batch("CREATE VIEW observations_streaks AS SELECT p_any FROM streak_flags").unwrap();
         drop(copy);
         annotate(&output, &output, &annotation(true)).unwrap();

@@ -1,4 +1,4 @@
-//! Parquet: every column as it was, with the file's metadata; flags as further columns, streaks in a file beside it.
+//! Annotation of Parquet: flags as further columns, streaks in a file beside it. All columns and metadata stay.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -11,14 +11,12 @@ use parquet::basic::Compression;
 use parquet::file::metadata::{KeyValue, ParquetMetaData};
 use parquet::file::properties::WriterProperties;
 
-use super::super::error::ScheduleError;
+use super::super::error::{AnnotateError, ScheduleError};
 use super::super::formats::{batches, display};
-use super::beside::{check_rows, earlier_columns, finish, flags_beside, is_kept, streaks_path};
-use super::error::AnnotateError;
-use super::write::Annotation;
+use super::annotation::{Annotation, finish, streaks_path};
 use crate::output::{AtomicFile, parquet_columns, parquet_fields, write_parquet};
 
-/// Made anew by the writer.
+/// Metadata that the writer creates itself.
 const ARROW_SCHEMA: &str = "ARROW:schema";
 
 pub(super) fn annotate(
@@ -29,14 +27,14 @@ pub(super) fn annotate(
     let (reader, metadata) = batches(input)?;
     let schema = reader.schema();
     let names: Vec<String> = schema.fields().iter().map(|field| field.name().clone()).collect();
-    let flags = flags_beside(&names, annotation.flags);
-    let old = earlier_columns(input, &names, &flags, annotation.replace)?;
+    let flags = annotation.flags_for(names.iter().map(String::as_str));
+    let old = annotation.earlier_columns(input, &names, &flags)?;
     let own: Vec<usize> = (0..names.len()).filter(|index| !old.contains(index)).collect();
-    check_rows(input, usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(0), annotation)?;
+    annotation.check_rows(input, usize::try_from(metadata.file_metadata().num_rows()).unwrap_or(0))?;
 
     let fields: Vec<Arc<Field>> =
         own.iter().map(|&index| schema.fields()[index].clone()).chain(parquet_fields(&flags).map(Arc::new)).collect();
-    // What the schema says beyond its fields stands in the file's own metadata, where pyarrow looks for it.
+    // The metadata of the schema goes into the metadata of the file, where pyarrow reads it.
     let new_schema: SchemaRef = Arc::new(Schema::new(fields));
     let file = AtomicFile::new(output).map_err(|source| AnnotateError::Write { path: display(output), source })?;
     let broken =
@@ -50,7 +48,7 @@ pub(super) fn annotate(
             what: format!("is Parquet that cannot be read: {error}"),
         };
         let batch = batch.map_err(|error| unreadable(&error))?;
-        let kept: Vec<bool> = (row..row + batch.num_rows()).map(|row| is_kept(annotation.keep, row)).collect();
+        let kept: Vec<bool> = (row..row + batch.num_rows()).map(|row| annotation.is_kept(row)).collect();
         row += batch.num_rows();
         let batch = batch.project(&own).map_err(|error| unreadable(&error))?;
         let batch = if annotation.keep.is_some() {
@@ -72,25 +70,25 @@ pub(super) fn annotate(
     finish(vec![(streaks, beside), (file, output.to_owned())])
 }
 
-/// Compression and metadata of the file that was read.
+/// Returns the compression and metadata of the input.
 fn properties(metadata: &ParquetMetaData, of_schema: &Schema) -> WriterProperties {
-    let said = metadata.file_metadata().key_value_metadata().cloned().unwrap_or_default();
-    let mut said: Vec<KeyValue> = said.into_iter().filter(|one| one.key != ARROW_SCHEMA).collect();
+    let entries = metadata.file_metadata().key_value_metadata().cloned().unwrap_or_default();
+    let mut entries: Vec<KeyValue> = entries.into_iter().filter(|one| one.key != ARROW_SCHEMA).collect();
     for (key, value) in of_schema.metadata() {
-        if !said.iter().any(|one| one.key == *key) {
-            said.push(KeyValue::new(key.clone(), value.clone()));
+        if !entries.iter().any(|one| one.key == *key) {
+            entries.push(KeyValue::new(key.clone(), value.clone()));
         }
     }
     let first = metadata.row_groups().first().and_then(|group| group.columns().first());
     let compression = first.map_or(Compression::SNAPPY, |column| column.compression());
     let compression = match compression {
-        // Read, but not written by every build.
+        // Not every build can write these.
         Compression::BROTLI(_) | Compression::LZO => Compression::SNAPPY,
         known => known,
     };
     WriterProperties::builder()
         .set_compression(compression)
-        .set_key_value_metadata((!said.is_empty()).then_some(said))
+        .set_key_value_metadata((!entries.is_empty()).then_some(entries))
         .build()
 }
 

@@ -1,0 +1,154 @@
+//! CSV and ECSV: a header with provenance, one line of names, then the rows.
+
+use std::io::{self, Write};
+
+use super::provenance::Provenance;
+use super::table::{Column, Kind, Table, Value};
+
+/// Writes the table as CSV (RFC 4180 quoting, `\n` line ends).
+///
+/// Each entry of the provenance is a line `# name: value`, the value as JSON on one line. A missing value is an empty cell.
+///
+/// # Errors
+/// Any error of the writer.
+pub fn write_csv(out: &mut dyn Write, table: &Table, provenance: &Provenance) -> io::Result<()> {
+    for (name, value) in provenance.entries() {
+        writeln!(out, "# {name}: {value}")?;
+    }
+    write_records(out, table)
+}
+
+/// Writes the table as comma-separated ECSV that `astropy.table.Table.read` opens with units and metadata.
+///
+/// The provenance is `meta['provenance']`. Texts in the header are JSON strings, which YAML reads as they are.
+/// A missing value is an empty cell, which astropy masks.
+///
+/// # Errors
+/// Any error of the writer.
+pub fn write_ecsv(out: &mut dyn Write, table: &Table, provenance: &Provenance) -> io::Result<()> {
+    writeln!(out, "# %ECSV 1.0")?;
+    writeln!(out, "# ---")?;
+    writeln!(out, "# delimiter: ','")?;
+    writeln!(out, "# datatype:")?;
+    for (index, column) in table.columns.iter().enumerate() {
+        writeln!(out, "# - {}", ecsv_column(column, table.rows.iter().filter_map(|row| row.get(index)))?)?;
+    }
+    writeln!(out, "# meta: {{\"provenance\": {}}}", serde_json::to_string(provenance)?)?;
+    writeln!(out, "# schema: astropy-2.0")?;
+    write_records(out, table)
+}
+
+/// Returns one entry of the header's list `datatype`: name, unit, type and description of a column with these values.
+///
+/// # Errors
+/// Errors of serialization; none occurs for text.
+pub fn ecsv_column<'a>(column: &Column, mut values: impl Iterator<Item = &'a Value>) -> serde_json::Result<String> {
+    let datatype = match column.kind {
+        Kind::Integer => "int64",
+        Kind::Real { .. } => "float64",
+        // A column with gaps would make astropy's bool parser stop.
+        Kind::Boolean if values.all(|value| matches!(value, Value::Boolean(_))) => "bool",
+        Kind::Boolean | Kind::Text | Kind::Time { .. } | Kind::List { .. } | Kind::Rows(_) => "string",
+    };
+    let mut text = format!("{{name: {}", column.name);
+    if !column.unit.is_empty() {
+        text += &format!(", unit: {}", column.unit);
+    }
+    text += &format!(", datatype: {datatype}");
+    if !column.description.is_empty() {
+        text += &format!(", description: {}", serde_json::to_string(column.description)?);
+    }
+    Ok(text + "}")
+}
+
+/// Returns a cell of CSV, quoted if necessary.
+pub(crate) fn csv_cell(text: &str) -> String {
+    if text.contains([',', '"', '\n', '\r']) { format!("\"{}\"", text.replace('"', "\"\"")) } else { text.to_owned() }
+}
+
+/// Writes the line of names and the rows, common to CSV and ECSV.
+fn write_records(out: &mut dyn Write, table: &Table) -> io::Result<()> {
+    let mut writer = csv::WriterBuilder::new().flexible(true).from_writer(out);
+    writer.write_record(table.columns.iter().map(|column| column.name)).map_err(io_error)?;
+    for row in &table.rows {
+        writer
+            .write_record(table.columns.iter().zip(row).map(|(column, value)| column.text(value)))
+            .map_err(io_error)?;
+    }
+    writer.flush()
+}
+
+/// Returns the error of the system with its kind, by which callers recognize a closed pipe.
+fn io_error(error: csv::Error) -> io::Error {
+    match error.into_kind() {
+        csv::ErrorKind::Io(error) => error,
+        other => io::Error::other(format!("{other:?}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Column, Kind, Value};
+    use super::*;
+
+    /// A pipe whose reader has closed.
+    struct Closed;
+
+    impl Write for Closed {
+        fn write(&mut self, _: &[u8]) -> io::Result<usize> {
+            Err(io::ErrorKind::BrokenPipe.into())
+        }
+
+        fn flush(&mut self) -> io::Result<()> {
+            Ok(())
+        }
+    }
+
+    #[test]
+    fn a_closed_pipe_is_reported_as_one() {
+        let rows = vec![vec![Value::Text("x".repeat(100))]; 10_000];
+        let table = Table { columns: vec![Column::new("name", Kind::Text, "")], rows };
+        let error = write_records(&mut Closed, &table).unwrap_err();
+        assert_eq!(error.kind(), io::ErrorKind::BrokenPipe);
+    }
+
+    #[test]
+    fn provenance_header_and_quoted_cells() {
+        let mut provenance = Provenance::default();
+        provenance.state("version", "0.1.0");
+        provenance.state("elements", serde_json::json!([{"name": "a, b"}]));
+        let table = Table {
+            columns: vec![Column::new("name", Kind::Text, ""), Column::real("magnitude", "mag", 2, "")],
+            rows: vec![vec!["A \"B\", C".into(), 5.0.into()], vec!["D".into(), Value::Null]],
+        };
+        let mut out = Vec::new();
+        write_csv(&mut out, &table, &provenance).unwrap();
+        assert_eq!(
+            String::from_utf8(out).unwrap(),
+            "# version: \"0.1.0\"\n# elements: [{\"name\":\"a, b\"}]\nname,magnitude\n\"A \"\"B\"\", C\",5.00\nD,\n"
+        );
+    }
+
+    #[test]
+    fn the_header_names_unit_type_and_meaning() {
+        let table = Table {
+            columns: vec![
+                Column::new("name", Kind::Text, "Who: \"the name\"."),
+                Column::real("ra_deg", "deg", 1, ""),
+                Column::new("norad_id", Kind::Integer, ""),
+            ],
+            rows: vec![vec!["A".into(), 12.0.into(), 7_i64.into()]],
+        };
+        let mut out = Vec::new();
+        write_ecsv(&mut out, &table, &Provenance::default()).unwrap();
+        assert_eq!(
+            String::from_utf8(out).unwrap(),
+            "# %ECSV 1.0\n# ---\n# delimiter: ','\n# datatype:\n\
+             # - {name: name, datatype: string, description: \"Who: \\\"the name\\\".\"}\n\
+             # - {name: ra_deg, unit: deg, datatype: float64}\n\
+             # - {name: norad_id, datatype: int64}\n\
+             # meta: {\"provenance\": {}}\n# schema: astropy-2.0\n\
+             name,ra_deg,norad_id\nA,12.0,7\n"
+        );
+    }
+}

@@ -1,0 +1,290 @@
+//! Charts of a fit: histogram of residuals (figure 5 of Lu 2024), magnitudes against phase angle, and residuals against each angle of the geometry.
+
+use std::f64::consts::TAU;
+
+use plotters::prelude::RGBColor;
+use plotters::style::Color;
+use plotters::style::text_anchor::HPos;
+
+use super::axes::{Axis, Frame};
+use super::density::dots;
+use super::error::PlotError;
+use super::numbers::{count, fixed, many};
+use super::picture::{INK, Picture};
+use super::statistics::{Stretch, check, check_length, histogram, mad_sigma, mean_and_sd, running_band, sorted};
+use crate::math::quantile::quantile;
+
+const BARS: RGBColor = RGBColor(158, 202, 225);
+const CURVE: RGBColor = RGBColor(213, 94, 0);
+/// Share of the residuals that the axis may leave out at each end.
+const HISTOGRAM_BEYOND: f64 = 0.003;
+
+/// Residuals of a fit.
+#[derive(Clone, Debug)]
+pub struct ResidualHistogram<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// Observed less computed magnitudes, finite, mag.
+    pub residuals_mag: &'a [f64],
+    /// Standard deviation of the normal curve about 0 that the bars are held against, above 0: what the fit foretells, or its RMSE, mag.
+    pub sigma_mag: f64,
+}
+
+/// Draws the density of residuals as bars, the normal curve of the sigma given over them, and mean, standard deviation and 1.4826 MAD below.
+///
+/// The axis is as long on both sides of 0 and holds at least 99.4 % of the residuals and three sigma; the caption has the number beyond.
+///
+/// # Errors
+/// No residual, one that is not finite, a sigma that is not above 0.
+pub fn residual_histogram(input: &ResidualHistogram<'_>) -> Result<Picture, PlotError> {
+    let (values, sigma) = (input.residuals_mag, input.sigma_mag);
+    check("residuals", values)?;
+    if !(sigma.is_finite() && sigma > 0.0) {
+        let what = "sigma of the normal curve".to_owned();
+        return Err(PlotError::OutOfRange { what, given: format!("{sigma} mag"), allowed: "above 0 mag" });
+    }
+    let sorted = sorted(values);
+    let end =
+        quantile(&sorted, HISTOGRAM_BEYOND).abs().max(quantile(&sorted, 1.0 - HISTOGRAM_BEYOND).abs()).max(3.0 * sigma);
+    let x = Axis::linear(-1.04 * end, 1.04 * end);
+    let bins = bins(&sorted, x.to - x.from);
+    let counts = histogram(values, &x, bins);
+    let width = (x.to - x.from) / bins as f64;
+    // N(0, σ) = exp(−x² / 2σ²) / (σ √2π)
+    let normal = |x: f64| (-0.5 * (x / sigma).powi(2)).exp() / (sigma * TAU.sqrt());
+    let density = |count: usize| count as f64 / (values.len() as f64 * width);
+    let most = counts.iter().map(|count| density(*count)).fold(normal(0.0), f64::max);
+    let frame = Frame { sides: [92.0, 60.0, 772.0, 500.0], x, y: Axis::linear(0.0, 1.08 * most) };
+
+    let mut picture = Picture::new(800, 640);
+    picture.text(input.title, (400.0, 28.0), 22.0, HPos::Center);
+    for (bin, count) in counts.iter().enumerate().filter(|(_, count)| **count > 0) {
+        let side = |bin: usize| x.value(bin as f64 / bins as f64);
+        let ((left, top), (right, bottom)) = (frame.at(side(bin), density(*count)), frame.at(side(bin + 1), 0.0));
+        picture.rectangle([left, top, right, bottom], BARS.to_rgba());
+        picture.border([left, top, right, bottom], 0.8);
+    }
+    let curve: Vec<_> =
+        (0..=240).map(|part| x.value(f64::from(part) / 240.0)).map(|x| frame.at(x, normal(x))).collect();
+    picture.line(&curve, CURVE.to_rgba(), 2.6);
+    picture.dashed(&[frame.at(0.0, 0.0), frame.at(0.0, frame.y.to)], [6.0, 4.0], INK.mix(0.7), 1.2);
+    frame.draw(&mut picture, [true, true]);
+    frame.name_x(&mut picture, "O−C, mag");
+    frame.name_y(&mut picture, "share per mag", 58.0);
+    picture.line(&[(110.0, 80.0), (140.0, 80.0)], CURVE.to_rgba(), 2.6);
+    picture.text(&format!("σ = {} mag", fixed(sigma, 3)), (150.0, 80.0), 17.0, HPos::Left);
+
+    let (mean, sd) = mean_and_sd(values);
+    let (mean, sd, mad) = (fixed(mean, 3), fixed(sd, 3), fixed(mad_sigma(values), 3));
+    let beyond = match values.iter().filter(|value| !x.holds(**value)).count() {
+        0 => String::new(),
+        beyond => format!(" {} beyond the axis.", count(beyond)),
+    };
+    let number = count(values.len());
+    let caption = format!("n = {number}: mean {mean}, standard deviation {sd}, 1.4826 MAD {mad} mag.{beyond}");
+    picture.paragraph(&caption, [30.0, 780.0], 588.0, 17.0);
+    Ok(picture)
+}
+
+/// As many bins as Freedman and Diaconis (1981) advise, 2 IQR n^(−1/3) wide, between 11 and 81 and odd, so that one has 0 in its middle.
+fn bins(sorted: &[f64], range: f64) -> usize {
+    let iqr = quantile(sorted, 0.75) - quantile(sorted, 0.25);
+    let width = 2.0 * iqr / (sorted.len() as f64).cbrt();
+    let bins = if width > 0.0 { (range / width).clamp(11.0, 80.0) } else { 41.0 };
+    bins as usize | 1
+}
+
+const MEASURED: RGBColor = RGBColor(0, 114, 178);
+const MODEL: RGBColor = RGBColor(213, 94, 0);
+/// Bins of the running medians.
+const PHASE_BINS: usize = 36;
+/// Share of the magnitudes that the axis may leave out at each end.
+const PHASE_BEYOND: f64 = 0.002;
+
+/// Magnitudes at phase angles.
+#[derive(Clone, Debug)]
+pub struct PhaseCurve<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// What the magnitudes are: `magnitude V at 1000 km`.
+    pub magnitude_name: &'a str,
+    /// `(n_point)` Sun, satellite, observer: 0 to π, radians.
+    pub phase_angle_rad: &'a [f64],
+    /// `(n_point)` measured, finite.
+    pub measured_mag: &'a [f64],
+    /// `(n_point)` of the model in the same geometry, finite; empty where there is no model, and one panel is drawn.
+    pub model_mag: &'a [f64],
+}
+
+/// Draws measured magnitudes against phase angle, those of the model beside on the same axes, and the running medians of both in both; bright
+/// is up.
+///
+/// The axis of magnitudes holds at least 99.6 % of either; the caption has the number beyond.
+///
+/// # Errors
+/// No point, columns of unequal length, a value that is not finite, a phase angle that is none.
+pub fn phase_curve(input: &PhaseCurve<'_>) -> Result<Picture, PlotError> {
+    check("phase angles", input.phase_angle_rad)?;
+    check_length("measured magnitudes", input.measured_mag, input.phase_angle_rad.len())?;
+    let phase: Vec<f64> = input.phase_angle_rad.iter().map(|angle| angle.to_degrees()).collect();
+    if let Some(wrong) = phase.iter().find(|angle| !(0.0..=180.0).contains(*angle)) {
+        let (what, given) = ("phase angle".to_owned(), format!("{wrong}°"));
+        return Err(PlotError::OutOfRange { what, given, allowed: "0 to 180°" });
+    }
+    let mut panels = vec![("measured", MEASURED, input.measured_mag)];
+    if !input.model_mag.is_empty() {
+        check_length("magnitudes of the model", input.model_mag, phase.len())?;
+        panels.push(("model", MODEL, input.model_mag));
+    }
+    let ends = panels.iter().map(|(_, _, magnitudes)| {
+        let sorted = sorted(magnitudes);
+        (quantile(&sorted, PHASE_BEYOND), quantile(&sorted, 1.0 - PHASE_BEYOND))
+    });
+    let (bright, faint) =
+        ends.fold((f64::INFINITY, f64::NEG_INFINITY), |all, one| (all.0.min(one.0), all.1.max(one.1)));
+    let room = 0.05 * (faint - bright);
+    // Down to the faint: a single value has its room turned round as well.
+    let up = Axis::linear(bright - room, faint + room);
+    let y = Axis { from: up.to, to: up.from, is_log: false };
+    let (least, greatest) = phase.iter().fold((180.0_f64, 0.0_f64), |(low, high), x| (low.min(*x), high.max(*x)));
+    let room = 0.03 * (greatest - least);
+    let x = Axis::linear(least - room, greatest + room);
+
+    let width = if panels.len() == 1 { 640.0 } else { 560.0 };
+    let whole = 92.0 + panels.len() as f64 * (width + 20.0) + 8.0;
+    let mut picture = Picture::new(whole as usize, 660);
+    picture.text(input.title, (whole / 2.0, 28.0), 22.0, HPos::Center);
+    let medians: Vec<Vec<Stretch>> =
+        panels.iter().map(|(_, _, magnitudes)| running_band(&phase, magnitudes, &x, PHASE_BINS)).collect();
+    for (index, (name, colour, magnitudes)) in panels.iter().enumerate() {
+        let left = 92.0 + index as f64 * (width + 20.0);
+        let frame = Frame { sides: [left, 84.0, left + width, 540.0], x, y };
+        picture.paint(dots(&frame, &phase, magnitudes, mixed(*colour)));
+        let lines: Vec<(usize, Vec<_>)> = medians
+            .iter()
+            .enumerate()
+            .flat_map(|(of, all)| all.iter().map(move |stretch| (of, stretch)))
+            .map(|(of, stretch)| (of, stretch.iter().map(|(x, [_, median, _])| frame.at(*x, *median)).collect()))
+            .collect();
+        // Light lines below keep them apart from the points; below all of them, that none breaks another.
+        lines.iter().for_each(|(_, line)| picture.line(line, RGBColor(255, 255, 255).to_rgba(), 5.5));
+        for (of, line) in &lines {
+            match of {
+                0 => picture.line(line, MEASURED.to_rgba(), 3.0),
+                _ => picture.dashed(line, [10.0, 6.0], MODEL.to_rgba(), 3.0),
+            }
+        }
+        frame.draw(&mut picture, [true, index == 0]);
+        frame.name_x(&mut picture, "phase angle, °");
+        if index == 0 {
+            frame.name_y(&mut picture, input.magnitude_name, 60.0);
+        }
+        picture.text(name, (left + width / 2.0, 66.0), 19.0, HPos::Center);
+    }
+    let mut from = 30.0;
+    for ((name, colour, _), dash) in panels.iter().zip([[30.0, 0.1], [10.0, 6.0]]) {
+        picture.dashed(&[(from, 612.0), (from + 32.0, 612.0)], dash, colour.to_rgba(), 3.0);
+        from = picture.words(&format!("running median, {name}"), from + 42.0, 612.0);
+    }
+    let out = |magnitudes: &[f64]| magnitudes.iter().filter(|magnitude| !y.holds(**magnitude)).count();
+    let beyond = match panels.iter().map(|(_, _, magnitudes)| out(magnitudes)).sum() {
+        0 => String::new(),
+        beyond => format!("; {} beyond the axis", many(beyond, "magnitude", "magnitudes")),
+    };
+    picture.paragraph(&format!("n = {}{beyond}.", count(phase.len())), [30.0, whole - 30.0], 640.0, 16.0);
+    Ok(picture)
+}
+
+/// Half way to white: dots are lighter than the lines over them.
+fn mixed(colour: RGBColor) -> RGBColor {
+    let half = |channel: u8| channel / 2 + 127;
+    RGBColor(half(colour.0), half(colour.1), half(colour.2))
+}
+
+const DOT: RGBColor = RGBColor(120, 120, 120);
+const BAND: RGBColor = RGBColor(86, 180, 233);
+const MEDIAN: RGBColor = RGBColor(0, 114, 178);
+/// Bins of the running median.
+const PANEL_BINS: usize = 24;
+/// Share of the residuals that the axis may leave out at each end.
+const PANEL_BEYOND: f64 = 0.01;
+
+/// Residuals and their geometry.
+#[derive(Clone, Debug)]
+pub struct ResidualPanels<'a> {
+    /// Title.
+    pub title: &'a str,
+    /// `(n_point)` observed less computed magnitudes, finite, mag.
+    pub residuals_mag: &'a [f64],
+    /// `(n_point)` latitude of the Sun above the plane of the chassis, radians.
+    pub sun_latitude_rad: &'a [f64],
+    /// `(n_point)` longitude of the observer from the Sun's azimuth, folded or not, radians.
+    pub observer_longitude_rad: &'a [f64],
+    /// `(n_point)` latitude of the observer above the plane of the chassis, radians.
+    pub observer_latitude_rad: &'a [f64],
+    /// `(n_point)` Sun, satellite, observer, radians.
+    pub phase_angle_rad: &'a [f64],
+}
+
+/// Draws residuals against each of the four angles: points, running median, and the band from the quantile 0.16 to 0.84.
+///
+/// The axis of residuals is as long on both sides of 0 and holds at least 98 % of them; the caption has the number beyond. Bins of fewer than eight
+/// points have no median, and the line breaks there.
+///
+/// # Errors
+/// No residual, columns of unequal length, a value that is not finite.
+pub fn residual_panels(input: &ResidualPanels<'_>) -> Result<Picture, PlotError> {
+    let residuals = input.residuals_mag;
+    check("residuals", residuals)?;
+    let panels = [
+        ("latitude of the Sun, °", input.sun_latitude_rad),
+        ("longitude of the observer, °", input.observer_longitude_rad),
+        ("latitude of the observer, °", input.observer_latitude_rad),
+        ("phase angle, °", input.phase_angle_rad),
+    ];
+    let sorted = sorted(residuals);
+    let end = quantile(&sorted, PANEL_BEYOND).abs().max(quantile(&sorted, 1.0 - PANEL_BEYOND).abs());
+    let end = if end > 0.0 { 1.06 * end } else { 0.1 };
+    let y = Axis::linear(-end, end);
+
+    let mut picture = Picture::new(1180, 940);
+    picture.text(input.title, (590.0, 28.0), 22.0, HPos::Center);
+    for (index, (name, angles_rad)) in panels.into_iter().enumerate() {
+        check_length(name, angles_rad, residuals.len())?;
+        let angles: Vec<f64> = angles_rad.iter().map(|angle| angle.to_degrees()).collect();
+        let (low, high) = angles.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| (l.min(*x), h.max(*x)));
+        let room = 0.03 * (high - low);
+        let (left, top) = (92.0 + 544.0 * (index % 2) as f64, 60.0 + 410.0 * (index / 2) as f64);
+        let frame =
+            Frame { sides: [left, top, left + 520.0, top + 320.0], x: Axis::linear(low - room, high + room), y };
+        picture.paint(dots(&frame, &angles, residuals, DOT));
+        let band = running_band(&angles, residuals, &Axis::linear(low, high), PANEL_BINS);
+        let part = |stretch: &Stretch, k: usize| {
+            stretch.iter().map(|(x, quantiles)| frame.at(*x, quantiles[k])).collect::<Vec<_>>()
+        };
+        for stretch in band.iter().filter(|stretch| stretch.len() > 1) {
+            let back = part(stretch, 2).into_iter().rev();
+            picture.patch(part(stretch, 0).into_iter().chain(back).collect(), BAND.mix(0.45));
+        }
+        picture.line(&[frame.at(frame.x.from, 0.0), frame.at(frame.x.to, 0.0)], INK.mix(0.7), 1.2);
+        for stretch in &band {
+            picture.line(&part(stretch, 1), MEDIAN.to_rgba(), 3.0);
+        }
+        frame.draw(&mut picture, [true, index % 2 == 0]);
+        frame.name_x(&mut picture, name);
+        if index % 2 == 0 {
+            frame.name_y(&mut picture, "O−C, mag", 62.0);
+        }
+    }
+    picture.line(&[(30.0, 880.0), (62.0, 880.0)], MEDIAN.to_rgba(), 3.0);
+    let x = picture.words("running median", 72.0, 880.0);
+    picture.rectangle([x, 871.0, x + 32.0, 889.0], BAND.mix(0.6));
+    picture.words("16 to 84 %", x + 42.0, 880.0);
+    let beyond = match residuals.iter().filter(|value| !y.holds(**value)).count() {
+        0 => String::new(),
+        beyond => format!("; {} beyond the axis", count(beyond)),
+    };
+    let caption = format!("n = {}{beyond}. O−C above 0: observed fainter than computed.", count(residuals.len()));
+    picture.paragraph(&caption, [30.0, 1150.0], 912.0, 16.0);
+    Ok(picture)
+}

@@ -1,0 +1,134 @@
+//! Annotation of a schedule: results to add, edits of the original text, and the files written.
+
+use std::io::{self, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use super::super::error::{AnnotateError, ScheduleError};
+use super::super::formats::{ID, display};
+use crate::output::{AtomicFile, Provenance, Table};
+
+/// Column of the exposure identifier, omitted where the schedule has one.
+const ID_COLUMN: &str = "exposure_id";
+
+/// Results to add to a schedule.
+pub struct Annotation<'a> {
+    /// One row for each row of the schedule that is kept, in its order, from [`flag_table`](super::super::flag_table).
+    pub flags: &'a Table,
+    /// One row for each exposure and satellite, from [`streak_table`](super::super::streak_table).
+    pub streaks: &'a Table,
+    /// Provenance of both.
+    pub provenance: &'a Provenance,
+    /// Replaces an earlier annotation.
+    pub replace: bool,
+    /// For each row of the schedule, true if it is written; all rows if `None`.
+    pub keep: Option<&'a [bool]>,
+}
+
+impl Annotation<'_> {
+    /// Returns true if a row of the schedule is written.
+    pub(super) fn is_kept(&self, row: usize) -> bool {
+        self.keep.is_none_or(|keep| keep.get(row).copied().unwrap_or(false))
+    }
+
+    /// Checks that the file still has as many rows as were judged.
+    pub(super) fn check_rows(&self, input: &Path, rows: usize) -> Result<(), AnnotateError> {
+        let expected = self.keep.map_or(self.flags.rows.len(), <[bool]>::len);
+        if rows == expected {
+            return Ok(());
+        }
+        Err(AnnotateError::Changed { path: display(input), rows, flags: expected })
+    }
+
+    /// Returns the flags, without the exposure identifier if a column of the schedule has it.
+    pub(super) fn flags_for<'a>(&self, mut names: impl Iterator<Item = &'a str>) -> Table {
+        if names.any(|name| ID.contains(&name)) { self.flags.without(&[ID_COLUMN]) } else { self.flags.clone() }
+    }
+
+    /// Returns the indices of the columns of an earlier annotation.
+    ///
+    /// # Errors
+    /// There are such columns, and they must not be replaced.
+    pub(super) fn earlier_columns(
+        &self,
+        input: &Path,
+        names: &[String],
+        flags: &Table,
+    ) -> Result<Vec<usize>, AnnotateError> {
+        let is_flag = |name: &String| flags.columns.iter().any(|column| column.name == name);
+        let earlier: Vec<usize> = (0..names.len()).filter(|&index| is_flag(&names[index])).collect();
+        if earlier.is_empty() || self.replace {
+            return Ok(earlier);
+        }
+        let shown: Vec<&str> = earlier.iter().map(|&index| names[index].as_str()).collect();
+        Err(AnnotateError::AlreadyThere { path: display(input), what: format!("columns {}", shown.join(", ")) })
+    }
+}
+
+/// Returns the text of a schedule.
+pub(super) fn read_text(input: &Path) -> Result<String, AnnotateError> {
+    Ok(std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })?)
+}
+
+/// Insertions into a text and removals from it; all other bytes stay.
+#[derive(Default)]
+pub(super) struct Edits(Vec<(Range<usize>, String)>);
+
+impl Edits {
+    /// Inserts a text at a byte position.
+    pub fn insert(&mut self, at: usize, text: String) {
+        self.0.push((at..at, text));
+    }
+
+    /// Removes a byte range.
+    pub fn remove(&mut self, range: Range<usize>) {
+        self.0.push((range, String::new()));
+    }
+
+    /// Returns the edited text.
+    pub fn apply(mut self, text: &str) -> String {
+        // A removal may end where an insertion stands: the removal comes first. One that starts there comes after it.
+        self.0.sort_by_key(|(range, _)| (range.start, range.end));
+        let mut out = String::with_capacity(text.len() * 2);
+        let mut written = 0;
+        for (range, new) in self.0 {
+            out.push_str(&text[written..range.start.max(written)]);
+            out.push_str(&new);
+            written = written.max(range.end);
+        }
+        out.push_str(&text[written..]);
+        out
+    }
+}
+
+/// Returns the path of the file of streaks: `night.streaks.csv` for `night.csv`.
+pub(super) fn streaks_path(output: &Path, extension: &str) -> PathBuf {
+    let mut name = output.file_stem().unwrap_or_default().to_owned();
+    name.push(".streaks.");
+    name.push(extension);
+    output.with_file_name(name)
+}
+
+/// Creates a file with its contents, not yet renamed to its path.
+pub(super) fn write_new(
+    path: &Path,
+    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<AtomicFile, AnnotateError> {
+    let error = |source| AnnotateError::Write { path: display(path), source };
+    let file = AtomicFile::new(path).map_err(error)?;
+    let mut out = io::BufWriter::new(file.file());
+    write(&mut out).and_then(|()| out.flush()).map_err(error)?;
+    drop(out);
+    Ok(file)
+}
+
+/// Renames files to their paths, the annotated schedule last. Returns the paths, the schedule first.
+pub(super) fn finish(files: Vec<(AtomicFile, PathBuf)>) -> Result<Vec<PathBuf>, AnnotateError> {
+    let mut written = Vec::new();
+    for (file, path) in files {
+        file.finish().map_err(|source| AnnotateError::Write { path: display(&path), source })?;
+        written.push(path);
+    }
+    written.reverse();
+    Ok(written)
+}

@@ -1,0 +1,356 @@
+//! Tables of exposures, of flags (one row for each exposure) and of streaks (one row for each exposure and satellite).
+
+use crate::elements::ElementSet;
+use crate::frames::seconds_after;
+use crate::images::{Telescope, effective_magnitude, surface_brightness_mag_arcsec2};
+use crate::output::{Column, Kind, Table, TableField, Value};
+use crate::passes::{Chord, Exposure, FieldPass, TrackPoint};
+use crate::photometry::{Brightness, PhotometryOptions};
+
+use super::exposure_flag::ExposureFlag;
+
+/// Returns exposures as a table, in their order: `id, start_utc, duration_s, ra_deg, dec_deg, rotation_deg`.
+pub fn exposure_table<'a>(exposures: impl IntoIterator<Item = &'a Exposure>) -> Table {
+    let row = |exposure: &Exposure| {
+        vec![
+            exposure.id.as_str().into(),
+            exposure.start.into(),
+            exposure.duration_s.into(),
+            exposure.pointing.longitude_rad().to_degrees().into(),
+            exposure.pointing.latitude_rad().to_degrees().into(),
+            exposure.rotation_rad.to_degrees().into(),
+        ]
+    };
+    Table {
+        columns: vec![
+            Column::new("id", Kind::Text, "The schedule's name of the exposure."),
+            Column::time("start_utc", "Shutter opening."),
+            Column::real("duration_s", "s", 3, "Length of the exposure."),
+            Column::real("ra_deg", "deg", 7, "Right ascension of the field's centre, ICRS."),
+            Column::real("dec_deg", "deg", 7, "Declination of the field's centre."),
+            Column::real("rotation_deg", "deg", 4, "Position angle of the field's y axis."),
+        ],
+        rows: exposures.into_iter().map(row).collect(),
+    }
+}
+
+/// Returns flags as a table, in their order.
+pub fn flag_table(flags: &[ExposureFlag]) -> Table {
+    Table::from_records(&flag_fields(), flags)
+}
+
+fn flag_fields() -> Vec<TableField<ExposureFlag>> {
+    let field = TableField::<ExposureFlag>::new;
+    vec![
+        field(Column::new("exposure_id", Kind::Text, "The schedule's name of the exposure."), |flag| {
+            flag.exposure_id.as_str().into()
+        }),
+        field(
+            Column::new("verdict", Kind::Text, "clear, streaked, avoid, or invalid where it cannot be judged."),
+            |flag| flag.verdict.name().into(),
+        ),
+        field(
+            Column::new("n_streaks", Kind::Integer, "Lit satellites whose nominal tracks cross the field."),
+            |flag| flag.n_streaks.into(),
+        ),
+        field(
+            Column::real("brightest_mag", "mag", 3, "Brightest magnitude that any of them reaches in the field."),
+            |flag| flag.brightest_mag.into(),
+        ),
+        field(
+            Column::real(
+                "expected_lost_pixel_fraction",
+                "",
+                6,
+                "Share of the field's pixels expected lost; empty without a telescope.",
+            ),
+            |flag| flag.expected_lost_pixel_fraction.into(),
+        ),
+        field(
+            Column::real("p_any", "", 4, "Probability that at least one lit satellite crosses, near misses included."),
+            |flag| flag.p_any.into(),
+        ),
+        field(Column::real("streak_length_deg", "deg", 4, "Length of all nominal lit streaks in the field."), |flag| {
+            flag.streak_length_deg.into()
+        }),
+        field(Column::new("reasons", Kind::List { separator: "; " }, "Why the verdict is what it is."), |flag| {
+            Value::List(flag.reasons.clone())
+        }),
+        field(
+            Column {
+                kind: Kind::Time { decimals: 3 },
+                ..Column::time(
+                    "next_clear_start_utc",
+                    "Earliest start from the scheduled one on that is clear; empty where there is none in time.",
+                )
+            },
+            |flag| flag.next_clear_start.into(),
+        ),
+        field(Column::real("delay_s", "s", 3, "How much later than scheduled that is."), |flag| flag.delay_s.into()),
+        field(
+            Column::new(
+                "norad_ids",
+                Kind::List { separator: " " },
+                "Catalogue numbers of the lit crossings in order of entry.",
+            ),
+            |flag| Value::Integers(flag.norad_ids.iter().map(|id| i64::from(id.0)).collect()),
+        ),
+    ]
+}
+
+/// Pass with the data of its row in a table of streaks.
+#[derive(Copy, Clone)]
+pub struct StreakRow<'a> {
+    /// The exposure it crosses.
+    pub exposure: &'a Exposure,
+    /// The pass.
+    pub pass: &'a FieldPass,
+    /// Its element set.
+    pub elements: &'a ElementSet,
+    /// Largest extent of the satellite, metres.
+    pub satellite_size_m: f64,
+    /// The telescope; without one, width, surface brightness and effective magnitude are empty.
+    pub telescope: Option<&'a Telescope>,
+    /// Band and system of the magnitudes.
+    pub photometry: &'a PhotometryOptions,
+}
+
+/// Returns passes as a table, in their order.
+///
+/// `chords` adds the intervals inside the field, `samples` the points along the track, if any were computed.
+pub fn streak_table<'a>(rows: impl IntoIterator<Item = StreakRow<'a>>, chords: bool, samples: bool) -> Table {
+    let mut fields = streak_fields();
+    if chords {
+        fields.extend(nested_fields());
+    }
+    if samples {
+        fields.push(samples_field());
+    }
+    Table::from_records(&fields, rows)
+}
+
+const CHORDS: &[Column] = &[
+    Column::time("enter_utc", "Entry into one stretch of the field."),
+    Column::time("exit_utc", "Exit from it."),
+    Column::real("enter_s", "s", 3, "Entry after shutter opening."),
+    Column::real("exit_s", "s", 3, "Exit after shutter opening."),
+];
+
+const SAMPLES: &[Column] = &[
+    Column::time("utc", "Moment of reception."),
+    Column::real("ra_deg", "deg", 7, "Right ascension, ICRS astrometric topocentric."),
+    Column::real("dec_deg", "deg", 7, "Declination."),
+    Column::real("altitude_deg", "deg", 4, "Altitude without refraction."),
+    Column::real("azimuth_deg", "deg", 4, "Azimuth from north through east."),
+    Column::real("range_km", "km", 3, "Distance from the observer."),
+    Column::real("magnitude", "mag", 3, "Apparent magnitude."),
+    Column::real("magnitude_sigma", "mag", 3, "One sigma of it."),
+];
+
+fn streak_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
+    let field = TableField::<StreakRow<'a>>::new;
+    vec![
+        field(Column::new("exposure_id", Kind::Text, "The schedule's name of the exposure."), |row| {
+            row.exposure.id.as_str().into()
+        }),
+        field(Column::new("norad_id", Kind::Integer, "NORAD catalogue number."), |row| {
+            i64::from(row.pass.norad_id.0).into()
+        }),
+        field(Column::new("name", Kind::Text, "Name in the element set."), |row| Value::nonempty(&row.elements.name)),
+        field(Column::new("international_designator", Kind::Text, "COSPAR designator."), |row| {
+            Value::nonempty(&row.elements.international_designator)
+        }),
+        field(Column::time("enter_utc", "Entry into the field, or shutter opening."), |row| {
+            row.pass.enter.epoch.into()
+        }),
+        field(Column::time("mid_utc", "Half way in time between entry and exit."), |row| row.pass.mid.epoch.into()),
+        field(Column::time("exit_utc", "Exit from the field, or shutter closing."), |row| row.pass.exit.epoch.into()),
+        field(
+            Column::real("enter_ra_deg", "deg", 7, "Right ascension at entry, ICRS astrometric topocentric."),
+            |row| ra_deg(&row.pass.enter),
+        ),
+        field(Column::real("enter_dec_deg", "deg", 7, "Declination at entry."), |row| dec_deg(&row.pass.enter)),
+        field(Column::real("mid_ra_deg", "deg", 7, "Right ascension at mid."), |row| ra_deg(&row.pass.mid)),
+        field(Column::real("mid_dec_deg", "deg", 7, "Declination at mid."), |row| dec_deg(&row.pass.mid)),
+        field(Column::real("exit_ra_deg", "deg", 7, "Right ascension at exit."), |row| ra_deg(&row.pass.exit)),
+        field(Column::real("exit_dec_deg", "deg", 7, "Declination at exit."), |row| dec_deg(&row.pass.exit)),
+        field(Column::real("min_separation_deg", "deg", 6, "Least angle between track and field centre."), |row| {
+            row.pass.min_separation_rad.to_degrees().into()
+        }),
+        field(Column::real("streak_length_deg", "deg", 6, "Length of the streak inside the field."), |row| {
+            row.pass.streak_length_rad.to_degrees().into()
+        }),
+        field(
+            Column::real("position_angle_deg", "deg", 4, "Direction of motion at mid, from north through east."),
+            |row| row.pass.position_angle_rad.to_degrees().into(),
+        ),
+        field(Column::real("angular_rate_deg_s", "deg / s", 6, "Speed on the sky at mid."), |row| {
+            row.pass.angular_rate_rad_s.to_degrees().into()
+        }),
+        field(Column::real("altitude_deg", "deg", 4, "Altitude at mid, without refraction."), |row| {
+            degrees(row.pass.mid.altitude_rad)
+        }),
+        field(Column::real("azimuth_deg", "deg", 4, "Azimuth at mid, from north through east."), |row| {
+            degrees(row.pass.mid.azimuth_rad)
+        }),
+        field(Column::real("range_km", "km", 3, "Distance from the observer at mid."), |row| {
+            row.pass.mid.range_km.into()
+        }),
+        field(Column::real("height_km", "km", 3, "Distance from the Earth's centre at mid less 6378.137 km."), |row| {
+            row.pass.mid.geometry.height_km.into()
+        }),
+        field(Column::real("phase_angle_deg", "deg", 4, "Sun-satellite-observer angle at mid."), |row| {
+            row.pass.mid.geometry.phase_angle_rad().to_degrees().into()
+        }),
+        field(Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra, at mid."), |row| {
+            row.pass.mid.illumination.name().into()
+        }),
+        field(Column::real("lit_fraction", "", 4, "Share of the Sun's disk that the satellite sees at mid."), |row| {
+            row.pass.mid.illumination.lit_fraction().into()
+        }),
+        field(
+            Column::real("magnitude", "mag", 3, "Apparent magnitude at mid, steady; empty where nothing is seen."),
+            |row| magnitude(&row.pass.mid),
+        ),
+        field(Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."), |row| sigma(&row.pass.mid)),
+        field(Column::real("magnitude_peak", "mag", 3, "Brightest magnitude along the track."), |row| {
+            row.pass.peak.as_ref().map_or(Value::Null, magnitude)
+        }),
+        field(Column::new("band", Kind::Text, "Passband of the magnitudes."), |row| row.photometry.band.name().into()),
+        field(Column::new("mag_system", Kind::Text, "Zero point of the magnitudes."), |row| {
+            row.photometry.system.to_string().into()
+        }),
+        field(Column::new("mag_source", Kind::Text, "What the magnitude rests on."), |row| {
+            shown(row).map(|brightness| brightness.source.to_string()).into()
+        }),
+        field(
+            Column::real(
+                "effective_magnitude",
+                "mag",
+                3,
+                "Magnitude of a star as bright per area as the streak, same exposure.",
+            ),
+            |row| streak(row).map(|streak| streak.effective_magnitude).into(),
+        ),
+        field(
+            Column::real(
+                "surface_brightness_mag_arcsec2",
+                "mag / arcsec2",
+                3,
+                "Surface brightness of the streak, averaged over the exposure.",
+            ),
+            |row| streak(row).map(|streak| streak.surface_brightness).into(),
+        ),
+        field(Column::real("width_arcsec", "arcsec", 3, "Width of the streak: seeing, defocus and size."), |row| {
+            row.telescope.map(|telescope| width_arcsec(row, telescope)).into()
+        }),
+        field(
+            Column::real(
+                "element_age_days",
+                "d",
+                4,
+                "Exposure less epoch of the elements; positive where the exposure is later.",
+            ),
+            |row| row.pass.element_age_days.into(),
+        ),
+        field(Column::real("along_track_sigma_s", "s", 4, "One-sigma error along the track as time."), |row| {
+            row.pass.along_track_sigma_s.into()
+        }),
+        field(
+            Column::real("cross_track_sigma_deg", "deg", 6, "One-sigma error across the track as seen from the site."),
+            |row| row.pass.cross_track_sigma_rad.to_degrees().into(),
+        ),
+        field(
+            Column::real("probability", "", 4, "Probability that the satellite crosses, given those errors."),
+            |row| row.pass.probability.into(),
+        ),
+    ]
+}
+
+/// Columns that by default only formats with nested tables contain: scripts rely on the columns of the other formats.
+fn nested_fields<'a>() -> Vec<TableField<StreakRow<'a>>> {
+    let field = TableField::<StreakRow<'a>>::new;
+    vec![
+        field(
+            Column::new(
+                "in_fitted_range",
+                Kind::Boolean,
+                "False where the model is asked beyond the geometry it rests on, and the sigma is wide; empty without a magnitude.",
+            ),
+            |row| shown(row).map(|brightness| Value::Boolean(brightness.in_fitted_range)).unwrap_or(Value::Null),
+        ),
+        field(Column::new("chords", Kind::Rows(CHORDS), "Stretches of the track inside the field."), |row| {
+            let opening = row.exposure.start;
+            let chord = |chord: &Chord| {
+                let moment = |seconds| seconds_after(opening, seconds).into();
+                vec![moment(chord.enter_s), moment(chord.exit_s), chord.enter_s.into(), chord.exit_s.into()]
+            };
+            Value::Rows(row.pass.chords.iter().map(chord).collect())
+        }),
+    ]
+}
+
+fn samples_field<'a>() -> TableField<StreakRow<'a>> {
+    TableField::new(Column::new("samples", Kind::Rows(SAMPLES), "Points along the track."), |row| {
+        let sample = |point: &TrackPoint| {
+            vec![
+                point.epoch.into(),
+                ra_deg(point),
+                dec_deg(point),
+                degrees(point.altitude_rad),
+                degrees(point.azimuth_rad),
+                point.range_km.into(),
+                magnitude(point),
+                sigma(point),
+            ]
+        };
+        Value::Rows(row.pass.samples.iter().map(sample).collect())
+    })
+}
+
+struct Streak {
+    effective_magnitude: f64,
+    surface_brightness: f64,
+}
+
+fn streak(row: &StreakRow<'_>) -> Option<Streak> {
+    let telescope = row.telescope?;
+    let magnitude = row.pass.mid.brightness.as_ref()?.magnitude.0;
+    let width_arcsec = width_arcsec(row, telescope);
+    let rate_arcsec_s = row.pass.angular_rate_rad_s.to_degrees() * 3600.0;
+    let exposure_s = row.exposure.duration_s;
+    Some(Streak {
+        effective_magnitude: effective_magnitude(magnitude, width_arcsec, rate_arcsec_s, exposure_s),
+        surface_brightness: surface_brightness_mag_arcsec2(magnitude, width_arcsec, rate_arcsec_s, exposure_s),
+    })
+}
+
+fn width_arcsec(row: &StreakRow<'_>, telescope: &Telescope) -> f64 {
+    telescope.width_arcsec(row.pass.mid.range_km, row.satellite_size_m)
+}
+
+/// Returns the brightness at mid, else at the peak.
+fn shown<'a>(row: &StreakRow<'a>) -> Option<&'a Brightness> {
+    let at_peak = || row.pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
+    row.pass.mid.brightness.as_ref().or_else(at_peak)
+}
+
+fn degrees(radians: Option<f64>) -> Value {
+    radians.map(f64::to_degrees).into()
+}
+
+fn ra_deg(point: &TrackPoint) -> Value {
+    point.direction.longitude_rad().to_degrees().into()
+}
+
+fn dec_deg(point: &TrackPoint) -> Value {
+    point.direction.latitude_rad().to_degrees().into()
+}
+
+fn magnitude(point: &TrackPoint) -> Value {
+    point.brightness.as_ref().map(|brightness| brightness.magnitude.0).into()
+}
+
+fn sigma(point: &TrackPoint) -> Value {
+    point.brightness.as_ref().map(|brightness| brightness.sigma_mag).into()
+}
