@@ -297,7 +297,7 @@ fn failed(path: &Path, status: c_int) -> FrameError {
     buffer = [0; MESSAGE_LENGTH];
     // SAFETY: messages are at most 80 characters long.
     if unsafe { ffgmsg(buffer.as_mut_ptr()) } != 0 {
-        message = format!("{message}: {}", text_of(&buffer));
+        message = format!("{message}: {}", text_of(&buffer).trim_end_matches(':'));
     }
     if status == WRITE_ERROR {
         message.push_str("; is the disk full?");

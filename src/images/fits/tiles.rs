@@ -33,8 +33,9 @@ use super::tile_table::{COMPRESSED, GZIPPED, TileTable};
 const QUANTISED_BLANK: f64 = -2_147_483_648.0;
 const QUANTISED_ZERO: f64 = -2_147_483_646.0;
 
-/// Quantised pixels stay between these, beside the reserved numbers.
-const QUANTISED_RANGE: (f64, f64) = (-2_147_483_600.0, 2_147_483_600.0);
+/// Quantised pixels stay between these. CFITSIO puts the least pixel of a tile ten numbers above the reserved ones, so that the lower
+/// limit is next to them.
+const QUANTISED_RANGE: (f64, f64) = (-2_147_483_645.0, 2_147_483_600.0);
 
 /// The table of an image whose touched tiles are packed again: where its bytes are.
 #[derive(Debug)]
