@@ -269,8 +269,8 @@ fn real_text(number: f64) -> String {
     format!("{mantissa}{point}E{exponent}")
 }
 
-/// ASCII alone.
-fn plain(text: &str) -> String {
+/// Text with `?` in place of what is not ASCII.
+pub(super) fn plain(text: &str) -> String {
     text.chars().map(|c| if (' '..='~').contains(&c) { c } else { '?' }).collect()
 }
 

@@ -24,7 +24,7 @@ pub use exposure::{Calibration, CountBasis, ExposureError, ExposureTime, PixelUn
 #[cfg(feature = "fits")]
 pub use fits::{
     Bitpix, Cells, Changed, FrameCopy, FrameError, FrameFile, HduInfo, HduKind, ImageValues, NewImage, PixelFormat,
-    Pixels, Rice, TableColumn, write_frame,
+    Pixels, Rice, TableColumn, write_frame, write_table,
 };
 pub use header::Header;
 pub use light_area::LightArea;

@@ -8,9 +8,7 @@
 use std::fs;
 use std::path::Path;
 
-use fitsio::FitsFile;
-use fitsio::tables::{ColumnDataType, ColumnDescription};
-
+use crate::images::{Card, CardValue, Cells, TableColumn, write_table};
 use crate::math::healpix::cell_count;
 use crate::output::ScratchFolder;
 
@@ -24,9 +22,6 @@ use super::sky::SkyMap;
 /// What HEALPix holds for missing data.
 const BAD_DATA: f64 = -1.6375e30;
 
-/// FITS files are made of blocks of this many bytes.
-const BLOCK: u64 = 2880;
-
 /// A column: name, unit, and for each cell its value.
 type CellColumn<'a> = (&'static str, &'static str, Box<dyn Fn(usize) -> Option<f64> + 'a>);
 
@@ -36,8 +31,8 @@ impl BodyMap {
     /// CFITSIO works on files alone: one is made in the folder `scratch` and removed.
     ///
     /// # Errors
-    /// [`MapError::Fits`] where the grid is none of HEALPix, and for whatever CFITSIO reports; [`MapError::Scratch`] where `scratch` cannot be written
-    /// to, or its name holds characters that CFITSIO takes for its own syntax.
+    /// [`MapError::Fits`] where the grid is none of HEALPix, and for whatever CFITSIO reports; [`MapError::Scratch`] where `scratch` cannot
+    /// be written to.
     pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
         let magnitude = |index: usize| self.points[index].standard_magnitude.map(|magnitude| magnitude.0);
         let columns: [CellColumn<'_>; 1] = [("standard_magnitude", "mag", Box::new(magnitude))];
@@ -80,71 +75,50 @@ fn to_fits(
 ) -> Result<Vec<u8>, MapError> {
     let no_cells = || MapError::Fits("a map of steps has no HEALPix cells; make it with an nside".to_owned());
     let nside = grid.nside().ok_or_else(no_cells)?;
-    let of_scratch = |why: &dyn std::fmt::Display| MapError::Scratch(format!("folder {}: {why}", scratch.display()));
     // Its errors name the folder.
     let folder = ScratchFolder::new(scratch).map_err(|error| MapError::Scratch(error.to_string()))?;
     let path = folder.path().join("map.fits");
-    // CFITSIO reads a name as an expression: filters in brackets, templates, protocols, pipes.
-    let is_plain = |text: &str| !text.contains(['[', ']', '(', ')', '!', '*', '?', '+', '|', '@', ':']);
-    if !path.to_str().is_some_and(is_plain) {
-        return Err(of_scratch(&"its name holds one of []()!*?+|@: or is no UTF-8"));
-    }
-    write(&path, nside, facts, columns, &cells.collect::<Vec<_>>())
-        .map_err(|error| MapError::Fits(error.to_string()))?;
-    let bytes = fs::read(&path).map_err(|error| of_scratch(&error))?;
-    // Closing tells of no failure; a full disk shows here.
-    let rows = cell_count(nside) * 8 * columns.len() as u64;
-    let length = bytes.len() as u64;
-    if length < rows + 2 * BLOCK || !length.is_multiple_of(BLOCK) {
-        return Err(of_scratch(&format_args!("the file broke off at {length} bytes; is the disk full?")));
-    }
-    Ok(bytes)
-}
-
-fn write(
-    path: &Path,
-    nside: u32,
-    facts: &[Fact],
-    columns: &[CellColumn<'_>],
-    cells: &[Option<u64>],
-) -> Result<(), fitsio::errors::Error> {
-    let mut file = FitsFile::create(path).open()?;
-    let described = columns
-        .iter()
-        .map(|(name, ..)| ColumnDescription::new(*name).with_type(ColumnDataType::Double).create())
-        .collect::<Result<Vec<_>, _>>()?;
-    let hdu = file.create_table("HEALPIX", &described)?;
-    let count = cell_count(nside);
-    let head = [("PIXTYPE", "HEALPIX", "HEALPix cells"), ("ORDERING", "RING", "order of the cells")];
-    for (keyword, value, comment) in head {
-        hdu.write_key(&mut file, keyword, (value, comment))?;
-    }
-    hdu.write_key(&mut file, "NSIDE", (i64::from(nside), "division of the base cells"))?;
-    hdu.write_key(&mut file, "FIRSTPIX", (0_i64, "first cell"))?;
-    hdu.write_key(&mut file, "LASTPIX", (count as i64 - 1, "last cell"))?;
-    hdu.write_key(&mut file, "INDXSCHM", ("IMPLICIT", "row is the number of the cell"))?;
-    hdu.write_key(&mut file, "OBJECT", ("FULLSKY", "every cell has its row"))?;
-    hdu.write_key(&mut file, "BAD_DATA", (BAD_DATA, "nothing lit is seen, or not in this half"))?;
-    for (number, (_, unit, _)) in columns.iter().enumerate() {
-        hdu.write_key(&mut file, &format!("TUNIT{}", number + 1), (*unit, "unit"))?;
-    }
-    let version = concat!("streakcast ", env!("CARGO_PKG_VERSION"));
-    hdu.write_key(&mut file, "CREATOR", (version, "software"))?;
-    for fact in facts {
-        match &fact.value {
-            FactValue::Text(text) => hdu.write_key(&mut file, fact.keyword, (card_text(text), fact.comment))?,
-            FactValue::Real(number) => hdu.write_key(&mut file, fact.keyword, (*number, fact.comment))?,
-        }
-    }
-    for (name, _, value) in columns {
-        let mut rows = vec![BAD_DATA; count as usize];
+    let cells: Vec<Option<u64>> = cells.collect();
+    let count = cell_count(nside) as usize;
+    let column = |(name, unit, value): &CellColumn<'_>| {
+        let mut rows = vec![BAD_DATA; count];
         for (index, cell) in cells.iter().enumerate() {
             let place = cell.and_then(|cell| rows.get_mut(cell as usize));
             if let (Some(place), Some(value)) = (place, value(index)) {
                 *place = value;
             }
         }
-        hdu.write_col(&mut file, *name, &rows)?;
-    }
-    Ok(())
+        TableColumn {
+            name: (*name).to_owned(),
+            unit: (*unit).to_owned(),
+            meaning: String::new(),
+            cells: Cells::Real(rows),
+        }
+    };
+    let columns: Vec<TableColumn> = columns.iter().map(column).collect();
+    write_table(&path, "HEALPIX", &columns, &cards(nside, facts)).map_err(|error| MapError::Fits(error.to_string()))?;
+    fs::read(&path).map_err(|error| MapError::Scratch(format!("folder {}: {error}", scratch.display())))
+}
+
+fn cards(nside: u32, facts: &[Fact]) -> Vec<Card> {
+    let version = concat!("streakcast ", env!("CARGO_PKG_VERSION"));
+    let mut values: Vec<(&str, CardValue, &str)> = vec![
+        ("PIXTYPE", "HEALPIX".into(), "HEALPix cells"),
+        ("ORDERING", "RING".into(), "order of the cells"),
+        ("NSIDE", i64::from(nside).into(), "division of the base cells"),
+        ("FIRSTPIX", 0_i64.into(), "first cell"),
+        ("LASTPIX", (cell_count(nside) as i64 - 1).into(), "last cell"),
+        ("INDXSCHM", "IMPLICIT".into(), "row is the number of the cell"),
+        ("OBJECT", "FULLSKY".into(), "every cell has its row"),
+        ("BAD_DATA", BAD_DATA.into(), "nothing lit is seen, or not in this half"),
+        ("CREATOR", version.into(), "software"),
+    ];
+    values.extend(facts.iter().map(|fact| {
+        let value = match &fact.value {
+            FactValue::Text(text) => CardValue::Text(card_text(text)),
+            FactValue::Real(number) => (*number).into(),
+        };
+        (fact.keyword, value, fact.comment)
+    }));
+    values.iter().flat_map(|(keyword, value, comment)| Card::with_value(keyword, value, comment)).collect()
 }

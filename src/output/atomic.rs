@@ -57,6 +57,16 @@ impl AtomicFile {
         self.temporary.path()
     }
 
+    /// Takes a file of the same folder in place of what was written so far.
+    ///
+    /// # Errors
+    /// The file cannot be renamed or opened.
+    pub fn take(&mut self, made: &Path) -> io::Result<()> {
+        std::fs::rename(made, self.path())?;
+        *self.temporary.as_file_mut() = File::options().read(true).write(true).open(self.path())?;
+        Ok(())
+    }
+
     /// Returns true if another file stands at the target.
     pub fn is_replacing(&self) -> bool {
         self.target.symlink_metadata().is_ok()

@@ -476,7 +476,10 @@ fn verif_no_room_and_no_right_to_write_leave_no_output() {
         .unwrap();
     let stderr = String::from_utf8_lossy(&full.stderr).into_owned();
     assert!(!full.status.success() && full.status.code() == Some(2), "{:?} {stderr}", full.status);
-    assert!(stderr.lines().count() == 1 && stderr.contains("out.fits") && stderr.contains("too large"), "{stderr}");
+    assert!(
+        stderr.lines().count() == 1 && stderr.contains("out.fits") && stderr.contains("is the disk full?"),
+        "{stderr}"
+    );
     assert_eq!(fs::read_to_string(&output).unwrap(), "an older file", "what stood there stands there");
     // Permissions do not hold for root; nobody makes files in /proc.
     let (code, stdout, stderr) = run(&[&["inject", "--image", &plain, "-o", "/proc/out.fits"], &asked]);

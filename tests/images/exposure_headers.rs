@@ -196,3 +196,10 @@ fn valid_real_headers() {
     assert!((calibration.gain_e_adu.expect("a gain").value - 4.031).abs() < 1e-9);
     assert_eq!(calibration.band.expect("a band").value, "g DECam SDSS c0001 4720.0 1520.0");
 }
+
+/// Sums of such a length with an epoch are beyond any calendar.
+#[test]
+fn verif_an_exposure_of_ages_is_refused() {
+    let error = time("DATE-OBS= '2024-08-14T00:00:00'\nEXPTIME =  9223372036854775807").expect_err("refused");
+    assert!(error.contains("EXPTIME is 9223372036854776000 s") && error.contains("at most 10000000 s"), "{error}");
+}

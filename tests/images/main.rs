@@ -10,6 +10,8 @@ mod frame_copies;
 #[cfg(feature = "fits")]
 mod frame_files;
 #[cfg(feature = "fits")]
+mod frame_hostile;
+#[cfg(feature = "fits")]
 mod streak_real;
 mod streaks;
 mod wcs;

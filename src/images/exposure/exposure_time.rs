@@ -58,6 +58,9 @@ pub struct ExposureTime {
     pub duration_from: String,
 }
 
+/// Longest exposure, s: 115 days, beyond any sum of exposures.
+const LONGEST_S: f64 = 1e7;
+
 /// A header that does not say when its exposure was, or says it twice and differently.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExposureError {
@@ -127,6 +130,14 @@ pub enum ExposureError {
         /// Its length, s.
         second_s: f64,
     },
+    /// A length of more than 1e7 s.
+    #[error("{keyword} is {seconds} s: allowed are exposures of at most {LONGEST_S} s")]
+    TooLong {
+        /// The keyword.
+        keyword: String,
+        /// The length, s.
+        seconds: f64,
+    },
     /// A length of nothing or less.
     #[error("{keyword} is {seconds} s: a streak needs an exposure longer than 0 s (a bias frame?)")]
     NotPositive {
@@ -191,6 +202,9 @@ fn duration(keywords: Keywords<'_>) -> Result<(f64, String), ExposureError> {
     let (seconds, name) = lengths.next().ok_or(ExposureError::NoLength)?;
     if !(seconds > 0.0 && seconds.is_finite()) {
         return Err(ExposureError::NotPositive { keyword: name, seconds });
+    }
+    if seconds > LONGEST_S {
+        return Err(ExposureError::TooLong { keyword: name, seconds });
     }
     match lengths.find(|(other, _)| (other - seconds).abs() > LENGTH_SLACK_S + LENGTH_SLACK * seconds) {
         Some((second_s, second)) => {

@@ -3,6 +3,8 @@
 use std::io;
 use std::path::{Path, PathBuf};
 
+use super::tile_table::Refused;
+
 /// A file that is no frame, or cannot be read or written. Every one names the file; whatever happens, the input stays as it is and no half output appears.
 #[derive(Debug, thiserror::Error)]
 pub enum FrameError {
@@ -56,7 +58,7 @@ pub enum FrameError {
         /// What stands there; "missing" where nothing does.
         value: String,
         /// What may stand there.
-        allowed: &'static str,
+        allowed: String,
     },
     /// Bytes between or behind HDUs that belong to none.
     #[error("{}: at byte {at}, behind HDU {hdu}, no header begins ({begin:?}); are its NAXISn right?", path.display())]
@@ -147,7 +149,20 @@ pub enum FrameError {
 }
 
 impl FrameError {
-    /// What the system said of a file.
+    /// A value of a header that is not allowed.
+    pub(super) fn refused(path: &Path, hdu: usize, (keyword, value, allowed): Refused) -> Self {
+        Self::Keyword { path: path.to_owned(), hdu, keyword, value, allowed }
+    }
+
+    /// The same error of CFITSIO with the name of the file that was meant.
+    pub(super) fn of_file(self, path: &Path) -> Self {
+        match self {
+            Self::Cfitsio { status, message, .. } => Self::Cfitsio { path: path.to_owned(), status, message },
+            other => other,
+        }
+    }
+
+    /// Error of the system with a file.
     pub(super) fn io(path: &Path) -> impl Fn(io::Error) -> Self + '_ {
         |source| Self::Io { path: path.to_owned(), source }
     }

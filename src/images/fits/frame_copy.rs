@@ -1,31 +1,39 @@
 //! A copy of a frame with changes.
+//!
+//! The copy is written in one pass: headers, changed pixels of images that are not compressed, and everything else as it is. CFITSIO
+//! changes compressed tiles (`tiles`) and makes new HDUs (`new_hdu`) in scratch files whose bytes are put in, and computes checksums.
+//! It does not edit the copy itself: for 64 MB of f32 with five streaks that takes 87 to 110 ms (32 ms for the copy, 55 to 78 ms for the
+//! pixels) and 160 ms more where a header grows by a block, against 32 ms of `cp`; and it rewrites the padding of HDUs on its way.
 
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{self, Seek, SeekFrom, Write};
+use std::io::{self, Read, Seek, SeekFrom, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
-use crate::output::AtomicFile;
+use crate::output::{AtomicFile, ScratchFolder};
 
 use super::super::card::{Card, CardValue};
 use super::super::header::Header;
-use super::cfitsio::Rice;
-use super::changed::Changed;
-use super::checksum;
+use super::cfitsio::{Handle, Rice, checksum_text};
+use super::changed::{Changed, Outcome};
+use super::deltas::Deltas;
 use super::error::FrameError;
 use super::frame_file::FrameFile;
+use super::hdu::{BLOCK, HduInfo, HduKind, padded};
 use super::image_values::ImageValues;
-use super::new_frame::folder_of;
-use super::new_hdu::{self, NewHdu, Place, TableColumn};
-use super::output::{copy_range, has_sums, header_bytes, pad, pad_byte, sealed, write_hdu};
-use super::pixel_edit::PixelEdit;
+use super::new_hdu::{NewHdu, TableColumn, create, folder_of};
+use super::tiles::{Repacked, repack};
+
+/// Bytes that are changed and written at once: whole pixels of every type.
+const CHUNK: usize = 1 << 18;
 
 /// A copy of a frame in the making: every byte that is not changed is that of the input.
 ///
-/// Changes are gathered in memory (the touched pixels alone) and written by [`finish`](FrameCopy::finish). Headers keep their cards and their order;
-/// CHECKSUM and DATASUM are made right where they stand in an HDU that changed, and EXTEND = F where extensions came. Dropped without `finish`, nothing is left behind.
+/// Changes are gathered in memory and written by [`finish`](FrameCopy::finish). Headers keep their cards and their order; CHECKSUM and
+/// DATASUM are updated where they stand in an HDU that changed, and EXTEND = F where extensions came. Dropped without `finish`, nothing
+/// is left behind.
 #[derive(Debug)]
 pub struct FrameCopy<'a> {
     source: FrameFile,
@@ -33,8 +41,8 @@ pub struct FrameCopy<'a> {
     target: PathBuf,
     output: AtomicFile,
     headers: BTreeMap<usize, Header>,
-    pixels: BTreeMap<usize, PixelEdit<'a>>,
-    appended: Vec<NewHdu>,
+    light: BTreeMap<usize, Deltas<'a>>,
+    appended: Vec<NewHdu<'static>>,
 }
 
 impl<'a> FrameCopy<'a> {
@@ -55,17 +63,21 @@ impl<'a> FrameCopy<'a> {
             target: target.to_owned(),
             output: AtomicFile::new(target).map_err(FrameError::io(target))?,
             headers: BTreeMap::new(),
-            pixels: BTreeMap::new(),
+            light: BTreeMap::new(),
             appended: Vec::new(),
         })
     }
 
-    /// Adds light to pixels of one row, from `first_column` on: physical values. What is added several times to one pixel is summed up and stored once in
-    /// the end; [`finish`](FrameCopy::finish) says what came of it. Where pixels can take certain values alone (whole numbers, quantised tiles), light between
-    /// two of them goes to one or the other, by a fraction that belongs to the pixel: its sum over many pixels is right, however faint it is.
+    /// Adds light to pixels of one row, from `first_column` on: physical values. Light added several times to one pixel is summed up
+    /// and stored once, by [`finish`](FrameCopy::finish). Where pixels take certain values alone (whole numbers, quantised tiles), light
+    /// between two of them goes to one or the other, by a fraction that belongs to the pixel: its sum over many pixels is right, however
+    /// faint it is. Sums are held within the type; a pixel without a value stays so.
+    ///
+    /// In compressed images the touched tiles are packed again with the same algorithm, scale and dither: pixels that are not changed
+    /// keep their exact numbers, in lossy tiles too, and those that are get the nearest step.
     ///
     /// # Errors
-    /// As [`change`](FrameCopy::change).
+    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], [`FrameError::Outside`].
     pub fn add(
         &mut self,
         hdu: usize,
@@ -74,33 +86,16 @@ impl<'a> FrameCopy<'a> {
         values: impl Into<Cow<'a, [f32]>>,
     ) -> Result<(), FrameError> {
         let values = values.into();
-        self.check_part(hdu, row, &(first_column..first_column + values.len()))?;
-        self.edit(hdu)?.0.add(row, first_column, values);
+        let (_, [rows, columns]) = self.source.image(hdu)?;
+        if row >= rows || first_column + values.len() > columns {
+            let (path, last) = (self.source.path().to_owned(), (first_column + values.len()).max(1) - 1);
+            return Err(FrameError::Outside { path, hdu, columns, rows, row, first: first_column, last });
+        }
+        self.light.entry(hdu).or_default().add(row * columns + first_column, values);
         Ok(())
     }
 
-    /// Changes pixels of one row: `change` is given their physical values as they are now, NaN where there is none, and sets new ones.
-    ///
-    /// Whole numbers are rounded half to even and held within their type; a pixel without a value stays so, whatever is set, and one that is given no
-    /// finite value stays as it was; a value that is not changed keeps its very bytes. In compressed images the touched tiles are packed again as they were
-    /// (algorithm, scale and dither): pixels that are not changed keep their exact numbers, in lossy tiles too, and those that are get the nearest step.
-    ///
-    /// # Errors
-    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], [`FrameError::Outside`], [`FrameError::Tiles`] where an algorithm is not known or tiles are broken,
-    /// and whatever the system reports.
-    pub fn change(
-        &mut self,
-        hdu: usize,
-        row: usize,
-        columns: Range<usize>,
-        change: impl FnOnce(&mut [f64]),
-    ) -> Result<Changed, FrameError> {
-        self.check_part(hdu, row, &columns)?;
-        let (edit, input) = self.edit(hdu)?;
-        edit.change(input, row, columns, change)
-    }
-
-    /// Sets a keyword in the header of an HDU: in its place where it is there, else behind all others. A comment of nothing keeps the old one.
+    /// Sets a keyword in the header of an HDU: in its place where it is there, else behind all others. An empty comment keeps the old one.
     ///
     /// # Errors
     /// [`FrameError::NoHdu`].
@@ -118,152 +113,133 @@ impl<'a> FrameCopy<'a> {
         Ok(())
     }
 
-    /// Puts an image behind all HDUs; compressed where `rice` says how.
-    ///
-    /// # Errors
-    /// What CFITSIO and the system report for compressed ones.
-    pub fn append_image(
-        &mut self,
-        name: &str,
-        image: &ImageValues,
-        cards: &[Card],
-        rice: Option<Rice>,
-    ) -> Result<(), FrameError> {
-        let hdu = match rice {
-            Some(rice) => new_hdu::rice_image(name, image, cards, rice, folder_of(self.output.path()))?,
-            None => new_hdu::image(Place::Extension, name, image, cards),
-        };
-        self.appended.push(hdu);
-        Ok(())
+    /// Appends an image behind all HDUs; compressed where `rice` is given.
+    pub fn append_image(&mut self, name: &str, image: &ImageValues, cards: &[Card], rice: Option<Rice>) {
+        self.appended.push(NewHdu::image(name, image, cards, rice).into_owned());
     }
 
-    /// Puts a table behind all HDUs.
+    /// Appends a table behind all HDUs.
     ///
     /// # Errors
     /// [`FrameError::Malformed`] where columns differ in length.
     pub fn append_table(&mut self, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), FrameError> {
-        self.appended.push(new_hdu::table(name, columns, cards)?);
+        self.appended.push(NewHdu::table(name, columns.to_vec(), cards)?);
         Ok(())
     }
 
-    /// Writes the copy and puts it in its place. What came of the changes to pixels, by HDU.
+    /// Writes the copy and puts it in its place; counts of the changed pixels, by HDU.
     ///
     /// # Errors
-    /// Whatever the system reports; a file that stood at the target is then still there, and nothing else.
+    /// Whatever the system or CFITSIO reports, and [`FrameError::Tiles`] where tiles cannot be changed; a file that stood at the target is
+    /// then still there, and nothing else.
     pub fn finish(mut self) -> Result<BTreeMap<usize, Changed>, FrameError> {
-        let mut tables = BTreeMap::new();
-        for (hdu, edit) in &mut self.pixels {
-            let Some(rebuilt) = edit.rebuilt()? else { continue };
-            let header = entry_of(&mut self.headers, &self.source, *hdu)?;
-            header.set("PCOUNT", &(rebuilt.heap_length as i64).into(), "");
-            if header.contains("THEAP") {
-                header.set("THEAP", &((rebuilt.bytes.len() - rebuilt.heap_length) as i64).into(), "");
+        let scratch = ScratchFolder::new(folder_of(self.output.path())).map_err(FrameError::io(&self.target))?;
+        let (mut changed, mut repacked) = (BTreeMap::new(), BTreeMap::new());
+        for (&hdu, light) in &mut self.light {
+            light.sort();
+            let info = self.source.hdu(hdu)?;
+            if let HduKind::CompressedImage(_) = info.kind {
+                let header = entry_of(&mut self.headers, &self.source, hdu)?;
+                let path = scratch.path().join(format!("tiles-{hdu}.fits"));
+                let (of_hdu, tiles) = repack(self.source.path(), info, header, light, &path)?;
+                changed.insert(hdu, of_hdu);
+                repacked.insert(hdu, tiles);
             }
-            for (keyword, form) in &rebuilt.forms {
-                header.set(keyword, &form.as_str().into(), "");
-            }
-            tables.insert(*hdu, rebuilt.bytes);
         }
         // A primary header that denies extensions is wrong once there are some.
         if !self.appended.is_empty() && self.source.header(0)?.logical("EXTEND") == Some(false) {
             self.set_card(0, "EXTEND", &true.into(), "")?;
         }
-        self.write(&tables).map_err(|source| match source.kind() {
+        let new = scratch.path().join("new.fits");
+        if !self.appended.is_empty() {
+            create(&new, &self.appended).map_err(|error| error.of_file(&self.target))?;
+        }
+        let places = self.write(&repacked, &new, &mut changed).map_err(|source| match source.kind() {
             io::ErrorKind::UnexpectedEof => {
                 let why = "the input became shorter while it was copied";
                 FrameError::Io { path: self.source.path().to_owned(), source: io::Error::new(source.kind(), why) }
             }
             _ => FrameError::Io { path: self.target.clone(), source },
         })?;
+        for (hdu, at) in places {
+            self.sum_up(hdu, at)?;
+        }
         self.output.finish_lazily().map_err(FrameError::io(&self.target))?;
-        Ok(self.pixels.into_iter().map(|(hdu, edit)| (hdu, edit.changed)).collect())
+        Ok(changed)
     }
 
-    fn write(&mut self, tables: &BTreeMap<usize, Vec<u8>>) -> io::Result<()> {
-        let is_flushed = self.output.is_replacing();
-        let mut output = self.output.file();
-        let mut at = 0;
+    /// Writes all HDUs; where the headers of those begin whose sums are to be updated.
+    fn write(
+        &mut self,
+        repacked: &BTreeMap<usize, Repacked>,
+        new: &Path,
+        changed: &mut BTreeMap<usize, Changed>,
+    ) -> io::Result<Vec<(usize, u64)>> {
+        let (mut input, mut output) = (&self.input, self.output.file());
+        let (mut at, mut summed) = (0, Vec::new());
         for info in self.source.hdus() {
             let hdu = info.index;
             let header = self.headers.get(&hdu);
-            let edit = self.pixels.get_mut(&hdu);
+            let is_changed = header.is_some() || self.light.contains_key(&hdu);
+            if is_changed && self.source.header(hdu).is_ok_and(has_sums) {
+                summed.push((hdu, at));
+            }
+            match header {
+                Some(header) => output.write_all(&header_bytes(header))?,
+                None => copy_range(input, output, info.header_at..info.data_at)?,
+            }
             let data = info.data_at..info.data_at + info.data_length;
-            let is_summed = (header.is_some() || edit.is_some()) && self.source.header(hdu).is_ok_and(has_sums);
-            let header_length = match header {
-                Some(header) => {
-                    let bytes = header_bytes(header);
-                    output.write_all(&bytes)?;
-                    bytes.len() as u64
+            match (repacked.get(&hdu), self.light.get(&hdu)) {
+                (Some(tiles), _) => copy_range(&File::open(&tiles.path)?, output, tiles.data.clone())?,
+                (None, Some(light)) => {
+                    input.seek(SeekFrom::Start(data.start))?;
+                    changed.insert(hdu, write_changed(&mut input.take(info.data_length), output, info, light)?);
                 }
-                None => {
-                    copy_range(&mut self.input, output, info.header_at..info.data_at)?;
-                    info.data_at - info.header_at
-                }
-            };
-            let mut length = info.data_length;
-            let mut sum = None;
-            match (tables.get(&hdu), edit) {
-                (Some(table), _) => {
-                    output.write_all(table)?;
-                    length = table.len() as u64;
-                    sum = Some(checksum::sum_padded(0, table));
-                }
-                (None, Some(edit)) => {
-                    let start = at + header_length;
-                    sum = edit.stream(&self.input, output, start, is_summed, is_flushed)?;
-                    output.seek(SeekFrom::Start(start + length))?;
-                }
-                (None, None) => copy_range(&mut self.input, output, data.clone())?,
+                (None, None) => copy_range(input, output, data)?,
             }
-            let end = pad(output, at + header_length + length, pad_byte(info))?;
-            if is_summed {
-                let sum = match sum {
-                    Some(sum) => sum,
-                    None => checksum::sum_of(&mut self.input, data, pad_byte(info))?,
-                };
-                let header = header.or(self.source.header(hdu).ok()).cloned().unwrap_or_default();
-                output.seek(SeekFrom::Start(at))?;
-                output.write_all(&sealed(&header, sum))?;
-                output.seek(SeekFrom::Start(end))?;
-            }
-            at = end;
+            let end = output.stream_position()?;
+            let byte = if info.kind == HduKind::TextTable { b' ' } else { 0 };
+            output.write_all(&vec![byte; (padded(end) - end) as usize])?;
+            at = padded(end);
         }
-        self.appended.iter().try_for_each(|hdu| write_hdu(output, hdu))?;
-        let end = output.stream_position()?;
-        output.set_len(end)
+        if !self.appended.is_empty() {
+            let made = File::open(new)?;
+            copy_range(&made, output, BLOCK as u64..made.metadata()?.len())?;
+        }
+        output.set_len(output.stream_position()?)?;
+        Ok(summed)
     }
 
-    /// The changes to an image, and the file that it is read from.
-    fn edit(&mut self, hdu: usize) -> Result<(&mut PixelEdit<'a>, &mut File), FrameError> {
-        let edit = match self.pixels.entry(hdu) {
-            std::collections::btree_map::Entry::Occupied(entry) => entry.into_mut(),
-            std::collections::btree_map::Entry::Vacant(entry) => {
-                let (info, header) = (self.source.hdu(hdu)?, self.source.header(hdu)?);
-                entry.insert(PixelEdit::new(self.source.path(), info, header, &mut self.input)?)
-            }
+    /// Updates DATASUM and CHECKSUM, those that are there, in an HDU of the output whose header begins at a byte.
+    fn sum_up(&mut self, hdu: usize, at: u64) -> Result<(), FrameError> {
+        let path = self.output.path().to_owned();
+        let mut output = self.output.file();
+        let header = entry_of(&mut self.headers, &self.source, hdu)?;
+        let mut write = |header: &Header| -> Result<(), FrameError> {
+            output.seek(SeekFrom::Start(at)).map_err(FrameError::io(&self.target))?;
+            output.write_all(&header_bytes(header)).map_err(FrameError::io(&self.target))
         };
-        Ok((edit, &mut self.input))
+        let sums = || -> Result<_, FrameError> {
+            let mut handle = Handle::open(&path)?;
+            handle.go_to(hdu)?;
+            handle.sums()
+        };
+        if header.contains("DATASUM") {
+            let [data, _] = sums()?;
+            header.set("DATASUM", &CardValue::Text(data.to_string()), "");
+        }
+        if !header.contains("CHECKSUM") {
+            return write(header);
+        }
+        header.set("CHECKSUM", &"0000000000000000".into(), "");
+        write(header)?;
+        let [_, all] = sums()?;
+        header.set("CHECKSUM", &CardValue::Text(checksum_text(all)), "");
+        write(header)
     }
 
     fn header_mut(&mut self, hdu: usize) -> Result<&mut Header, FrameError> {
         entry_of(&mut self.headers, &self.source, hdu)
-    }
-
-    /// Whether an image has these pixels.
-    fn check_part(&self, hdu: usize, row: usize, columns: &Range<usize>) -> Result<(), FrameError> {
-        let (_, [row_count, column_count]) = self.source.image(hdu)?;
-        if row < row_count && columns.end <= column_count && columns.start < columns.end {
-            return Ok(());
-        }
-        Err(FrameError::Outside {
-            path: self.source.path().to_owned(),
-            hdu,
-            columns: column_count,
-            rows: row_count,
-            row,
-            first: columns.start,
-            last: columns.end.max(1) - 1,
-        })
     }
 }
 
@@ -275,4 +251,78 @@ fn entry_of<'a>(
 ) -> Result<&'a mut Header, FrameError> {
     let header = source.header(hdu)?;
     Ok(headers.entry(hdu).or_insert_with(|| header.clone()))
+}
+
+/// A header as it stands in a file: with END, filled up with blanks.
+pub(super) fn header_bytes(header: &Header) -> Vec<u8> {
+    let mut bytes: Vec<u8> = header.cards().iter().flat_map(Card::bytes).copied().collect();
+    bytes.extend_from_slice(b"END");
+    bytes.resize(padded(bytes.len() as u64) as usize, b' ');
+    bytes
+}
+
+fn has_sums(header: &Header) -> bool {
+    header.contains("CHECKSUM") || header.contains("DATASUM")
+}
+
+/// Copies a range of a file to where another one stands; by the kernel where it can.
+pub(super) fn copy_range(mut input: &File, mut output: &File, range: Range<u64>) -> io::Result<()> {
+    input.seek(SeekFrom::Start(range.start))?;
+    let length = range.end - range.start;
+    let copied = io::copy(&mut input.take(length), &mut output)?;
+    if copied < length {
+        return Err(io::Error::from(io::ErrorKind::UnexpectedEof));
+    }
+    Ok(())
+}
+
+/// Writes the data of an image that is not compressed, with light added.
+fn write_changed(input: &mut impl Read, mut output: &File, info: &HduInfo, light: &Deltas<'_>) -> io::Result<Changed> {
+    let (format, size) = (info.format, info.format.bitpix.bytes());
+    let mut changed = Changed::default();
+    let mut bytes = vec![0; CHUNK.min(info.data_length as usize)];
+    let mut from = 0;
+    while from < info.data_length as usize {
+        let length = bytes.len().min(info.data_length as usize - from);
+        let bytes = &mut bytes[..length];
+        input.read_exact(bytes)?;
+        let first = from / size;
+        let pixels = first..first + length / size;
+        if format.is_plain_single() {
+            // Several times faster than by way of any format; most reduced frames are such.
+            light.each(pixels, |pixel, sum| {
+                let Some(place) = bytes[size * (pixel - first)..].first_chunk_mut() else { return };
+                let old = f32::from_be_bytes(*place);
+                changed.set(f64::from(old), f64::from(old) + sum, |new| {
+                    let new = new as f32;
+                    *place = new.to_be_bytes();
+                    Outcome { is_other: new != old, is_clipped: false }
+                });
+            });
+        } else {
+            light.each(pixels, |pixel, sum| {
+                let old = format.physical(format.raw(bytes, pixel - first));
+                let new = old + sum + between_steps(pixel, format.step());
+                changed.set(old, new, |new| format.put(bytes, pixel - first, new));
+            });
+        }
+        output.write_all(bytes)?;
+        from += length;
+    }
+    Ok(changed)
+}
+
+/// A fraction of the step between two values that a pixel can take, from minus to plus half of it: with it light of less than half a step
+/// is not rounded away everywhere, but makes a whole step in as many pixels as it should. The same in every run, and another one for
+/// every pixel.
+pub(super) fn between_steps(pixel: usize, step: f64) -> f64 {
+    if step == 0.0 {
+        return 0.0;
+    }
+    // SplitMix64 (Steele, Lea & Flood 2014) of the pixel's number.
+    let mut z = (pixel as u64).wrapping_add(1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    let share = ((z ^ (z >> 31)) >> 11) as f64 / (1u64 << 53) as f64;
+    (share - 0.5) * step
 }

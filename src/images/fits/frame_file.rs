@@ -1,23 +1,19 @@
-//! A frame in a file, to be read.
+//! Reading of frames.
 
 use std::fs::File;
-use std::io::{Read, Seek, SeekFrom};
-use std::ops::Range;
+use std::io;
 use std::path::{Path, PathBuf};
 
 use super::super::header::Header;
 use super::super::plane::Plane;
-use super::cfitsio;
+use super::cfitsio::{CPixel, Handle};
 use super::error::FrameError;
 use super::hdu::{HduInfo, HduKind, scan};
-use super::room::Room;
+use super::tile_table::{TileTable, columns};
 
-/// Bytes that are read and turned at once.
-const CHUNK: usize = 1 << 18;
-
-/// A FITS file whose structure is known: single images, mosaics, compressed tiles (`.fz`), tables.
+/// A FITS file of known structure: single images, mosaics, compressed tiles (`.fz`), tables.
 ///
-/// Opening reads the headers alone. The file is never written to. What is not compressed is read directly, what is compressed through CFITSIO.
+/// Opening reads the headers alone and checks them; pixels are read by CFITSIO. The file is never written to.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameFile {
     path: PathBuf,
@@ -29,24 +25,24 @@ impl FrameFile {
     /// Opens a file. Its name is taken as it is: brackets and exclamation marks have no meaning.
     ///
     /// # Errors
-    /// [`FrameError`]: missing, a directory, not readable; packed; no FITS; cut off; a header that does not describe its data; bytes behind an HDU
-    /// that belong to none.
+    /// [`FrameError`]: missing, a directory, not readable; packed; no FITS; cut off; a header that does not describe its data; bytes
+    /// behind an HDU that belong to none.
     pub fn open(path: &Path) -> Result<Self, FrameError> {
         let io = FrameError::io(path);
         let mut file = File::open(path).map_err(&io)?;
         if file.metadata().map_err(&io)?.is_dir() {
-            return Err(io(std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a directory")));
+            return Err(io(io::Error::new(io::ErrorKind::IsADirectory, "is a directory")));
         }
         let (hdus, headers) = scan(path, &mut file)?.into_iter().unzip();
         Ok(Self { path: path.to_owned(), hdus, headers })
     }
 
-    /// Where it is.
+    /// Path of the file.
     pub fn path(&self) -> &Path {
         &self.path
     }
 
-    /// Its parts, in order.
+    /// Its HDUs, in order.
     pub fn hdus(&self) -> &[HduInfo] {
         &self.hdus
     }
@@ -56,7 +52,7 @@ impl FrameFile {
         self.hdus.iter().filter(|hdu| hdu.image_size().is_some()).map(|hdu| hdu.index).collect()
     }
 
-    /// One of its parts.
+    /// One of its HDUs.
     ///
     /// # Errors
     /// [`FrameError::NoHdu`].
@@ -64,7 +60,7 @@ impl FrameFile {
         self.hdus.get(hdu).ok_or_else(|| FrameError::NoHdu { path: self.path.clone(), hdu, last: self.hdus.len() - 1 })
     }
 
-    /// The header of a part.
+    /// The header of an HDU.
     ///
     /// # Errors
     /// [`FrameError::NoHdu`].
@@ -80,7 +76,7 @@ impl FrameFile {
         self.image(hdu).map(|(_, size)| size)
     }
 
-    /// Rows and columns of an image, with its part.
+    /// An image's HDU, with its rows and columns.
     pub(super) fn image(&self, hdu: usize) -> Result<(&HduInfo, [usize; 2]), FrameError> {
         let info = self.hdu(hdu)?;
         let size = info.image_size().ok_or_else(|| FrameError::NoImage {
@@ -95,24 +91,12 @@ impl FrameFile {
     /// All pixels of an image, physical values (BSCALE and BZERO applied), in single precision; NaN where there is none (NaN, BLANK).
     ///
     /// # Errors
-    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], and whatever the system or CFITSIO reports.
+    /// [`FrameError::NoHdu`], [`FrameError::NoImage`], headers and tiles that are refused, and whatever CFITSIO reports.
     pub fn read_plane(&self, hdu: usize) -> Result<Plane, FrameError> {
         let (info, [rows, columns]) = self.image(hdu)?;
+        let mut handle = self.checked(info)?;
         let mut plane = Plane::zeros(rows, columns);
-        if let HduKind::CompressedImage(_) = info.kind {
-            cfitsio::read_image(&self.path, hdu, info.shape.len(), plane.values_mut())?;
-            return Ok(plane);
-        }
-        let io = FrameError::io(&self.path);
-        let mut file = File::open(&self.path).map_err(&io)?;
-        file.seek(SeekFrom::Start(info.data_at)).map_err(&io)?;
-        let size = info.format.bitpix.bytes();
-        let mut room = Room::new(CHUNK);
-        for values in plane.values_mut().chunks_mut(CHUNK / size) {
-            let bytes = room.first(values.len() * size);
-            file.read_exact(bytes).map_err(&io)?;
-            info.format.decode_single(bytes, values);
-        }
+        handle.read_pixels(0, plane.values_mut(), has_marks(info))?;
         Ok(plane)
     }
 
@@ -120,33 +104,41 @@ impl FrameFile {
     ///
     /// # Errors
     /// As [`read_plane`](FrameFile::read_plane), and [`FrameError::Outside`] where the image has no such rows.
-    pub fn read_rows(&self, hdu: usize, range: Range<usize>) -> Result<Vec<f64>, FrameError> {
-        let (info, [rows, columns]) = self.image(hdu)?;
-        if range.end > rows || range.start > range.end {
-            let row = range.end.max(range.start).saturating_sub(1);
-            return Err(FrameError::Outside {
-                path: self.path.clone(),
-                hdu,
-                columns,
-                rows,
-                row,
-                first: 0,
-                last: columns - 1,
-            });
+    pub fn read_rows(&self, hdu: usize, rows: impl IntoIterator<Item = usize>) -> Result<Vec<f64>, FrameError> {
+        let (info, [row_count, columns]) = self.image(hdu)?;
+        let rows: Vec<usize> = rows.into_iter().collect();
+        if let Some(&row) = rows.iter().max().filter(|row| **row >= row_count) {
+            let (path, last) = (self.path.clone(), columns - 1);
+            return Err(FrameError::Outside { path, hdu, columns, rows: row_count, row, first: 0, last });
         }
-        if let HduKind::CompressedImage(_) = info.kind {
-            let mut all = vec![0.0; rows * columns];
-            cfitsio::read_image(&self.path, hdu, info.shape.len(), &mut all)?;
-            return Ok(all[range.start * columns..range.end * columns].to_vec());
+        let mut handle = self.checked(info)?;
+        let mut values = vec![f64::NOTHING; rows.len() * columns];
+        let mut rest = &mut values[..];
+        for neighbours in rows.chunk_by(|row, next| row + 1 == *next) {
+            let (these, others) = rest.split_at_mut(neighbours.len() * columns);
+            handle.read_pixels(neighbours[0] * columns, these, has_marks(info))?;
+            rest = others;
         }
-        let io = FrameError::io(&self.path);
-        let mut file = File::open(&self.path).map_err(&io)?;
-        let row_length = columns * info.format.bitpix.bytes();
-        file.seek(SeekFrom::Start(info.data_at + (range.start * row_length) as u64)).map_err(&io)?;
-        let mut bytes = vec![0; range.len() * row_length];
-        file.read_exact(&mut bytes).map_err(&io)?;
-        let mut values = Vec::with_capacity(range.len() * columns);
-        info.format.decode(&bytes, &mut values);
         Ok(values)
     }
+
+    /// Opens the file for CFITSIO at an image, when all that CFITSIO reads on the way there is sound.
+    fn checked(&self, info: &HduInfo) -> Result<Handle<'_>, FrameError> {
+        for (before, header) in self.hdus.iter().zip(&self.headers).take(info.index) {
+            if before.kind == HduKind::Table {
+                columns(header).map_err(|refused| FrameError::refused(&self.path, before.index, refused))?;
+            }
+        }
+        if let HduKind::CompressedImage(_) = info.kind {
+            TileTable::read(&self.path, info, &self.headers[info.index])?;
+        }
+        let mut handle = Handle::open(&self.path)?;
+        handle.go_to(info.index)?;
+        Ok(handle)
+    }
+}
+
+/// Whether pixels without a value are marked by a number; NaN is itself.
+fn has_marks(info: &HduInfo) -> bool {
+    info.kind != HduKind::Image || info.format.bitpix.is_integer()
 }

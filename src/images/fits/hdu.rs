@@ -8,6 +8,7 @@ use super::super::card::{CARD_LENGTH, Card};
 use super::super::header::{Header, is_end};
 use super::error::FrameError;
 use super::pixel_format::{Bitpix, PixelFormat};
+use super::tile_table::check_compressed;
 
 /// FITS files are made of blocks of this many bytes.
 pub(super) const BLOCK: usize = 2880;
@@ -185,46 +186,30 @@ fn read_header(path: &Path, file: &mut File, hdu: usize, at: u64, length: u64) -
             cards.push(card);
         }
     }
-    let value = "missing".to_owned();
-    Err(FrameError::Keyword {
-        path: path.to_owned(),
-        hdu,
-        keyword: "END".to_owned(),
-        value,
-        allowed: "a header has its END",
-    })
+    Err(FrameError::refused(path, hdu, ("END".into(), "missing".into(), "a header has its END".into())))
 }
 
 fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at: u64) -> Result<HduInfo, FrameError> {
-    let count = |keyword: &str, default: Option<u64>, allowed: &'static str| -> Result<u64, FrameError> {
-        let given = header.integer(keyword);
-        given
-            .and_then(|number| u64::try_from(number).ok())
-            .or(default.filter(|_| !header.contains(keyword)))
-            .ok_or_else(|| {
-                let value = given.map_or_else(|| "missing or no number".to_owned(), |number| number.to_string());
-                FrameError::Keyword { path: path.to_owned(), hdu: index, keyword: keyword.to_owned(), value, allowed }
-            })
+    let refused = |keyword: &str, value: String, allowed: &str| {
+        FrameError::refused(path, index, (keyword.to_owned(), value, allowed.to_owned()))
+    };
+    let given = |keyword: &str| {
+        header.integer(keyword).map_or_else(|| "missing or no number".to_owned(), |number| number.to_string())
+    };
+    let count = |keyword: &str, default: Option<u64>, allowed: &str| -> Result<u64, FrameError> {
+        let number = header.integer(keyword).and_then(|number| u64::try_from(number).ok());
+        let number = number.or(default.filter(|_| !header.contains(keyword)));
+        number.ok_or_else(|| refused(keyword, given(keyword), allowed))
     };
     let bitpix = |keyword: &str| -> Result<Bitpix, FrameError> {
-        header.integer(keyword).and_then(Bitpix::from_number).ok_or_else(|| FrameError::Keyword {
-            path: path.to_owned(),
-            hdu: index,
-            keyword: keyword.to_owned(),
-            value: header
-                .integer(keyword)
-                .map_or_else(|| "missing or no number".to_owned(), |number| number.to_string()),
-            allowed: "8, 16, 32, 64, -32 or -64",
-        })
-    };
-    let axes = |stem: &str| -> Result<Vec<usize>, FrameError> {
-        let number = count(stem, None, "a number of axes from 0 to 999")?.min(999);
-        (1..=number)
-            .map(|axis| count(&format!("{stem}{axis}"), None, "a length of 0 or more").map(|n| n as usize))
-            .collect()
+        let known = header.integer(keyword).and_then(Bitpix::from_number);
+        known.ok_or_else(|| refused(keyword, given(keyword), "8, 16, 32, 64, -32 or -64"))
     };
     let stored = bitpix("BITPIX")?;
-    let mut shape = axes("NAXIS")?;
+    let axes = count("NAXIS", None, "a number of axes from 0 to 999")?.min(999);
+    let mut shape = (1..=axes)
+        .map(|axis| count(&format!("NAXIS{axis}"), None, "a length of 0 or more").map(|length| length as usize))
+        .collect::<Result<Vec<_>, _>>()?;
     let (parameters, groups) = (count("PCOUNT", Some(0), "0 or more")?, count("GCOUNT", Some(1), "0 or more")?);
     // Random groups have a first axis of 0, which does not count.
     let sides =
@@ -236,12 +221,8 @@ fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at:
         .and_then(|pixels| pixels.checked_add(if shape.is_empty() { 0 } else { parameters }))
         .and_then(|elements| elements.checked_mul(groups)?.checked_mul(stored.bytes() as u64))
         .filter(|length| *length < 1 << 56)
-        .ok_or_else(|| FrameError::Keyword {
-            path: path.to_owned(),
-            hdu: index,
-            keyword: "NAXISn".to_owned(),
-            value: format!("{shape:?}"),
-            allowed: "lengths whose product is a size that a file can have",
+        .ok_or_else(|| {
+            refused("NAXISn", format!("{shape:?}"), "lengths whose product is a size that a file can have")
         })?;
     let extension = header.text("XTENSION").unwrap_or_default();
     let is_compressed = extension == "BINTABLE" && header.logical("ZIMAGE") == Some(true);
@@ -260,9 +241,9 @@ fn describe(path: &Path, index: usize, header: &Header, header_at: u64, data_at:
         blank: header.integer("BLANK"),
     };
     if is_compressed {
-        format.bitpix = bitpix("ZBITPIX")?;
         format.blank = format.blank.or(header.integer("ZBLANK"));
-        shape = axes("ZNAXIS")?;
+        [shape, _] = check_compressed(header).map_err(|refused| FrameError::refused(path, index, refused))?;
+        format.bitpix = bitpix("ZBITPIX")?;
     }
     if !format.bitpix.is_integer() {
         format.blank = None;

@@ -1,6 +1,9 @@
 //! Pixels of an image to be written, in the type they are to have in the file.
 
+use super::super::card::Card;
 use super::super::plane::Plane;
+use super::cfitsio::{CPixel, Handle, Rice};
+use super::error::FrameError;
 use super::pixel_format::{Bitpix, PixelFormat};
 
 /// CFITSIO's own mark of a floating pixel without a value: no sum of light is this number.
@@ -23,7 +26,7 @@ pub enum Pixels {
     F64(Vec<f64>),
 }
 
-/// An image to be written: its pixels and how many stand in a row.
+/// An image to be written: its pixels and the length of its rows.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ImageValues {
     columns: usize,
@@ -54,7 +57,7 @@ impl ImageValues {
         &self.pixels
     }
 
-    /// The pixels themselves.
+    /// The pixels, out of the image.
     pub fn into_pixels(self) -> Pixels {
         self.pixels
     }
@@ -70,7 +73,7 @@ impl ImageValues {
         }
     }
 
-    /// How they are stored.
+    /// Type in the file.
     pub(super) fn format(&self) -> PixelFormat {
         let (bitpix, zero) = match self.pixels {
             Pixels::U8(_) => (Bitpix::U8, 0.0),
@@ -83,55 +86,45 @@ impl ImageValues {
         PixelFormat { bitpix, scale: 1.0, zero, blank: None }
     }
 
-    /// As a file holds them: the highest byte first.
-    pub(super) fn file_bytes(&self) -> Vec<u8> {
-        match &self.pixels {
-            Pixels::U8(values) => values.clone(),
-            Pixels::I16(values) => values.iter().flat_map(|value| value.to_be_bytes()).collect(),
-            // 0 becomes -32768: the highest bit is turned over.
-            Pixels::U16(values) => values.iter().flat_map(|value| (value ^ 0x8000).to_be_bytes()).collect(),
-            Pixels::I32(values) => values.iter().flat_map(|value| value.to_be_bytes()).collect(),
-            Pixels::F32(values) => values.iter().flat_map(|value| value.to_be_bytes()).collect(),
-            Pixels::F64(values) => values.iter().flat_map(|value| value.to_be_bytes()).collect(),
-        }
+    /// Writes the pixels into the image that CFITSIO is at, the last of `hdu` + 1.
+    pub(super) fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), FrameError> {
+        handle.fitsio(|file| {
+            let image = file.hdu(hdu)?;
+            match &self.pixels {
+                Pixels::U8(values) => image.write_image(file, values),
+                Pixels::I16(values) => image.write_image(file, values),
+                Pixels::U16(values) => image.write_image(file, values),
+                Pixels::I32(values) => image.write_image(file, values),
+                Pixels::F32(values) => image.write_image(file, values),
+                Pixels::F64(values) => image.write_image(file, values),
+            }
+        })
     }
 
-    /// As the machine holds them, with CFITSIO's mark for NaN.
-    pub(super) fn native_bytes(&self) -> Vec<u8> {
+    /// Adds the image compressed by RICE behind all HDUs of a file, the last of which becomes `hdu`.
+    pub(super) fn write_rice(
+        &self,
+        handle: &mut Handle<'_>,
+        hdu: usize,
+        rice: Rice,
+        cards: &[Card],
+    ) -> Result<(), FrameError> {
+        // USHORT_IMG of `fitsio.h`: 16 bits with BZERO.
+        let bitpix = if let Pixels::U16(_) = self.pixels { 20 } else { self.format().bitpix.number() as i32 };
+        handle.append_rice(rice, bitpix, self.size())?;
+        handle.append_cards(cards)?;
         match &self.pixels {
-            Pixels::U8(values) => values.clone(),
-            Pixels::I16(values) => values.iter().flat_map(|value| value.to_ne_bytes()).collect(),
-            Pixels::U16(values) => values.iter().flat_map(|value| value.to_ne_bytes()).collect(),
-            Pixels::I32(values) => values.iter().flat_map(|value| value.to_ne_bytes()).collect(),
-            Pixels::F32(values) => {
-                let marked = |value: &f32| if value.is_nan() { NOTHING } else { *value };
-                values.iter().flat_map(|value| marked(value).to_ne_bytes()).collect()
-            }
+            Pixels::F32(values) => handle.write_marked(&mut marked(values, NOTHING, |value| value.is_nan()), NOTHING),
             Pixels::F64(values) => {
-                let marked = |value: &f64| if value.is_nan() { f64::from(NOTHING) } else { *value };
-                values.iter().flat_map(|value| marked(value).to_ne_bytes()).collect()
+                let mark = f64::from(NOTHING);
+                handle.write_marked(&mut marked(values, mark, |value| value.is_nan()), mark)
             }
+            _ => self.write(handle, hdu),
         }
     }
+}
 
-    /// CFITSIO's mark in the machine's order; none for whole numbers.
-    pub(super) fn native_nothing(&self) -> Option<Vec<u8>> {
-        match self.pixels {
-            Pixels::F32(_) => Some(NOTHING.to_ne_bytes().to_vec()),
-            Pixels::F64(_) => Some(f64::from(NOTHING).to_ne_bytes().to_vec()),
-            Pixels::U8(_) | Pixels::I16(_) | Pixels::U16(_) | Pixels::I32(_) => None,
-        }
-    }
-
-    /// Codes of `fitsio.h`: the image's type and the pixels'.
-    pub(super) fn cfitsio_codes(&self) -> (i32, i32) {
-        match self.pixels {
-            Pixels::U8(_) => (8, 11),
-            Pixels::I16(_) => (16, 21),
-            Pixels::U16(_) => (20, 20),
-            Pixels::I32(_) => (32, 31),
-            Pixels::F32(_) => (-32, 42),
-            Pixels::F64(_) => (-64, 82),
-        }
-    }
+/// Pixels with a mark in place of those without a value.
+fn marked<T: CPixel>(values: &[T], mark: T, is_nothing: impl Fn(&T) -> bool) -> Vec<T> {
+    values.iter().map(|value| if is_nothing(value) { mark } else { *value }).collect()
 }

@@ -1,27 +1,21 @@
-//! Frames in FITS files: read, and copied with changes.
+//! Frames in FITS files: reading, copies with changes, new files.
 //!
-//! `hdu` knows where headers and data lie, `pixel_format` what numbers mean, `frame_file` reads, `cfitsio` unpacks and packs tiles. `frame_copy` copies
-//! with changes: `pixel_edit` holds those of an image (`deltas` light to be added, `overlay` changed bytes, `tiles` compressed images, `changed` what came
-//! of it), `output` with `checksum` writes headers and data, `chunks` pixels, several chunks at once. `new_frame` makes files of `new_hdu`s, whose pixels are `image_values`.
+//! `hdu` finds headers and data, `tile_table` checks compressed images, both before CFITSIO (`cfitsio`) sees a file. `frame_file` reads.
+//! `frame_copy` copies with changes: `deltas` holds the light to be added, `pixel_format` the meaning of stored numbers, `tiles` changes
+//! compressed images (`dither` their random numbers), `changed` counts. `new_hdu` makes images (`image_values`) and tables.
 
 mod cfitsio;
 mod changed;
-mod checksum;
-mod chunks;
 mod deltas;
+mod dither;
 mod error;
 mod frame_copy;
 mod frame_file;
 mod hdu;
 mod image_values;
-mod new_frame;
 mod new_hdu;
-mod output;
-mod overlay;
-mod pixel_edit;
 mod pixel_format;
-mod positioned;
-mod room;
+mod tile_table;
 mod tiles;
 
 pub use cfitsio::Rice;
@@ -31,6 +25,5 @@ pub use frame_copy::FrameCopy;
 pub use frame_file::FrameFile;
 pub use hdu::{HduInfo, HduKind};
 pub use image_values::{ImageValues, Pixels};
-pub use new_frame::{NewImage, write_frame};
-pub use new_hdu::{Cells, TableColumn};
+pub use new_hdu::{Cells, NewImage, TableColumn, write_frame, write_table};
 pub use pixel_format::{Bitpix, PixelFormat};

@@ -1,28 +1,84 @@
 //! HDUs made from nothing: images and tables.
 
-use std::fs;
+use std::borrow::Cow;
 use std::path::Path;
 
-use crate::output::ScratchFolder;
+use crate::output::{AtomicFile, ScratchFolder};
 
-use super::super::card::{Card, CardValue};
+use super::super::card::{Card, CardValue, plain};
 use super::super::header::Header;
-use super::cfitsio::{Rice, write_rice};
+use super::cfitsio::{Handle, Rice};
 use super::error::FrameError;
-use super::frame_file::FrameFile;
 use super::image_values::ImageValues;
 
-/// Keywords that say how data lie in a file: given by the data themselves, not by a caller.
+/// Keywords of the structure of a file: given by the data themselves, not by a caller.
 const STRUCTURE: &[&str] = &[
     "SIMPLE", "XTENSION", "BITPIX", "NAXIS", "PCOUNT", "GCOUNT", "EXTEND", "BSCALE", "BZERO", "EXTNAME", "GROUPS",
     "END",
 ];
 
-/// A header with its data, ready to be written.
-#[derive(Clone, Debug, PartialEq)]
-pub(super) struct NewHdu {
-    pub header: Header,
-    pub data: Vec<u8>,
+/// An image for [`write_frame`].
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct NewImage<'a> {
+    /// EXTNAME; empty for none.
+    pub name: &'a str,
+    /// Its pixels.
+    pub values: &'a ImageValues,
+    /// Its cards; those of the structure (NAXIS, BITPIX, ...) are left out.
+    pub cards: &'a [Card],
+    /// Its compression, if any.
+    pub rice: Option<Rice>,
+}
+
+/// Writes a file of images: the first one in the primary HDU unless it is compressed, the others behind it. Each has its name and its cards.
+///
+/// # Errors
+/// Whatever the system or CFITSIO reports; nothing half-written stays.
+pub fn write_frame(target: &Path, images: &[NewImage<'_>]) -> Result<(), FrameError> {
+    let mut hdus: Vec<NewHdu> =
+        images.iter().map(|image| NewHdu::image(image.name, image.values, image.cards, image.rice)).collect();
+    if let Some(NewHdu { data: NewData::Image(_), is_primary, .. }) = hdus.first_mut() {
+        *is_primary = true;
+    }
+    write_hdus(target, &hdus)
+}
+
+/// Writes a file of one table behind an empty primary HDU.
+///
+/// # Errors
+/// As [`write_frame`], and [`FrameError::Malformed`] where columns differ in length.
+pub fn write_table(target: &Path, name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<(), FrameError> {
+    write_hdus(target, &[NewHdu::table(name, columns.to_vec(), cards)?])
+}
+
+fn write_hdus(target: &Path, hdus: &[NewHdu<'_>]) -> Result<(), FrameError> {
+    let io = FrameError::io(target);
+    let mut output = AtomicFile::new(target).map_err(&io)?;
+    let folder = ScratchFolder::new(folder_of(output.path())).map_err(&io)?;
+    let path = folder.path().join("new.fits");
+    create(&path, hdus).map_err(|error| error.of_file(target))?;
+    output.take(&path).map_err(&io)?;
+    output.finish_lazily().map_err(&io)
+}
+
+/// Folder of a file.
+pub(super) fn folder_of(target: &Path) -> &Path {
+    target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+/// Creates a file of HDUs, behind an empty primary one of one block unless the first is to be that.
+pub(super) fn create(path: &Path, hdus: &[NewHdu<'_>]) -> Result<(), FrameError> {
+    let mut handle = Handle::create(path)?;
+    let mut number = 0;
+    if hdus.first().is_none_or(|hdu| !hdu.is_primary) {
+        handle.append_hdu(empty_primary().cards())?;
+        number += 1;
+    }
+    for hdu in hdus {
+        hdu.write(&mut handle, number)?;
+        number += 1;
+    }
+    handle.close()
 }
 
 /// A column of a table to be written.
@@ -88,105 +144,143 @@ impl Cells {
         cells.contains(&None).then(|| if cells.contains(&Some(-1)) { i64::MIN } else { -1 })
     }
 
-    fn write(&self, row: usize, null: Option<i64>, out: &mut Vec<u8>) {
-        match self {
-            Self::Real(cells) => out.extend(cells[row].to_be_bytes()),
-            Self::Integer(cells) => out.extend(cells[row].or(null).unwrap_or(-1).to_be_bytes()),
-            Self::Text(cells) => {
-                let end = out.len() + self.width();
-                out.extend(cells[row].chars().map(|c| if (' '..='~').contains(&c) { c as u8 } else { b'?' }));
-                out.resize(end, b' ');
+    fn write(&self, handle: &mut Handle<'_>, hdu: usize, name: &str) -> Result<(), FrameError> {
+        let null = self.null().unwrap_or(-1);
+        handle.fitsio(|file| {
+            let table = file.hdu(hdu)?;
+            match self {
+                Self::Real(cells) => table.write_col(file, name, cells),
+                Self::Integer(cells) => {
+                    let cells: Vec<i64> = cells.iter().map(|cell| cell.unwrap_or(null)).collect();
+                    table.write_col(file, name, &cells)
+                }
+                Self::Text(cells) => {
+                    let cells: Vec<String> = cells.iter().map(|cell| plain(cell)).collect();
+                    table.write_col(file, name, &cells)
+                }
+            }
+            .map(drop)
+        })
+    }
+}
+
+/// A header with its data, ready to be written.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct NewHdu<'a> {
+    name: String,
+    cards: Vec<Card>,
+    data: NewData<'a>,
+    /// Whether it is the first of its file.
+    is_primary: bool,
+}
+
+#[derive(Clone, Debug, PartialEq)]
+enum NewData<'a> {
+    Image(Cow<'a, ImageValues>),
+    Rice(Cow<'a, ImageValues>, Rice),
+    Table(Vec<TableColumn>),
+}
+
+impl<'a> NewHdu<'a> {
+    /// An image behind other HDUs.
+    pub fn image(name: &str, values: &'a ImageValues, cards: &[Card], rice: Option<Rice>) -> Self {
+        let values = Cow::Borrowed(values);
+        let data = rice.map_or_else(|| NewData::Image(values.clone()), |rice| NewData::Rice(values.clone(), rice));
+        Self { name: name.to_owned(), cards: free_cards(cards), data, is_primary: false }
+    }
+
+    /// The same with pixels of its own.
+    pub fn into_owned(self) -> NewHdu<'static> {
+        let data = match self.data {
+            NewData::Image(values) => NewData::Image(Cow::Owned(values.into_owned())),
+            NewData::Rice(values, rice) => NewData::Rice(Cow::Owned(values.into_owned()), rice),
+            NewData::Table(columns) => NewData::Table(columns),
+        };
+        NewHdu { name: self.name, cards: self.cards, data, is_primary: self.is_primary }
+    }
+
+    /// A table.
+    ///
+    /// # Errors
+    /// [`FrameError::Malformed`].
+    pub fn table(name: &str, columns: Vec<TableColumn>, cards: &[Card]) -> Result<Self, FrameError> {
+        let malformed = |why: String| FrameError::Malformed { name: name.to_owned(), why };
+        let rows = columns.first().map_or(0, |column| column.cells.len());
+        if let Some(column) = columns.iter().find(|column| column.cells.len() != rows) {
+            let (name, count) = (&column.name, column.cells.len());
+            return Err(malformed(format!("column {name} has {count} cells, the first one {rows}")));
+        }
+        if columns.len() > 999 {
+            return Err(malformed(format!("{} columns; a FITS table has 999 at most", columns.len())));
+        }
+        let data = NewData::Table(columns);
+        Ok(Self { name: name.to_owned(), cards: free_cards(cards), data, is_primary: false })
+    }
+
+    /// Writes it behind the HDUs of a file, as number `hdu`.
+    fn write(&self, handle: &mut Handle<'_>, hdu: usize) -> Result<(), FrameError> {
+        let mut header = match &self.data {
+            NewData::Image(values) => image_header(values, self.is_primary),
+            NewData::Rice(..) => Header::default(),
+            NewData::Table(columns) => table_header(columns),
+        };
+        if !self.name.is_empty() {
+            header.set("EXTNAME", &self.name.as_str().into(), "name of this HDU");
+        }
+        header.extend(self.cards.iter().cloned());
+        match &self.data {
+            NewData::Rice(values, rice) => values.write_rice(handle, hdu, *rice, header.cards()),
+            NewData::Image(values) => {
+                handle.append_hdu(header.cards())?;
+                values.write(handle, hdu)
+            }
+            NewData::Table(columns) => {
+                handle.append_hdu(header.cards())?;
+                let filled = columns.iter().filter(|column| !column.cells.is_empty());
+                filled.into_iter().try_for_each(|column| column.cells.write(handle, hdu, &column.name))
             }
         }
     }
 }
 
-/// Where an HDU stands in its file.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub(super) enum Place {
-    Primary,
-    Extension,
-}
-
 /// A header alone, to stand before extensions.
-pub(super) fn empty_primary() -> NewHdu {
+pub(super) fn empty_primary() -> Header {
     let mut header = Header::default();
     header.set("SIMPLE", &true.into(), "file conforms to the FITS standard");
     header.set("BITPIX", &8_i64.into(), "bits of a value");
     header.set("NAXIS", &0_i64.into(), "no data here");
     header.set("EXTEND", &true.into(), "extensions follow");
-    NewHdu { header, data: Vec::new() }
+    header
 }
 
-/// An image as it is.
-pub(super) fn image(place: Place, name: &str, image: &ImageValues, cards: &[Card]) -> NewHdu {
-    let [rows, columns] = image.size();
-    let format = image.format();
+fn image_header(values: &ImageValues, is_primary: bool) -> Header {
+    let [rows, columns] = values.size();
+    let format = values.format();
     let mut header = Header::default();
-    match place {
-        Place::Primary => header.set("SIMPLE", &true.into(), "file conforms to the FITS standard"),
-        Place::Extension => header.set("XTENSION", &"IMAGE".into(), "image extension"),
+    if is_primary {
+        header.set("SIMPLE", &true.into(), "file conforms to the FITS standard");
+    } else {
+        header.set("XTENSION", &"IMAGE".into(), "image extension");
     }
     header.set("BITPIX", &format.bitpix.number().into(), "bits of a value, negative for floating point");
     header.set("NAXIS", &2_i64.into(), "number of axes");
     header.set("NAXIS1", &(columns as i64).into(), "columns");
     header.set("NAXIS2", &(rows as i64).into(), "rows");
-    match place {
-        Place::Primary => header.set("EXTEND", &true.into(), "extensions may follow"),
-        Place::Extension => {
-            header.set("PCOUNT", &0_i64.into(), "");
-            header.set("GCOUNT", &1_i64.into(), "");
-        }
+    if is_primary {
+        header.set("EXTEND", &true.into(), "extensions may follow");
+    } else {
+        header.set("PCOUNT", &0_i64.into(), "");
+        header.set("GCOUNT", &1_i64.into(), "");
     }
     if format.zero != 0.0 {
         header.set("BZERO", &(format.zero as i64).into(), "numbers without sign");
         header.set("BSCALE", &1_i64.into(), "");
     }
-    if !name.is_empty() {
-        header.set("EXTNAME", &name.into(), "name of this HDU");
-    }
-    header.extend(free_cards(cards));
-    NewHdu { header, data: image.file_bytes() }
+    header
 }
 
-/// An image compressed by RICE, one row a tile: CFITSIO makes it in a folder of its own within `scratch`.
-pub(super) fn rice_image(
-    name: &str,
-    image: &ImageValues,
-    cards: &[Card],
-    rice: Rice,
-    scratch: &Path,
-) -> Result<NewHdu, FrameError> {
-    let folder = ScratchFolder::new(scratch).map_err(FrameError::io(scratch))?;
-    let path = folder.path().join("image.fits");
-    write_rice(&path, image, rice)?;
-    let made = FrameFile::open(&path)?;
-    let info = made.hdu(1)?;
-    let (from, to) = (info.data_at as usize, (info.data_at + info.data_length) as usize);
-    let bytes = fs::read(&path).map_err(FrameError::io(&path))?;
-    let mut header = made.header(1)?.clone();
-    header.remove("EXTNAME");
-    if !name.is_empty() {
-        header.set("EXTNAME", &name.into(), "name of this HDU");
-    }
-    header.extend(free_cards(cards));
-    Ok(NewHdu { header, data: bytes[from..to].to_vec() })
-}
-
-/// A table.
-pub(super) fn table(name: &str, columns: &[TableColumn], cards: &[Card]) -> Result<NewHdu, FrameError> {
-    let malformed = |why: String| FrameError::Malformed { name: name.to_owned(), why };
+fn table_header(columns: &[TableColumn]) -> Header {
     let rows = columns.first().map_or(0, |column| column.cells.len());
-    if let Some(column) = columns.iter().find(|column| column.cells.len() != rows) {
-        return Err(malformed(format!(
-            "column {} has {} cells, the first one {rows}",
-            column.name,
-            column.cells.len()
-        )));
-    }
-    if columns.len() > 999 {
-        return Err(malformed(format!("{} columns; a FITS table has 999 at most", columns.len())));
-    }
     let width: usize = columns.iter().map(|column| column.cells.width()).sum();
     let mut header = Header::default();
     header.set("XTENSION", &"BINTABLE".into(), "binary table extension");
@@ -207,21 +301,10 @@ pub(super) fn table(name: &str, columns: &[TableColumn], cards: &[Card]) -> Resu
             header.set(&format!("TUNIT{number}"), &column.unit.as_str().into(), "");
         }
     }
-    if !name.is_empty() {
-        header.set("EXTNAME", &name.into(), "name of this HDU");
-    }
-    header.extend(free_cards(cards));
-    let mut data = Vec::with_capacity(rows * width);
-    let nulls: Vec<Option<i64>> = columns.iter().map(|column| column.cells.null()).collect();
-    for row in 0..rows {
-        for (column, null) in columns.iter().zip(&nulls) {
-            column.cells.write(row, *null, &mut data);
-        }
-    }
-    Ok(NewHdu { header, data })
+    header
 }
 
-/// Cards that say nothing of the structure: a header taken from another frame may be handed on as it is.
+/// Cards that are not of the structure: a header taken from another frame may be handed on as it is.
 fn free_cards(cards: &[Card]) -> Vec<Card> {
     let is_structure = |card: &Card| {
         let keyword = card.keyword();

@@ -159,33 +159,6 @@ impl PixelFormat {
         Stored::Exact(rounded)
     }
 
-    /// Stored numbers of big-endian bytes, as physical values appended to `values`.
-    pub(super) fn decode(&self, bytes: &[u8], values: &mut Vec<f64>) {
-        values.extend((0..bytes.len() / self.bitpix.bytes()).map(|index| self.physical(self.raw(bytes, index))));
-    }
-
-    /// The same in single precision; a fast way where nothing is scaled.
-    pub(super) fn decode_single(&self, bytes: &[u8], values: &mut [f32]) {
-        match (self.bitpix, self.blank) {
-            (Bitpix::F32, _) if self.is_plain_single() => {
-                for (value, chunk) in values.iter_mut().zip(bytes.chunks_exact(4)) {
-                    *value = f32::from_be_bytes([chunk[0], chunk[1], chunk[2], chunk[3]]);
-                }
-            }
-            (Bitpix::I16, None) => {
-                let (scale, zero) = (self.scale, self.zero);
-                for (value, chunk) in values.iter_mut().zip(bytes.chunks_exact(2)) {
-                    *value = (zero + scale * f64::from(i16::from_be_bytes([chunk[0], chunk[1]]))) as f32;
-                }
-            }
-            _ => {
-                for (index, value) in values.iter_mut().enumerate() {
-                    *value = self.physical(self.raw(bytes, index)) as f32;
-                }
-            }
-        }
-    }
-
     /// The stored number at a place. Whole numbers of 64 bits beyond 2^53 lose their last digits.
     #[inline]
     pub(super) fn raw(&self, bytes: &[u8], index: usize) -> f64 {
@@ -241,12 +214,8 @@ mod tests {
             let mut bytes = vec![0; 3 * bitpix.bytes()];
             let Stored::Exact(number) = format.stored(42.0) else { panic!("{bitpix:?}") };
             format.put_raw(&mut bytes, 1, number);
-            let mut values = Vec::new();
-            format.decode(&bytes, &mut values);
+            let values = [0, 1, 2].map(|index| format.physical(format.raw(&bytes, index)));
             assert_eq!(values, [10.0, 42.0, 10.0], "{bitpix:?}");
-            let mut single = [0f32; 3];
-            format.decode_single(&bytes, &mut single);
-            assert_eq!(single, [10.0, 42.0, 10.0]);
         }
     }
 }

@@ -10,8 +10,8 @@ use super::super::truth::{
 };
 use super::target_frame::{TargetChip, TargetFrame};
 use crate::images::{
-    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, HduKind,
-    ImageValues, Patch, Pixels, Quantisation, Saturation, TableColumn,
+    AddedLight, Bleeding, Card, CardValue, Cells, Changed, Detector, DetectorError, FrameCopy, FrameError, ImageValues,
+    Patch, Pixels, Quantisation, Saturation, TableColumn,
 };
 use crate::output::{Column, Kind, Table, Value};
 
@@ -153,17 +153,10 @@ fn add<'a>(copy: &mut FrameCopy<'a>, target: &TargetChip, streaks: &[&'a DrawnSt
 fn noise_of_chip(frame: &TargetFrame, target: &TargetChip) -> Result<f32, FrameError> {
     const ROWS: usize = 48;
     let (hdu, lit) = (target.chip.hdu, &target.chip.light_area);
-    if frame.file.hdus().get(hdu).is_some_and(|info| info.kind != HduKind::Image) {
-        // Tiles are unpacked all together.
-        let plane = frame.file.read_plane(hdu)?;
-        let values: Vec<f32> = lit.rows.clone().flat_map(|row| &plane.row(row)[lit.columns.clone()]).copied().collect();
-        return Ok(noise_of(&values));
-    }
-    let mut values = Vec::new();
-    for row in lit.rows.clone().step_by(lit.rows.len().div_ceil(ROWS).max(1)) {
-        values.extend(frame.file.read_rows(hdu, row..row + 1)?[lit.columns.clone()].iter().map(|value| *value as f32));
-    }
-    Ok(noise_of(&values))
+    let rows = lit.rows.clone().step_by(lit.rows.len().div_ceil(ROWS).max(1));
+    let values = frame.file.read_rows(hdu, rows)?;
+    let lit_of_rows = values.chunks(target.chip.columns).flat_map(|row| &row[lit.columns.clone()]);
+    Ok(noise_of(&lit_of_rows.map(|value| *value as f32).collect::<Vec<_>>()))
 }
 
 /// Light through a detector: the whole chip is read, since full wells hold the sum of what was there and what is added. What it made of the pixels that are lit,
@@ -261,7 +254,7 @@ fn append_masks(
         let mut cards = card("MP_STREAK", i64::from(planes.streak_bit), "bit: a streak stands out");
         cards.extend(card("MP_INJECTED", i64::from(planes.injected_bit), "bit: holds injected light"));
         cards.extend(card("IMAGEHDU", target.chip.hdu as i64, "HDU that it masks, the first being 0"));
-        copy.append_image(&name, &image, &cards, None)?;
+        copy.append_image(&name, &image, &cards, None);
     }
     Ok(())
 }

@@ -1,0 +1,374 @@
+//! Compressed images with light added: the touched tiles are unpacked and packed again by CFITSIO.
+//!
+//! CFITSIO would quantise all pixels of a touched lossy tile anew. It is therefore given the table under another header, which declares
+//! the quantised whole numbers as the image: pixels that are not changed keep their numbers, and the others get the nearest step. Tiles
+//! that were stored without loss in a lossy image (GZIP_COMPRESSED_DATA) are edited under a second such header. The table stands alone in
+//! a scratch file, since each tile that grows would move all HDUs behind it.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::io::{self, Seek, SeekFrom, Write};
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+
+use fitsio::FitsFile;
+use fitsio::errors::Error as FitsioError;
+use fitsio::hdu::FitsHdu;
+use fitsio::images::{ReadImage, WriteImage};
+
+use super::super::card::{Card, CardValue};
+use super::super::header::Header;
+use super::cfitsio::Handle;
+use super::changed::{Changed, Outcome};
+use super::deltas::Deltas;
+use super::dither::Dither;
+use super::error::FrameError;
+use super::frame_copy::{between_steps, copy_range, header_bytes};
+use super::hdu::{BLOCK, HduInfo, HduKind, scan};
+use super::new_hdu::empty_primary;
+use super::pixel_format::{Bitpix, PixelFormat, Stored};
+use super::tile_table::{COMPRESSED, GZIPPED, TileTable};
+
+/// Number of a quantised pixel without a value (ZBLANK), and of one that is exactly 0 (SUBTRACTIVE_DITHER_2).
+const QUANTISED_BLANK: f64 = -2_147_483_648.0;
+const QUANTISED_ZERO: f64 = -2_147_483_646.0;
+
+/// Quantised pixels stay between these. CFITSIO puts the least pixel of a tile ten numbers above the reserved ones, so that the lower
+/// limit is next to them.
+const QUANTISED_RANGE: (f64, f64) = (-2_147_483_645.0, 2_147_483_600.0);
+
+/// The table of an image whose touched tiles are packed again: where its bytes are.
+#[derive(Debug)]
+pub(super) struct Repacked {
+    pub path: PathBuf,
+    pub data: Range<u64>,
+}
+
+/// A pixel to be changed: its place in its tile, its number in the image, and the light.
+type Touched = (usize, usize, f64);
+
+/// How floating pixels became whole numbers.
+#[derive(Copy, Clone, Debug, PartialEq, Eq)]
+enum Quantisation {
+    Plain,
+    Dithered { zero_is_exact: bool },
+}
+
+/// The numbers of one tile and their meaning.
+struct TileFormat {
+    pixels: PixelFormat,
+    /// Scale, zero, number without a value, and the dither, of quantised pixels.
+    quantised: Option<Quantised>,
+}
+
+struct Quantised {
+    scale: f64,
+    zero: f64,
+    blank: f64,
+    /// Empty without dither.
+    random: Vec<f64>,
+    zero_is_exact: bool,
+}
+
+/// Adds light to a compressed image and packs the touched tiles into a file of their own at `scratch`; brings `header` up to date.
+///
+/// # Errors
+/// [`FrameError::Tiles`] where tiles are broken or their algorithm is not one that is changed, and what CFITSIO and the system report.
+pub(super) fn repack(
+    source: &Path,
+    info: &HduInfo,
+    header: &mut Header,
+    light: &Deltas<'_>,
+    scratch: &Path,
+) -> Result<(Changed, Repacked), FrameError> {
+    let failed = |why: String| FrameError::Tiles { path: source.to_owned(), hdu: info.index, why };
+    let io = FrameError::io(source);
+    let table = TileTable::read(source, info, header)?;
+    let HduKind::CompressedImage(algorithm) = &info.kind else { return Err(failed("it is not compressed".to_owned())) };
+    if !["RICE_1", "RICE_ONE", "GZIP_1", "GZIP_2"].contains(&algorithm.as_str()) {
+        return Err(failed(format!(
+            "pixels compressed by {algorithm} are read but not changed (RICE_1, GZIP_1 and GZIP_2 are); unpack the file first (funpack)"
+        )));
+    }
+    let quantisation = quantisation(info, header, &table).map_err(failed)?;
+    let (mut packed, mut lossless) = (BTreeMap::new(), BTreeMap::new());
+    for (number, touched) in touched_tiles(&table, light) {
+        if table.holds(COMPRESSED, number) {
+            packed.insert(number, touched);
+        } else if table.holds(GZIPPED, number) {
+            lossless.insert(number, touched);
+        } else {
+            return Err(failed(format!("tile {} is not compressed; unpack the file first (funpack)", number + 1)));
+        }
+    }
+    let mut changed = Changed::default();
+    let stored = stored_bitpix(info, header, quantisation);
+    let passes = [
+        (packed, stored, quantisation, view(header, stored, COMPRESSED, None)),
+        (lossless, info.format.bitpix, None, view(header, info.format.bitpix, GZIPPED, Some("GZIP_1"))),
+    ];
+    let mut is_new = true;
+    let mut data = 0..0;
+    for (tiles, stored, quantisation, view) in passes {
+        if tiles.is_empty() && !is_new {
+            continue;
+        }
+        // Sizes are those of the table as it is after the pass before.
+        let mut view = view;
+        follow(header, &mut view);
+        write_view(source, info, &view, scratch, is_new).map_err(&io)?;
+        is_new = false;
+        let dither = quantisation.is_some_and(|q| q != Quantisation::Plain).then(Dither::new);
+        let format_of = |number: usize| tile_format(info, header, &table, quantisation, dither.as_ref(), number);
+        edit(scratch, &table, stored, &tiles, format_of, &mut changed).map_err(|error| error.of_file(source))?;
+        let made = scan(scratch, &mut File::open(scratch).map_err(&io)?)?;
+        let (made, made_header) = made.get(1).ok_or_else(|| failed("its table was lost".to_owned()))?;
+        follow(made_header, header);
+        data = made.data_at..made.data_at + made.data_length;
+    }
+    Ok((changed, Repacked { path: scratch.to_owned(), data }))
+}
+
+/// The pixels with light, by their tiles.
+fn touched_tiles(table: &TileTable, light: &Deltas<'_>) -> BTreeMap<usize, Vec<Touched>> {
+    let [sides, tile] = table.sizes();
+    let across = sides[0].div_ceil(tile[0]);
+    let mut touched: BTreeMap<usize, Vec<Touched>> = BTreeMap::new();
+    light.each(0..usize::MAX, |pixel, sum| {
+        let (row, column) = (pixel / sides[0], pixel % sides[0]);
+        let (tile_row, tile_column) = (row / tile[1], column / tile[0]);
+        let width = tile[0].min(sides[0] - tile_column * tile[0]);
+        let place = row % tile[1] * width + column % tile[0];
+        touched.entry(tile_row * across + tile_column).or_default().push((place, pixel, sum));
+    });
+    touched
+}
+
+fn quantisation(info: &HduInfo, header: &Header, table: &TileTable) -> Result<Option<Quantisation>, String> {
+    let is_scaled = table.has("ZSCALE") || header.contains("ZSCALE");
+    Ok(match header.text("ZQUANTIZ").as_deref() {
+        _ if info.format.bitpix.is_integer() || !is_scaled => None,
+        Some("NONE") => None,
+        Some("SUBTRACTIVE_DITHER_1") => Some(Quantisation::Dithered { zero_is_exact: false }),
+        Some("SUBTRACTIVE_DITHER_2") => Some(Quantisation::Dithered { zero_is_exact: true }),
+        None | Some("NO_DITHER") => Some(Quantisation::Plain),
+        Some(other) => return Err(format!("its quantisation {other:?} is not known")),
+    })
+}
+
+/// Type of the numbers that are packed.
+fn stored_bitpix(info: &HduInfo, header: &Header, quantisation: Option<Quantisation>) -> Bitpix {
+    // RICE packs numbers of BYTEPIX bytes, whatever the image's type; 4 where it is not given.
+    let is_rice = matches!(&info.kind, HduKind::CompressedImage(name) if name.starts_with("RICE"));
+    let bytes = if header.text("ZNAME2").as_deref() == Some("NOISEBIT") { None } else { header.integer("ZVAL2") };
+    match (quantisation, bytes) {
+        (None, _) if !is_rice => info.format.bitpix,
+        (_, Some(1)) if is_rice => Bitpix::U8,
+        (_, Some(2)) if is_rice => Bitpix::I16,
+        _ => Bitpix::I32,
+    }
+}
+
+/// The header under which CFITSIO sees the column `tiles` as an image of plain numbers: cards of scale and quantisation become comments,
+/// and other columns get names without a meaning.
+fn view(header: &Header, bitpix: Bitpix, tiles: &str, algorithm: Option<&str>) -> Header {
+    const LEFT_OUT: [&str; 9] =
+        ["BSCALE", "BZERO", "BLANK", "ZBLANK", "ZSCALE", "ZZERO", "ZQUANTIZ", "CHECKSUM", "DATASUM"];
+    let cards = header.cards().iter().map(|card| {
+        if LEFT_OUT.contains(&card.keyword().as_str()) { Card::from_bytes(b"COMMENT") } else { card.clone() }
+    });
+    let mut view = Header::from_cards(cards.collect());
+    view.set("ZBITPIX", &bitpix.number().into(), "");
+    if let Some(algorithm) = algorithm {
+        view.set("ZCMPTYPE", &algorithm.into(), "");
+    }
+    for number in 1..=header.integer("TFIELDS").unwrap_or(0) {
+        let keyword = format!("TTYPE{number}");
+        let is_tiles = header.text(&keyword).is_some_and(|name| name.eq_ignore_ascii_case(tiles));
+        let name = if is_tiles { COMPRESSED.to_owned() } else { format!("COLUMN{number}") };
+        view.set(&keyword, &CardValue::Text(name), "");
+    }
+    view
+}
+
+/// Takes over what packing changes in the header of a table.
+fn follow(from: &Header, to: &mut Header) {
+    for card in from.cards() {
+        let keyword = card.keyword();
+        let is_size = keyword == "PCOUNT" || keyword == "THEAP" || keyword.starts_with("TFORM");
+        if let Some(value) = from.value(&keyword).filter(|value| is_size && to.value(&keyword).as_ref() != Some(value))
+        {
+            to.set(&keyword, &value, "");
+        }
+    }
+}
+
+/// Writes the header of a view, and before the first one the rest of the file.
+fn write_view(source: &Path, info: &HduInfo, view: &Header, scratch: &Path, is_new: bool) -> io::Result<()> {
+    let mut file = File::options().create(true).truncate(false).read(true).write(true).open(scratch)?;
+    file.write_all(&header_bytes(&empty_primary()))?;
+    let bytes = header_bytes(view);
+    if !is_new {
+        // Header and table are as long as before.
+        return file.write_all(&bytes);
+    }
+    file.write_all(&bytes)?;
+    copy_range(&File::open(source)?, &file, info.data_at..info.data_at + info.data_length)?;
+    let end = file.seek(SeekFrom::End(0))?;
+    file.set_len(end.next_multiple_of(BLOCK as u64))
+}
+
+/// Changes the tiles of the file at `scratch`.
+fn edit(
+    scratch: &Path,
+    table: &TileTable,
+    stored: Bitpix,
+    tiles: &BTreeMap<usize, Vec<Touched>>,
+    format_of: impl Fn(usize) -> TileFormat,
+    changed: &mut Changed,
+) -> Result<(), FrameError> {
+    let mut handle = Handle::edit(scratch)?;
+    handle.fitsio(|file| {
+        let image = file.hdu(1)?;
+        for (number, touched) in tiles {
+            let (format, ranges) = (format_of(*number), ranges(table, *number));
+            let ranges: Vec<&Range<usize>> = ranges.iter().collect();
+            match stored {
+                Bitpix::U8 => edit_tile::<u8>(file, &image, &ranges, touched, &format, changed),
+                Bitpix::I16 => edit_tile::<i16>(file, &image, &ranges, touched, &format, changed),
+                Bitpix::I32 | Bitpix::I64 => edit_tile::<i32>(file, &image, &ranges, touched, &format, changed),
+                Bitpix::F32 => edit_tile::<f32>(file, &image, &ranges, touched, &format, changed),
+                Bitpix::F64 => edit_tile::<f64>(file, &image, &ranges, touched, &format, changed),
+            }?;
+        }
+        Ok(())
+    })?;
+    handle.compact_heap()?;
+    handle.close()
+}
+
+/// Pixels of a tile along each axis.
+fn ranges(table: &TileTable, number: usize) -> Vec<Range<usize>> {
+    let [sides, tile] = table.sizes();
+    let mut number = number;
+    let along = |(side, tile): (&usize, &usize)| {
+        let tiles = side.div_ceil(*tile);
+        let start = number % tiles * tile;
+        number /= tiles;
+        start..(start + tile).min(*side)
+    };
+    sides.iter().zip(tile).map(along).collect()
+}
+
+/// A type of packed numbers.
+trait Number: Copy + WriteImage {
+    fn to_f64(self) -> f64;
+    fn from_f64(number: f64) -> Self;
+}
+
+macro_rules! number {
+    ($($kind:ty)*) => {$(
+        impl Number for $kind {
+            fn to_f64(self) -> f64 {
+                self as f64
+            }
+            fn from_f64(number: f64) -> Self {
+                number as $kind
+            }
+        }
+    )*};
+}
+number!(u8 i16 i32 f32 f64);
+
+fn edit_tile<T: Number>(
+    file: &mut FitsFile,
+    image: &FitsHdu,
+    ranges: &[&Range<usize>],
+    touched: &[Touched],
+    format: &TileFormat,
+    changed: &mut Changed,
+) -> Result<(), FitsioError>
+where
+    Vec<T>: ReadImage,
+{
+    let mut numbers: Vec<T> = image.read_region(file, ranges)?;
+    let before = changed.pixels;
+    for &(place, pixel, sum) in touched {
+        let number = numbers[place].to_f64();
+        let old = format.physical(number, place);
+        changed.set(old, old + sum + between_steps(pixel, format.step()), |new| {
+            let (stored, is_clipped) = match format.stored(new, place) {
+                Stored::Exact(stored) => (stored, false),
+                Stored::Clipped(stored) => (stored, true),
+            };
+            let stored = T::from_f64(stored);
+            numbers[place] = stored;
+            Outcome { is_other: stored.to_f64() != number, is_clipped }
+        });
+    }
+    if changed.pixels > before { image.write_region(file, ranges, &numbers) } else { Ok(()) }
+}
+
+fn tile_format(
+    info: &HduInfo,
+    header: &Header,
+    table: &TileTable,
+    quantisation: Option<Quantisation>,
+    dither: Option<&Dither>,
+    number: usize,
+) -> TileFormat {
+    let of_tile = |name: &str| table.number(name, number).or_else(|| header.number(name));
+    let quantised = quantisation.map(|quantisation| {
+        let seed = header.integer("ZDITHER0").unwrap_or(1) as usize;
+        let pixels = ranges(table, number).iter().map(Range::len).product();
+        Quantised {
+            scale: of_tile("ZSCALE").filter(|scale| *scale != 0.0).unwrap_or(1.0),
+            zero: of_tile("ZZERO").unwrap_or(0.0),
+            blank: of_tile("ZBLANK").unwrap_or(QUANTISED_BLANK),
+            random: dither.map_or(Vec::new(), |dither| dither.of_tile(number + seed).take(pixels).collect()),
+            zero_is_exact: quantisation == Quantisation::Dithered { zero_is_exact: true },
+        }
+    });
+    TileFormat { pixels: info.format, quantised }
+}
+
+impl TileFormat {
+    /// Physical value of a number; NaN for none.
+    fn physical(&self, number: f64, place: usize) -> f64 {
+        let Some(quantised) = &self.quantised else { return self.pixels.physical(number) };
+        if number == quantised.blank {
+            return f64::NAN;
+        }
+        if number == QUANTISED_ZERO && quantised.zero_is_exact {
+            return self.pixels.physical(0.0);
+        }
+        // value = (number - random + 0.5) · ZSCALE + ZZERO                  FITS standard 4.0, eq. 13
+        let value = (number - quantised.offset(place)) * quantised.scale + quantised.zero;
+        // In the type of the image, as every reader has it.
+        self.pixels.physical(if self.pixels.bitpix == Bitpix::F32 { f64::from(value as f32) } else { value })
+    }
+
+    /// How far apart the values of a pixel are, physical; 0 where they lie as close as floating numbers do.
+    fn step(&self) -> f64 {
+        match &self.quantised {
+            Some(quantised) => (self.pixels.scale * quantised.scale).abs(),
+            None => self.pixels.step(),
+        }
+    }
+
+    /// The number for a physical value.
+    fn stored(&self, physical: f64, place: usize) -> Stored {
+        let Some(quantised) = &self.quantised else { return self.pixels.stored(physical) };
+        let value = (physical - self.pixels.zero) / self.pixels.scale;
+        let number = ((value - quantised.zero) / quantised.scale + quantised.offset(place)).round_ties_even();
+        let (low, high) = QUANTISED_RANGE;
+        if (low..=high).contains(&number) { Stored::Exact(number) } else { Stored::Clipped(number.clamp(low, high)) }
+    }
+}
+
+impl Quantised {
+    /// Dither of a pixel, steps.
+    fn offset(&self, place: usize) -> f64 {
+        self.random.get(place).map_or(0.0, |random| random - 0.5)
+    }
+}
