@@ -74,7 +74,19 @@ impl Kernel for Magnitudes<'_> {
         let Evaluation { c, exponents: [n_sail, n_base], zero_mag, .. } = *self.evaluation;
         let lit = &self.evaluation.lit[self.block];
         let earth = self.evaluation.earth.get(self.block);
-        let mut basis = lit.basis::<F>([Some(n_sail), Some(n_base)]);
+        let exponents = [Some(n_sail), Some(n_base)];
+        if self.slopes.is_none() {
+            let mut light = lit.light::<F>(&c, exponents);
+            if let Some(earth) = earth {
+                let gloss = interpolated::<F>(earth, &self.evaluation.earth_weights);
+                for lane in 0..BLOCK {
+                    light[lane] += fused::<F>(c[3], gloss[lane], c[4] * earth.diffuse[lane]);
+                }
+            }
+            *self.out = magnitudes::<F, BLOCK>(&light, LEAST_M2_SR, zero_mag);
+            return;
+        }
+        let mut basis = lit.basis::<F>(exponents);
         let sun_lobe = basis[3];
         if let Some(earth) = earth {
             let gloss = interpolated::<F>(earth, &self.evaluation.earth_weights);

@@ -3,7 +3,7 @@
 use crate::math::elementary::{fused, greater, sin_cos};
 use crate::math::vectors::{Kernel, widest_fused};
 
-use super::equations::{Directions, magnitudes, weighted_sum};
+use super::equations::{Directions, magnitudes};
 use super::satellite::SatelliteModel;
 
 /// Directions of Sun and observer in the body frame as columns, radians; the shortest column counts.
@@ -88,7 +88,7 @@ impl Kernel for StandardMagnitudes<'_> {
             let panels = &self.model.panels;
             let open = panels.open_sail::<F, BLOCK>(&directions);
             let lit = panels.lit::<F, BLOCK>(&directions, &open, [exponents[0].is_some(), exponents[1].is_some()]);
-            let light = weighted_sum::<F, BLOCK>(&self.model.c, &lit.basis::<F>(exponents));
+            let light = lit.light::<F>(&self.model.c, exponents);
             let mut magnitudes = magnitudes::<F, BLOCK>(&light, LEAST_M2_SR, self.zero_mag);
             for lane in 0..BLOCK {
                 magnitudes[lane] = if light[lane] > 0.0 { magnitudes[lane] } else { f64::NAN };

@@ -223,35 +223,47 @@ impl<const N: usize> LitPanels<N> {
     /// B_total is Σ c_k times these five, in the order c1 to c5, m² sr⁻¹; lobes without an exponent are 0.
     #[inline(always)]
     pub(crate) fn basis<const F: bool>(&self, exponents: [Option<f64>; 2]) -> [[f64; N]; 5] {
-        let [mut sail, mut through, mut base] = [[0.0; N]; 3];
+        let mut basis = [[0.0; N]; 5];
         for lane in 0..N {
-            // f = c / π                                                      Lu (2024), eqs. 3, 4, 6
-            sail[lane] = FRAC_1_PI * self.front_m2[lane];
-            through[lane] = FRAC_1_PI * self.through_m2[lane];
-            base[lane] = FRAC_1_PI * self.base_m2[lane];
+            let of_lane = self.basis_at::<F>(lane, exponents);
+            for k in 0..5 {
+                basis[k][lane] = of_lane[k];
+            }
         }
-        let sail_lobe = lobe::<F, N>(exponents[0], &self.ln_sail, &self.front_m2);
-        let base_lobe = lobe::<F, N>(exponents[1], &self.ln_base, &self.base_m2);
-        [sail_lobe, sail, through, base_lobe, base]
+        basis
+    }
+
+    /// B_total by sunlight, m² sr⁻¹, without storing its parts.
+    #[inline(always)]
+    pub(crate) fn light<const F: bool>(&self, c: &[f64; 5], exponents: [Option<f64>; 2]) -> [f64; N] {
+        let mut light = [0.0; N];
+        for lane in 0..N {
+            light[lane] = weighted::<F>(c, self.basis_at::<F>(lane, exponents));
+        }
+        light
+    }
+
+    #[inline(always)]
+    fn basis_at<const F: bool>(&self, lane: usize, exponents: [Option<f64>; 2]) -> [f64; 5] {
+        let (front_m2, through_m2, base_m2) = (self.front_m2[lane], self.through_m2[lane], self.base_m2[lane]);
+        [
+            lobe::<F>(exponents[0], self.ln_sail[lane]) * front_m2,
+            // f = c / π                                                      Lu (2024), eqs. 3, 4, 6
+            FRAC_1_PI * front_m2,
+            FRAC_1_PI * through_m2,
+            lobe::<F>(exponents[1], self.ln_base[lane]) * base_m2,
+            FRAC_1_PI * base_m2,
+        ]
     }
 }
 
-/// Lobe of weight 1 on projected areas, m² sr⁻¹.
+/// Lobe of weight 1, sr⁻¹.
 #[inline(always)]
-fn lobe<const F: bool, const N: usize>(
-    exponent: Option<f64>,
-    ln_cosines: &[f64; N],
-    projected_m2: &[f64; N],
-) -> [f64; N] {
-    let mut lobe = [0.0; N];
-    if let Some(n) = exponent {
-        for lane in 0..N {
-            // f = (n + 2) / 2π · cosⁿθ                                       Lu (2024), eqs. 2, 5
-            let value = (n + 2.0) / TAU * exp::<F>(n * ln_cosines[lane]) * projected_m2[lane];
-            lobe[lane] = if ln_cosines[lane] > NO_LOBE { value } else { 0.0 };
-        }
-    }
-    lobe
+fn lobe<const F: bool>(exponent: Option<f64>, ln_cosine: f64) -> f64 {
+    let Some(n) = exponent else { return 0.0 };
+    // f = (n + 2) / 2π · cosⁿθ                                           Lu (2024), eqs. 2, 5
+    let value = (n + 2.0) / TAU * exp::<F>(n * ln_cosine);
+    if ln_cosine > NO_LOBE { value } else { 0.0 }
 }
 
 /// Derivative by the exponent of a lobe of which value and exponent are given.
@@ -263,11 +275,17 @@ pub(crate) fn slope_of_lobe(lobe: f64, exponent: f64, ln_cosine: f64) -> f64 {
 
 /// Σ c_k b_k.
 #[inline(always)]
+fn weighted<const F: bool>(c: &[f64; 5], basis: [f64; 5]) -> f64 {
+    let diffuse = fused::<F>(c[1], basis[1], fused::<F>(c[2], basis[2], c[4] * basis[4]));
+    fused::<F>(c[0], basis[0], fused::<F>(c[3], basis[3], diffuse))
+}
+
+/// Σ c_k b_k, lane by lane.
+#[inline(always)]
 pub(crate) fn weighted_sum<const F: bool, const N: usize>(c: &[f64; 5], basis: &[[f64; N]; 5]) -> [f64; N] {
     let mut sum = [0.0; N];
     for lane in 0..N {
-        let diffuse = fused::<F>(c[1], basis[1][lane], fused::<F>(c[2], basis[2][lane], c[4] * basis[4][lane]));
-        sum[lane] = fused::<F>(c[0], basis[0][lane], fused::<F>(c[3], basis[3][lane], diffuse));
+        sum[lane] = weighted::<F>(c, [0, 1, 2, 3, 4].map(|k: usize| basis[k][lane]));
     }
     sum
 }
