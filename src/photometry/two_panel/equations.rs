@@ -224,11 +224,10 @@ impl<const N: usize> LitPanels<N> {
     #[inline(always)]
     pub(crate) fn basis<const F: bool>(&self, exponents: [Option<f64>; 2]) -> [[f64; N]; 5] {
         let mut basis = [[0.0; N]; 5];
+        let [sail_lobe, sail, through, base_lobe, base] = &mut basis;
         for lane in 0..N {
-            let of_lane = self.basis_at::<F>(lane, exponents);
-            for k in 0..5 {
-                basis[k][lane] = of_lane[k];
-            }
+            [sail_lobe[lane], sail[lane], through[lane], base_lobe[lane], base[lane]] =
+                self.basis_at::<F>(lane, exponents);
         }
         basis
     }
@@ -237,8 +236,8 @@ impl<const N: usize> LitPanels<N> {
     #[inline(always)]
     pub(crate) fn light<const F: bool>(&self, c: &[f64; 5], exponents: [Option<f64>; 2]) -> [f64; N] {
         let mut light = [0.0; N];
-        for lane in 0..N {
-            light[lane] = weighted::<F>(c, self.basis_at::<F>(lane, exponents));
+        for (lane, light) in light.iter_mut().enumerate() {
+            *light = weighted::<F>(c, self.basis_at::<F>(lane, exponents));
         }
         light
     }
