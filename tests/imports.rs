@@ -45,7 +45,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
 const DOORS: &[(&str, &[&str])] = &[
     ("sgp4", &["elements", "orbit"]),
     ("sofars", &["frames", "geometry"]),
-    ("cdshealpix", &["math", "photometry"]),
+    ("cdshealpix", &["math"]),
     ("rusqlite", &["schedule"]),
     ("quick_xml", &["bin", "elements", "schedule"]),
     ("parquet", &["output", "schedule"]),
@@ -66,7 +66,7 @@ const DOORS: &[(&str, &[&str])] = &[
     ("image", &["images", "plot"]),
     ("colorous", &["plot"]),
     ("base64", &["plot"]),
-    ("pulp", &["fit", "math", "photometry"]),
+    ("pulp", &["math"]),
     ("prefetch_index", &["images"]),
     ("statrs", &["fit"]),
     ("npyz", &["fit"]),

@@ -1,21 +1,21 @@
-//! Interpolation of something smooth in the logarithm of a parameter.
+//! Interpolation in the logarithm of a parameter.
 //!
-//! Chebyshev's points of the first kind in ln x, and the weights of the barycentric formula (Berrut and Trefethen 2004, SIAM Review 46,
-//! 501, eqs. 4.2 and 5.4): what is tabulated at the nodes is a polynomial of degree N - 1 in between.
+//! Chebyshev's points of the first kind in ln x, and the weights of the barycentric formula (Berrut and Trefethen 2004,
+//! SIAM Review 46, 501, eqs. 4.2 and 5.4): a polynomial of degree N - 1 through the values at the nodes.
 
 use std::f64::consts::PI;
 
-/// N places of a positive parameter.
+/// N values of a positive parameter.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct LogNodes<const N: usize> {
-    /// The places, rising.
+    /// The values, rising.
     pub at: [f64; N],
     logarithms: [f64; N],
     barycentric: [f64; N],
 }
 
 impl<const N: usize> LogNodes<N> {
-    /// Between two positive ends.
+    /// Nodes between two positive ends.
     pub fn new([least, greatest]: [f64; 2]) -> Self {
         let [least, greatest] = [least.ln(), greatest.ln()];
         let angle = |k: usize| PI * (k as f64 + 0.5) / N as f64;
@@ -26,7 +26,7 @@ impl<const N: usize> LogNodes<N> {
         Self { at: logarithms.map(f64::exp), logarithms, barycentric }
     }
 
-    /// What each node counts for at a place.
+    /// Weights of the nodes at a value of the parameter.
     pub fn weights(&self, place: f64) -> [f64; N] {
         let x = place.ln();
         if let Some(at) = self.logarithms.iter().position(|node| *node == x) {
@@ -37,12 +37,12 @@ impl<const N: usize> LogNodes<N> {
         parts.map(|part| part / sum)
     }
 
-    /// Their derivatives by the place.
-    pub fn slopes(&self, place: f64) -> Vec<f64> {
+    /// Derivatives of the weights by the parameter.
+    pub fn slopes(&self, place: f64) -> [f64; N] {
         // Polynomials in ln x: differences lose 1e-9 of them.
         let h = 1e-4;
         let (up, down) = (self.weights(place * f64::exp(h)), self.weights(place * f64::exp(-h)));
-        up.iter().zip(&down).map(|(up, down)| (up - down) / (2.0 * h * place)).collect()
+        std::array::from_fn(|k| (up[k] - down[k]) / (2.0 * h * place))
     }
 }
 

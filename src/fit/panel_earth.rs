@@ -1,7 +1,7 @@
-//! The Earth's light on lists of panels at each point, ready for any coefficients.
+//! Earthshine on lists of panels at each point, for any coefficients.
 //!
-//! Light is linear in the weight of each law; what a law of weight 1 makes of the Earth is computed once for each point, and where a
-//! parameter bends it (an exponent, a width, a slope) at sixteen values of that, between which it is interpolated.
+//! Light is linear in the weight of each law, so a law of weight 1 is computed once for each point. Where a parameter
+//! bends the law (an exponent, a width, a slope) it is computed at sixteen values of it and interpolated.
 
 use rayon::prelude::*;
 
@@ -10,90 +10,46 @@ use crate::photometry::panels::{Coefficient, LawSpec, PanelsSpec};
 use super::log_nodes::LogNodes;
 use super::point::FitPoint;
 
-/// Values of a bending parameter at which light is known: between them it is good to 1e-3 of itself.
+/// Values of a bending parameter: interpolation is good to 1e-3 of the light.
 const NODES: usize = 16;
 
-/// All laws on fronts that the Earth lights.
+/// All laws on fronts that receive earthshine.
 #[derive(Default)]
 pub(super) struct PanelEarth {
     laws: Vec<EarthLaw>,
 }
 
-/// One of them.
 struct EarthLaw {
-    weight: Number,
-    bent: Option<(Number, LogNodes<NODES>)>,
-    /// `(n_point)` of `(n_node)`, m² sr⁻¹ of a weight of 1; one node where nothing bends it.
+    /// Index of the parameter that light is proportional to; `None` for a number, which is in the light.
+    weight: Option<usize>,
+    /// Index of the parameter that bends the law, and its values.
+    bent: Option<(usize, LogNodes<NODES>)>,
+    /// `(n_point)` of `(n_node)`, m² sr⁻¹; one node where nothing bends the law.
     light: Vec<Vec<f64>>,
 }
 
-/// A number, or the parameter of this index.
-#[derive(Copy, Clone)]
-enum Number {
-    Fixed(f64),
-    Parameter(usize),
-}
-
-impl Number {
-    fn of(spec: &PanelsSpec, coefficient: &Coefficient) -> Self {
-        match coefficient {
-            Coefficient::Number(value) => Self::Fixed(*value),
-            // Files are validated: every name is that of a parameter.
-            Coefficient::Parameter(name) => {
-                let place = spec.parameters.iter().position(|parameter| parameter.name == *name);
-                place.map_or(Self::Fixed(0.0), Self::Parameter)
-            }
-        }
-    }
-
-    fn value(self, x: &[f64]) -> f64 {
-        match self {
-            Self::Fixed(value) => value,
-            Self::Parameter(place) => x[place],
-        }
-    }
-}
-
 impl PanelEarth {
-    /// For these points; `None` where two parameters bend one law, for which there is no such table.
+    /// Returns `None` where a law depends on parameters in another way: earthshine is then computed each time.
     pub fn new(spec: &PanelsSpec, points: &[FitPoint]) -> Option<Self> {
-        let ranges = spec.ranges();
         let mut laws = Vec::new();
         for (number, panel) in spec.panels.iter().enumerate().filter(|(_, panel)| panel.earthshine) {
             for law in &panel.front {
-                let (weight, bending) = parts(law)?;
-                let weight = Number::of(spec, weight);
-                let (bent, places) = match bending.map(|coefficient| Number::of(spec, coefficient)) {
-                    Some(Number::Parameter(place)) => {
-                        let nodes = LogNodes::<NODES>::new(ranges[place]);
-                        (Some((Number::Parameter(place), nodes.clone())), nodes.at.to_vec())
-                    }
-                    Some(Number::Fixed(value)) => (None, vec![value]),
-                    None => (None, vec![1.0]),
-                };
-                // One panel with one law of weight 1 in the Earth's light, the others as they stand for what they hide.
-                let alone = |place: &f64| {
-                    let mut alone = spec.clone();
-                    alone.panels.iter_mut().enumerate().for_each(|(other, panel)| panel.earthshine = other == number);
-                    alone.panels[number].front = vec![unit(law, *place)];
-                    alone.assemble(&[])
-                };
-                let assemblies: Vec<_> = places.iter().map(alone).collect();
-                let of_point = |point: &FitPoint| {
-                    assemblies.iter().map(|assembly| assembly.earthshine_m2_sr(&point.geometry)).collect::<Vec<f64>>()
-                };
-                laws.push(EarthLaw { weight, bent, light: points.par_iter().map(of_point).collect() });
+                // The other panels stay, since they may hide this one.
+                let mut alone = spec.clone();
+                alone.panels.iter_mut().enumerate().for_each(|(other, panel)| panel.earthshine = other == number);
+                alone.panels[number].front = vec![law.clone()];
+                laws.push(EarthLaw::new(&alone, law, points)?);
             }
         }
         Some(Self { laws })
     }
 
-    /// What each law counts for with these parameters, node by node.
+    /// Weights of the laws at these parameters, node by node.
     pub fn weights(&self, x: &[f64]) -> Vec<Vec<f64>> {
         let of_law = |law: &EarthLaw| {
-            let weight = law.weight.value(x);
+            let weight = law.weight.map_or(1.0, |place| x[place]);
             match &law.bent {
-                Some((number, nodes)) => nodes.weights(number.value(x)).iter().map(|share| weight * share).collect(),
+                Some((place, nodes)) => nodes.weights(x[*place]).iter().map(|share| weight * share).collect(),
                 None => vec![weight],
             }
         };
@@ -109,34 +65,38 @@ impl PanelEarth {
     }
 }
 
-/// The coefficient that a law is proportional to, and the one that bends it; `None` where there are two such.
-fn parts(law: &LawSpec) -> Option<(&Coefficient, Option<&Coefficient>)> {
-    /// A law without coefficients is taken once.
-    const ONCE: &Coefficient = &Coefficient::Number(1.0);
-    match law {
-        LawSpec::Lambert { albedo } => Some((albedo, None)),
-        LawSpec::Phong { weight, exponent }
-        | LawSpec::Straight { weight, exponent }
-        | LawSpec::Retro { weight, exponent } => Some((weight, Some(exponent))),
-        LawSpec::Facets { weight, slope } => Some((weight, Some(slope))),
-        LawSpec::Gaussian { peak_per_sr, width } => Some((peak_per_sr, Some(width))),
-        LawSpec::Abg { a, b: Coefficient::Number(_), g: Coefficient::Number(_) } => Some((a, None)),
-        LawSpec::Abg { .. } => None,
-        LawSpec::Binomial { .. } => Some((ONCE, None)),
-    }
-}
-
-/// The same law with a weight of 1, bent by this number.
-fn unit(law: &LawSpec, bent: f64) -> LawSpec {
-    let (one, bent) = (Coefficient::Number(1.0), Coefficient::Number(bent));
-    match law.clone() {
-        LawSpec::Lambert { .. } => LawSpec::Lambert { albedo: one },
-        LawSpec::Phong { .. } => LawSpec::Phong { weight: one, exponent: bent },
-        LawSpec::Straight { .. } => LawSpec::Straight { weight: one, exponent: bent },
-        LawSpec::Retro { .. } => LawSpec::Retro { weight: one, exponent: bent },
-        LawSpec::Facets { .. } => LawSpec::Facets { weight: one, slope: bent },
-        LawSpec::Gaussian { .. } => LawSpec::Gaussian { peak_per_sr: one, width: bent },
-        LawSpec::Abg { b, g, .. } => LawSpec::Abg { a: one, b, g },
-        binomial @ LawSpec::Binomial { .. } => binomial,
+impl EarthLaw {
+    /// `alone` has earthshine on the panel of this law alone, and no other law there.
+    fn new(alone: &PanelsSpec, law: &LawSpec, points: &[FitPoint]) -> Option<Self> {
+        let place = |coefficient: &Coefficient| match coefficient {
+            Coefficient::Number(_) => None,
+            Coefficient::Parameter(name) => alone.parameters.iter().position(|parameter| parameter.name == *name),
+        };
+        let (linear, bending): (Vec<_>, Vec<_>) = law.terms().into_iter().partition(|term| term.is_linear);
+        let weight = linear.iter().find_map(|term| place(term.coefficient));
+        let bent = bending.iter().find_map(|term| place(term.coefficient));
+        // One parameter of two that bend a law (ABg) moves over a range for which sixteen values are too few.
+        if bent.is_some() && (bending.len() > 1 || bent == weight) {
+            return None;
+        }
+        let bent = bent.map(|place| (place, LogNodes::<NODES>::new(alone.ranges()[place])));
+        let mut values: Vec<f64> = alone.parameters.iter().map(|parameter| parameter.value).collect();
+        if let Some(place) = weight {
+            values[place] = 1.0;
+        }
+        let assemblies: Vec<_> = match &bent {
+            Some((place, nodes)) => {
+                let at = |value: &f64| {
+                    values[*place] = *value;
+                    alone.assemble(&values)
+                };
+                nodes.at.iter().map(at).collect()
+            }
+            None => vec![alone.assemble(&values)],
+        };
+        let of_point = |point: &FitPoint| {
+            assemblies.iter().map(|assembly| assembly.earthshine_m2_sr(&point.geometry)).collect::<Vec<f64>>()
+        };
+        Some(Self { weight, bent, light: points.par_iter().map(of_point).collect() })
     }
 }

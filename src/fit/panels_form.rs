@@ -1,12 +1,12 @@
-//! Any list of panels and spheres as something to be fitted: the parameters that its model file names.
+//! Fits of lists of panels and spheres: the parameters that a model file names.
 //!
-//! What geometry makes of the panels (cosines, areas, what is hidden) does not depend on the parameters: it is made once for each
-//! point, and so is the Earth's light by each law. Laws are then asked with each set of parameters; derivatives are differences.
+//! Cosines, areas and obstruction do not depend on the parameters and are computed once for each point, and so is
+//! earthshine by each law. Laws are then evaluated with each set of parameters; derivatives are differences.
 
 use rayon::prelude::*;
 
 use crate::photometry::brdf::{Brdf, Law};
-use crate::photometry::panels::{AttitudeSpec, Face, LitFace, PanelAssembly, PanelsSpec};
+use crate::photometry::panels::{AttitudeSpec, LitFace, PanelAssembly, PanelsSpec};
 use crate::photometry::{Coefficients, Earthshine, SatelliteShape, StandardMagnitude};
 
 use super::form::{BLOCK, Evaluated, Form, LEAST_LIT_M2, LEAST_M2_SR, Parameter, Prepared};
@@ -15,12 +15,12 @@ use super::panel_earth::PanelEarth;
 use super::point::FitPoint;
 use super::two_panel::TwoPanelForm;
 
-/// Panels of a model file. Attitudes are not fitted, but laws and spheres are.
+/// Panels of a model file, of which laws and spheres are fitted and attitudes are not.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelsForm {
     /// Panels, laws, and parameters at their values.
     pub spec: PanelsSpec,
-    /// Whether the Earth's light is part of the model, on the panels that receive it.
+    /// Earthshine on the panels that receive it.
     pub earthshine: Earthshine,
     /// Magnitude of the Sun, which sets the zero point.
     pub sun_magnitude: f64,
@@ -60,8 +60,8 @@ impl Form for PanelsForm {
 }
 
 impl PanelsForm {
-    /// Chassis and sail of the paper with the sizes of the panel that looks down and the one that is turned to the Sun's azimuth; `None`
-    /// where there are none such.
+    /// Chassis and sail of the paper with the sizes of the panel that faces down and the one that is turned to the Sun's
+    /// azimuth; `None` where either is missing.
     pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
         let of = |is: fn(&AttitudeSpec) -> bool| self.spec.panels.iter().find(|panel| is(&panel.attitude));
         let base = of(|attitude| matches!(attitude, AttitudeSpec::Nadir {}))?;
@@ -83,7 +83,7 @@ impl PanelsForm {
     }
 }
 
-/// What one point sees.
+/// Geometry of one point.
 struct Seen {
     faces: Vec<LitFace>,
     phase_rad: f64,
@@ -94,16 +94,16 @@ struct PreparedPanels {
     points: Vec<FitPoint>,
     seen: Vec<Seen>,
     has_spheres: bool,
-    /// The Earth's light made ready; `None` where it has to be computed each time.
+    /// Earthshine; `None` where it has to be computed each time.
     earth: Option<PanelEarth>,
     zero_mag: f64,
 }
 
-/// Laws with parameters put in.
+/// Laws with parameters.
 struct PanelsAt<'a> {
     prepared: &'a PreparedPanels,
     assembly: PanelAssembly,
-    /// What each law of the Earth's light counts for.
+    /// Weights of the laws of earthshine.
     earth: Vec<Vec<f64>>,
 }
 
@@ -134,8 +134,7 @@ impl PanelsAt<'_> {
 
 impl Prepared for PreparedPanels {
     fn explains(&self, point: usize) -> bool {
-        let is_seen = |face: &LitFace| face.open_m2 > LEAST_LIT_M2 && has_laws(&self.form.spec, face);
-        self.has_spheres || self.seen[point].faces.iter().any(is_seen)
+        self.has_spheres || self.seen[point].faces.iter().any(|face| face.open_m2 > LEAST_LIT_M2)
     }
 
     fn at<'a>(&'a self, x: &[f64]) -> Box<dyn Evaluated + 'a> {
@@ -149,16 +148,7 @@ impl Prepared for PreparedPanels {
     }
 }
 
-fn has_laws(spec: &PanelsSpec, face: &LitFace) -> bool {
-    let panel = &spec.panels[face.panel];
-    !match face.face {
-        Face::Front => panel.front.is_empty(),
-        Face::Back => panel.back.is_empty(),
-        Face::Through => panel.through.is_empty(),
-    }
-}
-
-/// Light is linear in some parameters: their basis functions are light with one of them 1 and the others 0.
+/// Light is linear in some parameters.
 impl Basis for PreparedPanels {
     fn light(&self, x: &[f64]) -> Vec<f64> {
         let at = self.with(x);

@@ -1,23 +1,21 @@
-//! Magnitude at 1000 km over a satellite's own sky: what it sends in each direction below its chassis.
+//! Magnitudes at 1000 km of a satellite for all directions below its chassis.
 
-use crate::frames::{Body, Direction};
+use crate::geometry::ViewingGeometry;
 use crate::photometry::{BodyAngles, BrightnessModel, PhotometryOptions, StandardMagnitude};
 
 use super::error::{MapError, height, latitude};
-use super::facts::{Fact, FactValue};
 use super::grid::{Grid, GridRow, fill};
-use super::light::{Light, STANDARD_RANGE_KM};
+use super::light::{Fact, FactValue, Light, STANDARD_RANGE_KM, rounded};
 
-/// A satellite in full sunlight, to be asked how bright it is from any direction, as figure 6 of Lu (2024) shows it.
+/// Brightness of a satellite in full sunlight in any direction, as in figure 6 of Lu (2024).
 ///
-/// Directions are longitudes from the Sun's azimuth, growing right-handed about the satellite's zenith (0 to 2π), and latitudes above the
-/// plane of the chassis (-π/2 straight below). The Sun is at 1 au and no air lies between. The height counts where the Earth shines on the
-/// satellite and nowhere else: no direction is left out because it would miss the ground.
+/// Directions are longitudes from the Sun's azimuth, right-handed about the satellite's zenith (0 to 2π), and latitudes
+/// above the plane of the chassis (-π/2 straight below). The Sun is at 1 au and there is no extinction. The height
+/// matters for earthshine only: directions that miss the ground are not left out.
 #[derive(Clone, Debug)]
 pub struct BodyView<'a> {
     light: Light<'a>,
     sun_latitude_rad: f64,
-    to_sun: Direction<Body>,
     height_km: f64,
 }
 
@@ -35,18 +33,18 @@ pub struct BodyPoint {
 /// Standard magnitudes over the half sphere below a satellite.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BodyMap {
-    /// Which directions.
+    /// Directions.
     pub grid: Grid,
-    /// What it rests on.
+    /// Model, options and geometry.
     pub facts: Vec<Fact>,
     /// In the order of the grid; regular grids begin straight below.
     pub points: Vec<BodyPoint>,
 }
 
 impl<'a> BodyView<'a> {
-    /// With the Sun at `sun_latitude_rad` above the plane of the chassis and the satellite `height_km` above 6378.137 km.
+    /// View with the Sun at `sun_latitude_rad` above the plane of the chassis and the satellite `height_km` above 6378.137 km.
     ///
-    /// Of `options`, the Sun's distance and extinction are not used: a standard magnitude has neither.
+    /// Of `options`, the Sun's distance and extinction are not used: standard magnitudes have neither.
     ///
     /// # Errors
     /// A latitude beyond ±90°, a height that is not above 0 km or is above 100,000 km.
@@ -57,15 +55,10 @@ impl<'a> BodyView<'a> {
         options: PhotometryOptions,
     ) -> Result<Self, MapError> {
         let sun_latitude_rad = latitude("Sun's latitude", sun_latitude_rad)?;
-        Ok(Self {
-            light: Light::new(model, options),
-            sun_latitude_rad,
-            to_sun: Direction::from_lon_lat_rad(0.0, sun_latitude_rad),
-            height_km: height(height_km)?,
-        })
+        Ok(Self { light: Light::new(model, options), sun_latitude_rad, height_km: height(height_km)? })
     }
 
-    /// Latitude of the Earth's limb as the satellite sees it, radians: -acos(R / (R + h)). Observers on the ground stand below it.
+    /// Latitude of the Earth's limb, radians: -acos(R / (R + h)). Observers on the ground stand below it.
     pub fn limb_latitude_rad(&self) -> f64 {
         let radius_km = crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
         -(radius_km / (radius_km + self.height_km)).acos()
@@ -83,13 +76,19 @@ impl<'a> BodyView<'a> {
 
     /// Magnitude at 1000 km in one direction; `None` where nothing lit is seen.
     pub fn at(&self, observer_longitude_rad: f64, observer_latitude_rad: f64) -> Option<StandardMagnitude> {
-        let to_observer = Direction::from_lon_lat_rad(observer_longitude_rad, observer_latitude_rad);
-        self.light.standard_magnitude(&self.to_sun, &to_observer, self.height_km, 1.0)
+        let geometry = ViewingGeometry::from_angles(
+            self.sun_latitude_rad,
+            observer_longitude_rad,
+            observer_latitude_rad,
+            STANDARD_RANGE_KM,
+            self.height_km,
+        )?;
+        self.light.standard_magnitude(&geometry, 1.0)
     }
 
-    /// What the answers rest on.
+    /// Model, options and geometry.
     pub fn facts(&self) -> Vec<Fact> {
-        let degrees = |angle: f64| FactValue::Real(super::facts::rounded(angle.to_degrees()));
+        let degrees = |angle: f64| FactValue::Real(rounded(angle.to_degrees()));
         let mut facts = vec![
             Fact::new(
                 "frame",
@@ -114,7 +113,7 @@ impl<'a> BodyView<'a> {
     pub fn map(&self, grid: Grid) -> BodyMap {
         let blank = BodyPoint { observer_longitude_rad: 0.0, observer_latitude_rad: 0.0, standard_magnitude: None };
         let points = fill(grid.southern(), blank, |row, points| {
-            if self.light.is_sunlight_on_panels() {
+            if !self.light.has_earthshine() {
                 return self.fill_by_columns(row, points);
             }
             for (point, observer_longitude_rad) in points.iter_mut().zip(row.longitudes_rad()) {
@@ -126,7 +125,7 @@ impl<'a> BodyView<'a> {
         BodyMap { grid, facts: self.facts(), points }
     }
 
-    /// A row of one latitude, all its magnitudes at once; the same as one by one to 1e-9 mag.
+    /// Fills a row of one latitude at once; the same as point by point to 1e-9 mag.
     fn fill_by_columns(&self, row: &GridRow, points: &mut [BodyPoint]) {
         let longitudes: Vec<f64> = row.longitudes_rad().collect();
         let mut magnitudes = vec![0.0; longitudes.len()];

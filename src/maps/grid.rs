@@ -8,17 +8,17 @@ use crate::math::healpix::{MOST_NSIDE, cell_count, northern_cell_count, northern
 
 use super::error::{MapError, in_range};
 
-/// Steps of a map for which none were said, degrees.
+/// Default step of a map, degrees.
 pub const DEFAULT_STEP_DEG: f64 = 2.0;
 
-/// Division of a HEALPix map for which none was said: cells of 0.92°.
+/// Default division of a HEALPix map: cells of 0.92°.
 pub const DEFAULT_NSIDE: u32 = 64;
 
-/// Which directions a map holds: [`Grid::regular`] or [`Grid::healpix`].
+/// Directions of a map: [`Grid::regular`] or [`Grid::healpix`].
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Grid(Division);
 
-/// Only [`Grid`]'s makers make one, so every one that there is can be asked.
+/// Divisions that the constructors of [`Grid`] accept.
 #[derive(Copy, Clone, Debug, PartialEq)]
 enum Division {
     /// So many steps in 90°.
@@ -38,7 +38,7 @@ pub(super) struct GridRow {
 }
 
 impl GridRow {
-    /// Sine and cosine of each longitude, each turned on from the one before: a tenth of the time, and good to 1e-16 for each turn.
+    /// Sine and cosine of each longitude by recurrence: a tenth of the time, with an error of 1e-16 for each step.
     pub fn sines_and_cosines(&self) -> impl Iterator<Item = (f64, f64)> + use<> {
         let (step_sin, step_cos) = self.step_rad.sin_cos();
         // sin(a + s) = sin a cos s + cos a sin s
@@ -54,7 +54,7 @@ impl GridRow {
     }
 }
 
-/// One value for each direction of the rows, in order, on all threads of the caller's pool; `fill_row` is given each row and its values.
+/// Computes one value for each direction of the rows, in order, on all threads of the caller's pool.
 pub(super) fn fill<T: Copy + Send>(
     rows: Vec<GridRow>,
     blank: T,
@@ -73,10 +73,11 @@ pub(super) fn fill<T: Copy + Send>(
 }
 
 impl Grid {
-    /// Longitudes 0, s, 2s, ... below 360° at latitudes 0, s, ... 90° (or their negatives), the pole once for each longitude, s in degrees.
+    /// Longitudes 0, s, 2s, ... below 360° at latitudes 0, s, ... 90° (or their negatives), s in degrees; the pole once
+    /// for each longitude.
     ///
     /// # Errors
-    /// A step below 0.1 or above 5 degrees, or one of which 90 is no multiple.
+    /// A step below 0.1 or above 5 degrees, or one that does not divide 90.
     pub fn regular(step_deg: f64) -> Result<Self, MapError> {
         let allowed = "0.1 to 5 deg, a whole number of them in 90";
         let steps = 90.0 / step_deg;
@@ -102,7 +103,7 @@ impl Grid {
         }
     }
 
-    /// How many directions the half sphere from the equator to a pole has.
+    /// Number of directions of the half sphere from the equator to a pole.
     pub fn half_len(&self) -> usize {
         match self.0 {
             Division::Steps(steps) => 4 * steps as usize * (steps as usize + 1),
@@ -136,7 +137,7 @@ impl Grid {
 
     /// The half from the equator to the south pole: regular grids from the pole up, cells in RING order.
     pub(super) fn southern(&self) -> Vec<GridRow> {
-        // The sphere of cells is its own mirror image; rings in the north run towards the equator, in the south away from it.
+        // Cells are symmetric about the equator; rings in the north run towards it, in the south away from it.
         let mirrored = self.northern().into_iter().rev();
         mirrored.map(|row| GridRow { latitude_rad: -row.latitude_rad, ..row }).collect()
     }

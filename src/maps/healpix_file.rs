@@ -1,9 +1,9 @@
 //! Maps as HEALPix tables in FITS files, in the form that healpy and Aladin read.
 //!
-//! One row a cell of the whole sphere in RING order. Cells of the other half, and those without a magnitude, hold -1.6375e30, the mark of
-//! HEALPix for missing data. Longitude and latitude of the cells are azimuth and altitude, or the observer's in the satellite's frame: the
-//! keyword COORDSYS says which; neither is a place among the stars. Text in the header is ASCII: accents are left out, and three dots end what
-//! is longer than a card.
+//! One row for each cell of the whole sphere in RING order. Cells of the other half, and those without a magnitude, hold
+//! -1.6375e30, the HEALPix value for missing data. Longitude and latitude of the cells are azimuth and altitude, or those
+//! of the observer in the satellite's frame, as the keyword COORDSYS states; neither is celestial. Text in the header is
+//! ASCII: accents are left out, and longer text is cut and ends in three dots.
 
 use std::fs;
 use std::path::Path;
@@ -13,13 +13,12 @@ use crate::math::healpix::cell_count;
 use crate::output::ScratchFolder;
 
 use super::body::BodyMap;
-use super::card_text::card_text;
 use super::error::MapError;
-use super::facts::{Fact, FactValue};
 use super::grid::Grid;
+use super::light::{Fact, FactValue};
 use super::sky::SkyMap;
 
-/// What HEALPix holds for missing data.
+/// HEALPix value for missing data.
 const BAD_DATA: f64 = -1.6375e30;
 
 /// A column: name, unit, and for each cell its value.
@@ -28,11 +27,11 @@ type CellColumn<'a> = (&'static str, &'static str, Box<dyn Fn(usize) -> Option<f
 impl BodyMap {
     /// The bytes of a FITS file with the column `standard_magnitude`.
     ///
-    /// CFITSIO works on files alone: one is made in the folder `scratch` and removed.
+    /// CFITSIO writes files only: one is made in the folder `scratch` and removed.
     ///
     /// # Errors
-    /// [`MapError::Fits`] where the grid is none of HEALPix, and for whatever CFITSIO reports; [`MapError::Scratch`] where `scratch` cannot
-    /// be written to.
+    /// [`MapError::Fits`] for a grid without HEALPix cells, and for errors of CFITSIO; [`MapError::Scratch`] where
+    /// `scratch` cannot be written to.
     pub fn to_fits(&self, scratch: &Path) -> Result<Vec<u8>, MapError> {
         let magnitude = |index: usize| self.points[index].standard_magnitude.map(|magnitude| magnitude.0);
         let columns: [CellColumn<'_>; 1] = [("standard_magnitude", "mag", Box::new(magnitude))];
@@ -121,4 +120,117 @@ fn cards(nside: u32, facts: &[Fact]) -> Vec<Card> {
         (fact.keyword, value, fact.comment)
     }));
     values.iter().flat_map(|(keyword, value, comment)| Card::with_value(keyword, value, comment)).collect()
+}
+
+/// Longest text of one card, in which a quote counts twice; CFITSIO cuts longer ones silently.
+const LONGEST: usize = 68;
+
+/// End of a cut text.
+const CUT: &str = "...";
+
+/// Letters and signs with a substitute in ASCII.
+const KIN: &[(&str, &str)] = &[
+    ("ÀÁÂÃÄÅĀĂĄ", "A"),
+    ("àáâãäåāăą", "a"),
+    ("Æ", "AE"),
+    ("æ", "ae"),
+    ("ÇĆČĊ", "C"),
+    ("çćčċ", "c"),
+    ("ĎĐÐ", "D"),
+    ("ďđð", "d"),
+    ("ÈÉÊËĒĖĘĚ", "E"),
+    ("èéêëēėęě", "e"),
+    ("ĞĢĠ", "G"),
+    ("ğģġ", "g"),
+    ("ÌÍÎÏĪĮİ", "I"),
+    ("ìíîïīįı", "i"),
+    ("Ķ", "K"),
+    ("ķ", "k"),
+    ("ŁĽĻĹ", "L"),
+    ("łľļĺ", "l"),
+    ("ÑŃŇŅ", "N"),
+    ("ñńňņ", "n"),
+    ("ÒÓÔÕÖØŌŐ", "O"),
+    ("òóôõöøōő", "o"),
+    ("Œ", "OE"),
+    ("œ", "oe"),
+    ("ŘŔ", "R"),
+    ("řŕ", "r"),
+    ("ŚŠŞȘ", "S"),
+    ("śšşș", "s"),
+    ("ß", "ss"),
+    ("ŤŢȚ", "T"),
+    ("ťţț", "t"),
+    ("Þ", "Th"),
+    ("þ", "th"),
+    ("ÙÚÛÜŪŮŰŲ", "U"),
+    ("ùúûüūůűų", "u"),
+    ("ŴẀẂẄ", "W"),
+    ("ŵẁẃẅ", "w"),
+    ("ÝŸŶ", "Y"),
+    ("ýÿŷ", "y"),
+    ("ŹŻŽ", "Z"),
+    ("źżž", "z"),
+    ("‘’ʻʼ", "'"),
+    ("“”", "\""),
+    ("‐‑–—−", "-"),
+    ("°", "deg"),
+    ("…", "..."),
+    ("\u{a0}\u{202f}", " "),
+];
+
+/// Text for a card: accents left out, `?` for other characters, three dots at the end of a cut text.
+fn card_text(text: &str) -> String {
+    let plain: String = text.chars().map(|c| in_ascii(c).unwrap_or_else(|| c.to_string())).collect();
+    let width = |c: char| if c == '\'' { 2 } else { 1 };
+    if plain.chars().map(width).sum::<usize>() <= LONGEST {
+        return plain;
+    }
+    let mut end = 0;
+    let fits = |c: &char| {
+        end += width(*c);
+        end + CUT.len() <= LONGEST
+    };
+    let mut cut: String = plain.chars().take_while(fits).collect();
+    cut.push_str(CUT);
+    cut
+}
+
+/// ASCII for a character; `None` where it is ASCII already.
+fn in_ascii(c: char) -> Option<String> {
+    let is_combining_mark = ('\u{300}'..='\u{36f}').contains(&c);
+    match c {
+        ' '..='~' => None,
+        _ if is_combining_mark => Some(String::new()),
+        _ => Some(KIN.iter().find(|(kin, _)| kin.contains(c)).map_or("?", |(_, ascii)| ascii).to_owned()),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_names_stay_readable() {
+        for (name, card) in [
+            ("Río Grande, Côte d’Azur", "Rio Grande, Cote d'Azur"),
+            ("Ondřejov – Žebrák", "Ondrejov - Zebrak"),
+            ("Skalnate\u{301} Pleso 20°", "Skalnate Pleso 20deg"),
+            ("Straße, Ærø, Þórshöfn, İzmir", "Strasse, AEro, Thorshofn, Izmir"),
+            ("紫金山 / Zijinshan\t", "??? / Zijinshan?"),
+            ("~ plain ~", "~ plain ~"),
+        ] {
+            assert_eq!(card_text(name), card);
+        }
+    }
+
+    #[test]
+    fn verif_what_is_cut_says_so() {
+        let (fits, long) = ("x".repeat(68), "x".repeat(69));
+        assert_eq!(card_text(&fits), fits);
+        assert_eq!(card_text(&long), format!("{}...", "x".repeat(65)));
+        // A quote takes two places in the card.
+        assert_eq!(card_text(&"'".repeat(34)), "'".repeat(34));
+        assert_eq!(card_text(&"'".repeat(35)), format!("{}...", "'".repeat(32)));
+    }
 }

@@ -1,25 +1,23 @@
-//! From directions to magnitudes: the model's light in the band that was asked for.
+//! Magnitudes of a map in the band and system of its options, and the facts that a map states.
 
-use crate::frames::{Body, Direction};
 use crate::geometry::ViewingGeometry;
+use crate::output::Provenance;
 use crate::photometry::{
-    BodyAngles, BrightnessModel, Earthshine, Magnitude, PhotometryOptions, Places, StandardMagnitude, airmass,
+    BodyAngles, BrightnessModel, Earthshine, Magnitude, PhotometryOptions, SatellitePositions, StandardMagnitude,
+    airmass,
 };
-
-use super::facts::{Fact, FactValue};
 
 /// The distance of standard magnitudes, km.
 pub(super) const STANDARD_RANGE_KM: f64 = 1000.0;
 
-/// A model with what is the same in every direction.
+/// A model with options.
 ///
-/// A map has no use for the sigma and source that come with each single magnitude; without them a direction costs a third. That both ways
-/// give the same magnitude is a test.
+/// Maps need no sigma and no source; without them a direction costs a third. A test compares both.
 #[derive(Clone, Debug)]
 pub(super) struct Light<'a> {
     model: &'a BrightnessModel,
     options: PhotometryOptions,
-    /// From the model's band to the one asked for, mag.
+    /// From the band of the model to that of the options, mag.
     colour_mag: f64,
 }
 
@@ -28,56 +26,45 @@ impl<'a> Light<'a> {
         Self { model, options, colour_mag: model.colour_to_mag(options.band, options.system) }
     }
 
-    /// At 1000 km by sunlight of which `lit_fraction` (above 0) is left and, where it is not off, earthshine; the Sun at 1 au. `None` where nothing
-    /// lit is seen.
-    pub fn standard_magnitude(
-        &self,
-        to_sun: &Direction<Body>,
-        to_observer: &Direction<Body>,
-        height_km: f64,
-        lit_fraction: f64,
-    ) -> Option<StandardMagnitude> {
-        if self.options.earthshine != Earthshine::Off && self.model.is_of_panels() {
-            let geometry = ViewingGeometry::from_angles(
-                to_sun.latitude_rad(),
-                to_observer.longitude_rad(),
-                to_observer.latitude_rad(),
-                STANDARD_RANGE_KM,
-                height_km,
-            )?;
+    /// Magnitude at 1000 km by sunlight of which `lit_fraction` (above 0) is left and, where it is not off, earthshine;
+    /// the Sun at 1 au. `None` where nothing lit is seen.
+    pub fn standard_magnitude(&self, geometry: &ViewingGeometry, lit_fraction: f64) -> Option<StandardMagnitude> {
+        if self.has_earthshine() {
+            let geometry = ViewingGeometry { range_km: STANDARD_RANGE_KM, ..*geometry };
             let options = PhotometryOptions { sun_distance: false, extinction_mag_per_airmass: None, ..self.options };
             let bright = self.model.brightness(&geometry, lit_fraction, &options)?;
             return Some(StandardMagnitude(bright.magnitude.0));
         }
-        let standard = self.model.standard_magnitude_towards(to_sun, to_observer)?;
+        let standard = self.model.standard_magnitude(geometry)?;
         self.shaded(StandardMagnitude(standard.0 + self.colour_mag), lit_fraction)
     }
 
-    /// True where magnitudes are those of panels under the Sun alone: many at once cost a fraction of each by itself.
-    pub fn is_sunlight_on_panels(&self) -> bool {
-        self.options.earthshine == Earthshine::Off && self.model.satellite().is_some()
+    /// True where each direction needs its own sum over the Earth; without earthshine rows are computed at once.
+    pub fn has_earthshine(&self) -> bool {
+        self.options.earthshine != Earthshine::Off && self.model.is_of_panels()
     }
 
-    /// At 1000 km by full sunlight, many at once; not a number where nothing lit is seen.
-    pub fn sunlight_at(&self, places: &Places, out: &mut [f64]) {
-        self.model.standard_magnitudes_at(places, out);
+    /// Magnitudes at 1000 km by full sunlight; not a number where nothing lit is seen.
+    pub fn sunlight_at(&self, positions: &SatellitePositions, out: &mut [f64]) {
+        self.model.standard_magnitudes_at(positions, out);
         out.iter_mut().for_each(|magnitude| *magnitude += self.colour_mag);
     }
 
-    /// The same from directions in the body frame.
+    /// As [`Self::sunlight_at`], from directions in the body frame.
     pub fn sunlight_towards(&self, angles: &BodyAngles, out: &mut [f64]) {
         self.model.standard_magnitudes(angles, out);
         out.iter_mut().for_each(|magnitude| *magnitude += self.colour_mag);
     }
 
-    /// What the Earth's shadow leaves of a magnitude by full sunlight; `None` where that is nothing, or there was none.
+    /// Magnitude in the Earth's shadow from that by full sunlight; `None` where no light is left, or there was none.
     pub fn shaded(&self, standard: StandardMagnitude, lit_fraction: f64) -> Option<StandardMagnitude> {
         let shade = if lit_fraction < 1.0 { -2.5 * lit_fraction.log10() } else { 0.0 };
         let magnitude = standard.0 + shade;
         magnitude.is_finite().then_some(StandardMagnitude(magnitude))
     }
 
-    /// What distance and air add to a standard magnitude; `None` with air at the horizon and below, where it has no airmass.
+    /// Magnitude of a standard magnitude of 0 at this range and altitude; `None` with extinction at and below the
+    /// horizon, where there is no airmass.
     pub fn dimming(&self, range_km: f64, altitude_rad: f64) -> Option<Magnitude> {
         let air = match self.options.extinction_mag_per_airmass {
             Some(k) => k * airmass(altitude_rad)?,
@@ -108,8 +95,55 @@ impl<'a> Light<'a> {
         facts
     }
 
-    /// Extinction, mag per airmass, where there is any.
+    /// Extinction, mag per airmass.
     pub fn extinction(&self) -> Option<f64> {
         self.options.extinction_mag_per_airmass
     }
+}
+
+/// One statement about a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Fact {
+    /// Name in the provenance of a table, snake_case with the unit last.
+    pub name: &'static str,
+    /// Keyword in a FITS header.
+    pub keyword: &'static str,
+    /// Value.
+    pub value: FactValue,
+    /// Comment in a FITS header.
+    pub comment: &'static str,
+}
+
+/// Text or a number.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FactValue {
+    /// Text.
+    Text(String),
+    /// A number in the unit of the name.
+    Real(f64),
+}
+
+impl FactValue {
+    pub(super) fn text(text: &str) -> Self {
+        Self::Text(text.to_owned())
+    }
+}
+
+impl Fact {
+    pub(super) fn new(name: &'static str, keyword: &'static str, value: FactValue, comment: &'static str) -> Self {
+        Self { name, keyword, value, comment }
+    }
+
+    /// Adds the statement to the provenance of an output.
+    pub fn state(&self, provenance: &mut Provenance) {
+        match &self.value {
+            FactValue::Text(text) => provenance.state(self.name, text.as_str()),
+            FactValue::Real(number) => provenance.state(self.name, *number),
+        }
+    }
+}
+
+/// Removes the rounding of a conversion from degrees to radians and back.
+pub(super) fn rounded(number: f64) -> f64 {
+    (number * 1e9).round() / 1e9
 }

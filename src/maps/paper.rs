@@ -1,4 +1,4 @@
-//! The panels of figures 6 to 9 of Lu (2024), section 5: which Sun, which height.
+//! The panels of figures 6 to 9 of Lu (2024), section 5: Suns and heights.
 
 /// One panel.
 #[derive(Copy, Clone, Debug, PartialEq)]

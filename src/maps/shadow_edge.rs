@@ -1,4 +1,4 @@
-//! Where the Earth's shadow ends on the sky of a site, for satellites of one height.
+//! Border of the Earth's shadow on the sky of a site, for satellites of one height.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::sky::SkyView;
 
-/// The border is closed to this angle about the Earth's centre, radians: a metre at 1000 km of height.
+/// Precision of the border, an angle at the Earth's centre, radians: a metre at 1000 km of height.
 const CLOSE_RAD: f64 = 1e-7;
 
 /// One direction in which a satellite sees half of the Sun's light.
@@ -19,11 +19,11 @@ pub struct ShadowEdgePoint {
 }
 
 impl SkyView<'_> {
-    /// The border of the shadow on the sphere of the satellites, where half of the Sun's light is left: `count` points once around the shadow's axis, a closed
-    /// line. Points below the horizon come too, so that the line can be cut where it sets.
+    /// Border of the shadow on the sphere of the satellites, where half of the Sun's light is left: `count` points once
+    /// around the axis of the shadow, a closed line. Points below the horizon are included.
     ///
-    /// About the axis away from the Sun the border is nearly a circle; on each of `count` great circles through the axis the place is
-    /// bisected where half of the light is left. Empty where the shadow does not reach the satellites.
+    /// About the axis the border is nearly a circle; on each of `count` great circles through the axis it is found by
+    /// bisection. Empty where the shadow does not reach the satellites.
     pub fn shadow_edge(&self, count: usize) -> Vec<ShadowEdgePoint> {
         let to_sun = self.sun.vector().normalize();
         let aside = if to_sun.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
@@ -64,7 +64,7 @@ mod tests {
     use crate::maps::Earth;
     use crate::photometry::{ModelLibrary, PhotometryOptions};
 
-    /// A tenth of a degree on either side of the line: the penumbra is 0.5 deg wide as seen from the satellite, some 50 km there.
+    /// A degree on either side of the line; the penumbra is 0.5 deg wide as seen from the satellite, some 50 km there.
     const ASIDE_RAD: f64 = 0.02;
 
     #[test]
@@ -104,7 +104,6 @@ mod tests {
     fn out_of_the_shadow_there_is_no_edge() {
         let library = ModelLibrary::embedded();
         let model = library.get("starlink-v1.5").unwrap();
-        // The Earth's umbra ends 1.4 million km behind it; at 100,000 km it is there, but the solid Earth's half-light is a circle all the same.
         let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, 0.5, PhotometryOptions::default()).unwrap();
         // By day the edge runs below the horizon alone.
         assert!(view.shadow_edge(36).iter().all(|point| point.altitude_rad < 0.0));

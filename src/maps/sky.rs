@@ -10,33 +10,32 @@
 //!            Earth's centre
 //! ```
 //!
-//! A direction above the horizon meets the sphere of the satellites in one place. Without a site the Earth is a sphere of 6378.137 km with the
-//! observer on it, and so is its shadow; with a site the observer stands on the WGS84 ellipsoid, altitudes are above the plane square to its
-//! normal, and the shadow is that of the ellipsoid. Air bends no light on its way to the observer: altitudes are geometric. What it does to the light that
-//! grazes the Earth on its way to the satellites is [`SkyView::with_shadow`]'s to say.
+//! A direction above the horizon meets the sphere of the satellites in one point. Without a site the Earth is a sphere of
+//! 6378.137 km with the observer on it, and so is its shadow; with a site the observer stands on the WGS84 ellipsoid,
+//! altitudes are above the plane square to its normal, and the shadow is that of the ellipsoid. Altitudes are geometric,
+//! without refraction; [`SkyView::with_shadow`] chooses the model of light that grazes the Earth.
 
 use nalgebra::{Matrix3, Vector3};
 
 use crate::constants::{AU_KM, EARTH_EQUATORIAL_RADIUS_KM};
-use crate::frames::{Body, Direction, Gcrs, Horizontal, Position, itrs_to_horizontal};
-use crate::geometry::{ShadowModel, Site};
-use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, Places, StandardMagnitude};
+use crate::frames::{Direction, Gcrs, Horizontal, Position, itrs_to_horizontal};
+use crate::geometry::{ShadowModel, Site, ViewingGeometry};
+use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, SatellitePositions, StandardMagnitude};
 
 use super::error::{MapError, height, latitude};
-use super::facts::{Fact, FactValue, rounded};
 use super::grid::{Grid, GridRow, fill};
-use super::light::Light;
+use super::light::{Fact, FactValue, Light, rounded};
 
-/// On what Earth the observer stands.
+/// Figure of the Earth.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Earth {
-    /// A sphere of 6378.137 km, the observer on its surface, as in the paper.
+    /// Sphere of 6378.137 km, the observer on its surface, as in the paper.
     Sphere,
     /// The WGS84 ellipsoid, the observer at this site.
     Ellipsoid(Site),
 }
 
-/// The sky of a site, to be asked how bright a satellite would be in any direction.
+/// Brightness of satellites of one height in any direction of the sky of a site.
 ///
 /// Azimuths from north through east, altitudes above the horizon. The Sun is at 1 au.
 #[derive(Clone, Debug)]
@@ -74,19 +73,20 @@ pub struct SkyPoint {
 /// Apparent magnitudes over the sky of a site.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SkyMap {
-    /// Which directions.
+    /// Directions.
     pub grid: Grid,
-    /// What it rests on.
+    /// Model, options and geometry.
     pub facts: Vec<Fact>,
     /// In the order of the grid; regular grids begin on the horizon.
     pub points: Vec<SkyPoint>,
 }
 
 impl<'a> SkyView<'a> {
-    /// Satellites `height_km` above 6378.137 km, the Sun at an azimuth and an altitude (geometric, negative below the horizon), radians.
+    /// View of satellites `height_km` above 6378.137 km with the Sun at a geometric azimuth and altitude, radians.
     ///
     /// # Errors
-    /// A Sun's altitude beyond ±90°, an azimuth beyond ±360°, a height that is not above 0 km, is above 100,000 km, or lies below the site.
+    /// A Sun's altitude beyond ±90°, an azimuth beyond ±360°, a height that is not within 0 to 100,000 km or lies below
+    /// the site.
     pub fn new(
         model: &'a BrightnessModel,
         earth: Earth,
@@ -100,7 +100,7 @@ impl<'a> SkyView<'a> {
         let is_angle = azimuth_deg.abs() <= 360.0 + 1e-9;
         super::error::in_range("Sun's azimuth", azimuth_deg, " deg", "-360 to 360 deg", is_angle)?;
         let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height(height_km)?;
-        // A turn of the Earth about its axis changes nothing here, so its own axes stand for the celestial ones.
+        // The rotation of the Earth changes nothing here: terrestrial axes serve as celestial ones.
         let (horizon, observer) = match &earth {
             Earth::Sphere => (itrs_to_horizontal(0.0, 0.0), Vector3::new(EARTH_EQUATORIAL_RADIUS_KM, 0.0, 0.0)),
             Earth::Ellipsoid(site) => {
@@ -129,12 +129,12 @@ impl<'a> SkyView<'a> {
         })
     }
 
-    /// With another shadow than that of the solid Earth.
+    /// Replaces the shadow of the solid Earth.
     pub fn with_shadow(self, shadow: ShadowModel) -> Self {
         Self { shadow, ..self }
     }
 
-    /// On what Earth.
+    /// Figure of the Earth.
     pub fn earth(&self) -> &Earth {
         &self.earth
     }
@@ -159,12 +159,12 @@ impl<'a> SkyView<'a> {
         self.radius_km - EARTH_EQUATORIAL_RADIUS_KM
     }
 
-    /// What stands in one direction. Below the horizon it is where the line of sight leaves the Earth on the other side.
+    /// Point in one direction. Below the horizon it lies where the line of sight leaves the Earth on the other side.
     pub fn at(&self, azimuth_rad: f64, altitude_rad: f64) -> SkyPoint {
         self.point(&self.row(altitude_rad), azimuth_rad)
     }
 
-    /// What the answers rest on.
+    /// Model, options and geometry.
     pub fn facts(&self) -> Vec<Fact> {
         let degrees = |angle: f64| FactValue::Real(rounded(angle.to_degrees()));
         let earth = match &self.earth {
@@ -205,7 +205,7 @@ impl<'a> SkyView<'a> {
         let blank = SkyPoint { azimuth_rad: 0.0, altitude_rad: 0.0, range_km: 0.0, lit_fraction: 0.0, magnitude: None };
         let points = fill(grid.northern(), blank, |grid_row, points| {
             let row = self.row(grid_row.latitude_rad);
-            if self.light.is_sunlight_on_panels() {
+            if !self.light.has_earthshine() {
                 return self.fill_by_columns(&row, grid_row, points);
             }
             for (point, azimuth_rad) in points.iter_mut().zip(grid_row.longitudes_rad()) {
@@ -215,10 +215,10 @@ impl<'a> SkyView<'a> {
         SkyMap { grid, facts: self.facts(), points }
     }
 
-    /// What is the same at every azimuth.
+    /// Quantities that are the same at every azimuth.
     fn row(&self, altitude_rad: f64) -> Row {
         let (sin, cos) = altitude_rad.sin_cos();
-        // On a sphere the way to the satellites depends on nothing else.
+        // On a sphere the range depends on the altitude only.
         let way = (self.earth == Earth::Sphere).then(|| {
             let range_km = self.range_km(EARTH_EQUATORIAL_RADIUS_KM * sin);
             (range_km, self.light.dimming(range_km, altitude_rad))
@@ -227,7 +227,7 @@ impl<'a> SkyView<'a> {
         Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, way }
     }
 
-    /// A row of one altitude, all its magnitudes at once; the same as point by point to 1e-9 mag.
+    /// Fills a row of one altitude at once; the same as point by point to 1e-9 mag.
     fn fill_by_columns(&self, row: &Row, grid_row: &GridRow, points: &mut [SkyPoint]) {
         let mut columns = [const { Vec::new() }; 3];
         columns.iter_mut().for_each(|column: &mut Vec<f64>| column.reserve(points.len()));
@@ -240,7 +240,7 @@ impl<'a> SkyView<'a> {
             *point =
                 SkyPoint { azimuth_rad, altitude_rad: row.altitude_rad, range_km, lit_fraction, magnitude: dimming };
         }
-        let places = Places {
+        let positions = SatellitePositions {
             x_km: &columns[0],
             y_km: &columns[1],
             z_km: &columns[2],
@@ -248,7 +248,7 @@ impl<'a> SkyView<'a> {
             sun_km: (*self.sun.vector()).into(),
         };
         let mut standard = vec![0.0; points.len()];
-        self.light.sunlight_at(&places, &mut standard);
+        self.light.sunlight_at(&positions, &mut standard);
         for (point, standard) in points.iter_mut().zip(standard) {
             let shaded = self.light.shaded(StandardMagnitude(standard), point.lit_fraction);
             point.magnitude = match (point.magnitude, shaded) {
@@ -258,7 +258,7 @@ impl<'a> SkyView<'a> {
         }
     }
 
-    /// Where the direction at an azimuth (its sine and cosine) points to, how far the satellite there is, and what distance and air add to its standard magnitude.
+    /// Direction at an azimuth (its sine and cosine), range of the satellite there, and the effect of distance and air.
     fn sight(&self, row: &Row, (east, north): (f64, f64)) -> (Vector3<f64>, f64, Option<Magnitude>) {
         let direction = row.up + row.north * north + row.east * east;
         let (range_km, dimming) = row.way.unwrap_or_else(|| {
@@ -273,14 +273,14 @@ impl<'a> SkyView<'a> {
         let satellite = self.observer.vector() + direction * range_km;
         let lit_fraction = self.lit_fraction(&satellite);
         let magnitude = dimming.filter(|_| lit_fraction > 0.0).and_then(|dimming| {
-            let (to_sun, to_observer) = self.body_directions(&satellite, &direction);
-            let standard = self.light.standard_magnitude(&to_sun, &to_observer, self.height_km(), lit_fraction)?;
+            let geometry = ViewingGeometry::new(&Position::from_vector(satellite), &self.observer, &self.sun)?;
+            let standard = self.light.standard_magnitude(&geometry, lit_fraction)?;
             Some(dimming.dimmed_by(standard.0))
         });
         SkyPoint { azimuth_rad, altitude_rad: row.altitude_rad, range_km, lit_fraction, magnitude }
     }
 
-    /// The way to the satellites' sphere along a direction on which the observer's place has the component `along_km` (b above).
+    /// Range of the satellites along a direction on which the observer's position has the component `along_km` (b above).
     fn range_km(&self, along_km: f64) -> f64 {
         // ρ = -b + √(b² - c), c = q² - r² < 0; without the difference of near numbers where b > 0.
         let root = (along_km * along_km - self.below_km2).sqrt();
@@ -299,7 +299,7 @@ impl<'a> SkyView<'a> {
                 }
                 let cos = (towards_sun * (self.per_radius_km / AU_KM)).max(-1.0);
                 let sin = (1.0 - cos * cos).sqrt();
-                // On a sphere only the angle to the Sun counts; in the plane of the equator the ellipsoid is one.
+                // On a sphere only the angle to the Sun matters; in the plane of the equator the ellipsoid is a circle.
                 let turned = || {
                     let place = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
                     self.shadow.illumination(&place, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
@@ -307,7 +307,7 @@ impl<'a> SkyView<'a> {
                 if self.shadow != ShadowModel::Geometric {
                     return turned();
                 }
-                // Off the shadow's axis, and the Earth's radius narrowed or widened by the Sun's disk (0.0047 rad), with room.
+                // Distance from the shadow's axis against the Earth's radius less or plus the Sun's disk (0.0047 rad).
                 let (across_km, slope_km) = (self.radius_km * sin, -0.005 * self.radius_km * cos);
                 if across_km > EARTH_EQUATORIAL_RADIUS_KM * 1.0002 + slope_km {
                     return 1.0;
@@ -319,30 +319,6 @@ impl<'a> SkyView<'a> {
             }
         }
     }
-
-    /// Unit vectors to the Sun and the observer in the satellite's frame, without a detour over angles.
-    fn body_directions(
-        &self,
-        satellite: &Vector3<f64>,
-        direction: &Vector3<f64>,
-    ) -> (Direction<Body>, Direction<Body>) {
-        // A division takes as long as a dozen products.
-        let zenith = satellite * self.per_radius_km;
-        let to_sun = self.sun.vector() - satellite;
-        let to_sun = to_sun * (1.0 / to_sun.norm());
-        let to_observer = -direction;
-        let (sun_up, observer_up) = (zenith.dot(&to_sun), zenith.dot(&to_observer));
-        // x of the body frame points to the Sun's foot on the plane of the chassis, y = z × x.     Lu (2024), eqs. 8, 9
-        let foot = to_sun - zenith * sun_up;
-        let level = foot.norm();
-        // With the Sun in the zenith every direction along the plane will do.
-        let x = if level > 0.0 { foot * (1.0 / level) } else { zenith.cross(&Vector3::z()).normalize() };
-        let across = zenith.cross(&x).dot(&to_observer);
-        (
-            Direction::from_vector(Vector3::new(level, 0.0, sun_up)),
-            Direction::from_vector(Vector3::new(x.dot(&to_observer), across, observer_up)),
-        )
-    }
 }
 
 /// Directions of one altitude.
@@ -353,6 +329,6 @@ struct Row {
     up: Vector3<f64>,
     north: Vector3<f64>,
     east: Vector3<f64>,
-    /// Range, and what it and the air do to a standard magnitude, where they are the same for all.
+    /// Range and dimming by distance and air, where they are the same for all.
     way: Option<(f64, Option<Magnitude>)>,
 }

@@ -1,4 +1,4 @@
-//! The least value of a function of one number: one search for every room.
+//! Minimum of a function of one number.
 
 /// Steps at most: golden sections alone come from a bracket to a ten-billionth of it in so many.
 const MOST_STEPS: usize = 48;

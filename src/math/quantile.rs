@@ -1,4 +1,4 @@
-//! Quantiles of samples: one definition for every room.
+//! Quantiles of samples.
 
 /// Value below which this share of sorted samples lies, linear between neighbours (NumPy's default, Hyndman and Fan's type 7).
 ///

@@ -13,3 +13,34 @@ pub fn widest<Work: NullaryFnOnce>(work: Work) -> Work::Output {
         _ => work.call(),
     }
 }
+
+/// A loop for [`widest_fused`]. `run` and all that it calls must be `#[inline(always)]`.
+pub trait Kernel {
+    /// Result of the loop.
+    type Output;
+
+    /// `F` is true where the machine has fused multiply-add, as in [`super::elementary`].
+    fn run<const F: bool>(self) -> Self::Output;
+}
+
+/// Runs a loop in the widest vectors of the machine, with fused multiply-add where there is one.
+pub fn widest_fused<K: Kernel>(kernel: K) -> K::Output {
+    match Arch::new() {
+        #[cfg(target_arch = "x86_64")]
+        Arch::V4(simd) => simd.vectorize(Fused(kernel)),
+        #[cfg(target_arch = "x86_64")]
+        Arch::V3(simd) => simd.vectorize(Fused(kernel)),
+        _ => kernel.run::<false>(),
+    }
+}
+
+struct Fused<K>(K);
+
+impl<K: Kernel> NullaryFnOnce for Fused<K> {
+    type Output = K::Output;
+
+    #[inline(always)]
+    fn call(self) -> K::Output {
+        self.0.run::<true>()
+    }
+}

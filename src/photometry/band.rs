@@ -1,7 +1,7 @@
 //! Passbands, zero points, and the Sun's magnitude in each.
 //!
-//! A satellite's reflectance is known in one band at best. Other bands are reached through the Sun's colour as if the
-//! satellite were grey; every magnitude made that way says so.
+//! The reflectance of a satellite is measured in one band at best. Other bands follow from the Sun's colour as if the
+//! satellite were grey; such magnitudes are marked.
 
 use std::fmt;
 use std::str::FromStr;
@@ -35,7 +35,7 @@ pub enum Band {
     GaiaG,
 }
 
-/// Where magnitude 0 lies.
+/// Zero point of magnitudes.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MagSystem {
     /// Vega (about 0.03 mag) sets the zero.
@@ -77,7 +77,7 @@ impl Band {
         }
     }
 
-    /// The system that magnitudes of this band are usually given in.
+    /// Usual system of magnitudes in this band.
     pub fn usual_system(self) -> MagSystem {
         match self {
             Band::B | Band::V | Band::R | Band::I | Band::GaiaG => MagSystem::Vega,
@@ -126,19 +126,19 @@ impl fmt::Display for MagSystem {
     }
 }
 
-/// A band or system that is not known.
+/// Errors of names of bands and systems.
 #[derive(Debug, Error, PartialEq)]
 pub enum BandError {
     /// Not a band.
     #[error("unknown band {given:?}; known are B V R I (Johnson-Cousins), u g r i z y (LSST), G (Gaia)")]
     UnknownBand {
-        /// As it was given.
+        /// Given name.
         given: String,
     },
     /// Not a magnitude system.
     #[error("unknown magnitude system {given:?}; known are Vega and AB")]
     UnknownSystem {
-        /// As it was given.
+        /// Given name.
         given: String,
     },
 }

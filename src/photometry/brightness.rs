@@ -1,4 +1,4 @@
-//! A predicted magnitude with what it rests on, and the choices it was made under.
+//! Predicted magnitudes with sigma and source, and the options of a prediction.
 
 use std::fmt;
 use std::sync::Arc;
@@ -6,10 +6,10 @@ use std::sync::Arc;
 use super::band::{Band, MagSystem};
 use super::magnitude::Magnitude;
 
-/// What a magnitude rests on. Cheap to clone.
+/// Source of a magnitude. Cheap to clone.
 ///
 /// Shown as `brdf:starlink-v1.5`, `phase:v2mini`, `stdmag`, `prior:oneweb` (the mean of a constellation or class) or
-/// `prior` (nothing is known of this satellite).
+/// `prior` (unknown satellite).
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum MagnitudeSource {
     /// A reflection model, by name.
@@ -39,23 +39,23 @@ impl fmt::Display for MagnitudeSource {
 /// A predicted apparent magnitude.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Brightness {
-    /// At the observer, the shadow's dimming included.
+    /// Magnitude at the observer, dimming in the Earth's shadow included.
     pub magnitude: Magnitude,
     /// One sigma, mag: how far a single measurement may lie from the prediction.
     pub sigma_mag: f64,
-    /// What the magnitude rests on.
+    /// Source of the magnitude.
     pub source: MagnitudeSource,
-    /// False where the model was asked beyond the geometry that it was fitted to; the sigma is then wider.
+    /// False outside the geometry that the model was fitted to; the sigma is then wider.
     pub in_fitted_range: bool,
-    /// True where the model knows another band and the Sun's colour was taken for the satellite's.
+    /// True where the model is of another band and the Sun's colour was taken for the satellite's.
     pub grey_reflectance: bool,
 }
 
-/// Light that the Earth throws on the chassis of a two-panel model, and on the panels of others that ask for it.
+/// Light from the Earth on the chassis of two-panel models, and on panels that receive it.
 ///
-/// The paper is of two minds on whether its final model has it (section 4.3 against 4.4). Phase functions and
-/// means rest on measured magnitudes, which hold it already, and ignore the switch. Models of panels that were fitted
-/// by sunlight alone hold some of it in their coefficients too: their files say so.
+/// The paper is inconsistent on whether its final model includes it (section 4.3 against 4.4). Phase functions and means
+/// come from measured magnitudes, which include it, and ignore this option. Models of panels that were fitted by
+/// sunlight alone have some of it in their coefficients: their files note it.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Earthshine {
     /// Sunlight alone.
@@ -66,7 +66,7 @@ pub enum Earthshine {
 }
 
 impl Earthshine {
-    /// As provenance spells it.
+    /// Name in provenance.
     pub fn name(self) -> &'static str {
         match self {
             Self::Off => "off",
@@ -75,14 +75,14 @@ impl Earthshine {
     }
 }
 
-/// Which magnitude is asked for.
+/// Options of a predicted magnitude.
 ///
-/// The default is what the paper computes: V in the Vega system, the Sun at 1 au, no atmosphere, with earthshine.
+/// The default is that of the paper: V in the Vega system, the Sun at 1 au, no atmosphere, with earthshine.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PhotometryOptions {
-    /// Passband of the answer.
+    /// Passband.
     pub band: Band,
-    /// Zero point of the answer.
+    /// Zero point.
     pub system: MagSystem,
     /// Add 5 log10 R for the Sun's distance R in au (at most ±0.037 mag). The paper leaves it out.
     pub sun_distance: bool,
@@ -106,7 +106,7 @@ impl Default for PhotometryOptions {
 }
 
 impl PhotometryOptions {
-    /// In another band and system, all else as in the default.
+    /// Default options in another band and system.
     pub fn in_band(band: Band, system: MagSystem) -> Self {
         Self { band, system, ..Self::default() }
     }

@@ -1,10 +1,10 @@
-//! Models by name: those that are shipped, and those that a user adds.
+//! Models by name: the shipped ones and those of the user.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use super::model::BrightnessModel;
-use super::model_file::ModelFileError;
+use super::model_error::ModelFileError;
 
 macro_rules! shipped {
     ($($file:literal),* $(,)?) => {
@@ -45,7 +45,7 @@ impl ModelLibrary {
     pub fn embedded() -> Self {
         let mut library = Self::default();
         for (origin, text) in SHIPPED {
-            // A test holds every shipped file to the rules, so none is passed over here.
+            // A test validates every shipped file.
             if let Ok(model) = BrightnessModel::from_json(text, origin) {
                 library.add(model);
             }
@@ -53,10 +53,10 @@ impl ModelLibrary {
         library
     }
 
-    /// Adds the model of a file's text, in place of one of the same name; returns its name.
+    /// Adds a model from the text of a file, replacing one of the same name; returns its name.
     ///
     /// # Errors
-    /// As [`BrightnessModel::from_json`]; the library is then as it was.
+    /// As [`BrightnessModel::from_json`]; the library is then unchanged.
     pub fn add_json(&mut self, text: &str, origin: &str) -> Result<String, ModelFileError> {
         let model = BrightnessModel::from_json(text, origin)?;
         Ok(self.add(model))
@@ -69,7 +69,7 @@ impl ModelLibrary {
         self.models.get(name).cloned()
     }
 
-    /// The model for a satellite of which nothing is known; always there in the embedded library.
+    /// Model of unknown satellites; always present in the embedded library.
     pub fn unknown(&self) -> Option<Arc<BrightnessModel>> {
         self.get("unknown")
     }
@@ -79,7 +79,7 @@ impl ModelLibrary {
         self.models.keys().map(String::as_str)
     }
 
-    /// Name and text of every shipped file, as it stands in the source.
+    /// Name and text of every shipped file.
     pub fn shipped_files() -> &'static [(&'static str, &'static str)] {
         SHIPPED
     }

@@ -5,7 +5,7 @@ use std::fmt;
 /// The distance that standard magnitudes are stated for, km (the paper's d).
 pub const STANDARD_RANGE_KM: f64 = 1000.0;
 
-/// What a square metre sends along its own plane when a cosine of 0 comes out as 1e-16, with room, m² sr⁻¹.
+/// Reflection of a square metre along its own plane when a cosine of 0 is rounded to 1e-16, with a margin, m² sr⁻¹.
 const LEAST_REFLECTION_M2_SR: f64 = 1e-12;
 
 /// Apparent magnitude at the observer; smaller is brighter.
@@ -17,7 +17,7 @@ pub struct Magnitude(pub f64);
 pub struct StandardMagnitude(pub f64);
 
 impl Magnitude {
-    /// Brought from `range_km` (positive) to 1000 km.
+    /// Converts from `range_km` (positive) to 1000 km.
     pub fn to_standard(self, range_km: f64) -> StandardMagnitude {
         StandardMagnitude(self.0 - range_modulus_mag(range_km))
     }
@@ -29,15 +29,15 @@ impl Magnitude {
 }
 
 impl StandardMagnitude {
-    /// As seen from `range_km` (positive).
+    /// Magnitude at `range_km` (positive).
     pub fn at_range(self, range_km: f64) -> Magnitude {
         Magnitude(self.0 + range_modulus_mag(range_km))
     }
 
-    /// From an integrated reflection function B (m² sr⁻¹, cosines and areas included) and the Sun's magnitude.
+    /// Converts an integrated reflection function B (m² sr⁻¹, cosines and areas included) and the Sun's magnitude.
     ///
-    /// `None` where B is not above 1e-12 m² sr⁻¹ (33 mag at 1000 km): nothing is lit, or nothing lit is seen, and
-    /// what is left is the rounding of a cosine that should be 0.
+    /// `None` where B is not above 1e-12 m² sr⁻¹ (33 mag at 1000 km): nothing lit is seen, and the rest is rounding of a
+    /// cosine that should be 0.
     pub fn from_reflection(b_total_m2_sr: f64, sun_magnitude: f64) -> Option<Self> {
         // m(1000 km) = -2.5 log10(B_total / d²) + m_sun, d = 10⁶ m       Lu (2024), eqs. 19-21
         let range_m = STANDARD_RANGE_KM * 1000.0;
@@ -58,7 +58,7 @@ impl fmt::Display for StandardMagnitude {
     }
 }
 
-/// What distance alone adds to the magnitude at 1000 km.
+/// Difference to the magnitude at 1000 km at another range.
 fn range_modulus_mag(range_km: f64) -> f64 {
     // m = m(1000 km) + 5 log10(r / 1000 km)                              Lu (2024), eq. 14
     5.0 * (range_km / STANDARD_RANGE_KM).log10()

@@ -1,4 +1,4 @@
-//! One model of whatever kind, ready to be asked for magnitudes.
+//! A brightness model of any kind.
 
 use std::sync::Arc;
 
@@ -8,55 +8,47 @@ use crate::frames::{Body, Direction, Gcrs, Position};
 use crate::geometry::ViewingGeometry;
 
 use super::band::{Band, MagSystem};
-use super::batch::{BodyAngles, Columns, Places, standard_magnitudes};
 use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 use super::magnitude::{StandardMagnitude, airmass};
-use super::model_file::{GeometryRange, ModelFile, ModelFileError, ModelKind, PANEL_OFFSET, SatelliteShape};
+use super::model_error::ModelFileError;
+use super::model_file::{GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, SatelliteShape};
 use super::panels::PanelAssembly;
 use super::parameter_sigma::ParameterSigmas;
-use super::phase::PhaseFunction;
-use super::satellite::SatelliteModel;
-use super::sphere::DiffuseSphere;
+use super::phase::{DiffuseSphere, PhaseFunction};
+use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, standard_magnitudes};
 
 /// Added in quadrature where a magnitude crosses from the model's band to another with the Sun's colour, mag.
-/// Assumed: satellites are measured up to a few tenths redder or bluer than the Sun, and no survey of theirs by type
-/// is public.
-pub const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
+/// Assumed: satellites are measured up to a few tenths redder or bluer than the Sun, and no survey by type is public.
+const GREY_REFLECTANCE_SIGMA_MAG: f64 = 0.2;
 
-/// One sigma of a diffuse sphere scaled to a standard magnitude, mag. Assumed: shapes that are no spheres, aspects, and
-/// magnitudes that observers estimated by eye; "good to a magnitude" is what the makers of such lists say.
+/// One sigma of a diffuse sphere scaled to a standard magnitude, mag. Assumed: shapes other than spheres, aspects, and
+/// magnitudes estimated by eye; makers of such lists state an accuracy of a magnitude.
 const STANDARD_MAGNITUDE_SIGMA_MAG: f64 = 1.0;
 
-/// Extent assumed of an object of which nothing is known, m.
+/// Assumed extent of an unknown object, m.
 const UNKNOWN_SIZE_M: f64 = 3.0;
 
-/// Where a model may be asked without going beyond the points it rests on; in radians, each as [least, greatest].
+/// Geometry of the points that a model was fitted to; radians, each as [least, greatest].
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub struct FittedRange {
-    /// Of the Sun above the chassis plane.
-    pub sun_latitude_rad: [f64; 2],
-    /// Of the observer above the chassis plane.
-    pub observer_latitude_rad: [f64; 2],
-    /// Angle Sun-satellite-observer.
-    pub phase_angle_rad: [f64; 2],
-    /// Cosines of the greatest and least phase angle, with slack: where the phase is asked for by every point of a
-    /// track, no arc need be taken.
+struct FittedRange {
+    /// Latitude of the Sun above the chassis plane.
+    sun_latitude_rad: [f64; 2],
+    /// Latitude of the observer above the chassis plane.
+    observer_latitude_rad: [f64; 2],
+    /// Cosines of the greatest and least phase angle, with slack: saves the arc cosine of each point of a track.
     cos_phase: [f64; 2],
 }
 
-/// Slack at the ends of a fitted range, radians (and in cosines): a bound typed in degrees is met by the same number
-/// of degrees.
+/// Slack at the ends of a fitted range, radians (and in cosines), for rounding on the way from degrees.
 const RANGE_SLACK: f64 = 1e-9;
 
 impl FittedRange {
     fn from_file(range: &GeometryRange) -> Self {
         let radians = |range: Option<[f64; 2]>, all: [f64; 2]| range.unwrap_or(all).map(f64::to_radians);
-        let phase_angle_rad = radians(range.phase_angle_deg, [0.0, 180.0]);
-        let [least, greatest] = phase_angle_rad;
+        let [least, greatest] = radians(range.phase_angle_deg, [0.0, 180.0]);
         Self {
             sun_latitude_rad: radians(range.sun_latitude_deg, [-90.0, 90.0]),
             observer_latitude_rad: radians(range.observer_latitude_deg, [-90.0, 90.0]),
-            phase_angle_rad,
             cos_phase: [greatest.cos() - RANGE_SLACK, least.cos() + RANGE_SLACK],
         }
     }
@@ -79,25 +71,27 @@ enum Law {
     Mean(StandardMagnitude),
 }
 
-/// Panel offsets are moved by this for a derivative, degrees.
+/// Step of panel offsets for derivatives, degrees.
 const OFFSET_STEP_DEG: f64 = 1e-3;
 
-/// What the covariance of the parameters is asked through.
+/// Uncertainty of the parameters.
 #[derive(Clone, Debug, PartialEq)]
-enum Doubt {
-    /// Nothing is known of it.
+enum ParameterUncertainty {
+    /// Unknown.
     None,
-    /// The two-panel form has derivatives by its coefficients; where its panel offset was fitted too, that is moved both ways.
+    /// Derivatives by the coefficients of two panels; and where the panel offset was fitted too, models at offsets on both sides.
     Gradient(ParameterSigmas, Option<Box<[SatelliteModel; 2]>>),
-    /// Assemblies with their parameters moved a little both ways along each axis of the covariance.
+    /// Assemblies with parameters on both sides along each axis of the covariance.
     Pairs(Vec<[PanelAssembly; 2]>),
 }
 
-/// A model that answers with magnitudes, whatever it is made of. Shared by reference; asking allocates nothing, but for the Earth's light on lists of panels.
+/// A brightness model: two panels, a list of panels, a phase function, a diffuse sphere or a mean.
+///
+/// Magnitudes allocate nothing, except for earthshine on lists of panels.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BrightnessModel {
     law: Law,
-    doubt: Doubt,
+    uncertainty: ParameterUncertainty,
     source: MagnitudeSource,
     band: Band,
     system: MagSystem,
@@ -109,7 +103,7 @@ pub struct BrightnessModel {
 }
 
 impl BrightnessModel {
-    /// From the text of a model file; `origin` (its name) is what errors call it.
+    /// Reads the text of a model file; errors name it by `origin` (a file name).
     ///
     /// # Errors
     /// As [`ModelFile::from_json`].
@@ -117,7 +111,7 @@ impl BrightnessModel {
         Self::from_file(ModelFile::from_json(text, origin)?, origin)
     }
 
-    /// From a model file's content, which is validated again.
+    /// Makes a model of the content of a model file, which is validated again.
     ///
     /// # Errors
     /// As [`ModelFile::validate`].
@@ -128,15 +122,15 @@ impl BrightnessModel {
         let (band, system) = file.band_and_system().ok_or_else(|| needs("band"))?;
         let name: Arc<str> = file.name.as_str().into();
         let sigmas = file.covariance.as_deref().map(ParameterSigmas::new);
-        let mut doubt = Doubt::None;
+        let mut uncertainty = ParameterUncertainty::None;
         let (law, source) = match file.kind {
             ModelKind::Panels => {
                 let spec = file.panels.as_ref().ok_or_else(|| needs("panels"))?;
                 if let Some(sigmas) = sigmas {
                     let values: Vec<f64> = spec.parameters.iter().map(|parameter| parameter.value).collect();
                     let pairs = sigmas.pairs(&values);
-                    doubt =
-                        Doubt::Pairs(pairs.iter().map(|[up, down]| [spec.assemble(up), spec.assemble(down)]).collect());
+                    let pairs = pairs.iter().map(|pair| pair.each_ref().map(|values| spec.assemble(values)));
+                    uncertainty = ParameterUncertainty::Pairs(pairs.collect());
                 }
                 (Law::Panels(Box::new(spec.assemble(&[]))), MagnitudeSource::Brdf(name))
             }
@@ -151,7 +145,7 @@ impl BrightnessModel {
                     };
                     let is_fitted = file.parameters().iter().any(|(name, _)| *name == PANEL_OFFSET);
                     let both = moved(OFFSET_STEP_DEG).zip(moved(-OFFSET_STEP_DEG)).filter(|_| is_fitted);
-                    doubt = Doubt::Gradient(sigmas, both.map(|(up, down)| Box::new([up, down])));
+                    uncertainty = ParameterUncertainty::Gradient(sigmas, both.map(|(up, down)| Box::new([up, down])));
                 }
                 (Law::TwoPanel(Box::new(model)), MagnitudeSource::Brdf(name))
             }
@@ -170,7 +164,7 @@ impl BrightnessModel {
         };
         Ok(Self {
             law,
-            doubt,
+            uncertainty,
             source,
             band,
             system,
@@ -182,11 +176,11 @@ impl BrightnessModel {
         })
     }
 
-    /// A diffuse sphere for one object of known standard magnitude (visual, taken as V Vega; 1000 km, phase angle 90°).
+    /// Diffuse sphere for one object of known standard magnitude (visual, taken as V Vega; 1000 km, phase angle 90°).
     pub fn from_standard_magnitude(half_lit: StandardMagnitude) -> Self {
         Self {
             law: Law::Sphere(DiffuseSphere { half_lit }),
-            doubt: Doubt::None,
+            uncertainty: ParameterUncertainty::None,
             source: MagnitudeSource::StandardMagnitude,
             band: Band::V,
             system: MagSystem::Vega,
@@ -204,15 +198,6 @@ impl BrightnessModel {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), 0.0)
     }
 
-    /// The same from unit vectors in the body frame (the Sun's y is 0), for those who have them and need no angles.
-    pub fn standard_magnitude_towards(
-        &self,
-        to_sun: &Direction<Body>,
-        to_observer: &Direction<Body>,
-    ) -> Option<StandardMagnitude> {
-        self.standard_magnitude_of(to_sun, to_observer, 0.0)
-    }
-
     /// Magnitude at 1000 km by full sunlight and, where it is not off, earthshine.
     pub fn standard_magnitude_with(
         &self,
@@ -223,26 +208,26 @@ impl BrightnessModel {
         self.standard_magnitude_of(&geometry.to_sun(), &geometry.to_observer(), earth_m2_sr)
     }
 
-    /// 0 for models that are made of no panels.
+    /// Earthshine; 0 for models without panels.
     fn earthshine_m2_sr(&self, geometry: &ViewingGeometry, earthshine: Earthshine) -> f64 {
         match (&self.law, earthshine) {
             (Law::TwoPanel(model), Earthshine::Computed) => {
-                let earth = model.earth_terms(geometry);
-                earth.glossy_m2_sr + earth.diffuse_m2_sr
+                let [glossy, diffuse] = model.earthshine_m2_sr(geometry);
+                glossy + diffuse
             }
             (Law::Panels(assembly), Earthshine::Computed) => assembly.earthshine_m2_sr(geometry),
             _ => 0.0,
         }
     }
 
-    /// Magnitudes at 1000 km by full sunlight alone for many directions at once, into `out`; not a number where nothing lit is
-    /// seen. As many are written as the shortest column holds; the rest of `out` stays.
+    /// Writes magnitudes at 1000 km by full sunlight alone for many directions into `out`; not a number where nothing lit
+    /// is seen. As many are written as the shortest column holds; the rest of `out` stays.
     ///
-    /// The same as [`Self::standard_magnitude`] to 1e-9 mag. The two-panel form runs through the machine's widest vectors,
-    /// some 9 ns each on one core; the others are asked one by one.
+    /// The same as [`Self::standard_magnitude`] to 1e-9 mag. Two panels are evaluated in vectors, at some 10 ns each on
+    /// one core, other models one by one.
     pub fn standard_magnitudes(&self, angles: &BodyAngles, out: &mut [f64]) {
         if let Law::TwoPanel(model) = &self.law {
-            return standard_magnitudes(&model.numbers(), self.zero_mag(), Columns::Angles(angles), out);
+            return standard_magnitudes(model, self.zero_mag(), Columns::Angles(angles), out);
         }
         let rows = angles.sun_latitude_rad.iter().zip(angles.observer_longitude_rad).zip(angles.observer_latitude_rad);
         for (((&sun, &longitude), &latitude), out) in rows.zip(out) {
@@ -252,16 +237,16 @@ impl BrightnessModel {
         }
     }
 
-    /// The same for satellites at many places over one observer, some 11 ns each on one core in the two-panel form.
+    /// As [`Self::standard_magnitudes`] for satellites at many positions above one observer.
     ///
-    /// A satellite at the observer's own place or at the Earth's centre gives no number.
-    pub fn standard_magnitudes_at(&self, places: &Places, out: &mut [f64]) {
+    /// A satellite at the observer's position or at the Earth's centre gives no number.
+    pub fn standard_magnitudes_at(&self, positions: &SatellitePositions, out: &mut [f64]) {
         if let Law::TwoPanel(model) = &self.law {
-            return standard_magnitudes(&model.numbers(), self.zero_mag(), Columns::Places(places), out);
+            return standard_magnitudes(model, self.zero_mag(), Columns::Positions(positions), out);
         }
         let [observer, sun] =
-            [places.observer_km, places.sun_km].map(|place| Position::<Gcrs>::from_vector(Vector3::from(place)));
-        let rows = places.x_km.iter().zip(places.y_km).zip(places.z_km);
+            [positions.observer_km, positions.sun_km].map(|km| Position::<Gcrs>::from_vector(Vector3::from(km)));
+        let rows = positions.x_km.iter().zip(positions.y_km).zip(positions.z_km);
         for (((&x, &y), &z), out) in rows.zip(out) {
             let geometry = ViewingGeometry::new(&Position::from_vector(Vector3::new(x, y, z)), &observer, &sun);
             let magnitude = geometry.and_then(|geometry| self.standard_magnitude(&geometry));
@@ -298,7 +283,7 @@ impl BrightnessModel {
 
     /// Apparent magnitude with its sigma, source and range flag.
     ///
-    /// `lit_fraction` is the share of the Sun's disk that the satellite sees. `None` where that is 0 (or no number),
+    /// `lit_fraction` is the share of the Sun's disk that the satellite sees. `None` where that is 0 or not a number,
     /// where nothing lit is seen, and, with extinction, where the satellite stands at or below the observer's horizon.
     pub fn brightness(
         &self,
@@ -310,7 +295,7 @@ impl BrightnessModel {
             return None;
         }
         let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
-        // The Earth's shadow dims the Sun and not the Earth: what the dimming below takes away is added before.
+        // The Earth's shadow dims the Sun and not the Earth: the dimming below is undone for earthshine.
         let earth_m2_sr = self.earthshine_m2_sr(geometry, options.earthshine) / lit_fraction.min(1.0);
         let standard = self.standard_magnitude_of(&to_sun, &to_observer, earth_m2_sr)?;
         let grey_reflectance = options.band != self.band;
@@ -325,7 +310,7 @@ impl BrightnessModel {
         let in_fitted_range = self.covers_phase(geometry, to_sun.cosine(&to_observer));
         let scatter = if in_fitted_range { self.sigma_mag } else { self.sigma_outside_mag };
         let sigma =
-            self.parameter_sigma_mag(&to_sun, &to_observer, earth_m2_sr).map_or(scatter, |doubt| scatter.hypot(doubt));
+            self.parameter_sigma_mag(&to_sun, &to_observer, earth_m2_sr).map_or(scatter, |own| scatter.hypot(own));
         magnitude.0.is_finite().then(|| Brightness {
             magnitude,
             sigma_mag: if grey_reflectance { sigma.hypot(GREY_REFLECTANCE_SIGMA_MAG) } else { sigma },
@@ -335,10 +320,10 @@ impl BrightnessModel {
         })
     }
 
-    /// One sigma of the magnitude that comes from the uncertainty of the fitted parameters alone, mag: √(J Σ Jᵀ).
+    /// One sigma of the magnitude from the uncertainty of the fitted parameters alone, mag: √(J Σ Jᵀ).
     ///
-    /// By sunlight: light from the Earth (`earth_m2_sr`, 0 without) dilutes it and is taken as certain, though it comes by the
-    /// same coefficients. `None` where the model has no covariance, and where nothing lit is seen.
+    /// Of sunlight: earthshine (`earth_m2_sr`, 0 without) dilutes it and is taken as certain, though it comes by the same
+    /// coefficients. `None` where the model has no covariance, and where nothing lit is seen.
     pub fn parameter_sigma_mag(
         &self,
         to_sun: &Direction<Body>,
@@ -346,8 +331,8 @@ impl BrightnessModel {
         earth_m2_sr: f64,
     ) -> Option<f64> {
         let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());
-        let (variance, b_total) = match (&self.doubt, &self.law) {
-            (Doubt::Gradient(sigmas, moved), Law::TwoPanel(model)) => {
+        let (variance, b_total) = match (&self.uncertainty, &self.law) {
+            (ParameterUncertainty::Gradient(sigmas, moved), Law::TwoPanel(model)) => {
                 let (gradient, b_total) = model.gradient(to_sun, to_observer);
                 let mut all = [0.0; 8];
                 all[..7].copy_from_slice(&gradient);
@@ -357,7 +342,7 @@ impl BrightnessModel {
                 }
                 (sigmas.variance_of_gradient(&all), b_total)
             }
-            (Doubt::Pairs(pairs), Law::Panels(assembly)) => {
+            (ParameterUncertainty::Pairs(pairs), Law::Panels(assembly)) => {
                 let values =
                     pairs.iter().map(|pair| pair.each_ref().map(|moved| moved.b_total_m2_sr(to_sun, to_observer)));
                 (ParameterSigmas::variance_of_pairs(values), assembly.b_total_m2_sr(to_sun, to_observer))
@@ -369,8 +354,7 @@ impl BrightnessModel {
         (b_total > 0.0).then(|| 2.5 / std::f64::consts::LN_10 * variance.sqrt() / b_total)
     }
 
-    /// True where the geometry lies within the points that the model rests on, or where it rests on no points of its
-    /// own.
+    /// True where the geometry lies within that of the fitted points, or where the model was not fitted to points.
     pub fn covers(&self, geometry: &ViewingGeometry) -> bool {
         self.covers_phase(geometry, geometry.to_sun().cosine(&geometry.to_observer()))
     }
@@ -379,12 +363,7 @@ impl BrightnessModel {
         self.fitted_range.is_none_or(|range| range.holds(geometry, cos_phase))
     }
 
-    /// The geometry that it rests on; `None` where it rests on an average.
-    pub fn fitted_range(&self) -> Option<&FittedRange> {
-        self.fitted_range.as_ref()
-    }
-
-    /// Chassis and sail, if it is made of them: to take its light apart.
+    /// Chassis and sail of a two-panel model.
     pub fn satellite(&self) -> Option<&SatelliteModel> {
         match &self.law {
             Law::TwoPanel(model) => Some(model),
@@ -392,7 +371,7 @@ impl BrightnessModel {
         }
     }
 
-    /// The panels, if its file lists any: to take its light apart.
+    /// Panels of a model of kind `panels`.
     pub fn assembly(&self) -> Option<&PanelAssembly> {
         match &self.law {
             Law::Panels(assembly) => Some(assembly),
@@ -400,33 +379,33 @@ impl BrightnessModel {
         }
     }
 
-    /// True where it is made of panels, two or any number: only these receive earthshine.
+    /// True for models of panels: only these receive earthshine.
     pub fn is_of_panels(&self) -> bool {
         matches!(self.law, Law::TwoPanel(_) | Law::Panels(_))
     }
 
-    /// What its magnitudes rest on.
+    /// Source of the magnitudes.
     pub fn source(&self) -> &MagnitudeSource {
         &self.source
     }
 
-    /// Band and system that the model itself is made in.
+    /// Band and system of the model.
     pub fn band(&self) -> (Band, MagSystem) {
         (self.band, self.system)
     }
 
-    /// What is added to the model's magnitudes to have them in another band and system, mag, as if the satellite were grey.
+    /// Difference of the model's magnitudes in another band and system, mag, for a grey satellite.
     pub fn colour_to_mag(&self, band: Band, system: MagSystem) -> f64 {
         // The satellite's colour is the Sun's: m_b = m + (m_sun,b - m_sun).
         band.sun_magnitude(system) - self.band.sun_magnitude(self.system)
     }
 
-    /// Typical extent across the sky of the part that shines, m.
+    /// Typical extent across the sky of the bright part, m.
     pub fn size_m(&self) -> f64 {
         self.size_m
     }
 
-    /// The file it was made from, if any.
+    /// Model file, if the model was made from one.
     pub fn file(&self) -> Option<&ModelFile> {
         self.file.as_deref()
     }

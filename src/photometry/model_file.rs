@@ -1,22 +1,19 @@
-//! Model files: what they hold, and what is allowed in them.
+//! Model files: their content, and the accepted ranges of it.
 //!
 //! A model is data. Files are JSON, one model each; the schema for editors and other programs stands beside the
 //! shipped ones (`models/model.schema.json`). Unknown keys are errors, so that a misspelt option is never silently
 //! ignored.
 
 use serde::{Deserialize, Serialize};
-use thiserror::Error;
 
 use super::band::{Band, MagSystem};
+use super::model_error::{Check, ModelFileError, SCHEMA_VERSION};
 use super::panels::PanelsSpec;
-
-/// The schema version that this code reads and writes.
-pub const SCHEMA_VERSION: u32 = 1;
 
 /// The panel offset of chassis and sail, which may be fitted beside the coefficients.
 pub const PANEL_OFFSET: &str = "panel_offset_deg";
 
-/// What a model computes with.
+/// Kind of a model.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelKind {
@@ -28,7 +25,7 @@ pub enum ModelKind {
     PhaseFunction,
     /// The mean at 1000 km of a constellation or class of objects, taken for every geometry: `mean_mag`.
     Mean,
-    /// As `mean`, but a guess: nothing is known of the satellite.
+    /// As `mean`, but a guess for unknown satellites.
     Prior,
 }
 
@@ -40,18 +37,18 @@ pub struct ModelFile {
     pub schema: u32,
     /// Lower-case letters, digits, `.` and `-`.
     pub name: String,
-    /// Other names it answers to.
+    /// Other names of the model.
     #[serde(default)]
     pub aliases: Vec<String>,
-    /// One line for people.
+    /// One line of description.
     pub title: String,
-    /// What it computes with; decides which of the optional keys must be there.
+    /// Kind; decides which of the optional keys are required.
     pub kind: ModelKind,
     /// Band of the magnitudes: `V`, `g`, …
     pub band: String,
     /// `Vega` or `AB`.
     pub mag_system: String,
-    /// Typical extent across the sky of the part that shines, m: it widens a streak. Assumed for all shipped models.
+    /// Typical extent across the sky of the bright part, m; it widens a streak. Assumed for all shipped models.
     pub size_m: f64,
     /// Sizes of the panels (`two_panel`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
@@ -62,8 +59,8 @@ pub struct ModelFile {
     /// Panels, their laws and attitudes (`panels`).
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub panels: Option<PanelsSpec>,
-    /// Covariance of the coefficients: c1, c2, c3, c4, c5, n_sail, n_base, and where it was fitted too panel_offset_deg as the eighth; or of the
-    /// parameters of `panels` in their order; null while none is known.
+    /// Covariance of the coefficients: c1, c2, c3, c4, c5, n_sail, n_base, and panel_offset_deg as the eighth where it
+    /// was fitted; or of the parameters of `panels` in their order; null while unknown.
     #[serde(default)]
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Polynomial in the phase angle (`phase_function`).
@@ -81,9 +78,9 @@ pub struct ModelFile {
     pub sigma_outside_mag: f64,
     /// Where the two sigmas come from.
     pub sigma_origin: String,
-    /// The geometry of the points it rests on; null where it rests on an average.
+    /// Geometry of the fitted points; null for an average.
     pub geometry_range: Option<GeometryRange>,
-    /// Whose data, which publication, what to know.
+    /// Source and caveats.
     pub provenance: Provenance,
 }
 
@@ -135,7 +132,7 @@ pub struct PhasePolynomial {
     pub max_phase_deg: f64,
 }
 
-/// The geometry of the points that a model rests on, each as [least, greatest], degrees; null where it does not matter.
+/// Geometry of the fitted points, each as [least, greatest], degrees; null where it does not matter.
 #[derive(Copy, Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GeometryRange {
@@ -156,100 +153,16 @@ pub struct GeometryRange {
 pub struct Provenance {
     /// Publication or maker of the fit.
     pub source: String,
-    /// The measurements it rests on.
+    /// The measurements.
     pub data: String,
     /// How many points were fitted; null where not published.
     pub n_points: Option<u64>,
     /// When the fit was made or published: `2026-11`, `2022-10`.
     pub date: String,
-    /// True while a better fit is known to be due.
+    /// True while a better fit is due.
     pub provisional: bool,
-    /// What a careful user should know.
+    /// Caveats.
     pub notes: Vec<String>,
-}
-
-/// Why a model file cannot be used. `origin` is the file's name.
-#[derive(Debug, Error)]
-pub enum ModelFileError {
-    /// Not JSON, a key missing, unknown or of the wrong type; the message names the key, the line and the column.
-    #[error("model file {origin}: {source}")]
-    Json {
-        /// The file.
-        origin: String,
-        /// What and where.
-        source: serde_json::Error,
-    },
-    /// Written for another version of the schema.
-    #[error("model file {origin}: schema is {given}, this version reads {SCHEMA_VERSION}")]
-    Schema {
-        /// The file.
-        origin: String,
-        /// As it stands there.
-        given: u32,
-    },
-    /// A number outside what is allowed, or not finite.
-    #[error("model file {origin}: {key} is {given}, allowed is {least} to {greatest}")]
-    OutOfRange {
-        /// The file.
-        origin: String,
-        /// The key, with its path.
-        key: String,
-        /// As it stands there.
-        given: f64,
-        /// Least allowed value.
-        least: f64,
-        /// Greatest allowed value.
-        greatest: f64,
-    },
-    /// A text that is not one of the allowed ones.
-    #[error("model file {origin}: {key} is {given:?}, allowed is {allowed}")]
-    Text {
-        /// The file.
-        origin: String,
-        /// The key.
-        key: &'static str,
-        /// As it stands there.
-        given: String,
-        /// What may stand there.
-        allowed: &'static str,
-    },
-    /// A key that the kind needs is missing, or one stands there that the kind has no use for.
-    #[error("model file {origin}: kind {kind} {problem} the key {key:?}")]
-    Key {
-        /// The file.
-        origin: String,
-        /// As in files.
-        kind: &'static str,
-        /// `needs` or `has no use for`.
-        problem: &'static str,
-        /// The key.
-        key: &'static str,
-    },
-    /// A name that stands for nothing in this file.
-    #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
-    Reference {
-        /// The file.
-        origin: String,
-        /// The key, with its path.
-        key: String,
-        /// As it stands there.
-        given: String,
-        /// What may stand there.
-        allowed: String,
-    },
-    /// The covariance is not a symmetric matrix of the parameters with a diagonal that is not negative.
-    #[error(
-        "model file {origin}: covariance must be {size} x {size} (the coefficients in their order), finite and \
-         symmetric, with a diagonal of at least 0: {problem}"
-    )]
-    Covariance {
-        /// The file.
-        origin: String,
-        /// Number of parameters.
-        size: usize,
-        /// What is wrong.
-        problem: String,
-    },
 }
 
 impl ModelKind {
@@ -266,11 +179,11 @@ impl ModelKind {
 }
 
 impl ModelFile {
-    /// Reads and validates one model; `origin` (a file name) is what errors call it.
+    /// Reads and validates one model; errors name it by `origin` (a file name).
     ///
     /// # Errors
     /// [`ModelFileError`]: text that is not JSON, unknown or missing keys, another schema version, values out of
-    /// range, keys that do not fit the kind, a covariance that is none.
+    /// range, keys that do not fit the kind, an invalid covariance.
     pub fn from_json(text: &str, origin: &str) -> Result<Self, ModelFileError> {
         let file: Self =
             serde_json::from_str(text).map_err(|source| ModelFileError::Json { origin: origin.to_owned(), source })?;
@@ -278,13 +191,13 @@ impl ModelFile {
         Ok(file)
     }
 
-    /// The file's text again, indented.
+    /// Returns the text of the file, indented.
     pub fn to_json(&self) -> String {
-        // No map with keys other than strings and no number that is not finite is in a validated file.
+        // Serialising cannot fail: all keys are strings and all numbers of a validated file are finite.
         serde_json::to_string_pretty(self).unwrap_or_default()
     }
 
-    /// Names and values of what was fitted, in the order of the covariance; none where nothing was.
+    /// Names and values of the fitted parameters, in the order of the covariance.
     pub fn parameters(&self) -> Vec<(&str, f64)> {
         if let Some(c) = &self.coefficients {
             let mut parameters = vec![
@@ -304,8 +217,145 @@ impl ModelFile {
         panels.map(|parameter| (parameter.name.as_str(), parameter.value)).collect()
     }
 
-    /// The band and system of its magnitudes, if they are known ones.
+    /// Band and system of the magnitudes, if they are known.
     pub fn band_and_system(&self) -> Option<(Band, MagSystem)> {
         Some((self.band.parse().ok()?, self.mag_system.parse().ok()?))
+    }
+}
+
+impl ModelFile {
+    /// Checks every value against its range and every key against the kind.
+    ///
+    /// # Errors
+    /// The first [`ModelFileError`].
+    pub fn validate(&self, origin: &str) -> Result<(), ModelFileError> {
+        let check = Check { origin };
+        if self.schema != SCHEMA_VERSION {
+            return Err(ModelFileError::Schema { origin: origin.to_owned(), given: self.schema });
+        }
+        check.name("name", &self.name)?;
+        self.aliases.iter().try_for_each(|alias| check.name("aliases", alias))?;
+        check.filled("title", &self.title)?;
+        if self.band.parse::<Band>().is_err() {
+            return Err(check.text("band", &self.band, "B V R I u g r i z y G"));
+        }
+        if self.mag_system.parse::<MagSystem>().is_err() {
+            return Err(check.text("mag_system", &self.mag_system, "Vega or AB"));
+        }
+        check.range("size_m", self.size_m, 0.0, 200.0)?;
+        if let Some(rms_mag) = self.rms_mag {
+            check.range("rms_mag", rms_mag, 0.0, 5.0)?;
+        }
+        check.range("sigma_mag", self.sigma_mag, 0.01, 5.0)?;
+        check.range("sigma_outside_mag", self.sigma_outside_mag, self.sigma_mag, 5.0)?;
+        check.filled("sigma_origin", &self.sigma_origin)?;
+        check.filled("provenance.source", &self.provenance.source)?;
+        check.filled("provenance.data", &self.provenance.data)?;
+        check.filled("provenance.date", &self.provenance.date)?;
+        self.validate_keys(&check)?;
+        if let Some(shape) = &self.shape {
+            shape.validate(&check)?;
+        }
+        if let Some(coefficients) = &self.coefficients {
+            coefficients.validate(&check)?;
+        }
+        if let Some(panels) = &self.panels {
+            panels.validate(&check)?;
+        }
+        if let Some(covariance) = &self.covariance {
+            check.covariance(covariance, self.parameters().len())?;
+        }
+        if let Some(phase) = &self.phase_function {
+            phase.validate(&check)?;
+        }
+        if let Some(mean_mag) = self.mean_mag {
+            check.range("mean_mag", mean_mag, -10.0, 30.0)?;
+        }
+        self.geometry_range.map_or(Ok(()), |range| range.validate(&check))
+    }
+
+    /// Checks that the keys which the kind requires are given, and no others.
+    fn validate_keys(&self, check: &Check) -> Result<(), ModelFileError> {
+        let two_panel = self.kind == ModelKind::TwoPanel;
+        let panels = self.kind == ModelKind::Panels;
+        let phase = self.kind == ModelKind::PhaseFunction;
+        let mean = matches!(self.kind, ModelKind::Mean | ModelKind::Prior);
+        let keys = [
+            ("shape", self.shape.is_some(), two_panel),
+            ("coefficients", self.coefficients.is_some(), two_panel),
+            ("panels", self.panels.is_some(), panels),
+            ("phase_function", self.phase_function.is_some(), phase),
+            ("mean_mag", self.mean_mag.is_some(), mean),
+        ];
+        let key_error = |problem, key| ModelFileError::Key {
+            origin: check.origin.to_owned(),
+            kind: self.kind.name(),
+            problem,
+            key,
+        };
+        for (key, present, needed) in keys {
+            match (present, needed) {
+                (false, true) => return Err(key_error("needs", key)),
+                (true, false) => return Err(key_error("has no use for", key)),
+                _ => {}
+            }
+        }
+        if self.covariance.is_some() && !(two_panel || panels) {
+            return Err(key_error("has no use for", "covariance"));
+        }
+        Ok(())
+    }
+}
+
+impl SatelliteShape {
+    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+        check.range("shape.sail_length_m", self.sail_length_m, 0.01, 200.0)?;
+        check.range("shape.sail_width_m", self.sail_width_m, 0.01, 200.0)?;
+        check.range("shape.base_length_m", self.base_length_m, 0.01, 200.0)?;
+        check.range("shape.base_width_m", self.base_width_m, 0.01, 200.0)?;
+        check.range("shape.panel_offset_deg", self.panel_offset_deg, -60.0, 60.0)
+    }
+}
+
+impl Coefficients {
+    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+        let weights = [("c1", self.c1), ("c2", self.c2), ("c3", self.c3), ("c4", self.c4), ("c5", self.c5)];
+        for (key, value) in weights {
+            check.range(&format!("coefficients.{key}"), value, 0.0, 10.0)?;
+        }
+        for (key, value) in [("n_sail", self.n_sail), ("n_base", self.n_base)] {
+            check.range(&format!("coefficients.{key}"), value, 0.0, 10_000.0)?;
+        }
+        Ok(())
+    }
+}
+
+impl PhasePolynomial {
+    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+        check.range("phase_function.coefficients (their number)", self.coefficients.len() as f64, 1.0, 8.0)?;
+        for (i, &value) in self.coefficients.iter().enumerate() {
+            check.range(&format!("phase_function.coefficients[{i}]"), value, -100.0, 100.0)?;
+        }
+        check.range("phase_function.max_phase_deg", self.max_phase_deg, 0.0, 180.0)?;
+        // Equal ends are an error too.
+        let below = self.max_phase_deg - 1e-6;
+        check.range("phase_function.min_phase_deg", self.min_phase_deg, 0.0, below)
+    }
+}
+
+impl GeometryRange {
+    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+        let ranges = [
+            ("sun_latitude_deg", self.sun_latitude_deg, -90.0, 90.0),
+            ("observer_latitude_deg", self.observer_latitude_deg, -90.0, 90.0),
+            ("phase_angle_deg", self.phase_angle_deg, 0.0, 180.0),
+        ];
+        for (key, range, least, greatest) in ranges {
+            if let Some([from, to]) = range {
+                check.range(&format!("geometry_range.{key}[0]"), from, least, greatest)?;
+                check.range(&format!("geometry_range.{key}[1]"), to, from, greatest)?;
+            }
+        }
+        Ok(())
     }
 }

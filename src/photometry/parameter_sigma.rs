@@ -1,4 +1,4 @@
-//! What the uncertainty of a model's parameters does to a magnitude.
+//! Uncertainty of a magnitude from the covariance of the parameters of a model.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -13,7 +13,7 @@ pub(super) struct ParameterSigmas {
 }
 
 impl ParameterSigmas {
-    /// From a symmetric matrix, row by row.
+    /// Takes a symmetric matrix, row by row.
     pub fn new(covariance: &[Vec<f64>]) -> Self {
         let n = covariance.len();
         let matrix = DMatrix::from_fn(n, n, |row, column| covariance[row].get(column).copied().unwrap_or(0.0));
@@ -29,14 +29,14 @@ impl ParameterSigmas {
         Self { directions }
     }
 
-    /// Variance of a quantity whose derivatives by the parameters are given: J Σ Jᵀ.
+    /// Variance of a quantity from its derivatives by the parameters: J Σ Jᵀ.
     pub fn variance_of_gradient(&self, gradient: &[f64]) -> f64 {
         // Σ = Σ_k d_k d_kᵀ, so J Σ Jᵀ = Σ_k (J · d_k)²
         let along = |direction: &Vec<f64>| direction.iter().zip(gradient).map(|(d, g)| d * g).sum::<f64>();
         self.directions.iter().map(|direction| along(direction).powi(2)).sum()
     }
 
-    /// The parameters moved a little both ways along each direction: what [`Self::variance_of_pairs`] wants values at.
+    /// Parameters on both sides along each direction, for [`Self::variance_of_pairs`].
     pub fn pairs(&self, parameters: &[f64]) -> Vec<[Vec<f64>; 2]> {
         let moved = |direction: &[f64], by: f64| {
             parameters.iter().zip(direction).map(|(parameter, d)| parameter + by * d).collect::<Vec<f64>>()

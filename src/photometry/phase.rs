@@ -1,9 +1,9 @@
-//! Phase functions: the magnitude at 1000 km as a polynomial of the angle Sun-satellite-observer.
+//! Brightness by the angle Sun-satellite-observer alone: published polynomials, and diffuse spheres.
 //!
-//! m(1000 km) = a0 + a1 φ + a2 φ² + …, φ in degrees. Such fits turn absurd outside the phases they were made on
-//! (that of V1.5 gives 3.9 mag at 0° and 3.1 at 180°), so φ is clamped to the fitted range and the answer marked as
-//! outside it.
+//! m(1000 km) = a0 + a1 φ + a2 φ² + …, φ in degrees. Such fits are wrong outside the phases that they were made on
+//! (that of V1.5 gives 3.9 mag at 0° and 3.1 at 180°), so φ is clamped to the fitted range.
 
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 use super::magnitude::StandardMagnitude;
@@ -17,7 +17,7 @@ pub struct PhaseFunction {
 }
 
 impl PhaseFunction {
-    /// From coefficients of φ⁰, φ¹, … (φ in degrees) and the fitted range of φ, degrees.
+    /// Takes coefficients of φ⁰, φ¹, … (φ in degrees) and the fitted range of φ, degrees.
     ///
     /// `None` without a coefficient, with a value that is not finite, or unless 0 ≤ min < max ≤ 180.
     pub fn new(coefficients: &[f64], min_phase_deg: f64, max_phase_deg: f64) -> Option<Self> {
@@ -34,16 +34,33 @@ impl PhaseFunction {
         let phase_deg = phase_angle_rad.to_degrees().clamp(self.min_phase_deg, self.max_phase_deg);
         StandardMagnitude(self.coefficients.iter().rev().fold(0.0, |sum, c| sum * phase_deg + c))
     }
+}
 
-    /// True where the phase lies in the fitted range.
-    pub fn covers(&self, phase_angle_rad: f64) -> bool {
-        (self.min_phase_deg..=self.max_phase_deg).contains(&phase_angle_rad.to_degrees())
+/// A diffuse sphere scaled to a standard magnitude: assumed for objects of which only the brightness is known.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct DiffuseSphere {
+    /// Magnitude at 1000 km and phase angle 90°.
+    pub half_lit: StandardMagnitude,
+}
+
+impl DiffuseSphere {
+    /// Magnitude at 1000 km for a phase angle in [0, π]; `None` at π, where nothing lit is seen.
+    pub fn standard_magnitude(&self, phase_angle_rad: f64) -> Option<StandardMagnitude> {
+        let f = lambert_sphere(phase_angle_rad);
+        (f > 0.0).then(|| StandardMagnitude(self.half_lit.0 - 2.5 * f.log10()))
     }
+}
+
+/// Light of a Lambertian sphere against the phase angle in [0, π], 1 at 90°.
+pub(super) fn lambert_sphere(phase_angle_rad: f64) -> f64 {
+    // F(φ) ∝ sin φ + (π - φ) cos φ
+    phase_angle_rad.sin() + (PI - phase_angle_rad) * phase_angle_rad.cos()
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::f64::consts::FRAC_PI_2;
 
     #[test]
     fn valid_v15_polynomial_inside_and_clamped_outside() {
@@ -51,7 +68,6 @@ mod tests {
         let at = |degrees: f64| f.standard_magnitude(degrees.to_radians()).0;
         assert!((at(90.0) - (3.944 + 0.06893 * 90.0 - 0.0004089 * 8100.0)).abs() < 1e-12);
         assert!((at(0.0) - at(30.0)).abs() < 1e-12 && (at(180.0) - at(150.0)).abs() < 1e-12);
-        assert!(f.covers(1.0) && !f.covers(0.3) && !f.covers(2.8));
     }
 
     #[test]
@@ -65,5 +81,15 @@ mod tests {
         ] {
             assert_eq!(PhaseFunction::new(c, lo, hi), None);
         }
+    }
+
+    #[test]
+    fn verif_sphere_at_full_and_half_phase() {
+        let sphere = DiffuseSphere { half_lit: StandardMagnitude(6.0) };
+        assert!((sphere.standard_magnitude(FRAC_PI_2).unwrap().0 - 6.0).abs() < 1e-12);
+        // A Lambertian sphere is π times brighter at full than at half phase.
+        assert!((sphere.standard_magnitude(0.0).unwrap().0 - (6.0 - 2.5 * PI.log10())).abs() < 1e-12);
+        assert!(sphere.standard_magnitude(3.0).unwrap().0 > 10.0);
+        assert_eq!(sphere.standard_magnitude(4.0), None);
     }
 }

@@ -1,9 +1,9 @@
-//! Standard magnitudes by object, from the table that amateurs keep for QuickSat (`qs.mag`).
+//! Standard magnitudes by object, from the amateurs' table for QuickSat (`qs.mag`).
 //!
-//! Mike McCants' intrinsic magnitude is stated for 1000 km, *full* phase, and the brightest aspect that is likely. We
-//! want the mean at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase and
-//! about 0.7 mag from brightest to average, together 1.45 mag fainter. (Other programs read the column as half
-//! phase; merged lists in circulation add a round 1.0.) Rows without a magnitude are passed over.
+//! Mike McCants' intrinsic magnitude is stated for 1000 km, *full* phase, and the brightest aspect that is likely. Here
+//! magnitudes are means at half phase (Molczan's convention): McCants' page on the two gives 2.5 log10 2 for the phase
+//! and about 0.7 mag from brightest to average, together 1.45 mag fainter. (Other programs read the column as half
+//! phase; merged lists in circulation add a round 1.0.) Rows without a magnitude are skipped.
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
@@ -17,15 +17,15 @@ use super::magnitude::StandardMagnitude;
 /// definitions").
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
 
-/// Why a table of standard magnitudes cannot be read.
+/// Errors of tables of standard magnitudes.
 #[derive(Debug, Error, PartialEq)]
 pub enum StandardMagnitudesError {
-    /// No line had an id and a magnitude where they belong.
+    /// No line has an id and a magnitude in their columns.
     #[error(
         "none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37: is this a qs.mag table?"
     )]
     NothingRead {
-        /// Lines that were looked at.
+        /// Number of lines.
         lines: usize,
     },
 }
@@ -37,10 +37,10 @@ pub struct StandardMagnitudes {
 }
 
 impl StandardMagnitudes {
-    /// Reads a `qs.mag` table, brought to half phase and mean aspect.
+    /// Reads a `qs.mag` table; magnitudes are converted to half phase and mean aspect.
     ///
     /// # Errors
-    /// [`StandardMagnitudesError::NothingRead`] where not one line has an id and a magnitude.
+    /// [`StandardMagnitudesError::NothingRead`] where no line has an id and a magnitude.
     pub fn from_qs_mag(text: &str) -> Result<Self, StandardMagnitudesError> {
         let half_lit: BTreeMap<u32, StandardMagnitude> = text
             .lines()
@@ -48,8 +48,7 @@ impl StandardMagnitudes {
                 let id: u32 = line.get(0..5)?.trim().parse().ok()?;
                 let end = line.len().min(37);
                 let intrinsic: f64 = line.get(33..end)?.trim().parse().ok()?;
-                // The table's first and last lines are a header that begins with 00001 and 99999, and have no number
-                // here.
+                // The first and last lines are headers (00001 and 99999) without a number here.
                 (id > 0 && intrinsic.is_finite())
                     .then_some((id, StandardMagnitude(intrinsic + QUICKSAT_TO_HALF_LIT_MAG)))
             })
@@ -60,7 +59,7 @@ impl StandardMagnitudes {
         Ok(Self { half_lit })
     }
 
-    /// From pairs of NORAD id and magnitude at 1000 km and phase angle 90°; the last of equal ids counts.
+    /// Takes pairs of NORAD id and magnitude at 1000 km and phase angle 90°; the last of equal ids counts.
     pub fn from_half_lit(pairs: impl IntoIterator<Item = (u32, StandardMagnitude)>) -> Self {
         Self { half_lit: pairs.into_iter().collect() }
     }
@@ -70,12 +69,12 @@ impl StandardMagnitudes {
         self.half_lit.get(&norad_id).copied()
     }
 
-    /// How many objects are listed.
+    /// Number of objects.
     pub fn len(&self) -> usize {
         self.half_lit.len()
     }
 
-    /// True where none is listed.
+    /// True for an empty table.
     pub fn is_empty(&self) -> bool {
         self.half_lit.is_empty()
     }

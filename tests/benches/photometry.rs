@@ -1,9 +1,9 @@
-//! What a magnitude costs: by sunlight, with earthshine computed and from the table, and a map of all directions below.
+//! Time of a magnitude: by sunlight, with earthshine, of two panels as a list of panels, and of a map of all directions below.
 
 use divan::{Bencher, black_box};
 use nalgebra::Vector3;
 use streakcast::geometry::ViewingGeometry;
-use streakcast::photometry::earthshine::{Albedo, EarthshineNodes, EarthshineTable, PAPER_ALBEDO, Shine};
+use streakcast::photometry::earthshine::LitEarth;
 use streakcast::photometry::{BrightnessModel, Earthshine, ModelLibrary, PhotometryOptions};
 
 /// Directions asked for by one iteration.
@@ -65,41 +65,10 @@ fn shine_1000_computed(bencher: Bencher, sun_deg: f64) {
     let directions = directions(DIRECTIONS, sun_deg);
     bencher.bench(|| {
         let shine = |(sun, to_observer): &(f64, Vector3<f64>)| {
-            Shine::on_panel(*sun, 550.0, PAPER_ALBEDO, &-Vector3::z(), to_observer, 22.0).lobe
+            Some(LitEarth::new(*sun, 550.0)?.shine(&-Vector3::z(), to_observer, 22.0).lobe)
         };
-        black_box(&directions).iter().map(shine).sum::<f64>()
+        black_box(&directions).iter().filter_map(shine).sum::<f64>()
     });
-}
-
-/// Earthshine alone for one Sun, its nodes made once.
-#[divan::bench(args = SUNS_DEG)]
-fn shine_1000_from_nodes(bencher: Bencher, sun_deg: f64) {
-    let directions = directions(DIRECTIONS, sun_deg);
-    let nodes = EarthshineNodes::new(sun_deg.to_radians(), 550.0, &Albedo::Uniform(PAPER_ALBEDO), 22.0);
-    bencher.bench(|| {
-        black_box(&directions)
-            .iter()
-            .map(|(_, to_observer)| nodes.shine(&-Vector3::z(), to_observer, 22.0).lobe)
-            .sum::<f64>()
-    });
-}
-
-/// Earthshine alone from a table of many heights: 1 µs each at most.
-#[divan::bench]
-fn shine_1000_from_table(bencher: Bencher) {
-    let directions = directions(DIRECTIONS, -8.0);
-    let table = EarthshineTable::new(22.0, [300.0, 1300.0], [-0.7, 1.57]).expect("within its ranges");
-    bencher.bench(|| {
-        let shine = |(sun, to_observer): &(f64, Vector3<f64>)| table.shine(*sun, 550.0, to_observer).unwrap().lobe;
-        black_box(&directions).iter().map(shine).sum::<f64>()
-    });
-}
-
-/// The table itself, for one height and for many.
-#[divan::bench(args = [550.0, 300.0], sample_count = 3, sample_size = 1)]
-fn table_built(bencher: Bencher, least_km: f64) {
-    let greatest_km = if least_km < 550.0 { 1300.0 } else { least_km };
-    bencher.bench(|| EarthshineTable::new(22.0, [least_km, greatest_km], [-0.7, 1.57]));
 }
 
 fn directions(n: usize, sun_deg: f64) -> Vec<(f64, Vector3<f64>)> {
@@ -122,21 +91,19 @@ fn map_24448_sun_only(bencher: Bencher) {
     });
 }
 
-/// The same with earthshine, its nodes made once for all directions.
-#[divan::bench(args = SUNS_DEG, sample_count = 20)]
-fn map_24448_with_earthshine(bencher: Bencher, sun_deg: f64) {
-    let (model, geometries) = (model(), geometries_of_map(sun_deg));
-    let satellite = *model.satellite().expect("made of panels");
+/// The paper's satellite as a list of panels, by sunlight: the general assembly against the two-panel equations.
+#[divan::bench(sample_count = 20)]
+fn map_24448_sun_only_as_list_of_panels(bencher: Bencher) {
+    let file = ModelLibrary::embedded().get("visorsat-panels").expect("shipped").file().expect("from a file").clone();
+    let mut panels = file.panels.expect("a list of panels");
+    panels.panels.truncate(2);
+    let geometries = geometries_of_map(-8.0);
+    let assembly = panels.assemble(&[]);
     bencher.bench(|| {
-        let exponent = satellite.base_exponent();
-        let nodes = EarthshineNodes::new(sun_deg.to_radians(), 550.0, &Albedo::Uniform(PAPER_ALBEDO), exponent);
-        let total = |geometry: &ViewingGeometry| {
-            let to_observer = *geometry.to_observer().vector();
-            let shine = nodes.shine(&-Vector3::z(), &to_observer, exponent);
-            let earth = satellite.earth_terms_of(&shine, &to_observer);
-            satellite.terms(geometry).b_total_m2_sr() + earth.glossy_m2_sr + earth.diffuse_m2_sr
+        let light = |geometry: &ViewingGeometry| {
+            assembly.b_total_m2_sr(geometry.to_sun().vector(), geometry.to_observer().vector())
         };
-        black_box(&geometries).iter().map(|geometry| -2.5 * total(geometry).log10()).sum::<f64>()
+        black_box(&geometries).iter().map(light).sum::<f64>()
     });
 }
 

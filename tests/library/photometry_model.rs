@@ -6,8 +6,9 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use nalgebra::Vector3;
 use streakcast::frames::{Body, Direction};
 use streakcast::geometry::ViewingGeometry;
+use streakcast::photometry::panels::PanelPolygon;
 use streakcast::photometry::{
-    Band, BodyAngles, BrightnessModel, ChassisBlocking, Coefficients, Earthshine, MagSystem, ModelLibrary,
+    Band, BodyAngles, BrightnessModel, ChassisAndSail, Coefficients, Earthshine, MagSystem, ModelLibrary,
     PhotometryOptions, SatelliteModel, SatelliteShape, StandardMagnitude,
 };
 
@@ -96,6 +97,15 @@ fn stopped(point: &Vector3<f64>, direction: &Vector3<f64>, base_length: f64, bas
     t > 0.0 && (0.0..=base_length).contains(&hit.x) && hit.y.abs() <= 0.5 * base_width
 }
 
+fn chassis_and_sail(
+    [sail_length_m, sail_width_m, base_length_m, base_width_m]: [f64; 4],
+    offset: f64,
+) -> ChassisAndSail {
+    let panel_offset_deg = offset.to_degrees();
+    ChassisAndSail::new(&SatelliteShape { sail_length_m, sail_width_m, base_length_m, base_width_m, panel_offset_deg })
+        .unwrap()
+}
+
 #[test]
 fn valid_blocking_against_rays_cast_one_by_one() {
     let mut uniform = Uniform(7);
@@ -111,9 +121,8 @@ fn valid_blocking_against_rays_cast_one_by_one() {
         let to_sun = unit(0.0, if usual { uniform.between(-0.45, 0.05) } else { uniform.between(-1.4, 1.4) });
         let latitude = if usual { uniform.between(-1.57, -0.3) } else { uniform.between(-1.57, 1.57) };
         let to_observer = unit(uniform.between(-3.1, 3.1), latitude);
-        let blocking = ChassisBlocking::new(sail_length, sail_width, base_length, base_width, offset).unwrap();
+        let blocking = chassis_and_sail([sail_length, sail_width, base_length, base_width], offset);
         let exact = blocking.blocked(&to_sun, &to_observer);
-        let normal = blocking.sail_normal();
         // From behind, light that leaves the front has no meaning; the model's front terms are 0 there.
         let (mut lost, mut shaded) = (0u32, 0u32);
         for _ in 0..rays {
@@ -127,7 +136,7 @@ fn valid_blocking_against_rays_cast_one_by_one() {
         for (exact, count) in [(exact.shadow_or_hidden, lost), (exact.shadow, shaded)] {
             let cast = f64::from(count) / f64::from(rays);
             let sigma = (exact * (1.0 - exact) / f64::from(rays)).sqrt();
-            assert!((cast - exact).abs() <= 5.0 * sigma + 1e-12, "{i}: cast {cast}, exact {exact}, normal {normal}");
+            assert!((cast - exact).abs() <= 5.0 * sigma + 1e-12, "{i}: cast {cast}, exact {exact}, offset {offset}");
             if sigma > 0.0 {
                 sum_of_squares += ((cast - exact) / sigma).powi(2);
                 counted += 1;
@@ -145,7 +154,7 @@ fn verif_blocking_equals_the_papers_closed_form_where_that_holds() {
     // POA 0, equal widths, Sun and observer below the chassis and before the sail, the projected corner on the sail:
     // eqs. 15-18 with sin² δ_obs in eq. 17, and the area of rectangle and parallelogram by hand.
     let (l_sail, w, l_base) = (8.1, 2.8, 1.3);
-    let blocking = ChassisBlocking::new(l_sail, w, l_base, w, 0.0).unwrap();
+    let blocking = chassis_and_sail([l_sail, w, l_base, w], 0.0);
     let mut uniform = Uniform(11);
     let mut checked = 0;
     while checked < 2000 {
@@ -172,21 +181,28 @@ fn verif_blocking_equals_the_papers_closed_form_where_that_holds() {
 fn verif_outlines_have_the_areas_that_are_subtracted() {
     let mut uniform = Uniform(23);
     for _ in 0..2000 {
-        let [sail_length, sail_width, base_length, base_width] = [0; 4].map(|_| uniform.between(0.3, 12.0));
-        let blocking =
-            ChassisBlocking::new(sail_length, sail_width, base_length, base_width, uniform.between(-0.9, 0.9)).unwrap();
+        let sizes = [0; 4].map(|_| uniform.between(0.3, 12.0));
+        let [sail_length, sail_width, base_length, base_width] = sizes;
+        let offset = uniform.between(-0.9, 0.9);
+        let blocking = chassis_and_sail(sizes, offset);
         let to_observer = unit(uniform.between(-3.1, 3.1), uniform.between(-1.57, 0.5));
-        // The Sun above the chassis casts no shadow on the sail: what is lost is what the observer's outline covers.
+        // The Sun above the chassis casts no shadow on the sail: what is lost is what the chassis hides, a parallelogram
+        // on the hinge (Lu 2024, eqs. 16 to 18), cut to the sail.
         let lost = blocking.blocked(&unit(0.0, 0.3), &to_observer);
-        let area = blocking.outline(&to_observer).area_m2();
-        assert!((lost.shadow_or_hidden * blocking.sail_area_m2() - area).abs() < 1e-10 * (1.0 + area));
+        let (below, facing) = (-to_observer.z, offset.cos() * to_observer.x + offset.sin() * to_observer.z);
+        let hidden = below > 0.0 && facing > 0.0;
+        let top = if hidden { (base_length * below / facing).min(sail_length) } else { 0.0 };
+        let (half, shift) = (0.5 * base_width, -offset.cos() * to_observer.y / below * top);
+        let outline = PanelPolygon::new(&[[-half, 0.0], [half, 0.0], [half + shift, top], [-half + shift, top]]);
+        let area = outline.clipped_to_rectangle([-0.5 * sail_width, 0.5 * sail_width], [0.0, sail_length]).area_m2();
+        assert!((lost.shadow_or_hidden * sail_length * sail_width - area).abs() < 1e-10 * (1.0 + area));
         assert_eq!(lost.shadow, 0.0);
     }
 }
 
 #[test]
 fn verif_blocking_at_its_edges_is_a_share() {
-    let blocking = ChassisBlocking::new(8.1, 2.8, 1.3, 2.8, -0.05).unwrap();
+    let blocking = chassis_and_sail([8.1, 2.8, 1.3, 2.8], -0.05);
     let tiny = 1e-300;
     let directions = [
         unit(0.0, -std::f64::consts::FRAC_PI_2),
@@ -204,9 +220,20 @@ fn verif_blocking_at_its_edges_is_a_share() {
             assert!((0.0..=1.0).contains(&lost.shadow) && (lost.shadow..=1.0).contains(&lost.shadow_or_hidden));
         }
     }
-    assert!(ChassisBlocking::new(0.0, 2.8, 1.3, 2.8, 0.0).is_none());
-    assert!(ChassisBlocking::new(8.1, f64::NAN, 1.3, 2.8, 0.0).is_none());
-    assert!(ChassisBlocking::new(8.1, 2.8, 1.3, 2.8, 2.0).is_none());
+    let shape = SatelliteShape {
+        sail_length_m: 8.1,
+        sail_width_m: 2.8,
+        base_length_m: 1.3,
+        base_width_m: 2.8,
+        panel_offset_deg: 0.0,
+    };
+    for wrong in [
+        SatelliteShape { sail_length_m: 0.0, ..shape },
+        SatelliteShape { sail_width_m: f64::NAN, ..shape },
+        SatelliteShape { panel_offset_deg: 115.0, ..shape },
+    ] {
+        assert!(ChassisAndSail::new(&shape).is_some() && ChassisAndSail::new(&wrong).is_none());
+    }
 }
 
 #[test]

@@ -1,11 +1,10 @@
-//! The paper's form (Lu 2024, section 2) as something to be fitted: chassis and sail, seven coefficients and the panel offset.
+//! The two-panel form of Lu (2024, section 2) as a fit: seven coefficients and the panel offset.
 //!
-//! `shape` says which satellite and which terms, `columns` holds what the geometry of each point makes of them, `earth` the
-//! same for the Earth's light, `kernel` puts coefficients to them in vector loops.
+//! `form` holds the satellite and the bounds of its coefficients, `prepared` the geometry of the points, `kernel`
+//! evaluates coefficients on it.
 
-mod columns;
-mod earth;
+mod form;
 mod kernel;
-mod shape;
+mod prepared;
 
-pub use shape::TwoPanelForm;
+pub use form::TwoPanelForm;

@@ -13,8 +13,7 @@
 //! Reference: Pfisterer (2011), *Approximated scatter models for stray light analysis*, Optics & Photonics News 22(10);
 //! Fankhauser, Tyson and Askari (2023, AJ 166, 59).
 
-use super::law::Brdf;
-use crate::photometry::panel::Incidence;
+use super::law::{Brdf, Incidence};
 
 /// A lobe with a shoulder.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -36,7 +35,7 @@ impl Brdf for Abg {
 
 #[cfg(test)]
 mod tests {
-    use super::super::energy::{hold_law_to_the_rules, reflected_share};
+    use super::super::energy::{check_law, reflected_share};
     use super::*;
 
     #[test]
@@ -48,7 +47,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_abg_keeps_the_rules() {
-        hold_law_to_the_rules(&Abg { a: 0.02, b: 0.003, g: 1.7 });
+    fn verif_abg_is_reciprocal_and_finite() {
+        check_law(&Abg { a: 0.02, b: 0.003, g: 1.7 });
     }
 }

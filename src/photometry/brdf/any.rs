@@ -1,10 +1,9 @@
-//! Any of the laws, chosen by data.
+//! Laws of reflection as one enum.
 
-use super::law::Brdf;
+use super::law::{Brdf, Incidence};
 use super::{Abg, Binomial, Facets, Gaussian, Lambert, Phong, Retro, Straight};
-use crate::photometry::panel::Incidence;
 
-/// One of the known laws.
+/// A law of reflection.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Law {
     /// Every direction sees the same radiance.
@@ -26,7 +25,7 @@ pub enum Law {
 }
 
 impl Law {
-    /// Exponent of the Phong lobe that is as narrow as this law's: how finely light from a wide source must be sampled.
+    /// Exponent of the Phong lobe of the same width, for the sampling of wide sources.
     pub fn equivalent_exponent(&self) -> f64 {
         /// Binomials may hold lobes of any width; the narrowest that the rule for the Earth is tested for.
         const SHARP: f64 = 200.0;
@@ -40,7 +39,7 @@ impl Law {
             | Self::Retro(Retro { exponent, .. }) => *exponent,
             // A facet tilted by β across the plane of incidence turns light by θ = 2β cos φ_i, β at 60°, as slant as a
             // satellite's horizon is to its nadir panels: e^(-tan²β/2w²) ≈ e^(-θ²/2w²), and cosⁿθ ≈ e^(-nθ²/2). Under
-            // light along the normal the lobe is twice as wide, 2w. Slopes below 0.07 ask for more than SHARP: for 0.04
+            // light along the normal the lobe is twice as wide, 2w. Slopes below 0.07 need more than SHARP: for 0.04
             // the Earth's light then errs by up to 0.04 mag near the horizon, 0.002 mag elsewhere.
             Self::Facets(law) => law.slope.powi(-2),
             // e^((cos θ - 1)/w) ≈ e^(-θ²/2w)

@@ -9,13 +9,12 @@
 //!
 //! D is the distance between observer and mirror direction after both are laid on the surface, V the scalar product of
 //! those two; both stay the same when light and eye change places, so every set of coefficients is reciprocal. It is a
-//! fit to laboratory data and claims no energy: `reflected_share` says what a set reflects.
+//! fit to laboratory data without an energy balance: `reflected_share` computes the share that a set reflects.
 //!
 //! Reference: Greynolds (2015, Proc. SPIE 9577, 95770A); Fankhauser, Tyson and Askari (2023, AJ 166, 59), who fit it to
 //! a satellite's chassis and solar array.
 
-use super::law::Brdf;
-use crate::photometry::panel::Incidence;
+use super::law::{Brdf, Incidence};
 
 /// Coefficients of a binomial expansion.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,7 +48,7 @@ impl Brdf for Binomial {
 
 #[cfg(test)]
 mod tests {
-    use super::super::energy::{hold_law_to_the_rules, reflected_share};
+    use super::super::energy::{check_law, reflected_share};
     use super::*;
     use nalgebra::Vector3;
 
@@ -79,8 +78,8 @@ mod tests {
     }
 
     #[test]
-    fn verif_binomial_keeps_the_rules() {
-        hold_law_to_the_rules(&law());
+    fn verif_binomial_is_reciprocal_and_finite() {
+        check_law(&law());
         assert!(reflected_share(&law(), 1.0) > 0.1);
     }
 }

@@ -1,11 +1,10 @@
-//! How much of the light that falls on a surface leaves it again.
+//! Share of the incident light that leaves a surface again.
 
 use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
 
-use super::law::Brdf;
-use crate::photometry::panel::Incidence;
+use super::law::{Brdf, Incidence};
 
 /// Nodes in azimuth and in the distance from the lobe's middle; enough for lobes down to a degree wide, to 1e-3.
 const AZIMUTHS: usize = 64;
@@ -59,9 +58,9 @@ fn share(law: &(impl Brdf + ?Sized), cos_in: f64, side: f64) -> f64 {
     share
 }
 
-/// What every law promises: reciprocity, no negative light, an answer for every incidence.
+/// Checks reciprocity, and values that are finite and not negative for every incidence.
 #[cfg(test)]
-pub(super) fn hold_law_to_the_rules(law: &impl Brdf) {
+pub(super) fn check_law(law: &impl Brdf) {
     let normal = Vector3::z();
     let mut state = 7_u64;
     let mut uniform = || {

@@ -21,8 +21,7 @@
 
 use std::f64::consts::{FRAC_2_PI, SQRT_2, TAU};
 
-use super::law::Brdf;
-use crate::photometry::panel::Incidence;
+use super::law::{Brdf, Incidence};
 
 /// Facets steeper than this do not exist for any slope of the allowed range: their share, e^(-tan²β/2w²), is 0 in double
 /// precision; below it h is not defined where source and observer stand opposite.
@@ -76,7 +75,7 @@ impl Brdf for Facets {
 
 #[cfg(test)]
 mod tests {
-    use super::super::energy::{hold_law_to_the_rules, reflected_share};
+    use super::super::energy::{check_law, reflected_share};
     use super::*;
     use nalgebra::Vector3;
 
@@ -174,9 +173,9 @@ mod tests {
     }
 
     #[test]
-    fn verif_facets_keep_the_rules() {
+    fn verif_facets_are_reciprocal_and_finite() {
         for slope in [1e-3, 0.05, 0.4, 1.0] {
-            hold_law_to_the_rules(&Facets { weight: 0.6, slope });
+            check_law(&Facets { weight: 0.6, slope });
         }
     }
 }

@@ -12,8 +12,7 @@
 
 use std::f64::consts::FRAC_1_PI;
 
-use super::law::Brdf;
-use crate::photometry::panel::Incidence;
+use super::law::{Brdf, Incidence};
 
 /// A Lambertian surface.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -22,38 +21,29 @@ pub struct Lambert {
     pub albedo: f64,
 }
 
-impl Lambert {
-    /// Reflectance, the same for every incidence, sr⁻¹.
-    pub fn per_sr(&self) -> f64 {
-        // f = c / π                                                      Lu (2024), eq. 3
-        self.albedo * FRAC_1_PI
-    }
-}
-
 impl Brdf for Lambert {
     fn value_per_sr(&self, _incidence: &Incidence) -> f64 {
-        self.per_sr()
+        // f = c / π                                                      Lu (2024), eq. 3
+        self.albedo * FRAC_1_PI
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::photometry::panel::Panel;
     use nalgebra::Vector3;
 
     #[test]
     fn verif_energy_leaving_a_lambertian_plate_is_its_albedo() {
         // ∫ f cos θ dω over the hemisphere, midpoint rule in cos θ (azimuth is symmetric).
         let law = Lambert { albedo: 0.3 };
-        let panel = Panel { area_m2: 1.0, normal: Vector3::z() };
         let to_sun = Vector3::new(0.6, 0.0, 0.8);
         let n = 2000;
         let sum: f64 = (0..n)
             .map(|i| {
                 let cos = (i as f64 + 0.5) / n as f64;
                 let to_observer = Vector3::new((1.0 - cos * cos).sqrt(), 0.0, cos);
-                let incidence = Incidence::new(&panel.normal, &to_sun, &to_observer);
+                let incidence = Incidence::new(&Vector3::z(), &to_sun, &to_observer);
                 law.value_per_sr(&incidence) * incidence.cos_out * std::f64::consts::TAU / n as f64
             })
             .sum();

@@ -14,9 +14,7 @@
 //!
 //! Reference: Lu (2024), eqs. 2 and 5; Phong (1975), CACM 18, 311.
 
-use super::law::Brdf;
-use super::lobe;
-use crate::photometry::panel::Incidence;
+use super::law::{Brdf, Incidence, lobe_per_sr};
 
 /// A glossy lobe.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -27,17 +25,10 @@ pub struct Phong {
     pub exponent: f64,
 }
 
-impl Phong {
-    /// Reflectance in the mirror direction, sr⁻¹.
-    pub fn peak_per_sr(&self) -> f64 {
-        lobe::peak_per_sr(self.weight, self.exponent)
-    }
-}
-
 impl Brdf for Phong {
     fn value_per_sr(&self, incidence: &Incidence) -> f64 {
         // f = c (n + 2) / 2π · cosⁿθ                                     Lu (2024), eq. 2
-        lobe::value_per_sr(self.weight, self.exponent, incidence.cos_mirror)
+        lobe_per_sr(self.weight, self.exponent, incidence.cos_mirror)
     }
 }
 

@@ -10,13 +10,11 @@
 //! light along the normal `weight` leaves, at slant incidence part of the lobe lies below the surface and less leaves.
 //! The lobe depends on the phase angle alone: it is reciprocal, and dark at phase angles beyond 90°.
 //!
-//! It is empirical, a cosine's power in the place where a fit to measured satellites asks for light.
+//! It is empirical: fits to measured satellites need light there.
 //!
 //! Reference: the lobe is that of Lu (2024), eq. 2, turned to the other direction.
 
-use super::law::Brdf;
-use super::lobe;
-use crate::photometry::panel::Incidence;
+use super::law::{Brdf, Incidence, lobe_per_sr};
 
 /// A lobe about the direction back to the source.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -30,14 +28,14 @@ pub struct Retro {
 impl Brdf for Retro {
     fn value_per_sr(&self, incidence: &Incidence) -> f64 {
         // f = c (n + 2) / 2π · (s · o)ⁿ
-        lobe::value_per_sr(self.weight, self.exponent, incidence.cos_phase())
+        lobe_per_sr(self.weight, self.exponent, incidence.cos_phase())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::Phong;
-    use super::super::energy::{hold_law_to_the_rules, reflected_share};
+    use super::super::energy::{check_law, reflected_share};
     use super::*;
     use nalgebra::Vector3;
 
@@ -66,8 +64,8 @@ mod tests {
     }
 
     #[test]
-    fn verif_retro_keeps_the_rules() {
-        hold_law_to_the_rules(&Retro { weight: 0.3, exponent: 4.0 });
-        hold_law_to_the_rules(&Retro { weight: 0.0, exponent: 0.0 });
+    fn verif_retro_is_reciprocal_and_finite() {
+        check_law(&Retro { weight: 0.3, exponent: 4.0 });
+        check_law(&Retro { weight: 0.0, exponent: 0.0 });
     }
 }

@@ -13,13 +13,11 @@
 //! observer alone: it is reciprocal, and dark where they stand less than 90° apart. On a `front` it gives what lies
 //! above the plane, some light near grazing.
 //!
-//! It is empirical, a cosine's power in the place where a fit to measured satellites asks for light.
+//! It is empirical: fits to measured satellites need light there.
 //!
 //! Reference: the lobe is that of Lu (2024), eq. 2, turned to the other direction.
 
-use super::law::Brdf;
-use super::lobe;
-use crate::photometry::panel::Incidence;
+use super::law::{Brdf, Incidence, lobe_per_sr};
 
 /// A lobe about the continued ray.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -33,14 +31,14 @@ pub struct Straight {
 impl Brdf for Straight {
     fn value_per_sr(&self, incidence: &Incidence) -> f64 {
         // f = c (n + 2) / 2π · (-s · o)ⁿ
-        lobe::value_per_sr(self.weight, self.exponent, -incidence.cos_phase())
+        lobe_per_sr(self.weight, self.exponent, -incidence.cos_phase())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::super::Phong;
-    use super::super::energy::{hold_law_to_the_rules, reflected_share, transmitted_share};
+    use super::super::energy::{check_law, reflected_share, transmitted_share};
     use super::*;
     use nalgebra::Vector3;
 
@@ -74,8 +72,8 @@ mod tests {
     }
 
     #[test]
-    fn verif_straight_keeps_the_rules() {
-        hold_law_to_the_rules(&Straight { weight: 0.3, exponent: 4.0 });
-        hold_law_to_the_rules(&Straight { weight: 0.0, exponent: 0.0 });
+    fn verif_straight_is_reciprocal_and_finite() {
+        check_law(&Straight { weight: 0.3, exponent: 4.0 });
+        check_law(&Straight { weight: 0.0, exponent: 0.0 });
     }
 }

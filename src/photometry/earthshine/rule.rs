@@ -1,102 +1,54 @@
-//! Gauss-Legendre rules of any length, made once.
+//! Quadrature rules on (0, 1) of any length, made of equal panels of short rules that are computed once.
 
-use std::f64::consts::PI;
 use std::sync::LazyLock;
 
-/// Longest single rule; longer ones are made of equal panels of shorter ones.
-pub(super) const LONGEST: usize = 32;
+use crate::math::quadrature::gauss_legendre;
 
-/// 0, 1, 2 … and 1, 1, 1 …: equal steps in the form of a rule.
-pub(super) const COUNT: [f64; LONGEST] = {
-    let mut count = [0.0; LONGEST];
-    let mut i = 0;
-    while i < LONGEST {
-        count[i] = i as f64;
-        i += 1;
-    }
-    count
-};
-pub(super) const ONES: [f64; LONGEST] = [1.0; LONGEST];
+/// Longest single rule; longer ones are made of panels.
+const LONGEST: usize = 32;
 
-/// Abscissae on (0, 1) and weights.
-#[derive(Clone, Debug, Default)]
+/// Gauss-Legendre rules of 0 to [`LONGEST`] points on (0, 1).
+static GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (0..=LONGEST).map(gauss_legendre).collect());
+
+/// The half with positive abscissae of Gauss-Legendre rules of 0, 2, 4 ... points on (-1, 1).
+static HALF_GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| {
+    let half = |n: usize| gauss_legendre(2 * n)[n..].iter().map(|(x, weight)| (2.0 * x - 1.0, 2.0 * weight)).collect();
+    (0..=LONGEST).map(half).collect()
+});
+
+/// Equal panels of one short rule.
+#[derive(Copy, Clone)]
 pub(super) struct Rule {
-    pub at: Vec<f64>,
-    pub weight: Vec<f64>,
+    panels: usize,
+    points: &'static [(f64, f64)],
 }
 
-/// Rules of 1 to [`LONGEST`] points on (0, 1), their weights adding up to 1.
-static WHOLE: LazyLock<Vec<Rule>> = LazyLock::new(|| {
-    (0..=LONGEST)
-        .map(|n| {
-            let (at, weight) = legendre(n);
-            Rule { at: at.iter().map(|x| 0.5 * (1.0 + x)).collect(), weight: weight.iter().map(|w| 0.5 * w).collect() }
-        })
-        .collect()
-});
-
-/// The half with positive abscissae of rules of 2, 4 … points on (-1, 1), for what is symmetric in its weights but not
-/// in its integrand: each point stands for itself and its mirror image.
-static HALF: LazyLock<Vec<Rule>> = LazyLock::new(|| {
-    (0..=LONGEST)
-        .map(|n| {
-            let (at, weight) = legendre(2 * n);
-            Rule { at: at[n..].to_vec(), weight: weight[n..].to_vec() }
-        })
-        .collect()
-});
-
-/// Calls back with abscissa and weight of a rule of about `n` points (at least one) on (0, 1).
-pub(super) fn whole(n: usize, mut point: impl FnMut(f64, f64)) {
-    let panels = n.max(1).div_ceil(LONGEST);
-    let rule = &WHOLE[n.max(1).div_ceil(panels)];
-    for panel in 0..panels {
-        for (at, weight) in rule.at.iter().zip(&rule.weight) {
-            point((panel as f64 + at) / panels as f64, weight / panels as f64);
-        }
+impl Rule {
+    /// Gauss-Legendre with about `n` points.
+    pub fn gauss(n: usize) -> Self {
+        let n = n.max(1);
+        let panels = n.div_ceil(LONGEST);
+        Self { panels, points: &GAUSS[n.div_ceil(panels)] }
     }
-}
 
-/// Calls back with rules (at most [`LONGEST`] points) as (start, length, rule) that together are about `n` points on
-/// (0, 1), for an integral over (-1, 1) folded at 0.
-pub(super) fn half(n: usize, mut panel: impl FnMut(f64, f64, &Rule)) {
-    let n = n.max(1);
-    if n <= LONGEST {
-        return panel(0.0, 1.0, &HALF[n]);
+    /// About `n` points for the half (0, 1) of an integral over (-1, 1), each standing for its mirror image too.
+    pub fn half_gauss(n: usize) -> Self {
+        if n <= LONGEST { Self { panels: 1, points: &HALF_GAUSS[n.max(1)] } } else { Self::gauss(n) }
     }
-    let panels = n.div_ceil(LONGEST);
-    let (rule, length) = (&WHOLE[n.div_ceil(panels)], 1.0 / panels as f64);
-    (0..panels).for_each(|i| panel(i as f64 * length, length, rule));
-}
 
-/// Abscissae (ascending) and weights on (-1, 1).
-fn legendre(n: usize) -> (Vec<f64>, Vec<f64>) {
-    (0..n)
-        .map(|i| {
-            // Newton's method from Tricomi's estimate of the root.
-            let mut x = -(PI * (i as f64 + 0.75) / (n as f64 + 0.5)).cos();
-            let mut slope = 1.0;
-            for _ in 0..10 {
-                let (value, derivative) = polynomial(n, x);
-                slope = derivative;
-                x -= value / derivative;
-            }
-            // w = 2 / ((1 - x²) P'ₙ(x)²)
-            (x, 2.0 / ((1.0 - x * x) * slope * slope))
-        })
-        .unzip()
-}
-
-/// Legendre's polynomial and its derivative.
-fn polynomial(n: usize, x: f64) -> (f64, f64) {
-    let (mut before, mut now) = (1.0, x);
-    for k in 2..=n {
-        let k = k as f64;
-        // k P_k = (2k - 1) x P_{k-1} - (k - 1) P_{k-2}
-        (before, now) = (now, ((2.0 * k - 1.0) * x * now - (k - 1.0) * before) / k);
+    /// Middles of `n` equal steps, for periodic functions.
+    pub fn midpoints(n: usize) -> Self {
+        Self { panels: n.max(1), points: &GAUSS[1] }
     }
-    // (1 - x²) P'_n = n (P_{n-1} - x P_n)
-    (now, n as f64 * (before - x * now) / (1.0 - x * x))
+
+    /// Abscissae and weights; the weights add up to 1.
+    #[inline(always)]
+    pub fn points(self) -> impl Iterator<Item = (f64, f64)> {
+        let length = 1.0 / self.panels as f64;
+        let panel =
+            move |panel| self.points.iter().map(move |(x, weight)| ((panel as f64 + x) * length, weight * length));
+        (0..self.panels).flat_map(panel)
+    }
 }
 
 #[cfg(test)]
@@ -106,19 +58,16 @@ mod tests {
     #[test]
     fn verif_powers_are_integrated_exactly() {
         for n in [1, 2, 5, 16, 32, 33, 70] {
-            for power in 0..(2 * n.min(LONGEST / 2)) as i32 {
-                let (mut sum, mut folded) = (0.0, 0.0);
-                whole(n, |x, w| sum += w * x.powi(power));
-                half(n, |start, length, rule| {
-                    for (x, w) in rule.at.iter().zip(&rule.weight) {
-                        let (x, w) = (start + length * x, length * w);
-                        folded += w * (x.powi(power) + (-x).powi(power));
-                    }
-                });
-                let even = if power % 2 == 0 { 2.0 } else { 0.0 };
+            for power in 0..2 * n.min(LONGEST / 2) as i32 {
+                let sum: f64 = Rule::gauss(n).points().map(|(x, weight)| weight * x.powi(power)).sum();
                 assert!((sum * f64::from(power + 1) - 1.0).abs() < 1e-12, "{n} {power} {sum}");
-                assert!((folded * f64::from(power + 1) - even).abs() < 1e-12, "{n} {power} {folded}");
+                let even: f64 =
+                    Rule::half_gauss(n).points().map(|(x, weight)| weight * (x.powi(power) + (-x).powi(power))).sum();
+                let exact = if power % 2 == 0 { 2.0 } else { 0.0 };
+                assert!((even * f64::from(power + 1) - exact).abs() < 1e-12, "{n} {power} {even}");
             }
+            let turn: f64 = Rule::midpoints(n).points().map(|(x, weight)| weight * (6.0 * x - 3.0)).sum();
+            assert!(turn.abs() < 1e-13);
         }
     }
 }

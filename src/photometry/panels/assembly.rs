@@ -1,22 +1,20 @@
-//! A satellite made of panels, ready to be asked for its light.
+//! The light of a satellite made of panels and spheres.
 //!
 //! Each panel reflects by the laws of the face that is lit and seen: its front, its back, or through from the front to
-//! the back. What other panels shade of it or hide of it is cut out exactly; light that goes from panel to panel is left
-//! out, as in the paper. Spheres add their light, whatever stands before them.
+//! the back. What other panels shade or hide of it is cut out exactly; light that goes from panel to panel is left out,
+//! as in the paper. Spheres add their light and are never hidden.
 
 use nalgebra::Vector3;
 
 use super::attitude::Attitude;
-use super::obstruction::{MOST_BLOCKERS, union_area_m2};
+use super::polygon::{MOST_BLOCKERS, PanelPolygon, union_area_m2};
 use super::rectangle::PlacedRectangle;
 use super::sphere::Sphere;
 use crate::geometry::ViewingGeometry;
-use crate::photometry::brdf::{Brdf, Law};
-use crate::photometry::earthshine::{Albedo, EarthshineNodes, PAPER_ALBEDO};
-use crate::photometry::panel::{Incidence, Panel};
-use crate::photometry::polygon::PanelPolygon;
+use crate::photometry::brdf::{Brdf, Incidence, Law};
+use crate::photometry::earthshine::LitEarth;
 
-/// Which way light goes at a panel.
+/// Way of the light at a panel.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Face {
     /// Lit and seen from the front.
@@ -30,15 +28,15 @@ pub enum Face {
 /// One panel of an assembly.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct AssembledPanel {
-    /// As its file calls it.
+    /// Name in the file.
     pub name: String,
     /// The point u = v = 0, in the body frame, m.
     pub anchor_m: Vector3<f64>,
-    /// From and to along u, m.
+    /// Extent along u, m.
     pub u_m: [f64; 2],
-    /// From and to along v, m.
+    /// Extent along v, m.
     pub v_m: [f64; 2],
-    /// How it turns.
+    /// Law of its attitude.
     pub attitude: Attitude,
     /// Laws of the front.
     pub front: Vec<Law>,
@@ -46,20 +44,20 @@ pub(super) struct AssembledPanel {
     pub back: Vec<Law>,
     /// Laws of light that comes through.
     pub through: Vec<Law>,
-    /// True where light from the Earth falls on the front too.
+    /// True where earthshine falls on the front.
     pub earthshine: bool,
     /// Panels that may shade or hide it, by number; at most [`MOST_BLOCKERS`].
     pub blockers: Vec<usize>,
 }
 
-/// A face that is lit and seen: what its laws are asked with, and what their answer is multiplied by.
+/// A face that is lit and seen: the incidence for its laws, and the factor of their values.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct LitFace {
     /// Number of the panel.
     pub panel: usize,
-    /// Which of its faces.
+    /// Face of the panel.
     pub face: Face,
-    /// As the face's laws see it: from their own side for the back, from the lit front for light that comes through.
+    /// Counted from the lit side: from behind for the back, from the front for light that comes through.
     pub incidence: Incidence,
     /// |cos φ_i cos φ_r| A (1 - BF), m²: a law of f sr⁻¹ sends f times this, m² sr⁻¹.
     pub open_m2: f64,
@@ -90,7 +88,7 @@ pub struct PanelAssembly {
 }
 
 impl PanelAssembly {
-    /// Numbers in `blockers` beyond the panels, and blockers beyond [`MOST_BLOCKERS`], are refused by model files.
+    /// Numbers in `blockers` beyond the panels, and blockers beyond [`MOST_BLOCKERS`], are errors of model files.
     pub(super) fn new(panels: Vec<AssembledPanel>, spheres: Vec<Sphere>) -> Self {
         Self { panels, spheres }
     }
@@ -104,7 +102,7 @@ impl PanelAssembly {
         self.panels.iter().map(|panel| panel.name.as_str())
     }
 
-    /// Where each panel stands while the Sun stands in this direction (unit vector in the body frame, y = 0).
+    /// Positions of the panels for a direction of the Sun (unit vector in the body frame, y = 0).
     pub fn placed(&self, to_sun: &Vector3<f64>) -> Vec<PlacedRectangle> {
         self.panels.iter().map(|panel| panel.placed(to_sun)).collect()
     }
@@ -116,19 +114,19 @@ impl PanelAssembly {
         total
     }
 
-    /// Light of the panels taken apart: one entry for each law of each face that is lit and seen. With
-    /// [`Self::sphere_parts`] they add up to the whole.
+    /// Light of the panels: one entry for each law of each face that is lit and seen. With [`Self::sphere_parts`] they
+    /// add up to the whole.
     pub fn parts(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Vec<Part> {
         let mut parts = Vec::new();
         self.each_part(to_sun, to_observer, |part| parts.push(part));
         parts
     }
 
-    /// The geometry without the laws: each face that is lit, seen and has a law, in the order of the panels.
+    /// Each face that is lit, seen and has a law, in the order of the panels.
     ///
-    /// It depends on no coefficient of any law: a fit may keep it while coefficients move, and ask [`Self::laws`] of each
-    /// new assembly. Light from panels is the sum of f · `open_m2` over these faces and their laws;
-    /// [`Self::spheres`] add theirs, which depends on the phase angle alone.
+    /// They depend on no coefficient of any law: a fit keeps them and takes [`Self::laws`] from each new assembly. Light
+    /// of the panels is the sum of f · `open_m2` over these faces and their laws; [`Self::spheres`] add theirs, which
+    /// depends on the phase angle alone.
     pub fn lit_faces(&self, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> Vec<LitFace> {
         let mut faces = Vec::new();
         self.each_lit_face(to_sun, to_observer, |lit| faces.push(lit));
@@ -151,35 +149,36 @@ impl PanelAssembly {
         self.spheres.iter().map(move |sphere| sphere.m2_sr(cos_phase.acos()))
     }
 
-    /// Share of a panel's area that is in the others' shadow or hidden by them, [0, 1].
+    /// Share of a panel's area that other panels shade or hide, [0, 1].
     pub fn blocked(&self, panel: usize, to_sun: &Vector3<f64>, to_observer: &Vector3<f64>) -> f64 {
         let Some(of) = self.panels.get(panel) else { return 0.0 };
         self.share_blocked(of, &of.placed(to_sun), to_sun, &[to_sun, to_observer])
     }
 
-    /// Sunlight that the Earth throws on the fronts that ask for it and they send on, m² sr⁻¹: the whole Earth at the paper's
-    /// albedo. What others hide of a panel is cut out; what they shade of the wide Earth is not. Of spheres it is not
-    /// computed.
+    /// Earthshine reflected by the fronts that receive it, m² sr⁻¹.
+    ///
+    /// What others hide of a panel is cut out; what they shade of the wide Earth is not. Spheres receive none.
     pub fn earthshine_m2_sr(&self, geometry: &ViewingGeometry) -> f64 {
         let (to_sun, to_observer) = (geometry.to_sun(), geometry.to_observer());
         let (to_sun, to_observer) = (to_sun.vector(), to_observer.vector());
-        let mut nodes = EarthshineNodes::default();
-        let mut laid = f64::NAN;
+        let Some(earth) = LitEarth::new(geometry.sun_latitude_rad, geometry.height_km) else { return 0.0 };
+        let mut sources = Vec::new();
+        let mut resolved_exponent = f64::NAN;
         let mut total = 0.0;
         for panel in self.panels.iter().filter(|panel| panel.earthshine) {
             let placed = panel.placed(to_sun);
-            if placed.axes.normal.dot(to_observer) <= 0.0 {
+            let normal = placed.axes.normal;
+            if normal.dot(to_observer) <= 0.0 {
                 continue;
             }
-            let front = Panel { area_m2: placed.area_m2(), normal: placed.axes.normal };
             let open = 1.0 - self.share_blocked(panel, &placed, to_sun, &[to_observer]);
             for law in &panel.front {
                 let exponent = law.equivalent_exponent();
-                if exponent != laid {
-                    nodes.lay(geometry.sun_latitude_rad, geometry.height_km, &Albedo::Uniform(PAPER_ALBEDO), exponent);
-                    laid = exponent;
+                if exponent != resolved_exponent {
+                    sources = earth.sources(exponent);
+                    resolved_exponent = exponent;
                 }
-                total += open * nodes.reflected_m2_sr(&front, law, to_observer);
+                total += open * placed.area_m2() * reflected_per_sr(&sources, &normal, law, to_observer);
             }
         }
         total
@@ -217,7 +216,7 @@ impl PanelAssembly {
         }
     }
 
-    /// Share of a panel that the others stop on the way to any of at most two directions. The Sun turns them.
+    /// Share of a panel that the others block on the way to any of at most two directions.
     fn share_blocked(
         &self,
         panel: &AssembledPanel,
@@ -239,6 +238,22 @@ impl PanelAssembly {
         }
         (union_area_m2(&shapes[..count]) / placed.area_m2()).clamp(0.0, 1.0)
     }
+}
+
+/// Σ dE f cos φ_i cos φ_r of sources that light the front of a panel, sr⁻¹.
+fn reflected_per_sr(
+    sources: &[(Vector3<f64>, f64)],
+    normal: &Vector3<f64>,
+    law: &impl Brdf,
+    to_observer: &Vector3<f64>,
+) -> f64 {
+    let reflected = |(to_source, irradiance): &(Vector3<f64>, f64)| {
+        let incidence = Incidence::new(normal, to_source, to_observer);
+        let projection = incidence.front();
+        // Laws of dark panels need not be evaluated.
+        if projection > 0.0 { irradiance * law.value_per_sr(&incidence) * projection } else { 0.0 }
+    };
+    sources.iter().map(reflected).sum()
 }
 
 impl AssembledPanel {

@@ -1,16 +1,16 @@
-//! How a panel turns: the directions of its normal and of its edges as functions of the Sun's latitude.
+//! Attitudes of panels: directions of the normal and of the edges as functions of the Sun's latitude.
 //!
 //! The body frame has z to the zenith and the Sun in the half plane y = 0, x > 0 (Lu 2024, section 2.2), so "towards
 //! the Sun's azimuth" is x by construction. A panel's own axes are u and v in its plane and the normal n of its front,
-//! right-handed. Attitudes that depend on the direction of flight cannot be said in this frame: brightness is a
+//! right-handed. Attitudes that depend on the direction of flight cannot be expressed in this frame: brightness is a
 //! function of Sun and observer alone here.
 
 use nalgebra::Vector3;
 
-/// Angle between a panel's normal and the direction it is meant to keep, as a function of the Sun's latitude.
+/// Angle between a panel's normal and its nominal direction, as a function of the Sun's latitude.
 #[derive(Clone, Debug, PartialEq)]
 pub enum PanelOffset {
-    /// The same at all times, radians.
+    /// Constant, radians.
     Constant(f64),
     /// Straight lines between (Sun's latitude, offset) in radians, constant beyond the ends; in order of latitude.
     Table(Vec<[f64; 2]>),
@@ -36,12 +36,12 @@ impl PanelOffset {
 /// A law of attitude.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Attitude {
-    /// The front looks straight down, v towards the Sun's azimuth.
+    /// Front facing straight down, v towards the Sun's azimuth.
     Nadir,
     /// The normal in the half plane of the Sun, this far above the chassis plane: n = (cos POA, 0, sin POA). At 0 the
     /// panel stands upright and follows the Sun in azimuth alone (the paper's sail).
     SunAzimuth(PanelOffset),
-    /// The normal in the half plane of the Sun, this far above the Sun itself: at 0 the panel looks into the Sun.
+    /// The normal in the half plane of the Sun, this far above the Sun itself: at 0 the panel faces the Sun.
     SunTracking(PanelOffset),
     /// Fixed in the body frame: unit normal and unit v, at right angles.
     Fixed {
@@ -64,7 +64,7 @@ pub struct Axes {
 }
 
 impl Attitude {
-    /// The axes while the Sun stands in this direction (unit vector in the body frame, y = 0).
+    /// Axes for a direction of the Sun (unit vector in the body frame, y = 0).
     pub fn axes(&self, to_sun: &Vector3<f64>) -> Axes {
         let sun_latitude_rad = to_sun.z.atan2(to_sun.x);
         let leaning = |elevation_rad: f64| {

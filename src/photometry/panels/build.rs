@@ -1,27 +1,26 @@
-//! From panels in a file to an assembly: what is allowed, and names turned into numbers.
+//! Validation of the panels of a file, and the assembly made of them.
 
 use nalgebra::Vector3;
 
 use super::assembly::{AssembledPanel, PanelAssembly};
 use super::attitude::{Attitude, PanelOffset};
-use super::obstruction::MOST_BLOCKERS;
 use super::panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
+use super::polygon::MOST_BLOCKERS;
 use super::sphere::Sphere;
 use crate::photometry::brdf::{
     Abg, Binomial, Facets, Gaussian, Lambert, Law, Phong, Retro, Straight, reflected_share, transmitted_share,
 };
-use crate::photometry::model_check::Check;
-use crate::photometry::model_file::ModelFileError;
+use crate::photometry::model_error::{Check, ModelFileError};
 
-/// Cosines of incidence at which a face that claims to conserve energy is held to it.
+/// Cosines of incidence at which the energy of a face is checked.
 const HELD_AT_COSINES: [f64; 5] = [1.0, 0.8, 0.5, 0.2, 0.05];
-/// What the numerical integral of the reflected power may err by.
+/// Error of the numerical integral of the reflected power.
 const ENERGY_SLACK: f64 = 2e-3;
 
 impl PanelsSpec {
-    /// Holds every number to its range and every name to a panel or parameter.
+    /// Checks every number against its range, and that every name is that of a panel or parameter.
     pub(in crate::photometry) fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
         check.count("panels.panels", self.panels.len(), 1, 32)?;
         check.count("panels.parameters", self.parameters.len(), 0, 64)?;
@@ -56,12 +55,10 @@ impl PanelsSpec {
         self.validate_energy(check)
     }
 
-    /// The panels with these values of the parameters, in their order; those that the file holds where `values` is
-    /// short.
+    /// The panels with these values of the parameters, in their order; those of the file where `values` is short.
     ///
-    /// For the content of a file that has been validated ([`ModelFile::validate`](crate::photometry::ModelFile::validate)):
-    /// the values given here are not held to their ranges, a law's coefficient of an unknown name counts 0, and a blocker
-    /// of an unknown name stands in nobody's way.
+    /// For the content of a validated file ([`ModelFile::validate`](crate::photometry::ModelFile::validate)): values are
+    /// not checked here, a coefficient of an unknown name is 0, and a blocker of an unknown name blocks nothing.
     pub fn assemble(&self, values: &[f64]) -> PanelAssembly {
         let number_of = |name: &str| self.panels.iter().position(|panel| panel.name == name);
         let value_of = |coefficient: &Coefficient| self.value(coefficient, values).unwrap_or(0.0);
@@ -87,9 +84,9 @@ impl PanelsSpec {
         PanelAssembly::new(panels.collect(), spheres.collect())
     }
 
-    /// For each parameter the least and the greatest value that a fit should try: what all the coefficients that refer to it
-    /// have in common (albedos and weights 0 to 1, exponents 0.5 to 200, …). Narrower than what a file may hold, so a value of
-    /// the file may lie outside.
+    /// Least and greatest value of each parameter in fits: the common range of all coefficients that refer to it
+    /// (albedos and weights 0 to 1, exponents 0.5 to 200, …). Narrower than in files, so a value of the file may lie
+    /// outside.
     pub fn ranges(&self) -> Vec<[f64; 2]> {
         let of = |PanelParameter { name, .. }: &PanelParameter| {
             self.terms_of(name).fold([-10_000.0_f64, 10_000.0_f64], |[least, greatest], term| {
@@ -99,13 +96,15 @@ impl PanelsSpec {
         self.parameters.iter().map(of).collect()
     }
 
-    /// True where the light of every law and sphere that refers to a parameter (by number) is proportional to it: albedos, weights,
-    /// the Gaussian's peak, the ABg law's a.
+    /// True where the light of every law and sphere that refers to a parameter (by index) is proportional to it: albedos,
+    /// weights, the Gaussian's peak, the ABg law's a.
     pub fn is_linear(&self, parameter: usize) -> bool {
-        self.parameters.get(parameter).is_some_and(|parameter| self.terms_of(&parameter.name).all(|term| term.linear))
+        self.parameters
+            .get(parameter)
+            .is_some_and(|parameter| self.terms_of(&parameter.name).all(|term| term.is_linear))
     }
 
-    /// The coefficients that refer to a parameter.
+    /// Coefficients that refer to a parameter.
     fn terms_of<'a>(&'a self, name: &'a str) -> impl Iterator<Item = Term<'a>> {
         let terms = self.panels.iter().flat_map(PanelSpec::laws).flat_map(|(_, law)| law.terms());
         let terms = terms.chain(self.spheres.iter().map(SphereSpec::term));
@@ -116,7 +115,7 @@ impl PanelsSpec {
         self.blocking.iter().filter(move |blocking| blocking.panel == name)
     }
 
-    /// The number that a coefficient stands for; `None` for an unknown parameter.
+    /// Value of a coefficient; `None` for an unknown parameter.
     fn value(&self, coefficient: &Coefficient, values: &[f64]) -> Option<f64> {
         match coefficient {
             Coefficient::Number(value) => Some(*value),
@@ -181,7 +180,7 @@ impl SphereSpec {
 }
 
 impl PanelSpec {
-    /// Every law with the face it belongs to.
+    /// Every law with its face.
     fn laws(&self) -> impl Iterator<Item = (&'static str, &LawSpec)> {
         let front = self.front.iter().map(|law| ("front", law));
         let back = self.back.iter().map(|law| ("back", law));
@@ -258,24 +257,24 @@ impl AttitudeSpec {
 }
 
 /// A coefficient that may be a parameter.
-struct Term<'a> {
+pub(crate) struct Term<'a> {
     key: &'static str,
-    coefficient: &'a Coefficient,
-    /// What a file may hold.
+    pub(crate) coefficient: &'a Coefficient,
+    /// Range in files.
     allowed: [f64; 2],
-    /// What a fit should try.
+    /// Range in fits.
     fitted: [f64; 2],
-    /// True where light is proportional to it.
-    linear: bool,
+    /// True where light is proportional to the coefficient.
+    pub(crate) is_linear: bool,
 }
 
 impl<'a> Term<'a> {
     fn new(key: &'static str, coefficient: &'a Coefficient, allowed: [f64; 2], fitted: [f64; 2]) -> Self {
-        Self { key, coefficient, allowed, fitted, linear: false }
+        Self { key, coefficient, allowed, fitted, is_linear: false }
     }
 
     fn proportional(self) -> Self {
-        Self { linear: true, ..self }
+        Self { is_linear: true, ..self }
     }
 
     fn validate(&self, check: &Check, owner: &str, spec: &PanelsSpec) -> Result<(), ModelFileError> {
@@ -286,15 +285,14 @@ impl<'a> Term<'a> {
                 let known: Vec<&str> = spec.parameters.iter().map(|parameter| parameter.name.as_str()).collect();
                 Err(check.reference(&key, given, format!("a number or one of {}", known.join(", "))))
             }
-            // A number stands for itself.
             (None, Coefficient::Number(_)) => Ok(()),
         }
     }
 }
 
 impl LawSpec {
-    /// The coefficients that may be parameters.
-    fn terms(&self) -> Vec<Term<'_>> {
+    /// Coefficients that may be parameters.
+    pub(crate) fn terms(&self) -> Vec<Term<'_>> {
         match self {
             Self::Lambert { albedo } => vec![Term::new("albedo", albedo, [0.0, 10.0], [0.0, 1.0]).proportional()],
             Self::Phong { weight, exponent }

@@ -1,10 +1,10 @@
-//! Satellites of any number of flat panels, and parts of no orientation: how each stands, what hides it, and the light of all.
+//! Satellites of any number of flat panels and of parts without orientation: attitudes, obstruction, and light.
 
 mod assembly;
 mod attitude;
 mod build;
-mod obstruction;
 mod panel_file;
+mod polygon;
 mod rectangle;
 mod sphere;
 
@@ -13,5 +13,6 @@ pub use attitude::{Attitude, PanelOffset};
 pub use panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
+pub use polygon::PanelPolygon;
 pub use rectangle::PlacedRectangle;
 pub use sphere::{Sphere, SpherePhase};

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::sphere::SpherePhase;
 
-/// Everything that a model of kind `panels` is made of.
+/// Content of a model of kind `panels`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelsSpec {
@@ -12,13 +12,13 @@ pub struct PanelsSpec {
     pub parameters: Vec<PanelParameter>,
     /// The panels.
     pub panels: Vec<PanelSpec>,
-    /// Parts of no orientation.
+    /// Parts without orientation.
     #[serde(default)]
     pub spheres: Vec<SphereSpec>,
-    /// Which panel may shade or hide which.
+    /// Pairs of panels of which one may shade or hide the other.
     #[serde(default)]
     pub blocking: Vec<BlockingSpec>,
-    /// True where the laws of every face together are held to reflect no more than they receive.
+    /// True where the laws of every face are checked to reflect no more than they receive.
     #[serde(default)]
     pub conserves_energy: bool,
 }
@@ -27,7 +27,7 @@ pub struct PanelsSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PanelParameter {
-    /// What laws call it.
+    /// Name used by laws.
     pub name: String,
     /// Its value.
     pub value: f64,
@@ -41,11 +41,11 @@ pub struct PanelSpec {
     pub name: String,
     /// The point u = v = 0 in the body frame (x towards the Sun's azimuth, z to the zenith), m.
     pub anchor_m: [f64; 3],
-    /// From and to along the edge u, m.
+    /// Extent along the edge u, m.
     pub u_m: [f64; 2],
-    /// From and to along the edge v, m.
+    /// Extent along the edge v, m.
     pub v_m: [f64; 2],
-    /// How it turns.
+    /// Law of its attitude.
     pub attitude: AttitudeSpec,
     /// Laws of the front; their light adds up.
     #[serde(default)]
@@ -56,12 +56,12 @@ pub struct PanelSpec {
     /// Laws of light that falls on the front and is seen from behind.
     #[serde(default)]
     pub through: Vec<LawSpec>,
-    /// True where light from the Earth falls on the front too.
+    /// True where earthshine falls on the front.
     #[serde(default)]
     pub earthshine: bool,
 }
 
-/// A part of no orientation; never blocked, and without light from the Earth.
+/// A part without orientation; never blocked, and without earthshine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SphereSpec {
@@ -71,17 +71,17 @@ pub struct SphereSpec {
     pub area_m2: f64,
     /// Share of the incident power that leaves again.
     pub albedo: Coefficient,
-    /// How its light depends on the phase angle.
+    /// Dependence of its light on the phase angle.
     pub phase: SpherePhase,
 }
 
-/// Which panel may stand in the way of which.
+/// A pair of panels of which one blocks light of the other.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct BlockingSpec {
-    /// The panel that loses light.
+    /// Panel that loses light.
     pub panel: String,
-    /// The panel that stands in the way.
+    /// Panel that blocks it.
     pub by: String,
 }
 
@@ -89,14 +89,14 @@ pub struct BlockingSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "law", rename_all = "snake_case", deny_unknown_fields)]
 pub enum AttitudeSpec {
-    /// Looks straight down; u along y, v towards the Sun's azimuth.
+    /// Facing straight down; u along y, v towards the Sun's azimuth.
     Nadir {},
     /// Upright and turned to the Sun's azimuth, leaning back by the offset.
     SunAzimuth {
         /// Degrees above the chassis plane that the normal points to.
         offset_deg: OffsetSpec,
     },
-    /// Looks into the Sun, or this far above it.
+    /// Facing the Sun, or this far above it.
     SunTracking {
         /// Degrees above the Sun that the normal points to.
         offset_deg: OffsetSpec,
@@ -124,9 +124,9 @@ pub enum OffsetSpec {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(untagged, expecting = "a number or the name of a parameter")]
 pub enum Coefficient {
-    /// As it stands.
+    /// A fixed value.
     Number(f64),
-    /// Of this parameter.
+    /// Value of this parameter.
     Parameter(String),
 }
 

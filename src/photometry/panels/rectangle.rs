@@ -1,20 +1,20 @@
-//! A rectangle in the body frame, and the shape that it throws on the plane of another.
+//! A rectangle in the body frame, and the shadow that it throws on the plane of another.
 
 use nalgebra::Vector3;
 
 use super::attitude::Axes;
-use crate::photometry::polygon::PanelPolygon;
+use super::polygon::PanelPolygon;
 
-/// A rectangle where it stands: a point of its plane, its axes, and its extent along them, metres.
+/// A rectangle in the body frame: a point of its plane, its axes, and its extent along them, metres.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PlacedRectangle {
     /// The point u = v = 0, in the body frame.
     pub anchor_m: Vector3<f64>,
-    /// Its edges and normal.
+    /// Directions of its edges and of its normal.
     pub axes: Axes,
-    /// From and to along u.
+    /// Extent along u.
     pub u_m: [f64; 2],
-    /// From and to along v.
+    /// Extent along v.
     pub v_m: [f64; 2],
 }
 
@@ -31,35 +31,35 @@ impl PlacedRectangle {
         [(u0, v0), (u1, v0), (u1, v1), (u0, v1)].map(|(u, v)| self.anchor_m + self.axes.u * u + self.axes.v * v)
     }
 
-    /// What of this rectangle another stops light from or to `direction` (unit vector, away from the satellite), in
-    /// this one's u and v, cut to it; empty where it stops nothing.
+    /// Part of this rectangle from which another blocks light from or to `direction` (unit vector, away from the
+    /// satellite), in u and v of this one; empty where nothing is blocked.
     ///
-    /// Exact for flat rectangles: only the part of the other that stands on the side of this plane that `direction`
-    /// lies on can stop anything, and that part is thrown along `direction` on the plane.
+    /// Exact for flat rectangles: only the part of the other on the side of this plane that `direction` points to can
+    /// block anything, and it is projected along `direction` on the plane.
     pub fn stopped_by(&self, other: &Self, direction: &Vector3<f64>) -> PanelPolygon {
         let along = self.axes.normal.dot(direction);
-        // Seen or lit edge-on there is no light to lose.
+        // Edge-on there is no light to lose.
         if along.abs() < 1e-12 {
             return PanelPolygon::default();
         }
         let side = along.signum();
-        // (height above this plane on the direction's side, place)
+        // (height above this plane on the side of the direction, position)
         let heights: [(f64, Vector3<f64>); 4] = other.corners_m().map(|corner| {
             let from_anchor = corner - self.anchor_m;
             (side * self.axes.normal.dot(&from_anchor), from_anchor)
         });
         let mut shape = PanelPolygon::default();
         // Q = B - w (n·B)/(n·w): along the ray to the plane
-        let mut throw = |height: f64, place: Vector3<f64>| {
+        let mut project = |height: f64, place: Vector3<f64>| {
             let on_plane = place - direction * (height / along.abs());
             shape.push([on_plane.dot(&self.axes.u), on_plane.dot(&self.axes.v)]);
         };
         for (&(from_height, from), &(to_height, to)) in heights.iter().zip(heights.iter().cycle().skip(1)) {
             if from_height >= 0.0 {
-                throw(from_height, from);
+                project(from_height, from);
             }
             if (from_height > 0.0 && to_height < 0.0) || (from_height < 0.0 && to_height > 0.0) {
-                throw(0.0, from + (to - from) * (from_height / (from_height - to_height)));
+                project(0.0, from + (to - from) * (from_height / (from_height - to_height)));
             }
         }
         shape.clipped_to_rectangle(self.u_m, self.v_m)

@@ -1,18 +1,18 @@
-//! Parts without an orientation: antennas, radiators and clutter, as spheres whose light depends on the phase angle alone.
+//! Parts without an orientation (antennas, radiators, clutter) as spheres whose light depends on the phase angle alone.
 //!
-//! They are never shaded or hidden and shade nothing, and light from the Earth on them is not computed.
+//! They are never shaded or hidden, shade nothing, and receive no earthshine.
 
 use std::f64::consts::PI;
 
 use serde::{Deserialize, Serialize};
 
-use crate::photometry::sphere::lambert_sphere;
+use crate::photometry::phase::lambert_sphere;
 
-/// How the light of a sphere depends on the phase angle.
+/// Dependence of the light of a sphere on the phase angle.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpherePhase {
-    /// As of a ball that reflects by Lambert's law.
+    /// A ball that reflects by Lambert's law.
     Lambert,
     /// The same in every direction.
     Isotropic,
@@ -21,13 +21,13 @@ pub enum SpherePhase {
 /// A sphere, or many parts that shine like one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sphere {
-    /// As its file calls it.
+    /// Name in the file.
     pub name: String,
     /// Cross-section, m².
     pub area_m2: f64,
     /// Share of the incident power that leaves again, into all directions together.
     pub albedo: f64,
-    /// Where it goes.
+    /// Dependence on the phase angle.
     pub phase: SpherePhase,
 }
 
@@ -48,8 +48,8 @@ impl Sphere {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::photometry::brdf::{Brdf, Lambert};
-    use crate::photometry::{DiffuseSphere, Incidence, StandardMagnitude};
+    use crate::photometry::brdf::{Brdf, Incidence, Lambert};
+    use crate::photometry::{DiffuseSphere, StandardMagnitude};
     use nalgebra::Vector3;
 
     fn sphere(phase: SpherePhase) -> Sphere {

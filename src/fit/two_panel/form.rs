@@ -1,33 +1,33 @@
-//! Which satellite, which of its terms, and the bounds of its coefficients.
+//! The satellite to be fitted, and the bounds of its coefficients.
 
 use crate::fit::form::{Form, Parameter, Prepared};
 use crate::fit::point::FitPoint;
 use crate::photometry::{Coefficients, Earthshine, SatelliteShape};
 
-use super::columns::Columns;
+use super::prepared::PreparedPoints;
 
 /// Order of the coefficients, as in model files.
-pub(super) const NAMES: [&str; 8] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base", "panel_offset_deg"];
-/// Where the panel offset stands among them.
+const NAMES: [&str; 8] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base", "panel_offset_deg"];
+/// Index of the panel offset.
 pub(super) const OFFSET: usize = 7;
-/// Exponents that lobes may have: below, a lobe is a second diffuse law; above, narrower than any attitude is held to.
+/// Exponents of the lobes: below, a lobe is a second diffuse law; above, it is narrower than attitudes are kept.
 pub(super) const EXPONENTS: [f64; 2] = [0.5, 200.0];
 /// Panel offsets, degrees.
 const OFFSETS_DEG: [f64; 2] = [-30.0, 30.0];
 
-/// Panel offsets are told apart to this, degrees.
+/// Step of panel offsets for derivatives, degrees.
 const OFFSET_STEP_DEG: f64 = 1e-4;
 
-/// Chassis and sail of given sizes. All eight parameters can be fitted; which are is chosen outside.
+/// Chassis and sail of given sizes with eight parameters, of which any can be fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoPanelForm {
-    /// Sizes; the panel offset in it is where the offset stands when it is not fitted.
+    /// Sizes, and the panel offset where it is not fitted.
     pub shape: SatelliteShape,
-    /// Where coefficients stand that are not fitted.
+    /// Values of coefficients that are not fitted.
     pub coefficients: Coefficients,
-    /// Whether the Earth's light on the chassis is part of the model.
+    /// Earthshine on the chassis.
     pub earthshine: Earthshine,
-    /// False takes away what the chassis hides and shades of the sail: the plain two-panel model that others fit.
+    /// False ignores obstruction and shadow of the sail by the chassis, as in other published two-panel models.
     pub blocking: bool,
     /// Magnitude of the Sun, which sets the zero point.
     pub sun_magnitude: f64,
@@ -54,6 +54,6 @@ impl Form for TwoPanelForm {
     }
 
     fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared> {
-        Box::new(Columns::new(self, points))
+        Box::new(PreparedPoints::new(self, points))
     }
 }

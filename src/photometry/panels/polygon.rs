@@ -1,6 +1,6 @@
-//! Small convex polygons in the plane of a panel, in fixed arrays: what is hidden or shaded of it.
+//! Small convex polygons in the plane of a panel, in fixed arrays: the hidden and shaded parts of it.
 
-/// Room for the corners: eight quadrilaterals, each cut by a plane and by the panel, have no more in common.
+/// Capacity: eight quadrilaterals, each cut by a plane and by the panel, have no more corners in common.
 const MAX_CORNERS: usize = 48;
 
 /// A convex polygon of at most 48 corners in the plane of a panel (u and v along its edges), metres.
@@ -17,7 +17,7 @@ impl Default for PanelPolygon {
 }
 
 impl PanelPolygon {
-    /// From corners in order; those beyond the room are dropped.
+    /// Takes corners in order; those beyond the capacity are dropped.
     pub fn new(corners: &[[f64; 2]]) -> Self {
         let mut polygon = Self::default();
         corners.iter().for_each(|&corner| polygon.push(corner));
@@ -34,12 +34,12 @@ impl PanelPolygon {
         self.signed_area_m2().abs()
     }
 
-    /// What lies within `u[0]` ≤ u ≤ `u[1]` and `v[0]` ≤ v ≤ `v[1]` (Sutherland and Hodgman 1974).
+    /// Part within `u[0]` ≤ u ≤ `u[1]` and `v[0]` ≤ v ≤ `v[1]` (Sutherland and Hodgman 1974).
     pub fn clipped_to_rectangle(&self, u: [f64; 2], v: [f64; 2]) -> Self {
         self.clipped(|p| p[0] - u[0]).clipped(|p| u[1] - p[0]).clipped(|p| p[1] - v[0]).clipped(|p| v[1] - p[1])
     }
 
-    /// What lies within another convex polygon too.
+    /// Intersection with another convex polygon.
     pub fn clipped_to(&self, other: &Self) -> Self {
         let turn = other.signed_area_m2().signum();
         let corners = other.corners();
@@ -53,7 +53,7 @@ impl PanelPolygon {
         })
     }
 
-    /// Adds a corner; a cut of a convex polygon by a line never adds more than one, so the room suffices.
+    /// Adds a corner; cutting a convex polygon by a line adds at most one, so the capacity suffices.
     pub fn push(&mut self, corner: [f64; 2]) {
         if let Some(slot) = self.corners.get_mut(self.len) {
             *slot = corner;
@@ -87,6 +87,27 @@ impl PanelPolygon {
     }
 }
 
+/// Panels that may stand in the way of one panel; each throws a shadow and hides a part.
+pub const MOST_BLOCKERS: usize = 4;
+
+/// Area of the union of convex shapes, m²: |A ∪ B ∪ …| = Σ|A| - Σ|A ∩ B| + …, with empty intersections left out early.
+pub fn union_area_m2(shapes: &[PanelPolygon]) -> f64 {
+    signed(shapes, None)
+}
+
+/// Σ over non-empty subsets, of alternating sign, of the area that all of the subset and `within` share.
+fn signed(shapes: &[PanelPolygon], within: Option<&PanelPolygon>) -> f64 {
+    let mut sum = 0.0;
+    for (place, shape) in shapes.iter().enumerate() {
+        let shared = within.map_or(*shape, |within| within.clipped_to(shape));
+        let area_m2 = shared.area_m2();
+        if area_m2 > 0.0 {
+            sum += area_m2 - signed(&shapes[place + 1..], Some(&shared));
+        }
+    }
+    sum
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -114,5 +135,23 @@ mod tests {
         // 0 ≤ u ≤ 1, 0 ≤ v ≤ 1, u + v ≥ 0, u + v ≤ 2: the unit square.
         assert!((shared.area_m2() - 1.0).abs() < 1e-15);
         assert_eq!(one.clipped_to(&PanelPolygon::default()).area_m2(), 0.0);
+    }
+
+    #[test]
+    fn verif_union_of_three_overlapping_squares() {
+        let square = |x: f64, y: f64| {
+            let mut shape = PanelPolygon::default();
+            [[x, y], [x + 2.0, y], [x + 2.0, y + 2.0], [x, y + 2.0]].into_iter().for_each(|corner| shape.push(corner));
+            shape
+        };
+        let squares = [square(0.0, 0.0), square(1.0, 1.0), square(1.0, 0.0)];
+        // On unit cells: 4 + 4 + 4 less 1 (first two) less 2 (first, third) less 2 (second, third) plus 1.
+        assert!((union_area_m2(&squares) - 8.0).abs() < 1e-14, "{}", union_area_m2(&squares));
+        assert_eq!(union_area_m2(&[]), 0.0);
+        assert!((union_area_m2(&[square(0.0, 0.0), square(5.0, 5.0)]) - 8.0).abs() < 1e-14);
+        // Corners in either sense.
+        let mut turned = PanelPolygon::default();
+        [[0.0, 0.0], [0.0, 2.0], [2.0, 2.0], [2.0, 0.0]].into_iter().for_each(|corner| turned.push(corner));
+        assert!((union_area_m2(&[turned, square(1.0, 1.0)]) - 7.0).abs() < 1e-14);
     }
 }

@@ -1,0 +1,12 @@
+//! Chassis and sail of Lu (2024): the equations once, for single geometries, for columns of them, and for fits.
+
+mod columns;
+mod equations;
+mod satellite;
+
+pub use columns::{BodyAngles, SatellitePositions};
+pub(super) use columns::{Columns, standard_magnitudes};
+pub use equations::{Blocked, ChassisAndSail};
+pub(crate) use equations::{Directions, LitPanels, magnitudes, slope_of_lobe, weighted_sum};
+pub(crate) use satellite::chassis_earthshine;
+pub use satellite::{SatelliteModel, Terms};
