@@ -5,7 +5,7 @@ use hifitime::{Epoch, TimeScale};
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
 use crate::output::format_utc;
-use crate::passes::{Sky, SkyError, stretches_where};
+use crate::passes::{Sky, SkyError, intervals_where};
 
 /// The Sun is looked at in steps of this, seconds: a quarter of a degree.
 const STEP_S: f64 = 60.0;
@@ -49,7 +49,7 @@ impl Night {
             .unwrap_or((0.0, f64::NAN));
         let moment = |time_s: f64| seconds_after(start, time_s).to_time_scale(TimeScale::UTC);
         let dark = match max_sun_altitude_rad {
-            Some(limit_rad) => stretches_where(0.0, span_s, steps, |time_s| altitude_rad(time_s) < limit_rad)
+            Some(limit_rad) => intervals_where(0.0, span_s, steps, |time_s| altitude_rad(time_s) < limit_rad)
                 .into_iter()
                 .map(|(from_s, until_s)| (moment(from_s), moment(until_s)))
                 .collect(),

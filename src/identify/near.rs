@@ -15,7 +15,7 @@ use super::compare::Reach;
 use super::streak::MeasuredStreak;
 use crate::frames::{Direction, Gcrs, Position};
 use crate::orbit::{Propagator, State};
-use crate::passes::Stretch;
+use crate::passes::ExposureInterval;
 
 /// Orbits with a greater eccentricity change distance and speed so much on the way that their place is stepped to.
 const ROUND: f64 = 0.03;
@@ -28,26 +28,26 @@ const MOST_STEPS: usize = 30;
 
 /// First guesses of the delays with which a satellite comes by, seconds: none where it does not. An observer in orbit may see two places of one orbit in line.
 pub(super) fn delays_s(
-    stretch: &Stretch<'_>,
+    interval: &ExposureInterval<'_>,
     element_index: usize,
     streak: &MeasuredStreak,
     reach: &Reach,
 ) -> Vec<f64> {
-    let mid_s = 0.5 * stretch.duration_s();
-    let Some(propagator) = stretch.propagator(element_index) else { return Vec::new() };
-    let Ok(state) = stretch.state(propagator, mid_s, 0.0) else { return Vec::new() };
-    let observer = stretch.observer(mid_s);
+    let mid_s = 0.5 * interval.duration_s();
+    let Some(propagator) = interval.propagator(element_index) else { return Vec::new() };
+    let Ok(state) = interval.state(propagator, mid_s, 0.0) else { return Vec::new() };
+    let observer = interval.observer(mid_s);
     let towards = streak.place();
     let (r, v) = (state.position.vector(), state.velocity.vector());
     let Some(normal) = r.cross(v).try_normalize(0.0) else { return Vec::new() };
-    if stretch.sky().elements()[element_index].eccentricity > ROUND {
+    if interval.sky().elements()[element_index].eccentricity > ROUND {
         // The distance at which the line of sight meets the plane; its place on the orbit is stepped to.
         let range_km = -normal.dot(observer.vector()) / normal.dot(towards.vector());
         if !(range_km > 0.0 && range_km.is_finite()) {
             return Vec::new();
         }
         let place = observer.vector() + towards.vector() * range_km;
-        return delay_on_eccentric(stretch, propagator, &place, mid_s)
+        return delay_on_eccentric(interval, propagator, &place, mid_s)
             .filter(|late_s| late_s.abs() <= reach.along_track_s + SLOP_KM)
             .into_iter()
             .collect();
@@ -72,11 +72,16 @@ fn angle_to(state: &State<Gcrs>, place: &Vector3<f64>) -> f64 {
 }
 
 /// The same for an orbit whose distance and speed change: stepped to with SGP4, each step by the angular speed of where it stands.
-fn delay_on_eccentric(stretch: &Stretch<'_>, propagator: &Propagator, place: &Vector3<f64>, mid_s: f64) -> Option<f64> {
+fn delay_on_eccentric(
+    interval: &ExposureInterval<'_>,
+    propagator: &Propagator,
+    place: &Vector3<f64>,
+    mid_s: f64,
+) -> Option<f64> {
     let longest_s = 0.1 * propagator.period_s();
     let mut late_s = 0.0;
     for _ in 0..MOST_STEPS {
-        let state = stretch.state(propagator, mid_s, late_s).ok()?;
+        let state = interval.state(propagator, mid_s, late_s).ok()?;
         let momentum = state.position.vector().cross(state.velocity.vector()).norm();
         let step_s = angle_to(&state, place) * state.position.vector().norm_squared() / momentum;
         late_s -= step_s.clamp(-longest_s, longest_s);

@@ -8,7 +8,7 @@ use super::likelihood::{log_weight_of_unknown, share_out};
 use super::near::delays_s;
 use super::streak::MeasuredStreak;
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, Sky, Stretch};
+use crate::passes::{Exposure, ExposureInterval, Sky};
 use crate::photometry::PhotometryOptions;
 
 /// Candidates are looked for as far as so many sigmas, and at least so far.
@@ -59,11 +59,11 @@ pub fn identify_streak(
         pointing: streak.place(),
         rotation_rad: 0.0,
     };
-    let stretch = sky.stretch(&exposure)?;
+    let interval = sky.exposure_interval(&exposure)?;
     let found: Vec<(Vec<Candidate>, Option<LeftOut>)> = (0..sky.elements().len())
         .into_par_iter()
         .with_min_len(64)
-        .map(|element_index| one_satellite(&stretch, element_index, streak, options))
+        .map(|element_index| one_satellite(&interval, element_index, streak, options))
         .collect();
     let mut left_out = sky.left_out().to_vec();
     let mut candidates = Vec::new();
@@ -81,17 +81,17 @@ pub fn identify_streak(
 
 /// The best passage of one satellite, at most one.
 fn one_satellite(
-    stretch: &Stretch<'_>,
+    interval: &ExposureInterval<'_>,
     element_index: usize,
     streak: &MeasuredStreak,
     options: &IdentifyOptions,
 ) -> (Vec<Candidate>, Option<LeftOut>) {
-    let Some(propagator) = stretch.propagator(element_index) else { return (Vec::new(), None) };
-    let mid_s = 0.5 * stretch.duration_s();
-    if let Err(reason) = stretch.state(propagator, mid_s, 0.0) {
+    let Some(propagator) = interval.propagator(element_index) else { return (Vec::new(), None) };
+    let mid_s = 0.5 * interval.duration_s();
+    if let Err(reason) = interval.state(propagator, mid_s, 0.0) {
         return (Vec::new(), Some(LeftOut { norad_id: propagator.norad_id(), element_index, reason }));
     }
-    let errors = stretch.uncertainty(element_index, stretch.element_age_days(propagator, mid_s));
+    let errors = interval.uncertainty(element_index, interval.element_age_days(propagator, mid_s));
     let along_s = REACH_SIGMAS * errors.along_track_s.hypot(streak.time_sigma_s());
     let across_rad = REACH_SIGMAS * (errors.cross_track_km / NEAR_KM).hypot(streak.place_sigma_rad());
     let reach = Reach {
@@ -99,13 +99,13 @@ fn one_satellite(
         along_track_s: (along_s.max(LEAST_REACH_S) + mid_s).min(0.5 * propagator.period_s()),
         cross_track_rad: across_rad.clamp(LEAST_REACH_RAD, 0.5),
     };
-    let mut delays = delays_s(stretch, element_index, streak, &reach);
+    let mut delays = delays_s(interval, element_index, streak, &reach);
     delays.sort_by(f64::total_cmp);
     delays.dedup_by(|a, b| (*a - *b).abs() < SAME_PASSAGE_S);
     let best = delays
         .into_iter()
         .filter_map(|guess_s| {
-            compare(stretch, element_index, streak, guess_s, &reach, &options.photometry, options.include_dark)
+            compare(interval, element_index, streak, guess_s, &reach, &options.photometry, options.include_dark)
         })
         .max_by(|a, b| a.log_weight.total_cmp(&b.log_weight));
     (best.into_iter().collect(), None)

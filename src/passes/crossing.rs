@@ -1,4 +1,4 @@
-//! Entry and exit: where a track cuts the borders of a field, to well under a millisecond.
+//! Entry and exit: the times at which a track crosses the borders of a field, to well under a millisecond.
 //!
 //! The track is any smooth function of time. It is cut into steps over which it turns by no more than a degree or two; in each
 //! the angle to a centre has at most one extreme, found from the sign of its derivative, so that between neighbouring times
@@ -7,14 +7,7 @@
 use nalgebra::Vector3;
 
 use super::field::{Border, FieldOnSky, holds, sides};
-use super::track::Chord;
-
-/// A line of sight and its rate of change; only its direction matters, not its length.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct Sight {
-    pub vector: Vector3<f64>,
-    pub rate_s: Vector3<f64>,
-}
+use super::track::{Chord, Sight};
 
 impl Sight {
     /// Angle to an axis, radians.
@@ -34,10 +27,10 @@ impl Sight {
     }
 }
 
-/// What the geometry of track and field says.
+/// Chords of a track through a field, and its closest approach.
 #[derive(Clone, Debug)]
 pub(super) struct Crossing {
-    /// Stretches inside, in time order, none overlapping.
+    /// Parts of the track inside, in time order, none overlapping.
     pub chords: Vec<Chord>,
     /// Least angle to the centre of the field, radians.
     pub min_separation_rad: f64,
@@ -56,7 +49,7 @@ const ROOT_S: f64 = 1e-7;
 /// Inside the bounding circle of a polygon steps turn by at most this, radians: the arc leaves its chord by 0.01 arcsec at most.
 const POLYGON_TURN_RAD: f64 = 5e-4;
 
-/// Cuts a track with a field over [`start_s`, `end_s`].
+/// Chords of a track through a field over [`start_s`, `end_s`].
 pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, field: &FieldOnSky) -> Crossing {
     cross_samples(track, &sample(track, start_s, end_s), field)
 }
@@ -78,8 +71,8 @@ pub(super) fn cross_samples(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sigh
                 }
                 Border::Outline(corners) => {
                     let near = near.get_or_insert_with(|| near_polygons(track, &with_extremes, field));
-                    for stretch in near.iter() {
-                        inside_polygon(track, stretch, corners, field, &mut chords);
+                    for part in near.iter() {
+                        inside_polygon(track, part, corners, field, &mut chords);
                     }
                 }
             }
@@ -159,10 +152,10 @@ fn inside_circle(
     chords.extend(enter_s.map(|enter_s| Chord { enter_s, exit_s: before.0 }));
 }
 
-/// A stretch of the track inside the bounding circle, finely sampled on the tangent plane.
-type Stretch = Vec<(f64, [f64; 2])>;
+/// A part of the track inside the bounding circle, finely sampled on the tangent plane.
+type Part = Vec<(f64, [f64; 2])>;
 
-fn near_polygons(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field: &FieldOnSky) -> Vec<Stretch> {
+fn near_polygons(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field: &FieldOnSky) -> Vec<Part> {
     let mut inside = Vec::new();
     inside_circle(track, samples, field.centre(), field.bounding_radius_rad() * (1.0 + 1e-9), &mut inside);
     inside
@@ -184,14 +177,14 @@ fn near_polygons(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field:
 
 fn inside_polygon(
     track: &impl Fn(f64) -> Sight,
-    stretch: &Stretch,
+    part: &Part,
     corners: &[[f64; 2]],
     field: &FieldOnSky,
     chords: &mut Vec<Chord>,
 ) {
-    let (Some((first_s, _)), Some((last_s, _))) = (stretch.first(), stretch.last()) else { return };
+    let (Some((first_s, _)), Some((last_s, _))) = (part.first(), part.last()) else { return };
     let mut times_s = vec![*first_s];
-    for pair in stretch.windows(2) {
+    for pair in part.windows(2) {
         let ((a_s, a), (b_s, b)) = (pair[0], pair[1]);
         for (from, to) in sides(corners) {
             // Side of the edge's line on which a point lies.

@@ -4,7 +4,7 @@ use hifitime::{Epoch, TimeScale, Unit};
 
 use crate::frames::{mjd_utc, seconds_after, seconds_between};
 use crate::orbit::LeftOut;
-use crate::passes::{Chord, Crossed, Exposure, FieldPass, SkyError};
+use crate::passes::{Chord, Exposure, FieldCrossing, FieldPass, SkyError};
 
 use super::camera::Camera;
 use super::heavens::Heavens;
@@ -209,8 +209,8 @@ fn crossings(looks: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec<Blo
     let FlagRequest { sky, field, policy, .. } = request.against;
     let margin_s = policy.margin_or_default_s();
     let answer = sky.field_crossings(looks, field)?;
-    let of = |crossed: Vec<Crossed>| {
-        let chords = crossed.iter().flat_map(|one| &one.chords);
+    let of = |crossings: Vec<FieldCrossing>| {
+        let chords = crossings.iter().flat_map(|one| &one.chords);
         let interval = |chord: &Chord| Interval { start_s: chord.enter_s - margin_s, end_s: chord.exit_s - margin_s };
         Blocked { intervals: chords.map(interval).collect(), dodged: Vec::new() }
     };
