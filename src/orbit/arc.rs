@@ -7,11 +7,12 @@ use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
 /// A step between two nodes that is short enough for any orbit, seconds.
 ///
-/// A cubic through four positions errs by h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and 300 km height, less
-/// elsewhere. SGP4's velocities are not used: on eccentric
-/// orbits they differ from the rate of its positions by J₂ e v, metres in half a minute.
+/// A cubic through four positions errs by h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and 300 km
+/// height, less elsewhere. SGP4's velocities are not used: on eccentric orbits they differ from the rate of its
+/// positions by J₂ e v, metres in half a minute.
 const LONGEST_STEP_S: f64 = 10.0;
-/// Longest step as an angle about the Earth's centre, radians: (ωh)⁴/24 of the distance, 3 cm for a geosynchronous satellite.
+/// Longest step as an angle about the Earth's centre, radians: (ωh)⁴/24 of the distance, 3 cm for a geosynchronous
+/// satellite.
 const LONGEST_STEP_RAD: f64 = 0.0115;
 /// A cubic needs four nodes.
 const FEWEST_STEPS: f64 = 3.0;
@@ -34,8 +35,8 @@ impl OrbitArc {
     /// constant: TEME turns by less than 1e-6 arcsec in 30 s.
     ///
     /// # Errors
-    /// [`OrbitError`] where SGP4 fails or the satellite has decayed at one of the nodes, or where velocities are not the
-    /// rate of positions.
+    /// [`OrbitError`] where SGP4 fails or the satellite has decayed at one of the nodes, or where velocities are not
+    /// the rate of positions.
     pub fn new(
         propagator: &Propagator,
         reference_minutes: f64,

@@ -53,7 +53,8 @@ impl SatelliteIndex {
         self.propagators.is_empty()
     }
 
-    /// The propagator of the element set at this position; `None` where SGP4 cannot start or the position does not exist.
+    /// The propagator of the element set at this position; `None` where SGP4 cannot start or the position does not
+    /// exist.
     pub fn propagator(&self, element_index: usize) -> Option<&Propagator> {
         self.propagators.get(element_index)?.as_ref()
     }

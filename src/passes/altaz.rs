@@ -19,7 +19,8 @@ impl Sky {
     /// Altitude and azimuth of the Sun's centre, without refraction and aberration (20").
     ///
     /// # Errors
-    /// [`SkyError::NoHorizon`] for an observer in orbit, [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris.
+    /// [`SkyError::NoHorizon`] for an observer in orbit, [`SkyError::NoEphemeris`] outside the years of the Sun's
+    /// ephemeris.
     pub fn sun_altaz(&self, epoch: Epoch) -> Result<AltAz, SkyError> {
         check_epoch(epoch)?;
         let scene = self.scene_without_windows(epoch, 0.0);
@@ -29,12 +30,14 @@ impl Sky {
         Ok(AltAz { altitude_rad, azimuth_rad })
     }
 
-    /// The first time from `from` on, within a day, at which the Sun's centre is at an altitude; `None` where it is not reached that day.
+    /// The first time from `from` on, within a day, at which the Sun's centre is at an altitude; `None` where it is not
+    /// reached that day.
     ///
     /// # Errors
     /// As [`Sky::sun_altaz`].
     pub fn sun_reaches(&self, altitude_rad: f64, from: Epoch) -> Result<Option<Epoch>, SkyError> {
-        /// The Sun moves by 2.5° at most in it: it crosses an altitude twice only near noon and midnight, where it hardly moves.
+        /// The Sun moves by 2.5° at most in it: it crosses an altitude twice only near noon and midnight, where it
+        /// hardly moves.
         const STEP_S: f64 = 600.0;
         /// Tolerance, a thousandth of a degree of the Sun's motion.
         const CLOSE_S: f64 = 0.1;

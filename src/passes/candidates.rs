@@ -1,4 +1,5 @@
-//! Candidate satellites of one exposure: the search cones of its slices, and the time interval of each satellite in them.
+//! Candidate satellites of one exposure: the search cones of its slices, and the time interval of each satellite in
+//! them.
 
 use std::sync::Arc;
 
@@ -25,7 +26,8 @@ const SUN_RATE_RAD_S: f64 = 2.1e-7;
 /// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with a margin, radians.
 pub(super) const ABERRATION_MARGIN_RAD: f64 = 2e-4;
 
-/// The slices of one exposure in which one satellite is a candidate, from the first to the last of one pass; seconds of the scene.
+/// The slices of one exposure in which one satellite is a candidate, from the first to the last of one pass; seconds of
+/// the scene.
 pub(super) struct CandidateInterval {
     pub element_index: usize,
     pub start_s: f64,
@@ -72,7 +74,8 @@ impl Sky {
         Some(PlacedCone { window, cone, teme_to_gcrs: orientation.teme_to_gcrs })
     }
 
-    /// Satellites that may be in the field during an exposure, and when; dark ones only with `include_dark`. `seen` is a buffer.
+    /// Satellites that may be in the field during an exposure, and when; dark ones only with `include_dark`. `seen` is
+    /// a buffer.
     pub(super) fn candidate_intervals(
         &self,
         scene: &Scene,

@@ -1,8 +1,9 @@
 //! Entry and exit: the times at which a track crosses the borders of a field, to well under a millisecond.
 //!
-//! The track is any smooth function of time. It is cut into steps over which it turns by no more than a degree or two; in each
-//! the angle to a centre has at most one extreme, found from the sign of its derivative, so that between neighbouring times
-//! every angle is monotone and every root alone. Polygons are met on the tangent plane, where the track is nearly straight.
+//! The track is any smooth function of time. It is cut into steps over which it turns by no more than a degree or two;
+//! in each the angle to a centre has at most one extreme, found from the sign of its derivative, so that between
+//! neighbouring times every angle is monotone and every root alone. Polygons are met on the tangent plane, where the
+//! track is nearly straight.
 
 use nalgebra::Vector3;
 
@@ -38,15 +39,18 @@ pub(super) struct Crossing {
     pub closest_s: f64,
 }
 
-/// Steps are at most this long, seconds, whatever the speed: a distant satellite's parallax turns its track within hours.
+/// Steps are at most this long, seconds, whatever the speed: a distant satellite's parallax turns its track within
+/// hours.
 const LONGEST_STEP_S: f64 = 60.0;
 /// Steps turn the line of sight by at most about this angle, radians.
 const LARGEST_TURN_RAD: f64 = 0.03;
-/// Nor do they take the satellite farther than this share of its distance: one that comes straight on turns only as it passes.
+/// Nor do they take the satellite farther than this share of its distance: one that comes straight on turns only as it
+/// passes.
 const LARGEST_APPROACH: f64 = 0.25;
 /// Roots are closed to this, seconds.
 const ROOT_S: f64 = 1e-7;
-/// Inside the bounding circle of a polygon steps turn by at most this, radians: the arc leaves its chord by 0.01 arcsec at most.
+/// Inside the bounding circle of a polygon steps turn by at most this, radians: the arc leaves its chord by 0.01 arcsec
+/// at most.
 const POLYGON_TURN_RAD: f64 = 5e-4;
 
 /// Chords of a track through a field over [`start_s`, `end_s`].
@@ -225,8 +229,8 @@ pub(super) fn merge(mut chords: Vec<Chord>) -> Vec<Chord> {
     merged
 }
 
-/// A root between two times at which the function has opposite signs, to [`ROOT_S`]: inverse quadratic steps where they are
-/// safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
+/// A root between two times at which the function has opposite signs, to [`ROOT_S`]: inverse quadratic steps where they
+/// are safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
 pub(super) fn root(function: impl Fn(f64) -> f64, one: (f64, f64), other: (f64, f64)) -> f64 {
     let ((mut a, mut fa), (mut b, mut fb)) = (one, other);
     let mut share = 0.5;
@@ -306,7 +310,8 @@ mod tests {
         assert!(miss.chords.is_empty());
     }
 
-    /// The equator is a straight line on the tangent plane: tan(ω t) = x at the border of a rectangle, and the gap of a mosaic shows.
+    /// The equator is a straight line on the tangent plane: tan(ω t) = x at the border of a rectangle, and the gap of a
+    /// mosaic shows.
     #[test]
     fn verif_rectangle_and_mosaic_against_closed_form() {
         let rate = 0.01;

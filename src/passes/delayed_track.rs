@@ -1,7 +1,8 @@
 //! Tracks of delayed satellites over one exposure, to compare predictions with a measurement.
 //!
-//! A satellite that is late by δ is at time t where its element set has it at t - δ. The observer is at its own position at t, so that a late
-//! satellite takes a slightly different path among the stars, not the same one later (0.5° apart for 10 s at 550 km).
+//! A satellite that is late by δ is at time t where its element set has it at t - δ. The observer is at its own
+//! position at t, so that a late satellite takes a slightly different path among the stars, not the same one later
+//! (0.5° apart for 10 s at 550 km).
 
 use nalgebra::Vector3;
 
@@ -34,7 +35,8 @@ pub struct ExposureInterval<'s> {
 pub struct Sighting {
     /// ICRS astrometric topocentric direction.
     pub direction: Direction<Gcrs>,
-    /// Rate of the direction by the satellite's own motion alone, with the observer at rest: at right angles to it, rad/s.
+    /// Rate of the direction by the satellite's own motion alone, with the observer at rest: at right angles to it,
+    /// rad/s.
     pub own_rate: Vector3<f64>,
     /// Distance from the observer, km.
     pub range_km: f64,
@@ -51,8 +53,8 @@ impl Sky {
     /// Shared data of the tracks of delayed satellites over one exposure.
     ///
     /// # Errors
-    /// [`SkyError`] where the exposure has no finite length or direction, or lies outside the years of the Sun's ephemeris; where the telescope is
-    /// in orbit and its own elements give no position.
+    /// [`SkyError`] where the exposure has no finite length or direction, or lies outside the years of the Sun's
+    /// ephemeris; where the telescope is in orbit and its own elements give no position.
     pub fn exposure_interval(&self, exposure: &Exposure) -> Result<ExposureInterval<'_>, SkyError> {
         exposure.check()?;
         let start = seconds_after(exposure.start, -MARGIN_S);

@@ -18,18 +18,19 @@ const LIGHT_STEPS: usize = 24;
 /// Tolerance of the peak's time, as a share of the step between two points.
 const PEAK_TOLERANCE: f64 = 1e-4;
 
-/// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction and the dip of a mountain's horizon.
-/// It matters only for fields that reach below the horizon.
+/// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction and the dip of a
+/// mountain's horizon. It matters only for fields that reach below the horizon.
 pub(super) const LOWEST_ALTITUDE_RAD: f64 = -0.035;
 /// Step of the search for rising and setting within a chord, seconds: no satellite sets and rises again in it.
 const HORIZON_STEP_S: f64 = 30.0;
 /// The same for the limb of the Earth as seen from an orbit, seconds.
 const LIMB_STEP_S: f64 = 5.0;
 
-/// Errors along the track are followed along the tangent this far at most, seconds: beyond it the path bends away (½ g t², 0.4 km
-/// here) and the slope is extrapolated.
+/// Errors along the track are followed along the tangent this far at most, seconds: beyond it the path bends away (½ g
+/// t², 0.4 km here) and the slope is extrapolated.
 const LONGEST_GEOMETRY_STEP_S: f64 = 10.0;
-/// Largest sigma of a magnitude from the error of the position, mag: a satellite that may be dark is not infinitely uncertain.
+/// Largest sigma of a magnitude from the error of the position, mag: a satellite that may be dark is not infinitely
+/// uncertain.
 const MOST_GEOMETRY_SIGMA_MAG: f64 = 3.0;
 
 /// A line of sight with all that light needs. Times are seconds of the scene.
@@ -98,7 +99,8 @@ impl PassEvaluator<'_> {
         Some((geometry, illumination, brightness))
     }
 
-    /// The same light with a sigma that includes the error of the prediction: in range, in aspect, and in the Earth's shadow.
+    /// The same light with a sigma that includes the error of the prediction: in range, in aspect, and in the Earth's
+    /// shadow.
     fn widened(&self, time_s: f64, light: Brightness) -> Brightness {
         let (state, place, _) = self.line.aspect_at(time_s);
         let (position, velocity) = (state.position.vector(), state.velocity.vector());
@@ -152,8 +154,8 @@ impl PassEvaluator<'_> {
             .collect()
     }
 
-    /// Removes the parts of a crossing below the ground, and returns the interval of the rest; for a near miss, the time of its closest
-    /// approach. `None` where nothing is left. Only fields near the ground need this.
+    /// Removes the parts of a crossing below the ground, and returns the interval of the rest; for a near miss, the
+    /// time of its closest approach. `None` where nothing is left. Only fields near the ground need this.
     pub fn keep_above_ground(&self, crossing: &mut Crossing, near_the_ground: bool) -> Option<(f64, f64)> {
         if near_the_ground {
             let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };

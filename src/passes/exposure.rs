@@ -6,7 +6,8 @@ use super::error::{SkyError, check_epoch};
 use crate::frames::{Direction, Gcrs, seconds_between};
 use crate::orbit::MAX_WINDOW_S;
 
-/// An exposure: the shutter opens at `start` and closes `duration_s` later, while the telescope tracks one direction among the stars.
+/// An exposure: the shutter opens at `start` and closes `duration_s` later, while the telescope tracks one direction
+/// among the stars.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exposure {
     /// Name in the schedule.
@@ -40,7 +41,8 @@ impl Exposure {
     }
 }
 
-/// Exposures in order of time, in groups that one window covers; one that is longer than a window is a group of its own.
+/// Exposures in order of time, in groups that one window covers; one that is longer than a window is a group of its
+/// own.
 pub(super) fn groups(exposures: &[Exposure]) -> Vec<Vec<usize>> {
     let mut order: Vec<usize> = (0..exposures.len()).collect();
     order.sort_by_key(|&one| exposures[one].start);

@@ -18,8 +18,8 @@ pub struct UnknownModel {
     pub known: Vec<String>,
 }
 
-/// Brightness model of an element set: by generation, else by the object's own standard magnitude, else a prior for a rocket body or for
-/// any object.
+/// Brightness model of an element set: by generation, else by the object's own standard magnitude, else a prior for a
+/// rocket body or for any object.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,

@@ -33,7 +33,8 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// Prepares a catalogue for a site or a telescope in orbit. Takes about 2 µs a satellite and core. The shadow is geometric.
+    /// Prepares a catalogue for a site or a telescope in orbit. Takes about 2 µs a satellite and core. The shadow is
+    /// geometric.
     pub fn new(
         elements: Vec<ElementSet>,
         viewpoint: impl Into<Viewpoint>,
@@ -134,7 +135,8 @@ impl Sky {
         own == Some(self.elements[element_index].norad_id)
     }
 
-    /// The telescope's own arc over an exposure, and as long before and after it as delayed satellites are searched; `None` for a site.
+    /// The telescope's own arc over an exposure, and as long before and after it as delayed satellites are searched;
+    /// `None` for a site.
     pub(super) fn flight(&self, scene: &Scene, exposure: &Exposure) -> Result<Option<Arc<OrbitArc>>, SkyError> {
         let Some(observer) = self.viewpoint.orbit() else { return Ok(None) };
         let failed = |reason| SkyError::Observer { observer: observer.name(), reason };

@@ -88,12 +88,13 @@ struct SiteAt {
 }
 
 impl Sky {
-    /// Every satellite above an altitude at any of `times_s` (seconds after `start`, 0 to an hour, in order of time), in catalogue order, on
-    /// all threads; and the satellites without a position then.
+    /// Every satellite above an altitude at any of `times_s` (seconds after `start`, 0 to an hour, in order of time),
+    /// in catalogue order, on all threads; and the satellites without a position then.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in orbit;
-    /// [`SkyError::Exposure`] for an altitude below 0 or above π/2, times out of order or later than an hour, none or more than ten thousand.
+    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
+    /// orbit; [`SkyError::Exposure`] for an altitude below 0 or above π/2, times out of order or later than an hour,
+    /// none or more than ten thousand.
     pub fn snapshots(
         &self,
         start: Epoch,
@@ -109,7 +110,8 @@ impl Sky {
         let scene = self.scene(start, last_s, SearchScope::Nominal);
         let site_at = |&time_s: &f64| SiteAt { time_s, here: observer.state(&scene.orientation.at_s(time_s)) };
         let times: Vec<SiteAt> = times_s.iter().map(site_at).collect();
-        // The sky above the altitude as one round field about the zenith of the middle, wide enough for the zenith's motion to both sides.
+        // The sky above the altitude as one round field about the zenith of the middle, wide enough for the zenith's
+        // motion to both sides.
         let half_s = 0.5 * (last_s - first_s);
         let to_gcrs = observer.state(&scene.orientation.at_s(first_s + half_s)).horizon.inverse();
         let zenith = to_gcrs * Direction::from_lon_lat_rad(0.0, std::f64::consts::FRAC_PI_2);
@@ -148,8 +150,8 @@ impl Sky {
         Ok((tracks, left_out))
     }
 
-    /// Brightness of a satellite at a point; its sigma is that of the model alone, without the error of the elements. `None` in the umbra and
-    /// where a model gives no light.
+    /// Brightness of a satellite at a point; its sigma is that of the model alone, without the error of the elements.
+    /// `None` in the umbra and where a model gives no light.
     pub fn brightness(
         &self,
         element_index: usize,

@@ -9,7 +9,8 @@ use crate::orbit::{OrbitError, Propagator};
 
 /// A telescope in orbit, given by an element set. It has no horizon; the Earth's limb hides what is behind it.
 ///
-/// The prediction of its own position is taken as exact: an error of its elements (about a kilometre) shifts every satellite at 1000 km by some 0.06°.
+/// The prediction of its own position is taken as exact: an error of its elements (about a kilometre) shifts every
+/// satellite at 1000 km by some 0.06°.
 #[derive(Clone, Debug)]
 pub struct OrbitingObserver {
     name: String,
@@ -105,7 +106,8 @@ impl Viewpoint {
         }
     }
 
-    /// Altitude of a pointing above the horizon, or in orbit above the Earth's limb, radians, without refraction and aberration (25" at most).
+    /// Altitude of a pointing above the horizon, or in orbit above the Earth's limb, radians, without refraction and
+    /// aberration (25" at most).
     ///
     /// # Errors
     /// [`OrbitError`] where the observer's own elements give no position.

@@ -1,4 +1,5 @@
-//! Probability that satellites cross an exposure: against draws of the errors, with elements a day, three weeks and half a year old.
+//! Probability that satellites cross an exposure: against draws of the errors, with elements a day, three weeks and
+//! half a year old.
 
 use std::borrow::Borrow;
 
@@ -62,7 +63,8 @@ fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
                 id: number.to_string(),
                 start: seconds_after(start, 6.0 * number as f64),
                 duration_s: 30.0,
-                // Around the zenith of that hour: the site's latitude and its sidereal time (16 h at the start), roughly.
+                // Around the zenith of that hour: the site's latitude and its sidereal time (16 h at the start),
+                // roughly.
                 pointing: Direction::from_lon_lat_rad(
                     (240.0 + 0.025 * number as f64 + zenith_deg * turn.cos() / 0.86).to_radians(),
                     (-30.0 + zenith_deg * turn.sin()).to_radians().clamp(-1.5, 1.5),
@@ -75,8 +77,8 @@ fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
 
 /// Expected numbers of streaks, of streaked exposures, and streak length, against as many draws of all errors.
 ///
-/// Tolerance: three sigma of the draws, and 4 % for what is left out (planes that turn during the delay, the site standing still,
-/// one error across for two directions).
+/// Tolerance: three sigma of the draws, and 4 % for what is left out (planes that turn during the delay, the site
+/// standing still, one error across for two directions).
 #[test]
 fn verif_probabilities_against_draws_of_the_errors() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
@@ -92,7 +94,8 @@ fn verif_probabilities_against_draws_of_the_errors() {
     }
 }
 
-/// Half a year after the elements only delays of up to 300 s are counted: about their share of what is drawn, marked as a lower limit.
+/// Half a year after the elements only delays of up to 300 s are counted: about their share of what is drawn, marked as
+/// a lower limit.
 #[test]
 fn verif_probabilities_of_old_elements_are_lower_limits() {
     const AGE_DAYS: f64 = 180.0;
@@ -161,8 +164,9 @@ fn compare(
     }
 }
 
-/// Exposures of one field from one start, elements three weeks old: what is expected of each of them against draws. The site moves by 120 km in the shortest, past
-/// planes that are known to 4 km. Tolerance as above, for each exposure on its own.
+/// Exposures of one field from one start, elements three weeks old: what is expected of each of them against draws. The
+/// site moves by 120 km in the shortest, past planes that are known to 4 km. Tolerance as above, for each exposure on
+/// its own.
 #[test]
 fn verif_long_exposures_against_draws_of_the_errors() {
     const AGE_DAYS: f64 = 20.0;
@@ -189,8 +193,8 @@ fn verif_long_exposures_against_draws_of_the_errors() {
     }
 }
 
-/// A shutter that stays open longer never has fewer satellites to expect, and a second more changes little: on station a month and manoeuvring 150 days after
-/// the elements.
+/// A shutter that stays open longer never has fewer satellites to expect, and a second more changes little: on station
+/// a month and manoeuvring 150 days after the elements.
 #[test]
 fn verif_longer_exposures_have_no_less() {
     /// Only the last piece of an exposure is another than in a longer one; of the number expected.
@@ -241,10 +245,12 @@ fn verif_longer_exposures_have_no_less() {
     }
 }
 
-/// A pass takes its range, and with it the angle of the error across, in the middle of its chord, a probability where it is nearest.
+/// A pass takes its range, and with it the angle of the error across, in the middle of its chord, a probability where
+/// it is nearest.
 const SAME: f64 = 1e-3;
 
-/// Every listed crossing is among the satellites, with the same probability, also where it enters or leaves the Earth's shadow.
+/// Every listed crossing is among the satellites, with the same probability, also where it enters or leaves the Earth's
+/// shadow.
 #[test]
 fn verif_probabilities_hold_every_crossing() {
     let field = Field::circle(3.5f64.to_radians()).expect("a field");

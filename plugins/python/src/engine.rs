@@ -148,7 +148,7 @@ impl Engine {
     }
 
     /// Verdicts as plain arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`, `brightest_mag`, `lost_fraction`,
-    /// `p_any`, `streak_length_deg`.
+    /// `p_any`, `streak_length_deg`, `p_any_is_lower_limit`.
     #[pyo3(signature = (asked, bands))]
     fn judge<'py>(
         &self,
@@ -168,6 +168,8 @@ impl Engine {
         answer.set_item("lost_fraction", reals(|flag| flag.expected_lost_pixel_fraction.unwrap_or(f64::NAN)))?;
         answer.set_item("p_any", reals(|flag| flag.p_any))?;
         answer.set_item("streak_length_deg", reals(|flag| flag.streak_length_deg))?;
+        let lower_limits: Vec<bool> = flags.iter().map(|flag| flag.p_any_is_lower_limit).collect();
+        answer.set_item("p_any_is_lower_limit", lower_limits.into_pyarray(py))?;
         Ok((answer, warnings))
     }
 

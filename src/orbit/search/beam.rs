@@ -30,8 +30,8 @@ impl Beam {
         self.radius_rad
     }
 
-    /// Interval, seconds, in which an object may be inside that is at `sight_km` from the observer at time 0 and moves uniformly for
-    /// `half_s` before and after, with a position error of `slop_km`; `None` where it cannot be.
+    /// Interval, seconds, in which an object may be inside that is at `sight_km` from the observer at time 0 and moves
+    /// uniformly for `half_s` before and after, with a position error of `slop_km`; `None` where it cannot be.
     ///
     /// The times are not clamped to `half_s`.
     #[inline]

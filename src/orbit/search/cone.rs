@@ -100,8 +100,8 @@ impl<'a> ConeTest<'a> {
         self.beam.radius_rad()
     }
 
-    /// The cap, seen from the Earth's centre, of the cone's part in orbits no lower than `lowest_km`, between two distances from
-    /// the observer; `None` where it may be the whole Earth.
+    /// The cap, seen from the Earth's centre, of the cone's part in orbits no lower than `lowest_km`, between two
+    /// distances from the observer; `None` where it may be the whole Earth.
     pub fn cap(&self, distances_km: [f64; 2], lowest_km: f64) -> Option<Cap> {
         Cap::of(&self.observer, self.axis(), self.radius_rad(), distances_km, lowest_km)
     }
@@ -114,7 +114,8 @@ impl<'a> ConeTest<'a> {
             || cap.may_hold(phase, normal, self.cone.mid_s, half_s, f64::from(phase.slop_km) + self.moved_km)
     }
 
-    /// Phase test: how a satellite whose orbit plane fits may be inside the cone during the interval; `None` where it cannot be.
+    /// Phase test: how a satellite whose orbit plane fits may be inside the cone during the interval; `None` where it
+    /// cannot be.
     #[inline]
     pub fn inside(&self, phase: &Phase, normal: &Vector3<f64>, shadow: Option<&ShadowConeInTeme>) -> Option<Inside> {
         let open_s = self.cone.half_duration_s;

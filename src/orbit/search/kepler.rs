@@ -1,4 +1,5 @@
-//! Slow elements of an orbit: plane, mean longitude, eccentricity vector; without singularities for circular and equatorial orbits.
+//! Slow elements of an orbit: plane, mean longitude, eccentricity vector; without singularities for circular and
+//! equatorial orbits.
 
 use std::f64::consts::{FRAC_2_PI, FRAC_PI_2};
 
@@ -43,7 +44,8 @@ impl SlowElements {
         if !(semi_major_axis_km > 0.0 && e2 < 1.0) {
             return None;
         }
-        // Equinoctial eccentric longitude F from the position (Broucke & Cefola 1972), then Kepler: λ = F + h cos F - k sin F
+        // Equinoctial eccentric longitude F from the position (Broucke & Cefola 1972), then Kepler: λ = F + h cos F - k
+        // sin F
         let root = (1.0 - e2).sqrt();
         let beta = 1.0 / (1.0 + root);
         let (x, y) = (r.dot(&x_axis) / semi_major_axis_km, r.dot(&y_axis) / semi_major_axis_km);
@@ -59,10 +61,11 @@ impl SlowElements {
     }
 }
 
-/// Position and velocity in the orbit plane, km and km/s, from mean longitude, eccentricity vector and semi-major axis; good to
-/// 10⁻⁵ of the semi-major axis and better for small eccentricities.
+/// Position and velocity in the orbit plane, km and km/s, from mean longitude, eccentricity vector and semi-major axis;
+/// good to 10⁻⁵ of the semi-major axis and better for small eccentricities.
 pub(super) fn plane_state(mean_longitude_rad: f64, [k, h]: [f64; 2], semi_major_axis_km: f64) -> ([f64; 2], [f64; 2]) {
-    // λ = F + h cos F - k sin F, by Newton. Sine and cosine of F follow small steps by rotation, which spares their evaluation.
+    // λ = F + h cos F - k sin F, by Newton. Sine and cosine of F follow small steps by rotation, which spares their
+    // evaluation.
     let mut f = mean_longitude_rad;
     let (mut sin_f, mut cos_f) = sin_cos(f);
     for _ in 0..12 {
@@ -128,7 +131,8 @@ mod tests {
         }
     }
 
-    /// A state turned into slow elements and back is the same state, for circular, equatorial, retrograde and eccentric orbits.
+    /// A state turned into slow elements and back is the same state, for circular, equatorial, retrograde and eccentric
+    /// orbits.
     #[test]
     fn verif_state_round_trip() {
         let cases = [

@@ -25,8 +25,8 @@ impl ConeInShell {
 
     /// Least and greatest distance at which the cone meets radii between the two; `None` where it never does.
     ///
-    /// An observer `moved_km` away sees a point at the same distance and in the same direction at a radius that differs by no more than
-    /// that: the shell is widened by it, which holds for observers inside the shell and above it too.
+    /// An observer `moved_km` away sees a point at the same distance and in the same direction at a radius that differs
+    /// by no more than that: the shell is widened by it, which holds for observers inside the shell and above it too.
     pub fn distances_km(&self, lowest_km: f64, highest_km: f64, moved_km: f64) -> Option<(f64, f64)> {
         let (lowest_km, highest_km) = (lowest_km - moved_km, highest_km + moved_km);
         // ρ = -O cos z ± √(r² - O² sin² z)

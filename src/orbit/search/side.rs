@@ -1,11 +1,13 @@
-//! Side test: on which side of the Earth a satellite is. Nine in ten whose plane fits are elsewhere, and need no Kepler's equation.
+//! Side test: on which side of the Earth a satellite is. Nine in ten whose plane fits are elsewhere, and need no
+//! Kepler's equation.
 
 use nalgebra::Vector3;
 
 use super::kepler::sin_cos;
 use super::phase::Phase;
 
-/// True and mean longitude differ by at most so many eccentricities, for eccentricities to 0.9: 2 e + 11/48 e³ + ... for small ones.
+/// True and mean longitude differ by at most so many eccentricities, for eccentricities to 0.9: 2 e + 11/48 e³ + ...
+/// for small ones.
 pub(super) const SWING_PER_ECCENTRICITY: f64 = 2.5;
 
 /// Error of the series for sine and cosine, and of single precision, radians.
@@ -26,8 +28,8 @@ pub(super) struct Cap {
 }
 
 impl Cap {
-    /// Cap of a cone about a unit vector, between two distances from the observer, in orbits no lower than `lowest_km` from the Earth's
-    /// centre; `None` where it may be the whole Earth.
+    /// Cap of a cone about a unit vector, between two distances from the observer, in orbits no lower than `lowest_km`
+    /// from the Earth's centre; `None` where it may be the whole Earth.
     pub fn of(
         observer: &Vector3<f64>,
         axis: &Vector3<f64>,
@@ -75,7 +77,8 @@ impl Cap {
         })
     }
 
-    /// Whether a satellite may be over the cap within `half_s` of a time of the window, with a position error of `slop_km`.
+    /// Whether a satellite may be over the cap within `half_s` of a time of the window, with a position error of
+    /// `slop_km`.
     #[inline]
     pub fn may_hold(&self, phase: &Phase, normal: &Vector3<f64>, time_s: f64, half_s: f64, slop_km: f64) -> bool {
         let within_rad = self.radius_rad
@@ -87,14 +90,16 @@ impl Cap {
         if within_rad > EVERYWHERE_RAD || slop_km > 0.3 * self.lowest_km {
             return true;
         }
-        // x = r - (r·n) n and y = n × r, as in the plane of Kepler's position; cos λ x·c + sin λ y·c is the cosine of the angle to the cap's middle.
+        // x = r - (r·n) n and y = n × r, as in the plane of Kepler's position; cos λ x·c + sin λ y·c is the cosine of
+        // the angle to the cap's middle.
         let [rx, ry, rz] = phase.reference;
         let reference = Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz));
         let off_plane = reference.dot(normal);
         let x = reference.dot(&self.centre) - off_plane * normal.dot(&self.centre);
         let y = normal.cross(&reference).dot(&self.centre);
         let (sin, cos) = sin_cos(phase.mean_longitude_rad + phase.mean_longitude_rate_rad_s * time_s);
-        // The reference turns out of the plane by a degree or two: both axes are √(1 - (r·n)²) long, and with them the cosine.
+        // The reference turns out of the plane by a degree or two: both axes are √(1 - (r·n)²) long, and with them the
+        // cosine.
         let cosine = sin_cos(within_rad).1 - off_plane * off_plane - SHORTNESS;
         let along = cos * x + sin * y;
         // NaN passes.

@@ -1,19 +1,20 @@
 //! Orbit planes and phases of a whole catalogue over a few hours, for the search of satellites inside a cone.
 //!
-//! A satellite in the field of view lies on a line of sight at its own distance from the Earth's centre, so its orbit plane
-//! must pass there, and it must be there now. All tests run on numbers that change slowly (the plane's normal, the mean
-//! longitude, the eccentricity vector), taken from SGP4 at the two ends of the window and interpolated in between:
+//! A satellite in the field of view lies on a line of sight at its own distance from the Earth's centre, so its orbit
+//! plane must pass there, and it must be there now. All tests run on numbers that change slowly (the plane's normal,
+//! the mean longitude, the eccentricity vector), taken from SGP4 at the two ends of the window and interpolated in
+//! between:
 //!
-//! 1. **Plane.** Points of the cone at distance ρ lie within `|n·O + ρ n·d|` of the orbit plane, give or take the cone's
-//!    width; the satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. Linear in ρ, so the ends decide. Satellites are
-//!    sorted by shell and handled in chunks that share ρ₁ and ρ₂: one or two in a hundred survive.
+//! 1. **Plane.** Points of the cone at distance ρ lie within `|n·O + ρ n·d|` of the orbit plane, give or take the
+//!    cone's width; the satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. Linear in ρ, so the ends decide.
+//!    Satellites are sorted by shell and handled in chunks that share ρ₁ and ρ₂: one or two in a hundred survive.
 //! 2. **Side.** Nine in ten of these are on another side of the Earth by their mean longitudes.
-//! 3. **Phase.** For the rest the interpolated elements give a position good to some 20 km and a velocity, and with them the
-//!    closest approach to the line of sight while the shutter is open: one or two in ten thousand survive. Satellites low enough
-//!    for strong drag, and extreme eccentricities, skip this test.
+//! 3. **Phase.** For the rest the interpolated elements give a position good to some 20 km and a velocity, and with
+//!    them the closest approach to the line of sight while the shutter is open: one or two in ten thousand survive.
+//!    Satellites low enough for strong drag, and extreme eccentricities, skip this test.
 //!
-//! Only survivors need SGP4. Every margin is on the safe side: `tests/library/crossings.rs` compares the result with brute force,
-//! and `verif_model_error_is_within_its_margin` the margins with SGP4.
+//! Only survivors need SGP4. Every margin is on the safe side: `tests/library/crossings.rs` compares the result with
+//! brute force, and `verif_model_error_is_within_its_margin` the margins with SGP4.
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
@@ -26,20 +27,20 @@ use super::phase::Phase;
 use super::side::SWING_PER_ECCENTRICITY;
 use crate::frames::{Teme, seconds_between};
 
-/// Longest interval that one window may cover, seconds. Over six hours a node moves by at most 2.5° and drag bends the mean
-/// longitude of anything above 250 km by less than the margin.
+/// Longest interval that one window may cover, seconds. Over six hours a node moves by at most 2.5° and drag bends the
+/// mean longitude of anything above 250 km by less than the margin.
 pub const MAX_WINDOW_S: f64 = 6.0 * 3600.0;
 
 /// How far SGP4's plane (short-period terms at both nodes, 2 · 3/2 · J₂/2p² · sin I cos I, and the curvature of its
 /// precession) may lie from the interpolated one, radians.
 const PLANE_SLOP_RAD: f64 = 1.2e-3;
 
-/// How far SGP4's radius may lie outside the perigee and apogee of the osculating orbits at the nodes, km: four times the
-/// short-period amplitude of a low orbit.
+/// How far SGP4's radius may lie outside the perigee and apogee of the osculating orbits at the nodes, km: four times
+/// the short-period amplitude of a low orbit.
 const RADIUS_SLOP_KM: f64 = 35.0;
 
-/// How far SGP4's position may lie from the interpolated one, as a share of the semi-major axis for an orbit of one Earth
-/// radius; the J₂ terms that cause it fall with the square of the semi-major axis.
+/// How far SGP4's position may lie from the interpolated one, as a share of the semi-major axis for an orbit of one
+/// Earth radius; the J₂ terms that cause it fall with the square of the semi-major axis.
 const POSITION_SLOP: f64 = 8.0e-3;
 
 /// The same for effects that do not fall with height (lunar and solar terms, resonances), km.
@@ -112,8 +113,8 @@ enum Kind {
 impl Window {
     /// Propagates every satellite to both ends of the window, on all threads (about 1 µs a satellite and core).
     ///
-    /// `reach` gives for each element index how far from its prediction a satellite is searched. The margins hold for windows of at
-    /// most [`MAX_WINDOW_S`]; callers split longer intervals.
+    /// `reach` gives for each element index how far from its prediction a satellite is searched. The margins hold for
+    /// windows of at most [`MAX_WINDOW_S`]; callers split longer intervals.
     pub fn new(index: &SatelliteIndex, start: Epoch, end: Epoch, reach: &(dyn Fn(usize) -> Reach + Sync)) -> Self {
         let span_s = seconds_between(start, end).max(1.0);
         let made: Vec<(f64, Kind)> = index
@@ -157,7 +158,8 @@ impl Window {
                 Kind::Absent => {}
             }
         }
-        // Thin shells first, by height; thick ones (eccentric orbits) after them, by perigee, so that no chunk mixes both.
+        // Thin shells first, by height; thick ones (eccentric orbits) after them, by perigee, so that no chunk mixes
+        // both.
         let key = |entry: &Entry| ((entry.highest_km - entry.lowest_km > 200.0), entry.lowest_km);
         entries.sort_unstable_by(|a, b| {
             let ((thick_a, low_a), (thick_b, low_b)) = (key(a), key(b));
@@ -188,7 +190,8 @@ impl Window {
     }
 }
 
-/// Slow elements of one satellite from its states at both ends; `None` where they do not describe it: SGP4 is then always used.
+/// Slow elements of one satellite from its states at both ends; `None` where they do not describe it: SGP4 is then
+/// always used.
 fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: f64, reach: Reach) -> Option<Entry> {
     let reference = first.position.vector().normalize();
     let (begin, end) = (SlowElements::of(first, &reference)?, SlowElements::of(last, &reference)?);
@@ -263,7 +266,8 @@ fn chunk<'a>(entries: impl ExactSizeIterator<Item = &'a Entry> + Clone) -> Chunk
 }
 
 impl Chunk {
-    /// The interpolated normal. A chord of the arc it runs over, it is short by 1e-4 at most: 0.7 km, part of the margin.
+    /// The interpolated normal. A chord of the arc it runs over, it is short by 1e-4 at most: 0.7 km, part of the
+    /// margin.
     pub fn normal_at(&self, lane: usize, fraction: f64) -> Vector3<f64> {
         let component =
             |axis: usize| f64::from(self.normal[axis][lane]) + fraction * f64::from(self.normal_change[axis][lane]);

@@ -1,4 +1,5 @@
-//! Crossings alone: which lit satellites are in a field and when, without magnitude or probability. A tenth of the work of a pass.
+//! Crossings alone: which lit satellites are in a field and when, without magnitude or probability. A tenth of the work
+//! of a pass.
 
 use nalgebra::Vector3;
 
@@ -35,15 +36,16 @@ pub struct FieldCrossing {
 pub struct FieldCrossings {
     /// For each exposure, in its place, the crossings in order of entry.
     pub by_exposure: Vec<Vec<FieldCrossing>>,
-    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. None is computed while the field is
-    /// below the ground.
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. None is computed
+    /// while the field is below the ground.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Sky {
-    /// Every lit satellite that crosses the field in each exposure: the same ones as the passes of [`Sky::field_passes`] with default options,
-    /// at the same times to 10 µs. A satellite whose orbit fails far from the field is not reported, and one that stays for hours or comes
-    /// twice within minutes is lit if it is at any of the times that it crosses, not in between.
+    /// Every lit satellite that crosses the field in each exposure: the same ones as the passes of
+    /// [`Sky::field_passes`] with default options, at the same times to 10 µs. A satellite whose orbit fails far from
+    /// the field is not reported, and one that stays for hours or comes twice within minutes is lit if it is at any of
+    /// the times that it crosses, not in between.
     ///
     /// # Errors
     /// As [`Sky::field_passes`].
@@ -83,7 +85,8 @@ impl ExposedField<'_> {
     }
 }
 
-/// Intervals in which a satellite may be in a field, within one that its interpolated elements leave open: one SGP4 position a minute.
+/// Intervals in which a satellite may be in a field, within one that its interpolated elements leave open: one SGP4
+/// position a minute.
 ///
 /// # Errors
 /// [`OrbitError`] where one of the positions is missing, or velocities are not the rate of positions.
@@ -115,8 +118,8 @@ fn intervals_near(
     Ok(near)
 }
 
-/// Whether a satellite with this state at a time may be in a field within `half_s` of it: along a straight line, with the largest deviation
-/// of the true path.
+/// Whether a satellite with this state at a time may be in a field within `half_s` of it: along a straight line, with
+/// the largest deviation of the true path.
 fn passes_by(state: &State<Gcrs>, observer: &ObserverMotion, time_s: f64, half_s: f64, field: &FieldOnSky) -> bool {
     let (there, here) = (*state.position.vector(), *observer.position(time_s).vector());
     // Both fall by ½ g t² at most.

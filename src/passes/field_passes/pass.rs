@@ -5,7 +5,7 @@ use super::super::crossing::cross;
 use super::super::probability::{Delays, Lateness, REACH_SIGMAS, crossing_odds, crossing_probability_in_flight};
 use super::super::track::{Chord, FieldPass, SightLine};
 use super::exposed_field::ExposedField;
-use super::query::PassOptions;
+use super::options::PassOptions;
 use crate::frames::seconds_after;
 use crate::orbit::{OrbitError, OrbitUncertainty};
 
@@ -97,7 +97,8 @@ impl ExposedField<'_> {
         chords.iter().map(shifted).collect()
     }
 
-    /// For an observer in orbit: whether errors of the elements can bring a satellite into the field at all, from a few positions.
+    /// For an observer in orbit: whether errors of the elements can bring a satellite into the field at all, from a few
+    /// positions.
     fn may_cross(
         &self,
         line: &SightLine<'_>,

@@ -1,16 +1,18 @@
 //! Probability and expected streak length of every satellite that may be in an exposure, near misses included.
 //!
 //! Candidates are searched with the delays and the shifts across the track that their errors allow, delays up to
-//! [`Lateness::LONGEST_S`]. Where older elements allow longer delays, the probability is a lower limit and marked as such.
+//! [`Lateness::LONGEST_S`]. Where older elements allow longer delays, the probability is a lower limit and marked as
+//! such.
 //!
-//! A satellite with a delay of seconds or more is evaluated in pieces of the exposure of half a minute, each with the site at its position
-//! then, because the site moves past many orbit planes (by up to 280 km in ten minutes). The delays that bring a satellite into the field
-//! during different pieces exclude one another: its probability is that of being in the field during the first piece, plus that of entering
-//! it during each of the others. So it never decreases with the length of the exposure.
+//! A satellite with a delay of seconds or more is evaluated in pieces of the exposure of half a minute, each with the
+//! site at its position then, because the site moves past many orbit planes (by up to 280 km in ten minutes). The
+//! delays that bring a satellite into the field during different pieces exclude one another: its probability is that of
+//! being in the field during the first piece, plus that of entering it during each of the others. So it never decreases
+//! with the length of the exposure.
 //!
-//! Simplified: orbit planes do not turn during the delay, and the site stands still before and after the exposure or its piece. In exposures
-//! longer than a revolution a satellite that comes back is counted again, up to 1. For a telescope in orbit the passes and near misses of
-//! [`Sky::field_passes`] are summed.
+//! Simplified: orbit planes do not turn during the delay, and the site stands still before and after the exposure or
+//! its piece. In exposures longer than a revolution a satellite that comes back is counted again, up to 1. For a
+//! telescope in orbit the passes and near misses of [`Sky::field_passes`] are summed.
 
 use super::super::candidates::PlacedCone;
 use super::super::crossing::{Crossing, cross};
@@ -23,7 +25,7 @@ use super::super::scene::SearchScope;
 use super::super::sky::Sky;
 use super::super::track::{FieldPass, ObserverMotion, SightLine};
 use super::exposed_field::ExposedField;
-use super::query::PassOptions;
+use super::options::PassOptions;
 use crate::frames::{Orientation, seconds_after};
 use crate::geometry::Observer;
 use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty, Propagator};
@@ -44,12 +46,13 @@ pub struct CrossingProbability {
     pub element_index: usize,
     /// Probability that it is in the field at any time of the exposure, (0, 1].
     pub probability: f64,
-    /// Expected length of its streak within the field, radians: the average over all its errors, 0 for those that lead past.
+    /// Expected length of its streak within the field, radians: the average over all its errors, 0 for those that lead
+    /// past.
     pub streak_length_rad: f64,
     /// Its distance where its path is nearest to the centre of the field, km.
     pub range_km: f64,
-    /// True where its elements are so old that longer delays are probable than those that were searched: probability and streak length are
-    /// then lower limits.
+    /// True where its elements are so old that longer delays are probable than those that were searched: probability
+    /// and streak length are then lower limits.
     pub is_lower_limit: bool,
 }
 
@@ -71,10 +74,11 @@ impl Piece {
 }
 
 impl Sky {
-    /// Every satellite that may be in each exposure while the Sun shines on it, with its probability; by exposure, in catalogue order.
+    /// Every satellite that may be in each exposure while the Sun shines on it, with its probability; by exposure, in
+    /// catalogue order.
     ///
-    /// With fresh elements these are little more than the nominal crossings. With elements weeks old they are all satellites that come by
-    /// within minutes, each with a small probability.
+    /// With fresh elements these are little more than the nominal crossings. With elements weeks old they are all
+    /// satellites that come by within minutes, each with a small probability.
     ///
     /// # Errors
     /// As [`Sky::field_passes`].
@@ -186,8 +190,8 @@ impl ExposedField<'_> {
         Piece { start_s, end_s, only_entering, site: site.still_outside(start_s, end_s), orientation }
     }
 
-    /// One satellite in one piece, its predicted track being near the field during `near_s`; `None` where it cannot be in the field, or is
-    /// dark.
+    /// One satellite in one piece, its predicted track being near the field during `near_s`; `None` where it cannot be
+    /// in the field, or is dark.
     fn probability_in(
         &self,
         piece: &Piece,
@@ -225,7 +229,8 @@ impl ExposedField<'_> {
         })
     }
 
-    /// True where the Sun as it is during the piece shines on the path anywhere within the field, or, for a path beside it, where it passes by.
+    /// True where the Sun as it is during the piece shines on the path anywhere within the field, or, for a path beside
+    /// it, where it passes by.
     fn is_lit(
         &self,
         piece: &Piece,

@@ -1,4 +1,4 @@
-//! Options and results of a field query, and its run over many exposures.
+//! Run of a field query over many exposures, and its results.
 
 use rayon::prelude::*;
 
@@ -10,43 +10,29 @@ use super::super::scene::{Scene, SearchScope};
 use super::super::sky::Sky;
 use super::super::track::FieldPass;
 use super::exposed_field::ExposedField;
+use super::options::PassOptions;
 use crate::orbit::{Candidate, LeftOut};
-use crate::photometry::PhotometryOptions;
-
-/// Options of a field query.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct PassOptions {
-    /// Include crossings that are dark all along.
-    pub include_dark: bool,
-    /// Include near misses that cross with at least this probability; `None` for nominal crossings alone.
-    pub min_probability: Option<f64>,
-    /// Points along the track, evenly spaced in time from entry to exit; 0 for none.
-    pub samples: usize,
-    /// Band, system, extinction.
-    pub photometry: PhotometryOptions,
-    /// Omit the brightness of all points, and the peak. Several times faster.
-    pub without_light: bool,
-}
 
 /// Passes by exposure.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Passes {
     /// For each exposure, in its place, the passes in order of entry.
     pub by_exposure: Vec<Vec<FieldPass>>,
-    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. None is computed while the field is
-    /// below the ground.
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. None is computed
+    /// while the field is below the ground.
     pub left_out: Vec<LeftOut>,
 }
 
 impl Sky {
     /// Every satellite that crosses the field in each exposure, on all threads of the current pool.
     ///
-    /// Exposures may come in any order and last from nothing to days; those of one night share their preparation. The result does not depend
-    /// on the number of threads. A satellite that comes back after leaving (an exposure of hours) is a pass of its own each time.
+    /// Exposures may come in any order and last from nothing to days; those of one night share their preparation. The
+    /// result does not depend on the number of threads. A satellite that comes back after leaving (an exposure of
+    /// hours) is a pass of its own each time.
     ///
     /// # Errors
-    /// [`SkyError`] where an exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris; where the telescope
-    /// is in orbit and its own elements give no position.
+    /// [`SkyError`] where an exposure has no finite direction or length, or lies outside the years of the Sun's
+    /// ephemeris; where the telescope is in orbit and its own elements give no position.
     pub fn field_passes(
         &self,
         exposures: &[Exposure],
@@ -64,8 +50,9 @@ impl Sky {
         Ok(Passes { by_exposure, left_out })
     }
 
-    /// As [`Sky::field_passes`], without the search: SGP4 is evaluated for every satellite over all of the time. The reference of the search;
-    /// thousands of times slower. Near misses of fields below the ground are included here alone.
+    /// As [`Sky::field_passes`], without the search: SGP4 is evaluated for every satellite over all of the time. The
+    /// reference of the search; thousands of times slower. Near misses of fields below the ground are included here
+    /// alone.
     ///
     /// # Errors
     /// As [`Sky::field_passes`].
@@ -94,7 +81,8 @@ impl Sky {
             .collect()
     }
 
-    /// Evaluates each exposure with the scene of its group, on all threads: the results by exposure, and the satellites without a position.
+    /// Evaluates each exposure with the scene of its group, on all threads: the results by exposure, and the satellites
+    /// without a position.
     pub(super) fn by_exposure<T: Send>(
         &self,
         exposures: &[Exposure],

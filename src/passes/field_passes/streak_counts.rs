@@ -8,7 +8,7 @@ use super::super::exposure::Exposure;
 use super::super::field::Field;
 use super::super::sky::Sky;
 use super::super::track::FieldPass;
-use super::query::PassOptions;
+use super::options::PassOptions;
 use crate::frames::{Direction, Horizontal, seconds_after};
 use crate::orbit::LeftOut;
 use crate::photometry::PhotometryOptions;

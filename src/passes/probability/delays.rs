@@ -1,7 +1,7 @@
 //! Delays that bring a satellite into an exposure, for one track through a field.
 //!
-//! A satellite that is late by δ is at time t where it was predicted for t - δ. It is in the field during [start, end] if it was predicted
-//! in it during the chord [a, b] and start - b ≤ δ ≤ end - a.
+//! A satellite that is late by δ is at time t where it was predicted for t - δ. It is in the field during [start, end]
+//! if it was predicted in it during the chord [a, b] and start - b ≤ δ ≤ end - a.
 
 use super::super::track::Chord;
 use super::lateness::Lateness;
@@ -21,8 +21,8 @@ pub(in crate::passes) struct Delays {
     pub start_s: f64,
     pub end_s: f64,
     pub lateness: Lateness,
-    /// With `true` only delays count by which the satellite enters the field while the shutter is open, not those by which it is inside
-    /// as it opens.
+    /// With `true` only delays count by which the satellite enters the field while the shutter is open, not those by
+    /// which it is inside as it opens.
     pub only_entering: bool,
 }
 
@@ -39,8 +39,8 @@ impl Delays {
         Odds { probability: self.probability(chords), streak_length_rad }
     }
 
-    /// Share of delays that bring one of the chords into the exposure. Delays of neighbouring chords are joined. A satellite enters the
-    /// field once, at the begin of its first chord.
+    /// Share of delays that bring one of the chords into the exposure. Delays of neighbouring chords are joined. A
+    /// satellite enters the field once, at the begin of its first chord.
     fn probability(&self, chords: &[Chord]) -> f64 {
         if self.only_entering {
             let enters_s = chords.iter().map(|chord| chord.enter_s).min_by(f64::total_cmp);

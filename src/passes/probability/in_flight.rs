@@ -1,4 +1,5 @@
-//! Probability of a crossing seen from an orbit, where a late satellite takes another way through the field, not the same one later.
+//! Probability of a crossing seen from an orbit, where a late satellite takes another way through the field, not the
+//! same one later.
 
 use super::super::crossing::{cross, cross_samples, sample};
 use super::super::field::FieldOnSky;
@@ -11,11 +12,12 @@ const TRIED_DELAYS: usize = 81;
 
 /// Probability that the satellite is inside the field at any time of an exposure.
 ///
-/// `track` gives the line of sight at a time to a satellite with a delay, both in seconds. Delays are tried in equal steps, each with the
-/// share of the distribution around it, except those between two that both miss the field by so much that none between them meets it. Good
-/// to a few hundredths where the field is wider than the error across the track. Where it is narrower, five shifts represent all: the
-/// probability of one satellite is then one of a few fixed numbers (0.53 instead of 0.38 for a track through the middle of a field of half
-/// the error), and only sums over many are right.
+/// `track` gives the line of sight at a time to a satellite with a delay, both in seconds. Delays are tried in equal
+/// steps, each with the share of the distribution around it, except those between two that both miss the field by so
+/// much that none between them meets it. Good to a few hundredths where the field is wider than the error across the
+/// track. Where it is narrower, five shifts represent all: the probability of one satellite is then one of a few fixed
+/// numbers (0.53 instead of 0.38 for a track through the middle of a field of half the error), and only sums over many
+/// are right.
 pub(in crate::passes) fn crossing_probability_in_flight(
     track: &impl Fn(f64, f64) -> Sight,
     (start_s, end_s): (f64, f64),
@@ -67,7 +69,8 @@ struct Tried {
     share: f64,
 }
 
-/// Bound of the distance of a satellite at a delay between two from its positions at both, as a multiple of their distance.
+/// Bound of the distance of a satellite at a delay between two from its positions at both, as a multiple of their
+/// distance.
 const STRAYING: f64 = 1.1;
 
 impl<T: Fn(f64, f64) -> Sight> DelayedTracks<'_, T> {

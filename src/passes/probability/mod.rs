@@ -1,7 +1,7 @@
 //! Probability of a crossing, given the error of the prediction along the track and across it.
 //!
-//! `lateness` is the distribution of the delay, `delays` integrates it over the chords of one track, `odds` averages over the shifts
-//! across the track for a site, and `in_flight` does the same for an observer in orbit.
+//! `lateness` is the distribution of the delay, `delays` integrates it over the chords of one track, `odds` averages
+//! over the shifts across the track for a site, and `in_flight` does the same for an observer in orbit.
 
 mod delays;
 mod in_flight;

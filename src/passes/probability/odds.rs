@@ -1,9 +1,9 @@
 //! Probability of a crossing and expected streak length, seen from a site.
 //!
-//! The error of the predicted position is taken as a shift in time along the track (`along_track_s`) and an independent shift across it
-//! (Gaussian, `cross_track_rad` as seen by the observer); both are constant over the exposure. A satellite that is late by δ is at time t
-//! where it was predicted for t - δ. The track shifted across by x meets the field during chords [a, b] of its own time, so it crosses the
-//! exposure [0, T] when -b ≤ δ ≤ T - a:
+//! The error of the predicted position is taken as a shift in time along the track (`along_track_s`) and an independent
+//! shift across it (Gaussian, `cross_track_rad` as seen by the observer); both are constant over the exposure. A
+//! satellite that is late by δ is at time t where it was predicted for t - δ. The track shifted across by x meets the
+//! field during chords [a, b] of its own time, so it crosses the exposure [0, T] when -b ≤ δ ≤ T - a:
 //!
 //! P = ∫ dx N(x; σ_c) Σ_chords [F(T - a) - F(-b)]
 //!
@@ -11,9 +11,10 @@
 //!
 //! ∫ dx N(x; σ_c) Σ_chords ∫₀ᵀ dt [F(t - a) - F(t - b)]
 //!
-//! The integrals over δ and t are exact. That over x is a Gauss-Hermite sum where the field is wide against the error across the track,
-//! else a Gauss-Legendre sum over the shifts that lead through the field. Before the shutter opens and after it closes the site stands
-//! still, so that a satellite brought in by its delay is seen from the right position.
+//! The integrals over δ and t are exact. That over x is a Gauss-Hermite sum where the field is wide against the error
+//! across the track, else a Gauss-Legendre sum over the shifts that lead through the field. Before the shutter opens
+//! and after it closes the site stands still, so that a satellite brought in by its delay is seen from the right
+//! position.
 
 use nalgebra::Vector3;
 
@@ -27,7 +28,8 @@ pub(in crate::passes) const REACH_SIGMAS: f64 = 3.5;
 /// Errors across the track beyond this share of the field's radius are too wide for five nodes.
 const WIDE_SHARE: f64 = 0.3;
 
-/// Nodes and weights of the five-point Gauss-Hermite rule for a unit normal distribution (Abramowitz & Stegun, table 25.10).
+/// Nodes and weights of the five-point Gauss-Hermite rule for a unit normal distribution (Abramowitz & Stegun, table
+/// 25.10).
 pub(super) const GAUSS_HERMITE: [(f64, f64); 5] = [
     (0.0, 0.533_333_333_333_333_3),
     (1.355_626_179_974_266, 0.222_075_922_005_612_6),
@@ -36,7 +38,8 @@ pub(super) const GAUSS_HERMITE: [(f64, f64); 5] = [
     (-2.856_970_013_872_806, 0.011_257_411_327_720_69),
 ];
 
-/// Nodes and weights of the eight-point Gauss-Legendre rule on [-1, 1] (Abramowitz & Stegun, table 25.4), positive half.
+/// Nodes and weights of the eight-point Gauss-Legendre rule on [-1, 1] (Abramowitz & Stegun, table 25.4), positive
+/// half.
 const GAUSS_LEGENDRE: [(f64, f64); 4] = [
     (0.183_434_642_495_650, 0.362_683_783_378_362),
     (0.525_532_409_916_329, 0.313_706_645_877_887),
@@ -46,8 +49,8 @@ const GAUSS_LEGENDRE: [(f64, f64); 4] = [
 
 /// Probability and expected streak length of one satellite.
 ///
-/// `track` is the predicted track over `searched_s`, the part that may lead through the field with any of the delays and shifts;
-/// `nominal` is its crossing, `sigma_rad` the error across it.
+/// `track` is the predicted track over `searched_s`, the part that may lead through the field with any of the delays
+/// and shifts; `nominal` is its crossing, `sigma_rad` the error across it.
 pub(in crate::passes) fn crossing_odds(
     track: &impl Fn(f64) -> Sight,
     nominal: &Crossing,

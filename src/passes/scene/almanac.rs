@@ -1,7 +1,7 @@
 //! Cache of Sun and Earth, by day.
 //!
-//! A scheduler computes visit by visit; without the cache most of its time would go into precession and nutation at the same few
-//! times. Results do not depend on the cache, to rounding.
+//! A scheduler computes visit by visit; without the cache most of its time would go into precession and nutation at the
+//! same few times. Results do not depend on the cache, to rounding.
 
 use std::sync::{Arc, Mutex, PoisonError};
 

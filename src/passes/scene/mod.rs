@@ -1,4 +1,5 @@
-//! Data that the exposures of one time interval share: Sun, Earth, and the search windows of the catalogue, each with a cache.
+//! Data that the exposures of one time interval share: Sun, Earth, and the search windows of the catalogue, each with a
+//! cache.
 
 mod almanac;
 mod scene;

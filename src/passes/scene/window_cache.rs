@@ -1,7 +1,8 @@
 //! Cache of search windows.
 //!
-//! Windows lie on a fixed grid of six hours, so that all searches of a night use the same two or three, whether a thousand exposures
-//! come at once or one by one. Results do not depend on the cache: a window only selects the satellites for which SGP4 is evaluated.
+//! Windows lie on a fixed grid of six hours, so that all searches of a night use the same two or three, whether a
+//! thousand exposures come at once or one by one. Results do not depend on the cache: a window only selects the
+//! satellites for which SGP4 is evaluated.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -12,8 +13,8 @@ use crate::orbit::{MAX_WINDOW_S, Reach, SatelliteIndex, Window};
 
 /// Windows that are kept at least: a night of three, for both scopes, and two more.
 const LEAST_KEPT: usize = 8;
-/// Satellites in all windows that are kept, 140 bytes each: a schedule goes through its nights several times, and making the three
-/// windows of a night takes as long as the crossings of 700 exposures.
+/// Satellites in all windows that are kept, 140 bytes each: a schedule goes through its nights several times, and
+/// making the three windows of a night takes as long as the crossings of 700 exposures.
 const KEPT_SATELLITES: usize = 500_000;
 
 /// Which satellites a window searches.
@@ -37,8 +38,8 @@ pub(in crate::passes) struct WindowCache {
 impl WindowCache {
     /// The windows that hold the time from `start` to `end`, in order; those that are missing are made on all threads.
     ///
-    /// `reach` gives, for an element index and the two ends of a window, how far from its prediction a satellite is searched; it must
-    /// be the same function for the same `scope`.
+    /// `reach` gives, for an element index and the two ends of a window, how far from its prediction a satellite is
+    /// searched; it must be the same function for the same `scope`.
     pub fn over(
         &self,
         index: &SatelliteIndex,

@@ -117,8 +117,8 @@ impl SightLine<'_> {
         (state, observer, aspect)
     }
 
-    /// The astrometric line of sight and its rate. The rate leaves out the change of light time (10⁻⁴ of the rate), which moves no
-    /// border and no extreme by more than the rounding of a root.
+    /// The astrometric line of sight and its rate. The rate leaves out the change of light time (10⁻⁴ of the rate),
+    /// which moves no border and no extreme by more than the rounding of a root.
     pub fn sight(&self, time_s: f64) -> Sight {
         self.delayed_sight(time_s, 0.0)
     }

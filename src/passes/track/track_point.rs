@@ -24,7 +24,8 @@ pub struct TrackPoint {
     pub geometry: ViewingGeometry,
     /// Sunlit, in penumbra or in umbra, with the lit fraction of the solar disk.
     pub illumination: Illumination,
-    /// Apparent magnitude with its sigma and source, the shadow's dimming included. `None` in the umbra and where a model sees nothing.
+    /// Apparent magnitude with its sigma and source, the shadow's dimming included. `None` in the umbra and where a
+    /// model sees nothing.
     pub brightness: Option<Brightness>,
 }
 

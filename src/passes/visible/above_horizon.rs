@@ -1,9 +1,9 @@
 //! Rise, culmination and set: the intervals of one satellite above a site's horizon.
 //!
-//! Altitudes are geometric (no refraction) against the WGS84 horizon of the site. The satellite is followed in steps short enough that its
-//! altitude has one extreme in three of them; every maximum that could reach the lowest altitude is closed in on, and rise and set are
-//! rooted on both sides of it. Steps in which a satellite cannot come near are skipped: its angle to the site changes no faster than at its
-//! perigee.
+//! Altitudes are geometric (no refraction) against the WGS84 horizon of the site. The satellite is followed in steps
+//! short enough that its altitude has one extreme in three of them; every maximum that could reach the lowest altitude
+//! is closed in on, and rise and set are rooted on both sides of it. Steps in which a satellite cannot come near are
+//! skipped: its angle to the site changes no faster than at its perigee.
 
 use super::super::crossing::root;
 use super::super::scene::Scene;
@@ -21,7 +21,8 @@ const LONGEST_STEP_S: f64 = 300.0;
 const TOP_S: f64 = 2.5e-4;
 /// Largest rate at which the Earth turns a site, rad/s, with what its precession adds.
 const SITE_TURNING_RAD_S: f64 = 7.3e-5;
-/// A geodetic vertical leans from the geocentric one by 0.193° at most; with what short-period terms move a satellite, radians.
+/// A geodetic vertical leans from the geocentric one by 0.193° at most; with what short-period terms move a satellite,
+/// radians.
 const VERTICAL_SLOP_RAD: f64 = 0.0125;
 /// Room for the short-period terms in radius, km, and in angular speed.
 const RADIUS_SLOP_KM: f64 = 35.0;
@@ -83,7 +84,8 @@ impl Near {
     fn of(propagator: &Propagator, min_altitude_rad: f64) -> Self {
         let (perigee_km, apogee_km) = propagator.perigee_apogee_km();
         let (perigee_km, apogee_km) = (perigee_km - RADIUS_SLOP_KM, apogee_km + RADIUS_SLOP_KM);
-        // The triangle Earth's centre, site, satellite: ψ = acos(R cos h / r) - h, largest at the apogee; the lowest site reaches farthest.
+        // The triangle Earth's centre, site, satellite: ψ = acos(R cos h / r) - h, largest at the apogee; the lowest
+        // site reaches farthest.
         let lowest_km = EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING) - 11.0;
         let share = (lowest_km * min_altitude_rad.cos() / apogee_km).min(1.0);
         let reach_rad = share.acos() - min_altitude_rad + VERTICAL_SLOP_RAD;
@@ -116,8 +118,8 @@ impl HorizonSearch<'_> {
         Ok(self.sample(time_s)?.sine)
     }
 
-    /// The satellite from step to step wherever it may be above the limit, and seldom elsewhere: far from the site, no more steps are skipped
-    /// than it needs to come near.
+    /// The satellite from step to step wherever it may be above the limit, and seldom elsewhere: far from the site, no
+    /// more steps are skipped than it needs to come near.
     fn samples(&self, from_s: f64, until_s: f64, min_altitude_rad: f64) -> Result<(Vec<Sample>, f64), OrbitError> {
         let span_s = until_s - from_s;
         let steps = (span_s / (self.propagator.period_s() / STEPS_PER_REVOLUTION).min(LONGEST_STEP_S)).ceil().max(2.0);
@@ -135,9 +137,9 @@ impl HorizonSearch<'_> {
         Ok((samples, step_s))
     }
 
-    /// Every interval above an altitude between two times, in order of time, and the number of those that are only counted. `treatment` decides
-    /// by the samples from the last one below the limit to the first one below it again; an interval with no sample above the limit is always
-    /// computed.
+    /// Every interval above an altitude between two times, in order of time, and the number of those that are only
+    /// counted. `treatment` decides by the samples from the last one below the limit to the first one below it again;
+    /// an interval with no sample above the limit is always computed.
     pub fn intervals(
         &self,
         (from_s, until_s): (f64, f64),
@@ -153,7 +155,8 @@ impl HorizonSearch<'_> {
         for step in 0..=last {
             let Sample { time_s, sine, .. } = samples[step];
             let is_beside = |other: usize| (samples[other].time_s - time_s).abs() < 1.5 * step_s;
-            // Where steps were left out the satellite was too low: before a gap already at its sample, after it no longer.
+            // Where steps were left out the satellite was too low: before a gap already at its sample, after it no
+            // longer.
             if step < last && !is_beside(step + 1) {
                 continue;
             }

@@ -1,8 +1,8 @@
 //! Visible passes: above a site's horizon at night and in sunlight, with the Earth's shadow and the brightest point.
 //!
-//! Of the intervals above the horizon, those in daylight and those in the shadow all along are decided by their samples; the others are
-//! interpolated, the borders of light closed to a millisecond, and the brightest point is searched in steps of at most ten seconds and
-//! closed in on.
+//! Of the intervals above the horizon, those in daylight and those in the shadow all along are decided by their
+//! samples; the others are interpolated, the borders of light closed to a millisecond, and the brightest point is
+//! searched in steps of at most ten seconds and closed in on.
 
 use hifitime::Epoch;
 
@@ -20,8 +20,8 @@ use crate::geometry::{Illumination, Observer};
 use crate::orbit::{LeftOut, OrbitArc, OrbitError};
 use crate::photometry::{MagnitudeSource, PhotometryOptions};
 
-/// A pass that began before the night is followed back this far, and one that ends after it as far ahead, seconds: low satellites rise and
-/// set within it.
+/// A pass that began before the night is followed back this far, and one that ends after it as far ahead, seconds: low
+/// satellites rise and set within it.
 const TWILIGHT_REACH_S: f64 = 1800.0;
 /// Step of the first search for shadow and light, seconds, and its largest number of steps.
 const LIGHT_STEP_S: f64 = 10.0;
@@ -74,7 +74,8 @@ pub struct VisiblePass {
     pub norad_id: NoradId,
     /// Position of its element set in the sky's catalogue.
     pub element_index: usize,
-    /// The point at which it reaches the lowest altitude; `None` where it was up when the search began, half an hour before the night.
+    /// The point at which it reaches the lowest altitude; `None` where it was up when the search began, half an hour
+    /// before the night.
     pub rise: Option<TrackPoint>,
     /// The highest point of the pass.
     pub culmination: TrackPoint,
@@ -95,8 +96,8 @@ pub struct VisiblePass {
 /// Numbers of passes that were found and excluded.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
 pub struct NotShown {
-    /// Above the lowest altitude while the site is dark, and in the Earth's shadow at all such times. Passes that end before it gets dark or
-    /// begin after are not counted.
+    /// Above the lowest altitude while the site is dark, and in the Earth's shadow at all such times. Passes that end
+    /// before it gets dark or begin after are not counted.
     pub in_shadow: usize,
     /// Fainter than the limit, or without any magnitude.
     pub too_faint: usize,
@@ -140,7 +141,8 @@ impl Sky {
     /// Altitudes are geometric, without refraction. The result does not depend on the number of threads.
     ///
     /// # Errors
-    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in orbit.
+    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
+    /// orbit.
     pub fn visible_passes(
         &self,
         request: &VisibleRequest,
@@ -221,8 +223,9 @@ impl Search<'_> {
         let Some(propagator) = self.sky.index().propagator(element_index) else { return Ok(()) };
         let minutes = propagator.minutes_since_epoch(self.scene.start);
         let horizon = HorizonSearch { scene: self.scene, propagator, minutes, observer: self.observer };
-        // The shadow is convex: a satellite that is dark at its rise and at its set is dark in between, and one that stays up for hours is lit
-        // at some sample. For one that rises or sets about dusk or dawn the samples do not decide whether it is up in the dark.
+        // The shadow is convex: a satellite that is dark at its rise and at its set is dark in between, and one that
+        // stays up for hours is lit at some sample. For one that rises or sets about dusk or dawn the samples do not
+        // decide whether it is up in the dark.
         let treatment = |samples: &[Sample]| {
             let (first_s, last_s) = (samples[0].time_s, samples[samples.len() - 1].time_s);
             let is_in_umbra = |sample: &Sample| {
@@ -257,7 +260,8 @@ impl Search<'_> {
         ObserverMotion::of_site(self.observer, &orientation, earth_velocity, time_s)
     }
 
-    /// One interval above the horizon; `None` where it ends before the dark or begins after, and where observer and satellite coincide.
+    /// One interval above the horizon; `None` where it ends before the dark or begins after, and where observer and
+    /// satellite coincide.
     fn pass(
         &self,
         element_index: usize,
@@ -356,7 +360,8 @@ fn visibility(
     Some(Visibility { begin: evaluator.point(seen.first()?.0)?, highest, end: evaluator.point(seen.last()?.1)?, peak })
 }
 
-/// Intervals between two times, seconds, in which a condition holds: tested in even steps, the borders bisected to a millisecond and inside.
+/// Intervals between two times, seconds, in which a condition holds: tested in even steps, the borders bisected to a
+/// millisecond and inside.
 pub fn intervals_where(begin_s: f64, end_s: f64, steps: usize, holds: impl Fn(f64) -> bool) -> Vec<(f64, f64)> {
     let time_s = |step: usize| begin_s + (end_s - begin_s) * step as f64 / steps as f64;
     let border = |mut in_s: f64, mut out_s: f64| {
