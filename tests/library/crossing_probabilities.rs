@@ -83,7 +83,7 @@ fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
 fn verif_probabilities_against_draws_of_the_errors() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
-    for (age_days, rounds) in [(1.0, 40), (20.0, 60)] {
+    for (age_days, rounds) in [(1.0, 40), (30.0, 60)] {
         let mut draws = Random(20_261_121);
         let exposures = exposures(start, 360, &mut draws);
         let elements = published(age_days, exposures[180].start, 1584);
@@ -107,9 +107,9 @@ fn verif_probabilities_of_old_elements_are_lower_limits() {
     let exposures = exposures(start, 360, &mut draws);
     let elements = published(AGE_DAYS, exposures[180].start, 1584);
     let sigma_s = uncertainty(OrbitClass::of(&elements[0]), AGE_DAYS).along_track_s;
-    assert!(sigma_s > 1000.0, "{sigma_s}");
+    assert!(sigma_s > 500.0, "{sigma_s}");
     let found = sky(elements.clone()).crossing_probabilities(&exposures, &field).expect("probabilities");
-    assert!(found.iter().flatten().all(|one| one.is_lower_limit) && found.iter().flatten().count() > 1000);
+    assert!(found.iter().flatten().all(|one| one.is_lower_limit) && found.iter().flatten().count() > 300);
     let drawn: Vec<f64> = (0..10)
         .map(|_| {
             let sky = sky(drawn(&elements, AGE_DAYS, &mut draws));
@@ -164,12 +164,12 @@ fn compare(
     }
 }
 
-/// Exposures of one field from one start, elements three weeks old: what is expected of each of them against draws. The
+/// Exposures of one field from one start, elements a month old: what is expected of each of them against draws. The
 /// site moves by 120 km in the shortest, past planes that are known to 4 km. Tolerance as above, for each exposure on
 /// its own.
 #[test]
 fn verif_long_exposures_against_draws_of_the_errors() {
-    const AGE_DAYS: f64 = 20.0;
+    const AGE_DAYS: f64 = 30.0;
     const ROUNDS: usize = 400;
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");

@@ -4,7 +4,7 @@
 //! [`Lateness::LONGEST_S`]. Where older elements allow longer delays, the probability is a lower limit and marked as
 //! such.
 //!
-//! A satellite with a delay of seconds or more is evaluated in pieces of the exposure of half a minute, each with the
+//! A satellite with a delay of seconds or more is evaluated in pieces of ten seconds of the exposure, each with the
 //! site at its position then, because the site moves past many orbit planes (by up to 280 km in ten minutes). The
 //! delays that bring a satellite into the field during different pieces exclude one another: its probability is that of
 //! being in the field during the first piece, plus that of entering it during each of the others. So it never decreases
@@ -30,8 +30,8 @@ use crate::frames::{Orientation, seconds_after};
 use crate::geometry::Observer;
 use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty, Propagator};
 
-/// Length of a piece of an exposure, seconds: the site moves by 14 km at most in it.
-const PIECE_S: f64 = 30.0;
+/// Length of a piece of an exposure, seconds: the site moves by 5 km at most in it, a share of a field of degrees.
+const PIECE_S: f64 = 10.0;
 /// Below this error along the track the exposure is not cut into pieces, seconds.
 const ON_TIME_S: f64 = 3.0;
 /// Steps along a path in the search for light.
