@@ -2,9 +2,9 @@
 //! cache.
 
 mod almanac;
-mod scene;
+mod shared;
 mod window_cache;
 
 pub(super) use almanac::Almanac;
-pub(super) use scene::Scene;
+pub(super) use shared::Scene;
 pub(super) use window_cache::{SearchScope, WindowCache};
