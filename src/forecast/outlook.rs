@@ -7,7 +7,7 @@ use super::request::{ForecastRequest, Selection};
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::SunTable;
 use crate::output::{Column, Kind, Table, Value, counted, format_utc};
-use crate::passes::{Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, stretches_where};
+use crate::passes::{Sky, SkyError, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};
 use crate::photometry::MagnitudeSource;
 
 /// Sampling interval of the Sun, seconds: a quarter of a degree.
@@ -49,7 +49,7 @@ impl Night {
             .unwrap_or((0.0, f64::NAN));
         let epoch = |time_s: f64| seconds_after(start, time_s).to_time_scale(TimeScale::UTC);
         let dark = match max_sun_altitude_rad {
-            Some(limit_rad) => stretches_where(0.0, span_s, steps, |time_s| altitude_rad(time_s) < limit_rad)
+            Some(limit_rad) => intervals_where(0.0, span_s, steps, |time_s| altitude_rad(time_s) < limit_rad)
                 .into_iter()
                 .map(|(from_s, until_s)| (epoch(from_s), epoch(until_s)))
                 .collect(),

@@ -9,7 +9,7 @@ use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::elements::{Constellation, Shell, ShellError};
 use crate::frames::seconds_after;
 use crate::output::{Column, Kind, Table};
-use crate::passes::{Exposure, Field, PassOptions, Sky};
+use crate::passes::{Exposure, Field, PassOptions, Sky, SnapshotOptions};
 use crate::photometry::PhotometryOptions;
 
 /// Largest difference of a number that agrees with the published one, percent.
@@ -133,7 +133,7 @@ pub fn hu2022(
 /// `is_theirs`.
 ///
 /// # Errors
-/// As of [`Sky::glance`].
+/// As of [`Sky::snapshots`].
 pub fn lu2024b(
     sky: &Sky,
     moments: &[Epoch],
@@ -143,10 +143,13 @@ pub fn lu2024b(
 ) -> Result<Reproduced, ForecastError> {
     let (mut lit, mut bright) = (0.0_f64, 0.0_f64);
     for moment in moments {
-        let (seen, _) = sky.glance(*moment, min_altitude_rad, &PhotometryOptions::default())?;
-        for one in seen.iter().filter(|one| one.is_lit()) {
-            lit += 1.0;
-            bright += if one.brightness.as_ref().is_some_and(|light| light.magnitude.0 < 7.0) { 1.0 } else { 0.0 };
+        let (seen, _) = sky.snapshots(*moment, &[0.0], &SnapshotOptions::all_above(min_altitude_rad))?;
+        for track in &seen {
+            for one in track.snapshots.iter().filter(|one| one.is_lit()) {
+                lit += 1.0;
+                let light = sky.brightness(track.element_index, &one.point, &PhotometryOptions::default());
+                bright += if light.is_some_and(|light| light.magnitude.0 < 7.0) { 1.0 } else { 0.0 };
+            }
         }
     }
     Ok(Reproduced {
@@ -167,7 +170,7 @@ pub fn lu2024b(
 /// (2022).
 ///
 /// # Errors
-/// As of [`Sky::glance`].
+/// As of [`Sky::snapshots`].
 pub fn bassa2022(
     constellation: &Constellation,
     sky: &Sky,
@@ -179,7 +182,7 @@ pub fn bassa2022(
     let mut seen = 0.0;
     for moment in 0..MOMENTS {
         let epoch = seconds_after(start, 86_400.0 * moment as f64 / MOMENTS as f64);
-        seen += sky.glance(epoch, min_altitude_rad, &PhotometryOptions::default())?.0.len() as f64;
+        seen += sky.snapshots(epoch, &[0.0], &SnapshotOptions::all_above(min_altitude_rad))?.0.len() as f64;
     }
     let latitude_rad = sky.viewpoint().site().map_or(f64::NAN, |observer| observer.site().latitude_rad);
     let expected =

@@ -20,7 +20,7 @@ use crate::frames::{OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
 use crate::output::{Column, Kind, Table, Value};
-use crate::passes::{Glance, Sky, SkyError, stretches_where};
+use crate::passes::{SatelliteSnapshot, SatelliteTrack, Sky, SkyError, SnapshotOptions, intervals_where};
 use crate::photometry::PhotometryOptions;
 
 /// Magnitude limits of the counts.
@@ -98,17 +98,17 @@ pub fn sky_counts(sky: &Sky, request: &StatisticsRequest) -> Result<SkyCounts, F
     }
     for evening in [true, false] {
         for &(sun_rad, epoch, _) in moments.iter().filter(|moment| moment.2 == evening) {
-            let mut seen: Vec<Vec<Glance>> = Vec::new();
+            let mut seen: Vec<Vec<SatelliteTrack>> = Vec::new();
             for moment in 0..request.moments {
                 let share = (moment as f64 + 0.5) / request.moments as f64 - 0.5;
                 let lowest_rad = request.min_altitudes_rad.iter().copied().fold(f64::INFINITY, f64::min);
-                let (found, without) =
-                    sky.glance(seconds_after(epoch, share * request.spread_s), lowest_rad, &request.photometry)?;
+                let at = seconds_after(epoch, share * request.spread_s);
+                let (found, without) = sky.snapshots(at, &[0.0], &SnapshotOptions::all_above(lowest_rad))?;
                 seen.push(found);
                 left_out = without;
             }
             for &min_altitude_rad in &request.min_altitudes_rad {
-                counts.push(count(request, &seen, (epoch, evening, sun_rad, min_altitude_rad)));
+                counts.push(count(sky, request, &seen, (epoch, evening, sun_rad, min_altitude_rad)));
             }
         }
     }
@@ -153,7 +153,7 @@ fn moments_of(sky: &Sky, observer: &Observer, request: &StatisticsRequest) -> Ve
     let at = |time_s: f64| seconds_after(request.start, time_s).to_time_scale(TimeScale::UTC);
     let mut found = Vec::new();
     for &sun_rad in &request.sun_altitudes_rad {
-        for (from_s, until_s) in stretches_where(0.0, span_s, steps, |time_s| altitude_rad(time_s) < sun_rad) {
+        for (from_s, until_s) in intervals_where(0.0, span_s, steps, |time_s| altitude_rad(time_s) < sun_rad) {
             found.extend((from_s > 0.0).then(|| (sun_rad, at(from_s), true)));
             found.extend((until_s < span_s).then(|| (sun_rad, at(until_s), false)));
         }
@@ -162,8 +162,9 @@ fn moments_of(sky: &Sky, observer: &Observer, request: &StatisticsRequest) -> Ve
 }
 
 fn count(
+    sky: &Sky,
     request: &StatisticsRequest,
-    seen: &[Vec<Glance>],
+    seen: &[Vec<SatelliteTrack>],
     (epoch, evening, sun_altitude_rad, min_altitude_rad): (Epoch, bool, f64, f64),
 ) -> SkyCount {
     let share = 1.0 / seen.len() as f64;
@@ -179,7 +180,11 @@ fn count(
     };
     // Ω = 2π (1 - sin h)
     let sky_sr = TAU * (1.0 - min_altitude_rad.sin());
-    for one in seen.iter().flatten().filter(|one| one.altitude_rad >= min_altitude_rad) {
+    let snapshots =
+        seen.iter().flatten().flat_map(|track| track.snapshots.iter().map(|one| (track.element_index, one)));
+    let is_above =
+        |one: &SatelliteSnapshot| one.point.altitude_rad.is_some_and(|altitude_rad| altitude_rad >= min_altitude_rad);
+    for (element_index, one) in snapshots.filter(|(_, one)| is_above(one)) {
         count.above += share;
         if !one.is_lit() {
             continue;
@@ -189,8 +194,9 @@ fn count(
         let field_sr = 0.25 * PI * request.field_rad * request.field_rad;
         let swept_sr = one.angular_rate_rad_s * request.exposure_s * request.field_rad;
         count.trails += share * (field_sr + swept_sr) / sky_sr;
+        let light = sky.brightness(element_index, &one.point, &request.photometry);
         for (limit, number) in MAGNITUDES.iter().zip(&mut count.brighter_than) {
-            let is_brighter = one.brightness.as_ref().is_some_and(|light| light.magnitude.0 < *limit);
+            let is_brighter = light.as_ref().is_some_and(|light| light.magnitude.0 < *limit);
             *number += if is_brighter { share } else { 0.0 };
         }
     }

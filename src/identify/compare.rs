@@ -7,7 +7,7 @@
 //!    the ends are known, the delay is the mean of those with which the track meets them at these times.
 //! 3. The predicted length against the measured one; if the ends may be those of the frame, only a longer streak counts.
 //!
-//! Sigmas are those of the age of the elements ([`Stretch::uncertainty`]) and of the measurement:
+//! Sigmas are those of the elements' age ([`ExposureInterval::uncertainty`]) and of the measurement:
 //!
 //! ```text
 //! σ_δ² = σ_along² + σ_clock² + (σ_place/ω)²/2     σ_x² = (σ_cross/ρ)² + σ_place²/2
@@ -25,7 +25,7 @@ use super::likelihood::{Candidate, Offset, Weighed, within};
 use super::streak::{MeasuredStreak, Timing};
 use crate::frames::{Direction, Gcrs};
 use crate::orbit::{OrbitUncertainty, Propagator};
-use crate::passes::{LateTrack, Sighting, Stretch};
+use crate::passes::{DelayedTrack, ExposureInterval, Sighting};
 use crate::photometry::PhotometryOptions;
 
 /// Tolerance of Newton's method, seconds: 0.1 m along the track.
@@ -57,7 +57,7 @@ struct Met {
 
 /// Compares one satellite with a streak; `None` if it is out of reach, below the horizon, or dark (unless `include_dark`).
 pub(super) fn compare(
-    stretch: &Stretch<'_>,
+    interval: &ExposureInterval<'_>,
     element_index: usize,
     streak: &MeasuredStreak,
     guess_s: f64,
@@ -65,20 +65,20 @@ pub(super) fn compare(
     photometry: &PhotometryOptions,
     include_dark: bool,
 ) -> Option<Candidate> {
-    let propagator = stretch.propagator(element_index)?;
-    let mid_s = 0.5 * stretch.duration_s();
-    let middle = meet(stretch, propagator, streak, mid_s, guess_s)?;
-    let age_days = stretch.element_age_days(propagator, mid_s);
-    let errors = stretch.uncertainty(element_index, age_days);
+    let propagator = interval.propagator(element_index)?;
+    let mid_s = 0.5 * interval.duration_s();
+    let middle = meet(interval, propagator, streak, mid_s, guess_s)?;
+    let age_days = interval.element_age_days(propagator, mid_s);
+    let errors = interval.uncertainty(element_index, age_days);
     let sigmas = Sigmas::new(&errors, &middle, propagator, streak);
 
     // The time of the passage.
     let (passage_s, met, evidence) = match streak.timing() {
         Timing::FirstToSecond | Timing::Whole => (mid_s, middle, None),
         Timing::Within => {
-            let half_s = mid_s.max(streak.time_sigma_s().min(0.9 * LateTrack::MARGIN_S));
+            let half_s = mid_s.max(streak.time_sigma_s().min(0.9 * DelayedTrack::MARGIN_S));
             let ends = [mid_s - half_s, mid_s + half_s]
-                .map(|time_s| meet(stretch, propagator, streak, time_s, middle.late_s + time_s - mid_s));
+                .map(|time_s| meet(interval, propagator, streak, time_s, middle.late_s + time_s - mid_s));
             let [Some(before), Some(after)] = ends else { return None };
             let pulls = |met: &Met| [met.late_s / sigmas.late_s, met.beside_rad / sigmas.beside_rad];
             // A streak of known length takes time, which must be within the exposure.
@@ -87,7 +87,7 @@ pub(super) fn compare(
             let free = (1.0 - crossing_s / (2.0 * half_s)).clamp(0.0, 1.0);
             let within = within(pulls(&before), pulls(&after), free);
             let passage_s = mid_s + half_s * within.at;
-            let met = meet(stretch, propagator, streak, passage_s, middle.late_s + passage_s - mid_s)?;
+            let met = meet(interval, propagator, streak, passage_s, middle.late_s + passage_s - mid_s)?;
             // ∫ dt N(δ; σ_δ) N(x; σ_x), of which `within` has the integral over [-1, 1]
             let log_density = within.log_integral + half_s.ln() - (TAU * sigmas.late_s * sigmas.beside_rad).ln();
             (passage_s, met, Some(log_density))
@@ -98,13 +98,13 @@ pub(super) fn compare(
     }
 
     let mut late_s = met.late_s;
-    let mut track = stretch.track(element_index, late_s).ok()?;
+    let mut track = interval.track(element_index, late_s).ok()?;
     let mut line = Line::new(&track, passage_s, streak, met.beside_rad);
     for _ in 0..MOST_CORRECTIONS {
         // At a changing rate, the middle of the track is the mean of both ends, not its position at half time.
         let Some(early_s) = line.ends_early_s(streak).filter(|early_s| early_s.abs() > CLOSE_S) else { break };
         late_s += early_s;
-        track = stretch.track(element_index, late_s).ok()?;
+        track = interval.track(element_index, late_s).ok()?;
         line = Line::new(&track, passage_s, streak, met.beside_rad);
     }
     let passage = track.point(passage_s, photometry)?;
@@ -122,10 +122,11 @@ pub(super) fn compare(
         cross_track_rad: Offset { value: line.beside_rad, sigma: sigmas.beside_rad },
         angle_rad: Offset { value: line.turn_rad, sigma: sigmas.turn_rad },
         length_rad: length.map(|(offset, _)| offset),
-        predicted_length_rad: length.map_or(line.rate_rad_s * stretch.duration_s(), |(_, predicted_rad)| predicted_rad),
+        predicted_length_rad: length
+            .map_or(line.rate_rad_s * interval.duration_s(), |(_, predicted_rad)| predicted_rad),
         position_angle_rad: line.position_angle_rad,
         angular_rate_rad_s: line.rate_rad_s,
-        element_age_days: stretch.element_age_days(propagator, passage_s),
+        element_age_days: interval.element_age_days(propagator, passage_s),
         chi_square: 0.0,
         terms: 0,
         p_value: 0.0,
@@ -165,7 +166,7 @@ impl Sigmas {
 
 /// Finds the delay with which a satellite passes nearest to the middle of the streak at a time.
 fn meet(
-    stretch: &Stretch<'_>,
+    interval: &ExposureInterval<'_>,
     propagator: &Propagator,
     streak: &MeasuredStreak,
     time_s: f64,
@@ -175,7 +176,7 @@ fn meet(
     let longest_s = 0.1 * propagator.period_s();
     let mut late_s = guess_s;
     for _ in 0..MOST_STEPS {
-        let sighting = stretch.sighting(propagator, time_s, late_s).ok()?;
+        let sighting = interval.sighting(propagator, time_s, late_s).ok()?;
         let square = sighting.own_rate.norm_squared();
         if square == 0.0 {
             return None;
@@ -210,8 +211,8 @@ struct Line {
 }
 
 impl Line {
-    fn new(track: &LateTrack<'_>, passage_s: f64, streak: &MeasuredStreak, beside_rad: f64) -> Self {
-        let (direction, rate) = track.place(passage_s);
+    fn new(track: &DelayedTrack<'_>, passage_s: f64, streak: &MeasuredStreak, beside_rad: f64) -> Self {
+        let (direction, rate) = track.direction(passage_s);
         let (east, north) = direction.east_north();
         let position_angle_rad = rate.dot(&east).atan2(rate.dot(&north)).rem_euclid(TAU);
         let rate_rad_s = rate.norm();
@@ -231,7 +232,7 @@ impl Line {
             let half_s = sign * 0.5 * length_rad / rate_rad_s;
             let at = [(ends[0], passage_s - half_s), (ends[1], passage_s + half_s)].map(|(end, guess_s)| {
                 let time_s = track.nearest_s(&end, guess_s);
-                let (direction, rate) = track.place(time_s);
+                let (direction, rate) = track.direction(time_s);
                 (time_s, end.vector().dot(&side(&direction, &rate)).clamp(-1.0, 1.0).asin())
             });
             line.times_s = [at[0].0, passage_s, at[1].0];
@@ -249,12 +250,12 @@ impl Line {
         is_timed.then(|| 0.5 * (streak.duration_s() - self.times_s[0] - self.times_s[2]))
     }
 
-    /// Returns the measured less the predicted length with its sigma, and the predicted length.
-    fn length(&self, track: &LateTrack<'_>, streak: &MeasuredStreak, sigmas: &Sigmas) -> Option<(Offset, f64)> {
+    /// Length measured less predicted with its sigma, and the predicted one.
+    fn length(&self, track: &DelayedTrack<'_>, streak: &MeasuredStreak, sigmas: &Sigmas) -> Option<(Offset, f64)> {
         let length_rad = streak.length_rad()?;
         let (is_whole, predicted_rad) = match streak.timing() {
             Timing::Within => (false, self.rate_rad_s * streak.duration_s()),
-            _ => (true, track.place(0.0).0.separation_rad(&track.place(streak.duration_s()).0)),
+            _ => (true, track.direction(0.0).0.separation_rad(&track.direction(streak.duration_s()).0)),
         };
         let clock_rad = self.rate_rad_s * streak.time_sigma_s();
         let sigma = (2.0 * streak.place_sigma_rad().powi(2)

@@ -18,7 +18,7 @@ use super::likelihood::{Candidate, log_weight_of_unknown, set_probabilities};
 use super::streak::MeasuredStreak;
 use crate::frames::{Direction, Gcrs, Position};
 use crate::orbit::{LeftOut, Propagator, State};
-use crate::passes::{Exposure, Sky, Stretch};
+use crate::passes::{Exposure, ExposureInterval, Sky};
 use crate::photometry::PhotometryOptions;
 
 /// Reach of the search, sigmas, and least reach.
@@ -69,11 +69,11 @@ pub fn identify_streak(
         pointing: streak.place(),
         rotation_rad: 0.0,
     };
-    let stretch = sky.stretch(&exposure)?;
+    let interval = sky.exposure_interval(&exposure)?;
     let found: Vec<(Vec<Candidate>, Option<LeftOut>)> = (0..sky.elements().len())
         .into_par_iter()
         .with_min_len(64)
-        .map(|element_index| one_satellite(&stretch, element_index, streak, options))
+        .map(|element_index| one_satellite(&interval, element_index, streak, options))
         .collect();
     let mut left_out = sky.left_out().to_vec();
     let mut candidates = Vec::new();
@@ -91,17 +91,17 @@ pub fn identify_streak(
 
 /// Returns the best passage of one satellite, if there is one.
 fn one_satellite(
-    stretch: &Stretch<'_>,
+    interval: &ExposureInterval<'_>,
     element_index: usize,
     streak: &MeasuredStreak,
     options: &IdentifyOptions,
 ) -> (Vec<Candidate>, Option<LeftOut>) {
-    let Some(propagator) = stretch.propagator(element_index) else { return (Vec::new(), None) };
-    let mid_s = 0.5 * stretch.duration_s();
-    if let Err(reason) = stretch.state(propagator, mid_s, 0.0) {
+    let Some(propagator) = interval.propagator(element_index) else { return (Vec::new(), None) };
+    let mid_s = 0.5 * interval.duration_s();
+    if let Err(reason) = interval.state(propagator, mid_s, 0.0) {
         return (Vec::new(), Some(LeftOut { norad_id: propagator.norad_id(), element_index, reason }));
     }
-    let errors = stretch.uncertainty(element_index, stretch.element_age_days(propagator, mid_s));
+    let errors = interval.uncertainty(element_index, interval.element_age_days(propagator, mid_s));
     let along_s = REACH_SIGMAS * errors.along_track_s.hypot(streak.time_sigma_s());
     let across_rad = REACH_SIGMAS * (errors.cross_track_km / NEAR_KM).hypot(streak.place_sigma_rad());
     let reach = Reach {
@@ -109,13 +109,13 @@ fn one_satellite(
         along_track_s: (along_s.max(LEAST_REACH_S) + mid_s).min(0.5 * propagator.period_s()),
         cross_track_rad: across_rad.clamp(LEAST_REACH_RAD, 0.5),
     };
-    let mut delays = delays_s(stretch, element_index, streak, &reach);
+    let mut delays = delays_s(interval, element_index, streak, &reach);
     delays.sort_by(f64::total_cmp);
     delays.dedup_by(|a, b| (*a - *b).abs() < SAME_PASSAGE_S);
     let best = delays
         .into_iter()
         .filter_map(|guess_s| {
-            compare(stretch, element_index, streak, guess_s, &reach, &options.photometry, options.include_dark)
+            compare(interval, element_index, streak, guess_s, &reach, &options.photometry, options.include_dark)
         })
         .max_by(|a, b| a.log_weight.total_cmp(&b.log_weight));
     (best.into_iter().collect(), None)
@@ -132,22 +132,22 @@ const MOST_STEPS: usize = 30;
 
 /// Returns first guesses of the delays with which a satellite passes the streak, seconds; empty if it does not. An observer in orbit
 /// may see two positions of one orbit in the same direction.
-fn delays_s(stretch: &Stretch<'_>, element_index: usize, streak: &MeasuredStreak, reach: &Reach) -> Vec<f64> {
-    let mid_s = 0.5 * stretch.duration_s();
-    let Some(propagator) = stretch.propagator(element_index) else { return Vec::new() };
-    let Ok(state) = stretch.state(propagator, mid_s, 0.0) else { return Vec::new() };
-    let observer = stretch.observer(mid_s);
+fn delays_s(interval: &ExposureInterval<'_>, element_index: usize, streak: &MeasuredStreak, reach: &Reach) -> Vec<f64> {
+    let mid_s = 0.5 * interval.duration_s();
+    let Some(propagator) = interval.propagator(element_index) else { return Vec::new() };
+    let Ok(state) = interval.state(propagator, mid_s, 0.0) else { return Vec::new() };
+    let observer = interval.observer(mid_s);
     let towards = streak.place();
     let (r, v) = (state.position.vector(), state.velocity.vector());
     let Some(normal) = r.cross(v).try_normalize(0.0) else { return Vec::new() };
-    if stretch.sky().elements()[element_index].eccentricity > CIRCULAR {
+    if interval.sky().elements()[element_index].eccentricity > CIRCULAR {
         // Position at which the line of sight meets the orbital plane.
         let range_km = -normal.dot(observer.vector()) / normal.dot(towards.vector());
         if !(range_km > 0.0 && range_km.is_finite()) {
             return Vec::new();
         }
         let place = observer.vector() + towards.vector() * range_km;
-        return delay_on_eccentric(stretch, propagator, &place, mid_s)
+        return delay_on_eccentric(interval, propagator, &place, mid_s)
             .filter(|late_s| late_s.abs() <= reach.along_track_s + SLOP_KM)
             .into_iter()
             .collect();
@@ -172,11 +172,11 @@ fn angle_to(state: &State<Gcrs>, place: &Vector3<f64>) -> f64 {
 }
 
 /// Returns the delay for an eccentric orbit, in steps of SGP4 with the current angular rate.
-fn delay_on_eccentric(stretch: &Stretch<'_>, propagator: &Propagator, place: &Vector3<f64>, mid_s: f64) -> Option<f64> {
+fn delay_on_eccentric(interval: &ExposureInterval<'_>, propagator: &Propagator, place: &Vector3<f64>, mid_s: f64) -> Option<f64> {
     let longest_s = 0.1 * propagator.period_s();
     let mut late_s = 0.0;
     for _ in 0..MOST_STEPS {
-        let state = stretch.state(propagator, mid_s, late_s).ok()?;
+        let state = interval.state(propagator, mid_s, late_s).ok()?;
         let momentum = state.position.vector().cross(state.velocity.vector()).norm();
         let step_s = angle_to(&state, place) * state.position.vector().norm_squared() / momentum;
         late_s -= step_s.clamp(-longest_s, longest_s);

@@ -1,4 +1,4 @@
-//! A stretch of one orbit, interpolated between a few places of SGP4 to millimetres.
+//! A part of one orbit, interpolated between a few positions of SGP4 to millimetres.
 
 use nalgebra::Vector3;
 
@@ -7,34 +7,36 @@ use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
 /// A step between two nodes that is short enough for any orbit, seconds.
 ///
-/// A cubic through four places errs by h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and 300 km height, less
-/// elsewhere. SGP4's velocities would not do: on eccentric orbits they leave its positions by J₂ e v, metres in half a minute.
+/// A cubic through four positions errs by h⁴/24 · |r⁗| with |r⁗| = r ω⁴ (circular orbit): 4 mm at h = 10 s and 300 km
+/// height, less elsewhere. SGP4's velocities are not used: on eccentric orbits they differ from the rate of its
+/// positions by J₂ e v, metres in half a minute.
 const LONGEST_STEP_S: f64 = 10.0;
-/// Longest step as an angle about the Earth's centre, radians: (ωh)⁴/24 of the distance, 3 cm for a geosynchronous satellite.
+/// Longest step as an angle about the Earth's centre, radians: (ωh)⁴/24 of the distance, 3 cm for a geosynchronous
+/// satellite.
 const LONGEST_STEP_RAD: f64 = 0.0115;
 /// A cubic needs four nodes.
 const FEWEST_STEPS: f64 = 3.0;
 
-/// Positions and velocities of one satellite over a stretch of time, GCRS.
+/// Positions and velocities of one satellite over a time interval, GCRS.
 ///
 /// Times are seconds after the caller's own reference.
 #[derive(Clone, Debug)]
-pub struct Arc {
+pub struct OrbitArc {
     start_s: f64,
     step_s: f64,
     /// At least four, evenly spaced, km.
     positions: Vec<Vector3<f64>>,
 }
 
-impl Arc {
+impl OrbitArc {
     /// Propagates to evenly spaced nodes over [`start_s`, `start_s + duration_s`].
     ///
     /// `reference_minutes` is the caller's reference time in minutes after the element epoch. The rotation is taken as
     /// constant: TEME turns by less than 1e-6 arcsec in 30 s.
     ///
     /// # Errors
-    /// [`OrbitError`] where SGP4 breaks down or the satellite has decayed at one of the nodes, or where positions and velocities
-    /// contradict one another.
+    /// [`OrbitError`] where SGP4 fails or the satellite has decayed at one of the nodes, or where velocities are not
+    /// the rate of positions.
     pub fn new(
         propagator: &Propagator,
         reference_minutes: f64,
@@ -46,11 +48,11 @@ impl Arc {
         Self::over_pass(propagator, reference_minutes, start_s, duration_s, teme_to_gcrs, turning_rad_s)
     }
 
-    /// As [`Arc::new`] over a stretch on which the satellite is known to turn about the Earth's centre by `turning_rad_s` at most: nodes as far apart as that
-    /// allows.
+    /// As [`OrbitArc::new`] for an interval in which the satellite turns about the Earth's centre by `turning_rad_s` at
+    /// most: nodes as far apart as that allows.
     ///
     /// # Errors
-    /// As [`Arc::new`].
+    /// As [`OrbitArc::new`].
     pub fn over_pass(
         propagator: &Propagator,
         reference_minutes: f64,
@@ -76,7 +78,7 @@ impl Arc {
         Ok(Self { start_s, step_s, positions })
     }
 
-    /// Position and velocity at a time inside the stretch (outside, the nearest cubic is continued).
+    /// Position and velocity at a time inside the interval (outside, the nearest cubic is continued).
     pub fn state_at(&self, time_s: f64) -> State<Gcrs> {
         let steps = (time_s - self.start_s) / self.step_s;
         // The four nodes around the moment, or the nearest four at the ends.

@@ -1,24 +1,22 @@
-//! A catalogue made ready: one propagator each, and the list of those that cannot be propagated.
+//! Propagators of a whole catalogue, and the satellites that cannot be propagated.
 
-use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::propagator::{OrbitError, Propagator};
-use super::window::Window;
 use crate::elements::{ElementSet, NoradId};
 
-/// A satellite that has no answer, and why. One such satellite never stops a night.
+/// A satellite without a position, and the reason. One such satellite never stops a night.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
-    /// Who.
+    /// NORAD catalogue number.
     pub norad_id: NoradId,
     /// Position of its element set in the catalogue.
     pub element_index: usize,
-    /// Why.
+    /// Why SGP4 has no position.
     pub reason: OrbitError,
 }
 
-/// Every satellite of a catalogue, ready to be propagated. Building takes about 1 µs a satellite and core.
+/// Propagators of a catalogue. Building takes about 1 µs a satellite and core.
 #[derive(Clone, Debug)]
 pub struct SatelliteIndex {
     /// In the catalogue's order; `None` where SGP4 cannot start.
@@ -27,7 +25,7 @@ pub struct SatelliteIndex {
 }
 
 impl SatelliteIndex {
-    /// Makes every element set ready, on all threads.
+    /// Initialises SGP4 for every element set, on all threads.
     pub fn new(elements: &[ElementSet]) -> Self {
         let made: Vec<Result<Propagator, OrbitError>> = elements.par_iter().map(Propagator::new).collect();
         let mut left_out = Vec::new();
@@ -45,7 +43,7 @@ impl SatelliteIndex {
         Self { propagators, left_out }
     }
 
-    /// How many element sets stand behind it, those left out included.
+    /// Number of element sets, those that cannot be propagated included.
     pub fn len(&self) -> usize {
         self.propagators.len()
     }
@@ -55,7 +53,8 @@ impl SatelliteIndex {
         self.propagators.is_empty()
     }
 
-    /// The propagator of the element set at this position; `None` where SGP4 cannot start or the position does not exist.
+    /// The propagator of the element set at this position; `None` where SGP4 cannot start or the position does not
+    /// exist.
     pub fn propagator(&self, element_index: usize) -> Option<&Propagator> {
         self.propagators.get(element_index)?.as_ref()
     }
@@ -65,23 +64,7 @@ impl SatelliteIndex {
         &self.left_out
     }
 
-    /// Orbit planes and phases for a stretch of time of at most [`MAX_WINDOW_S`](super::MAX_WINDOW_S).
-    ///
-    /// `reach` gives, for each satellite, how far it may be from its prediction: no candidate within that reach is lost.
-    pub fn window(&self, start: Epoch, end: Epoch, reach: &(dyn Fn(usize) -> Reach + Sync)) -> Window {
-        Window::new(self, start, end, reach)
-    }
-
     pub(super) fn propagators(&self) -> &[Option<Propagator>] {
         &self.propagators
     }
-}
-
-/// How far from its predicted place a satellite is still looked for; zero for nominal crossings alone.
-#[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub struct Reach {
-    /// Along the track, seconds.
-    pub along_track_s: f64,
-    /// Across the track, km.
-    pub cross_track_km: f64,
 }

@@ -1,24 +1,14 @@
-//! Where the satellites are: SGP4 made ready, and the orbit planes that tell at once which satellites can matter.
+//! Orbits: SGP4 for each element set, the errors of its predictions, and the search for satellites inside a cone.
 
 mod arc;
-mod beam;
-mod candidates;
 mod index;
-mod kepler;
-mod phase;
 mod propagator;
 mod resonance;
-mod shade;
-mod side;
-mod sight;
+mod search;
 mod uncertainty;
-mod window;
 
-pub use arc::Arc;
-pub use beam::Beam;
-pub use candidates::{Candidate, Cones};
-pub use index::{LeftOut, Reach, SatelliteIndex};
+pub use arc::OrbitArc;
+pub use index::{LeftOut, SatelliteIndex};
 pub use propagator::{DECAYED_RADIUS_KM, OrbitError, Propagator, State};
-pub use shade::Shade;
+pub use search::{Beam, Candidate, Cone, Cones, MAX_WINDOW_S, Reach, ShadowCone, Window};
 pub use uncertainty::{OrbitClass, OrbitKind, OrbitUncertainty, uncertainty};
-pub use window::{Cone, MAX_WINDOW_S, Window};

@@ -1,4 +1,4 @@
-//! SGP4 made ready for one satellite. TEME never leaves this room.
+//! SGP4 for one satellite. TEME is used inside this module only.
 
 use hifitime::{Epoch, Unit};
 use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
@@ -11,34 +11,36 @@ use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::elements::{ElementSet, NoradId};
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
 
-/// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code (error 6).
+/// Below this distance from the Earth's centre a satellite has decayed: one Earth radius of WGS72, as in the AFSPC code
+/// (error 6).
 pub const DECAYED_RADIUS_KM: f64 = 6378.135;
 
-/// Positions and velocities of two moments may disagree by this, km: h³/12 · |r‴| is 2 m for the fastest orbit there is in 10 s. SGP4's velocity leaves out how drag
-/// changes the mean motion, which shows when elements years old run away.
+/// Largest disagreement of positions and velocities of two times, km: h³/12 · |r‴| is 2 m for the fastest orbit in 10
+/// s. SGP4's velocity leaves out the change of the mean motion by drag, which shows where the drag terms of elements
+/// years old diverge.
 const LARGEST_GAP_KM: f64 = 1.0;
 /// The same over longer steps, km/s: 0.4 km in a minute by h³/12 · |r‴|, and some m/s where Moon and Sun pull most.
 const LARGEST_MISMATCH_KM_S: f64 = 0.1;
 
-/// Why a satellite has no position.
+/// Reasons for which a satellite has no position.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum OrbitError {
     /// SGP4 cannot start from these elements.
     #[error("satellite {norad_id}: SGP4 cannot start from its elements: {reason}")]
     Elements {
-        /// Whose elements.
+        /// NORAD catalogue number.
         norad_id: NoradId,
-        /// SGP4's own words.
+        /// SGP4's message.
         reason: String,
     },
-    /// SGP4's elements left their range on the way.
+    /// SGP4's elements left their range during the propagation.
     #[error("satellite {norad_id}: SGP4 breaks down {days_since_epoch:.2} days after its element epoch: {reason}")]
     Diverged {
-        /// Whose elements.
+        /// NORAD catalogue number.
         norad_id: NoradId,
-        /// Days from the element epoch to the moment asked for.
+        /// Days from the element epoch to the requested time.
         days_since_epoch: f64,
-        /// SGP4's own words.
+        /// SGP4's message.
         reason: String,
     },
     /// The predicted orbit has met the ground.
@@ -46,9 +48,9 @@ pub enum OrbitError {
         "satellite {norad_id} has decayed: {radius_km:.0} km from the Earth's centre {days_since_epoch:.2} days after its element epoch (allowed: at least {DECAYED_RADIUS_KM} km)"
     )]
     Decayed {
-        /// Whose elements.
+        /// NORAD catalogue number.
         norad_id: NoradId,
-        /// Days from the element epoch to the moment asked for.
+        /// Days from the element epoch to the requested time.
         days_since_epoch: f64,
         /// Predicted distance from the Earth's centre, km.
         radius_km: f64,
@@ -101,8 +103,9 @@ impl Propagator {
             elements.mean_motion_rev_day * (PI / 720.0),
         )
         .map_err(|error| fail(error.to_string()))?;
-        // Julian years from J2000 (UTC); SGP4 needs them for the Moon, the Sun and the sidereal time at epoch. By way of the Julian date in one
-        // f64, which rounds to 40 µs, because the AFSPC code does so: 4 mm on deep-space orbits of the verification set.
+        // Julian years from J2000 (UTC); SGP4 needs them for the Moon, the Sun and the sidereal time at epoch. By way
+        // of the Julian date in one f64, which rounds to 40 µs, because the AFSPC code does so: 4 mm on deep-space
+        // orbits of the verification set.
         let years = ((elements.epoch.to_mjd_utc_days() + 2_400_000.5) - 2_451_545.0) / 365.25;
         let constants =
             Constants::new(WGS72, afspc_epoch_to_sidereal_time, years, elements.bstar_per_earth_radius, orbit)
@@ -122,7 +125,7 @@ impl Propagator {
         })
     }
 
-    /// Position integrated all the way from the element epoch; `None` for orbits without resonances.
+    /// Position integrated from the element epoch; `None` for orbits without resonances.
     #[cfg(test)]
     pub(super) fn position_from_the_epoch(&self, minutes: f64) -> Option<[f64; 3]> {
         let mut initial = self.resonance.as_ref().and_then(|_| self.constants.initial_state())?;
@@ -130,7 +133,7 @@ impl Propagator {
         way.ok().map(|prediction| prediction.position)
     }
 
-    /// Whose orbit.
+    /// NORAD catalogue number.
     pub fn norad_id(&self) -> NoradId {
         self.norad_id
     }
@@ -140,7 +143,8 @@ impl Propagator {
         self.epoch
     }
 
-    /// Whether velocities are the rate of positions between two states, `step_s` apart, the first at `minutes` after the element epoch.
+    /// Whether velocities are the rate of positions between two states, `step_s` apart, the first at `minutes` after
+    /// the element epoch.
     ///
     /// # Errors
     /// [`OrbitError::Diverged`] where they are not: the drag terms have run away.
@@ -167,15 +171,17 @@ impl Propagator {
         })
     }
 
-    /// How fast it turns about the Earth's centre at its perigee, rad/s, with a tenth more for what changes since the element epoch.
+    /// Rate at which it turns about the Earth's centre at its perigee, rad/s, with a tenth more for changes since the
+    /// element epoch.
     pub fn fastest_turn_rad_s(&self) -> f64 {
         // dν/dt = n (1 + e)² / (1 - e²)^{3/2} at ν = 0
         let e = self.eccentricity;
         1.1 * TAU / self.period_s * (1.0 + e).powi(2) / (1.0 - e * e).powf(1.5)
     }
 
-    /// Minutes from the element epoch to `epoch` by the clock of UTC, in whatever scale `epoch` is given: leap seconds in between are not
-    /// counted, as in the AFSPC code and in python-sgp4. The last one was inserted at the end of 2016.
+    /// Minutes from the element epoch to `epoch` by the clock of UTC, in whatever scale `epoch` is given: leap seconds
+    /// in between are not counted, as in the AFSPC code and in python-sgp4. The last one was inserted at the end of
+    /// 2016.
     pub fn minutes_since_epoch(&self, epoch: Epoch) -> f64 {
         (epoch.to_utc_duration() - self.epoch.to_utc_duration()).to_unit(Unit::Minute)
     }
@@ -213,7 +219,8 @@ impl Propagator {
         (semi_major_axis_km * (1.0 - self.eccentricity), semi_major_axis_km * (1.0 + self.eccentricity))
     }
 
-    /// The raw answer of SGP4, sound or not, TEME, km and km/s, `minutes` after the element epoch: for verification against other implementations.
+    /// The raw result of SGP4, valid or not, TEME, km and km/s, `minutes` after the element epoch: for verification
+    /// against other implementations.
     ///
     /// # Errors
     /// [`OrbitError::Diverged`] and [`OrbitError::Decayed`].
@@ -229,7 +236,7 @@ impl Propagator {
             })?;
         let [x, y, z] = prediction.position;
         let radius_km = (x * x + y * y + z * z).sqrt();
-        // A position that is not a number has decayed too.
+        // NaN counts as decayed too.
         if radius_km.is_nan() || radius_km < DECAYED_RADIUS_KM {
             return Err(OrbitError::Decayed { norad_id: self.norad_id, days_since_epoch: minutes / 1440.0, radius_km });
         }
@@ -240,7 +247,7 @@ impl Propagator {
     pub(super) fn teme_state(&self, minutes: f64) -> Result<State<Teme>, OrbitError> {
         let ([x, y, z], [u, v, w]) = self.teme_state_at_minutes(minutes)?;
         let radius_km = (x * x + y * y + z * z).sqrt();
-        // No orbit of this energy reaches farther than twice its semi-major axis: drag terms have run away.
+        // No orbit of this energy reaches farther than twice its semi-major axis: drag terms have diverged.
         if radius_km > self.farthest_km {
             return Err(OrbitError::Diverged {
                 norad_id: self.norad_id,

@@ -1,20 +1,20 @@
-//! The integration of half-day and one-day orbits, kept where questions are asked.
+//! Integration state of half-day and one-day orbits, kept near the times that are evaluated.
 //!
-//! SDP4 integrates the resonances of such orbits in steps of 720 minutes from the element epoch on. For elements years old
-//! that is a thousand times the work of all else, again for each moment asked. So the state reached is kept, a few days
-//! on the epoch's side of the last far question, and later questions go on from there. The steps are the same ones from
-//! the same place, so answers stay the same bit for bit, whatever was asked before.
+//! SDP4 integrates the resonances of such orbits in steps of 720 minutes from the element epoch on. For elements years
+//! old that is a thousand times the work of all else, again for each time. So the state reached is kept, a few days on
+//! the epoch's side of the last distant time, and later evaluations continue from there. The steps are the same ones
+//! from the same state, so results are identical bit for bit, whatever was evaluated before.
 
 use std::sync::{Mutex, PoisonError};
 
 use sgp4::{Constants, MinutesSinceEpoch, ResonanceState};
 
-/// A question farther than this from the kept state moves it, minutes: below, the steps cost less than one evaluation.
+/// A time farther than this from the kept state moves it, minutes: below, the steps cost less than one evaluation.
 const FAR_MIN: f64 = 20.0 * 1440.0;
-/// The kept state stays this far on the epoch's side of the question, minutes: arcs and waits go back and forth by days.
+/// The kept state stays this far on the epoch's side of the time, minutes: arcs and waits go back and forth by days.
 const BACK_MIN: f64 = 5.0 * 1440.0;
 
-/// Where the integration of one orbit starts, and how far it has come.
+/// Start of the integration of one orbit, and the state kept.
 pub(super) struct Resonance {
     initial: ResonanceState,
     kept: Mutex<ResonanceState>,
@@ -63,8 +63,8 @@ mod tests {
     use super::super::propagator::Propagator;
     use crate::elements::{ElementSet, NoradId, Origin};
 
-    /// A half-day and a one-day orbit, asked near and far, back and forth, before and after the epoch: the same to the last
-    /// bit as integrated all the way from the epoch.
+    /// A half-day and a one-day orbit, asked near and far, back and forth, before and after the epoch: the same to the
+    /// last bit as integrated all the way from the epoch.
     #[test]
     fn verif_what_was_asked_before_changes_no_bit() {
         for (mean_motion_rev_day, eccentricity, inclination_deg) in [(2.0056, 0.7, 63.4), (1.0027, 0.0002, 0.05)] {

@@ -1,8 +1,8 @@
-//! How wrong an element set is at some age: seconds along the track, kilometres across it.
+//! Error of an element set by its age: seconds along the track, kilometres across it.
 //!
 //! Public element sets err by about a kilometre at epoch, and then mostly *along* the track: the satellite comes early
-//! or late on nearly the right path. By how much depends on what moves it. The published derivative of the mean motion
-//! says most of it: a satellite that drag (or its own thruster) takes far, takes its element set far from the truth.
+//! or late on nearly the right path. The amount depends on what moves it, which the published derivative of the mean
+//! motion mostly gives: strong drag, or thrust, means large errors.
 //!
 //! ```text
 //! along² = floor² + (k1 t)² + (k2 t²)² + (c D t²)² + (f D^q t^p)²       s, capped at 0.3413 P
@@ -16,20 +16,20 @@
 //!
 //! `tests/reference/calibrate_orbit_uncertainty.py`: element sets propagated to the epoch of later ones of the same
 //! object, 151,000 pairs forward in time from 0.2 to 400 days; half of the objects are fitted, half held out. A sigma
-//! is the half width that holds 68.27 % of the residuals, so heavy tails are in it. The pairs: 72 Starlinks daily over
-//! 84 days of 2026, all Starlinks of two days 84 days apart, the histories of six Starlinks of 2019 (with raising and
-//! decay), of Sentinel-6A and of a geostationary satellite, Starlinks of winter 2020/21, and catalogues of 2022 and
-//! 2023 that lie 75 days and more apart. What that leaves thin: ordinary low satellites and debris between 1 and
-//! 60 days (Sentinel-6A, Swift and its visitor only), medium orbits below 75 days, eccentric ones at all (thirty objects).
+//! is the half width that holds 68.27 % of the residuals, so heavy tails are included. The pairs: 72 Starlinks daily
+//! over 84 days of 2026, all Starlinks of two days 84 days apart, the histories of six Starlinks of 2019 (with raising
+//! and decay), of Sentinel-6A and of a geostationary satellite, Starlinks of winter 2020/21, and catalogues of 2022 and
+//! 2023 that lie 75 days and more apart. Few pairs: ordinary low satellites and debris between 1 and 60 days
+//! (Sentinel-6A, Swift and its visitor only), medium orbits below 75 days, eccentric ones at all (thirty objects).
 //!
 //! Held-out residuals along the track within one sigma, by age from 0.2 to 40 days: on station 66-86 %, manoeuvring
 //! 61-83 %, geosynchronous 64-81 %, low Earth orbit 82-97 % (Sentinel-6A is better than the floor and than the
 //! catalogues months apart would have it; those alone give 33-69 % beyond 70 days). Going *back* from an epoch is
 //! better, by a factor of two or three in the first days, because an element set was fitted to the days before it;
-//! sigma is even in age all the same, and so on the safe side there (84-92 % on station). Across the track 55-92 %.
+//! sigma is even in age all the same, and so too large there (84-92 % on station). Across the track 55-92 %.
 //!
-//! Beyond 400 days the same growth is continued up to the caps. At 0.3413 P (68.27 % of half a turn) every place along
-//! the orbit is equally likely, and nothing can be said but the plane.
+//! Beyond 400 days the same growth is extrapolated up to the caps. At 0.3413 P (68.27 % of half a turn) every position
+//! along the orbit is equally likely, and only the plane is known.
 
 use std::f64::consts::TAU;
 
@@ -38,7 +38,7 @@ use crate::elements::{ElementSet, Origin};
 
 /// WGS72 equatorial radius, km.
 const WGS72_RADIUS_KM: f64 = 6_378.135;
-/// Error along the track at epoch, km: sets that share their observations hide it, so it is not fitted.
+/// Error along the track at epoch, km. Not fitted: sets that share their observations do not show it.
 const ALONG_FLOOR_KM: f64 = 1.0;
 /// Error across the track at epoch, km. Streaks of known Starlinks on the Plaskett frames of Boley et al. (2021) stand
 /// off by 50 arcsec in the median: a sigma of 74 arcsec, 0.3 km at 800 km.
@@ -57,16 +57,16 @@ pub struct OrbitUncertainty {
     /// Early or late along the track, seconds.
     pub along_track_s: f64,
     /// Off the track in one direction at right angles to it, km: one number for the direction out of the orbit's
-    /// plane and for the radius, whichever the observer sees.
+    /// plane and for the radius.
     pub cross_track_km: f64,
 }
 
-/// What moves a satellite, as far as one element set tells.
+/// What moves a satellite, by one element set.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
 pub enum OrbitKind {
-    /// Of a constellation that holds its orbits by thrusters, and holding its orbit.
+    /// Member of a constellation that holds its orbits by thrusters, and holding its orbit.
     OnStation,
-    /// Of such a constellation, and on the way: raised, lowered, or decaying.
+    /// Member of such a constellation, and being raised, lowered, or decaying.
     Manoeuvring,
     /// Any other orbit with a period below 128 min (2,000 km).
     LowEarth,
@@ -76,7 +76,7 @@ pub enum OrbitKind {
     Geosynchronous,
     /// Eccentricity above 0.1, any period.
     Eccentric,
-    /// No satellite at all: a shell made for a moment. It has the errors of an epoch and never ages.
+    /// Simulated satellite of a shell. It has the errors of an epoch at any age.
     Synthetic,
 }
 
@@ -102,10 +102,10 @@ impl OrbitClass {
 
     /// The class of an element set.
     ///
-    /// One set alone cannot be sure of a manoeuvre. Of 5,370 daily sets of 72 Starlinks, judged by the rule of three
-    /// sets (|da/dt| < 100 m a day), 83 % are called rightly: 96 % of those on station, 58 % of those on the way; the ones missed
-    /// move by 190 m a day in the median, and their own ṅ widens their sigma. Where there is no telling name, orbits like a
-    /// constellation's (inclination, altitude, nearly circular) count as the constellation's.
+    /// One set alone does not show every manoeuvre. Of 5,370 daily sets of 72 Starlinks, judged by the rule of three
+    /// sets (|da/dt| < 100 m a day), 83 % are classified correctly: 96 % of those on station, 58 % of the manoeuvring
+    /// ones; the ones missed move by 190 m a day in the median, and their own ṅ widens their sigma. Without a name,
+    /// orbits like a constellation's (inclination, altitude, nearly circular) count as the constellation's.
     pub fn of(elements: &ElementSet) -> Self {
         let kind = match elements.origin {
             Origin::Synthetic => OrbitKind::Synthetic,
@@ -121,8 +121,8 @@ impl OrbitClass {
     }
 }
 
-/// How wrong an element set of this class is at this age (days, of either sign): finite, even in age, never smaller at
-/// a larger age.
+/// One-sigma errors of an element set of this class at this age (days, of either sign): finite, even in age, never
+/// smaller at a larger age.
 ///
 /// ```
 /// use streakcast::orbit::{OrbitClass, OrbitKind, uncertainty};
@@ -148,7 +148,7 @@ pub fn uncertainty(class: OrbitClass, age_days: f64) -> OrbitUncertainty {
     let shift_km_day = 4.0 / 3.0 * axis_km * class.drag_s_day2 / DAY_S;
     let cross_km = [CROSS_FLOOR_KM, growth.kx * age.powf(growth.px), growth.cx * shift_km_day * age];
     OrbitUncertainty {
-        // `min` also takes the cap where an absurd age or drag made a NaN.
+        // `min` also returns the cap for NaN of an extreme age or drag.
         along_track_s: root_sum_square(&along_s).min(CAP_TURNS * class.period_s),
         cross_track_km: root_sum_square(&cross_km).min(CROSS_CAP_KM),
     }
@@ -164,16 +164,16 @@ struct Growth {
     k1: f64,
     /// s/day².
     k2: f64,
-    /// Part of the drag that is wrong.
+    /// Relative error of the drag.
     c: f64,
-    /// What a wrong drag leaves in the mean motion, s^(1-q) day^(2q-p).
+    /// Error of the mean motion from a wrong drag, s^(1-q) day^(2q-p).
     f: f64,
     p: f64,
     q: f64,
     /// km/day^px.
     kx: f64,
     px: f64,
-    /// Part of the fall that is wrong.
+    /// Relative error of the fall.
     cx: f64,
 }
 
@@ -210,10 +210,11 @@ fn published_kind(elements: &ElementSet) -> OrbitKind {
     }
 }
 
-/// Names under which the constellations that hold their orbits by thrusters are catalogued.
+/// Catalogue names of the constellations that hold their orbits by thrusters.
 const CONSTELLATION_NAMES: [&str; 5] = ["STARLINK", "ONEWEB", "KUIPER", "QIANFAN", "HULIANWANG"];
 
-/// Inclinations (deg) and mean altitudes (km) in which those constellations were found on 2026-04-25, in the same order.
+/// Inclinations (deg) and mean altitudes (km) in which those constellations were found on 2026-04-25, in the same
+/// order.
 const CONSTELLATION_ORBITS: [(&[f64], f64, f64); 5] = [
     (&[43.0, 53.05, 53.16, 70.0, 97.3, 97.65], 200.0, 620.0),
     (&[87.9], 450.0, 1_250.0),
@@ -224,7 +225,7 @@ const CONSTELLATION_ORBITS: [(&[f64], f64, f64); 5] = [
 
 fn of_a_constellation(elements: &ElementSet) -> bool {
     let name = elements.name.to_ascii_uppercase();
-    // "OBJECT A", "TBA" and bare designators name nobody.
+    // "OBJECT A", "TBA" and bare designators are not names.
     let nameless = name.is_empty()
         || name.starts_with("OBJECT")
         || name.starts_with("TBA")

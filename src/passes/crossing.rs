@@ -1,20 +1,14 @@
-//! Entry and exit: where a track cuts the borders of a field, to well under a millisecond.
+//! Entry and exit: the times at which a track crosses the borders of a field, to well under a millisecond.
 //!
-//! The track is any smooth function of time. It is cut into steps over which it turns by no more than a degree or two; in each
-//! the angle to a centre has at most one extreme, found from the sign of its derivative, so that between neighbouring times
-//! every angle is monotone and every root alone. Polygons are met on the tangent plane, where the track is nearly straight.
+//! The track is any smooth function of time. It is cut into steps over which it turns by no more than a degree or two;
+//! in each the angle to a centre has at most one extreme, found from the sign of its derivative, so that between
+//! neighbouring times every angle is monotone and every root alone. Polygons are met on the tangent plane, where the
+//! track is nearly straight.
 
 use nalgebra::Vector3;
 
 use super::field::{Border, FieldOnSky, holds, sides};
-use super::track::Chord;
-
-/// A line of sight and its rate of change; only its direction matters, not its length.
-#[derive(Copy, Clone, Debug)]
-pub(super) struct Sight {
-    pub vector: Vector3<f64>,
-    pub rate_s: Vector3<f64>,
-}
+use super::track::{Chord, Sight};
 
 impl Sight {
     /// Angle to an axis, radians.
@@ -34,10 +28,10 @@ impl Sight {
     }
 }
 
-/// What the geometry of track and field says.
+/// Chords of a track through a field, and its closest approach.
 #[derive(Clone, Debug)]
 pub(super) struct Crossing {
-    /// Stretches inside, in time order, none overlapping.
+    /// Parts of the track inside, in time order, none overlapping.
     pub chords: Vec<Chord>,
     /// Least angle to the centre of the field, radians.
     pub min_separation_rad: f64,
@@ -45,18 +39,21 @@ pub(super) struct Crossing {
     pub closest_s: f64,
 }
 
-/// Steps are at most this long, seconds, whatever the speed: a distant satellite's parallax turns its track within hours.
+/// Steps are at most this long, seconds, whatever the speed: a distant satellite's parallax turns its track within
+/// hours.
 const LONGEST_STEP_S: f64 = 60.0;
 /// Steps turn the line of sight by at most about this angle, radians.
 const LARGEST_TURN_RAD: f64 = 0.03;
-/// Nor do they take the satellite farther than this share of its distance: one that comes straight on turns only as it passes.
+/// Nor do they take the satellite farther than this share of its distance: one that comes straight on turns only as it
+/// passes.
 const LARGEST_APPROACH: f64 = 0.25;
 /// Roots are closed to this, seconds.
 const ROOT_S: f64 = 1e-7;
-/// Inside the bounding circle of a polygon steps turn by at most this, radians: the arc leaves its chord by 0.01 arcsec at most.
+/// Inside the bounding circle of a polygon steps turn by at most this, radians: the arc leaves its chord by 0.01 arcsec
+/// at most.
 const POLYGON_TURN_RAD: f64 = 5e-4;
 
-/// Cuts a track with a field over [`start_s`, `end_s`].
+/// Chords of a track through a field over [`start_s`, `end_s`].
 pub(super) fn cross(track: &impl Fn(f64) -> Sight, start_s: f64, end_s: f64, field: &FieldOnSky) -> Crossing {
     cross_samples(track, &sample(track, start_s, end_s), field)
 }
@@ -78,8 +75,8 @@ pub(super) fn cross_samples(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sigh
                 }
                 Border::Outline(corners) => {
                     let near = near.get_or_insert_with(|| near_polygons(track, &with_extremes, field));
-                    for stretch in near.iter() {
-                        inside_polygon(track, stretch, corners, field, &mut chords);
+                    for part in near.iter() {
+                        inside_polygon(track, part, corners, field, &mut chords);
                     }
                 }
             }
@@ -159,10 +156,10 @@ fn inside_circle(
     chords.extend(enter_s.map(|enter_s| Chord { enter_s, exit_s: before.0 }));
 }
 
-/// A stretch of the track inside the bounding circle, finely sampled on the tangent plane.
-type Stretch = Vec<(f64, [f64; 2])>;
+/// A part of the track inside the bounding circle, finely sampled on the tangent plane.
+type Part = Vec<(f64, [f64; 2])>;
 
-fn near_polygons(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field: &FieldOnSky) -> Vec<Stretch> {
+fn near_polygons(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field: &FieldOnSky) -> Vec<Part> {
     let mut inside = Vec::new();
     inside_circle(track, samples, field.centre(), field.bounding_radius_rad() * (1.0 + 1e-9), &mut inside);
     inside
@@ -184,14 +181,14 @@ fn near_polygons(track: &impl Fn(f64) -> Sight, samples: &[(f64, Sight)], field:
 
 fn inside_polygon(
     track: &impl Fn(f64) -> Sight,
-    stretch: &Stretch,
+    part: &Part,
     corners: &[[f64; 2]],
     field: &FieldOnSky,
     chords: &mut Vec<Chord>,
 ) {
-    let (Some((first_s, _)), Some((last_s, _))) = (stretch.first(), stretch.last()) else { return };
+    let (Some((first_s, _)), Some((last_s, _))) = (part.first(), part.last()) else { return };
     let mut times_s = vec![*first_s];
-    for pair in stretch.windows(2) {
+    for pair in part.windows(2) {
         let ((a_s, a), (b_s, b)) = (pair[0], pair[1]);
         for (from, to) in sides(corners) {
             // Side of the edge's line on which a point lies.
@@ -232,8 +229,8 @@ pub(super) fn merge(mut chords: Vec<Chord>) -> Vec<Chord> {
     merged
 }
 
-/// A root between two times at which the function has opposite signs, to [`ROOT_S`]: inverse quadratic steps where they are
-/// safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
+/// A root between two times at which the function has opposite signs, to [`ROOT_S`]: inverse quadratic steps where they
+/// are safe, else bisection (Chandrupatla 1997, Adv. Eng. Software 28, 145).
 pub(super) fn root(function: impl Fn(f64) -> f64, one: (f64, f64), other: (f64, f64)) -> f64 {
     let ((mut a, mut fa), (mut b, mut fb)) = (one, other);
     let mut share = 0.5;
@@ -313,7 +310,8 @@ mod tests {
         assert!(miss.chords.is_empty());
     }
 
-    /// The equator is a straight line on the tangent plane: tan(ω t) = x at the border of a rectangle, and the gap of a mosaic shows.
+    /// The equator is a straight line on the tangent plane: tan(ω t) = x at the border of a rectangle, and the gap of a
+    /// mosaic shows.
     #[test]
     fn verif_rectangle_and_mosaic_against_closed_form() {
         let rate = 0.01;

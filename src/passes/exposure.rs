@@ -1,13 +1,16 @@
-//! One opening of the shutter: when, how long, where to.
+//! One exposure: start, length and pointing.
 
 use hifitime::Epoch;
 
-use crate::frames::{Direction, Gcrs};
+use super::error::{SkyError, check_epoch};
+use crate::frames::{Direction, Gcrs, seconds_between};
+use crate::orbit::MAX_WINDOW_S;
 
-/// An exposure: the shutter opens at `start` and closes `duration_s` later, tracking one place among the stars.
+/// An exposure: the shutter opens at `start` and closes `duration_s` later, while the telescope tracks one direction
+/// among the stars.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Exposure {
-    /// The schedule's own name for it.
+    /// Name in the schedule.
     pub id: String,
     /// Shutter opening.
     pub start: Epoch,
@@ -17,4 +20,38 @@ pub struct Exposure {
     pub pointing: Direction<Gcrs>,
     /// Position angle of the field's y axis, from north through east, radians.
     pub rotation_rad: f64,
+}
+
+impl Exposure {
+    /// Rejects numbers that are not finite, negative lengths, and times outside the years of the Sun's ephemeris.
+    pub(super) fn check(&self) -> Result<(), SkyError> {
+        let fail = |problem: String| Err(SkyError::Exposure { id: self.id.clone(), problem });
+        if !(self.duration_s >= 0.0 && self.duration_s.is_finite()) {
+            return fail(format!("a duration of {} s (allowed: 0 or more)", self.duration_s));
+        }
+        if !(self.pointing.vector().norm() - 1.0).abs().lt(&1e-6) || !self.rotation_rad.is_finite() {
+            return fail("a pointing or rotation that is not a number".to_owned());
+        }
+        check_epoch(self.start)
+    }
+
+    /// Shutter closing, seconds after `start`.
+    pub(super) fn end_s(&self, start: Epoch) -> f64 {
+        seconds_between(start, self.start) + self.duration_s
+    }
+}
+
+/// Exposures in order of time, in groups that one window covers; one that is longer than a window is a group of its
+/// own.
+pub(super) fn groups(exposures: &[Exposure]) -> Vec<Vec<usize>> {
+    let mut order: Vec<usize> = (0..exposures.len()).collect();
+    order.sort_by_key(|&one| exposures[one].start);
+    let mut groups: Vec<Vec<usize>> = Vec::new();
+    for one in order {
+        match groups.last_mut() {
+            Some(group) if exposures[one].end_s(exposures[group[0]].start) <= MAX_WINDOW_S => group.push(one),
+            _ => groups.push(vec![one]),
+        }
+    }
+    groups
 }

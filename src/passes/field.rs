@@ -6,31 +6,31 @@ use thiserror::Error;
 
 use crate::frames::{Direction, Gcrs};
 
-/// Why a field cannot be used.
+/// Errors of a field.
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum FieldError {
-    /// The file is not a field.
+    /// Invalid syntax of a field file.
     #[error(
-        "not a field: {0} (allowed: {{\"shapes\": [{{\"circle_deg\": d}} | {{\"rectangle_deg\": [w, h]}} | {{\"polygon_deg\": [[x, y], ...]}}], \"unit\": \"deg\"}})"
+        "invalid field: {0} (allowed: {{\"shapes\": [{{\"circle_deg\": d}} | {{\"rectangle_deg\": [w, h]}} | {{\"polygon_deg\": [[x, y], ...]}}], \"unit\": \"deg\"}})"
     )]
     Syntax(String),
     /// A unit other than degrees.
-    #[error("field unit {0:?} is not known (allowed: \"deg\")")]
+    #[error("unknown field unit {0:?} (allowed: \"deg\")")]
     Unit(String),
-    /// No shape at all.
+    /// No shapes.
     #[error("a field needs at least one shape")]
     Empty,
-    /// A circle of no or too large size.
+    /// Invalid diameter of a circle.
     #[error("field shape {shape}: a diameter of {diameter_deg} deg (allowed: above 0, at most {allowed_deg} deg)")]
     Diameter {
         /// Name or number of the shape.
         shape: String,
-        /// As given.
+        /// The given value.
         diameter_deg: f64,
-        /// The largest that can be used.
+        /// The largest allowed value.
         allowed_deg: f64,
     },
-    /// A shape that is no area on the tangent plane.
+    /// A shape without an area on the tangent plane.
     #[error("field shape {shape}: {problem}")]
     Shape {
         /// Name or number of the shape.
@@ -40,13 +40,14 @@ pub enum FieldError {
     },
 }
 
-/// Farthest that a point of a rectangle or polygon may lie from the field's centre on the tangent plane, degrees (45° on the sky).
+/// Farthest that a point of a rectangle or polygon may lie from the field's centre on the tangent plane, degrees (45°
+/// on the sky).
 const LARGEST_TANGENT_DEG: f64 = 57.3;
 
-/// A field of view about a pointing, before it is put on the sky.
+/// A field of view relative to a pointing.
 ///
-/// Rectangles and polygons live on the tangent plane at the pointing (gnomonic projection), in degrees: x to the east and y to
-/// the north at rotation 0. A circle is exact on the sphere.
+/// Rectangles and polygons are given on the tangent plane at the pointing (gnomonic projection), in degrees: x to the
+/// east and y to the north at rotation 0. A circle is exact on the sphere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Field {
     shapes: Vec<NamedShape>,
@@ -119,8 +120,9 @@ impl Field {
         Ok(Self { shapes: vec![polygon("field".to_owned(), corners_deg, [0.0, 0.0])?] })
     }
 
-    /// From the JSON form: `{"shapes": [{"name", "circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x, y], …]}],
-    /// "unit": "deg"}`. Each shape may carry `"center_deg": [x, y]` on the tangent plane. Several shapes are a mosaic.
+    /// From the JSON form: `{"shapes": [{"name", "circle_deg": d} | {"rectangle_deg": [w, h]} | {"polygon_deg": [[x,
+    /// y], …]}], "unit": "deg"}`. Each shape may carry `"center_deg": [x, y]` on the tangent plane. Several shapes are
+    /// a mosaic.
     ///
     /// # Errors
     /// Any [`FieldError`].
@@ -182,9 +184,11 @@ impl Field {
             .fold(0.0, f64::max)
     }
 
-    /// The shapes in order as closed lines on the tangent plane, degrees of the plane: x to the east and y to the north at rotation 0.
+    /// The shapes in order as closed lines on the tangent plane, degrees of the plane: x to the east and y to the north
+    /// at rotation 0.
     ///
-    /// Circles come with `points` points, 3 at least; what of them lies 90° from the pointing or farther has no place on the plane and is left out.
+    /// Circles have `points` points, 3 at least; those 90° from the pointing or farther have no position on the plane
+    /// and are left out.
     pub fn outlines_deg(&self, points: usize) -> Vec<Vec<[f64; 2]>> {
         let degrees = |point: [f64; 2]| point.map(f64::to_degrees);
         let outline = |named: &NamedShape| match &named.shape {
@@ -198,7 +202,8 @@ impl Field {
         self.shapes.iter().map(outline).collect()
     }
 
-    /// Puts the field on the sky: at `pointing`, its y axis at position angle `rotation_rad` (from north through east).
+    /// The field on the sky: centred on `pointing`, its y axis at position angle `rotation_rad` (from north through
+    /// east).
     pub fn on_sky(&self, pointing: &Direction<Gcrs>, rotation_rad: f64) -> FieldOnSky<'_> {
         let (east, north) = pointing.east_north();
         let (sin, cos) = rotation_rad.sin_cos();
@@ -286,7 +291,7 @@ fn edges(corners: &[[f64; 2]]) -> impl Iterator<Item = ([f64; 2], [f64; 2])> + '
     corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| (*a, *b))
 }
 
-/// A field at its place on the sky.
+/// A field on the sky.
 #[derive(Clone, Debug)]
 pub struct FieldOnSky<'a> {
     field: &'a Field,
@@ -327,13 +332,14 @@ impl FieldOnSky<'_> {
         })
     }
 
-    /// Place on the tangent plane of a vector in front of it, radians of the plane; `None` at 90° and beyond.
+    /// Position on the tangent plane of a vector in front of it, radians of the plane; `None` at 90° and beyond.
     pub(super) fn project(&self, sight: &Vector3<f64>) -> Option<[f64; 2]> {
         let depth = sight.dot(&self.centre);
         (depth > 0.0).then(|| [sight.dot(&self.x_axis) / depth, sight.dot(&self.y_axis) / depth])
     }
 
-    /// The border of every shape as directions, for pictures: corners of a polygon, `round` points (at least 3) of a circle; closed by itself.
+    /// The border of every shape as directions: corners of a polygon, `round` points (at least 3) of a circle, without
+    /// repeating the first.
     pub fn outlines(&self, round: usize) -> Vec<Vec<Direction<Gcrs>>> {
         let corner =
             |[x, y]: &[f64; 2]| Direction::from_vector((self.centre + self.x_axis * *x + self.y_axis * *y).normalize());

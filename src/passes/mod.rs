@@ -1,49 +1,40 @@
-//! Which satellites cross a field while the shutter is open, and what the telescope sees of them.
+//! Satellites that cross a field while the shutter is open, that pass over a site, or that are above it at a time.
+//!
+//! [`Sky`] is the entry type: a catalogue seen from one viewpoint. `field_passes` computes crossings, their probability
+//! and their light, `visible` the visible passes of a night, `snapshots` all satellites at given times, `delayed_track`
+//! tracks of delayed satellites. They share `scene` (Sun, Earth, search windows), `candidates` (the search), `track`
+//! (lines of sight), `crossing` (chords through a field), `probability`, and `evaluator` (positions and light along a
+//! line of sight).
 
-mod almanac;
-mod chance;
-mod circle_path;
-mod count;
-mod crossed;
+mod altaz;
+mod candidates;
 mod crossing;
-mod delays;
-mod expose;
+mod delayed_track;
+mod error;
+mod evaluator;
 mod exposure;
 mod field;
-mod glance;
-mod horizon;
-mod late_path;
-mod look;
+mod field_passes;
 mod models;
-mod over_site;
-mod overhead;
-mod places;
 mod probability;
 mod scene;
-mod sightline;
 mod sky;
-mod sky_tracks;
-mod stretch;
-mod survey;
+mod snapshots;
 mod track;
-mod two_body;
 mod viewpoint;
 mod visible;
-mod windows;
 
-pub use chance::Chance;
-pub use count::{CountRequest, Counts, StreakCount};
-pub use crossed::{Crossed, Crossings};
+pub use altaz::AltAz;
+pub use delayed_track::{DelayedTrack, ExposureInterval, Sighting};
+pub use error::SkyError;
 pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
-pub use glance::Glance;
-pub use horizon::HorizonPass;
+pub use field_passes::{
+    CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
+};
 pub use models::{ModelChoice, UnknownModel};
-pub use over_site::Horizontally;
-pub use overhead::Overhead;
-pub use sky::{PassOptions, Passes, Sky, SkyError};
-pub use sky_tracks::{SkyTrack, SkyTrackOptions};
-pub use stretch::{LateTrack, Sighting, Stretch};
+pub use sky::Sky;
+pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
 pub use track::{Chord, FieldPass, TrackPoint};
 pub use viewpoint::{OrbitingObserver, Viewpoint};
-pub use visible::{NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest, stretches_where};
+pub use visible::{NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};

@@ -1,4 +1,4 @@
-//! Which brightness model goes with which satellite.
+//! Choice of the brightness model of each satellite.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -8,18 +8,18 @@ use thiserror::Error;
 use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
 
-/// A model that is asked for and not there.
+/// A brightness model that the library does not have.
 #[derive(Clone, Debug, Error, PartialEq)]
-#[error("there is no brightness model {name:?} (allowed: {})", known.join(", "))]
+#[error("unknown brightness model {name:?} (allowed: {})", known.join(", "))]
 pub struct UnknownModel {
-    /// As asked for.
+    /// The requested name.
     pub name: String,
-    /// What the library holds.
+    /// The names in the library.
     pub known: Vec<String>,
 }
 
-/// From an element set to its brightness model: by generation, else by the object's own standard magnitude, else by what is
-/// usual for a rocket body or for anything at all.
+/// Brightness model of an element set: by generation, else by the object's own standard magnitude, else a prior for a
+/// rocket body or for any object.
 #[derive(Clone, Debug)]
 pub struct ModelChoice {
     by_generation: BTreeMap<Generation, Arc<BrightnessModel>>,
@@ -28,8 +28,8 @@ pub struct ModelChoice {
     unknown: Arc<BrightnessModel>,
 }
 
-/// The model that each generation has unless told otherwise.
-fn usual_model(generation: Generation) -> Option<&'static str> {
+/// The default model of each generation.
+fn default_model(generation: Generation) -> Option<&'static str> {
     match generation {
         Generation::StarlinkV09 | Generation::StarlinkV10 => Some("starlink-v1.0"),
         Generation::StarlinkVisorSat => Some("visorsat"),
@@ -46,14 +46,14 @@ fn usual_model(generation: Generation) -> Option<&'static str> {
 }
 
 impl ModelChoice {
-    /// The usual models out of a library.
+    /// The default models of a library.
     ///
     /// # Errors
     /// [`UnknownModel`] where the library lacks one of them; the embedded one has all.
     pub fn new(library: &ModelLibrary) -> Result<Self, UnknownModel> {
         let mut by_generation = BTreeMap::new();
         for generation in Generation::ALL {
-            if let Some(name) = usual_model(generation) {
+            if let Some(name) = default_model(generation) {
                 by_generation.insert(generation, find(library, name)?);
             }
         }
@@ -85,7 +85,7 @@ impl ModelChoice {
         self
     }
 
-    /// True where nothing is known of a satellite's brightness: no kind, no standard magnitude, not even that it is a rocket body.
+    /// True where a satellite's brightness is unknown: no generation, no standard magnitude, and not a rocket body.
     pub fn is_unknown(&self, elements: &ElementSet) -> bool {
         Arc::ptr_eq(&self.model_of(elements), &self.unknown)
     }

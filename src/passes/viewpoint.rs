@@ -1,4 +1,4 @@
-//! Where the telescope is: on a site, or in an orbit of its own.
+//! Viewpoint of a sky: a site, or a telescope in orbit.
 
 use hifitime::Epoch;
 
@@ -7,9 +7,10 @@ use crate::frames::{Direction, Gcrs, Orientation};
 use crate::geometry::{EarthLimb, Observer};
 use crate::orbit::{OrbitError, Propagator};
 
-/// A telescope in orbit, given by an element set. It has no horizon; the Earth's limb hides what stands behind it.
+/// A telescope in orbit, given by an element set. It has no horizon; the Earth's limb hides what is behind it.
 ///
-/// The prediction of its own place is taken as exact: an error of its elements (about a kilometre) shifts every satellite at 1000 km by some 0.06°.
+/// The prediction of its own position is taken as exact: an error of its elements (about a kilometre) shifts every
+/// satellite at 1000 km by some 0.06°.
 #[derive(Clone, Debug)]
 pub struct OrbitingObserver {
     name: String,
@@ -18,7 +19,7 @@ pub struct OrbitingObserver {
 }
 
 impl OrbitingObserver {
-    /// The object of this element set as an observer; `limb` is what counts as the border of the Earth.
+    /// The object of this element set as an observer; `limb` is the border of the Earth.
     ///
     /// # Errors
     /// [`OrbitError::Elements`] where SGP4 cannot start.
@@ -31,7 +32,7 @@ impl OrbitingObserver {
         if self.name.is_empty() { self.norad_id().to_string() } else { self.name.clone() }
     }
 
-    /// Who: an object of this number is not seen by itself.
+    /// NORAD catalogue number: an object of this number is not seen by itself.
     pub fn norad_id(&self) -> NoradId {
         self.propagator.norad_id()
     }
@@ -51,7 +52,7 @@ impl OrbitingObserver {
     }
 }
 
-/// Where a sky is seen from.
+/// Viewpoint of a sky.
 #[derive(Clone, Debug)]
 pub enum Viewpoint {
     /// A site on the Earth.
@@ -73,7 +74,7 @@ impl From<OrbitingObserver> for Viewpoint {
 }
 
 impl Viewpoint {
-    /// The site, where it is one.
+    /// The site; `None` in orbit.
     pub fn site(&self) -> Option<&Observer> {
         match self {
             Self::Site(observer) => Some(observer),
@@ -81,7 +82,7 @@ impl Viewpoint {
         }
     }
 
-    /// The telescope in orbit, where it is one.
+    /// The telescope in orbit; `None` for a site.
     pub fn orbit(&self) -> Option<&OrbitingObserver> {
         match self {
             Self::Site(_) => None,
@@ -89,7 +90,7 @@ impl Viewpoint {
         }
     }
 
-    /// What it is called.
+    /// Its name.
     pub fn name(&self) -> String {
         match self {
             Self::Site(observer) => observer.site().name.clone(),
@@ -97,7 +98,7 @@ impl Viewpoint {
         }
     }
 
-    /// `the horizon` or `the Earth's limb`: what a pointing can be below.
+    /// `the horizon` or `the Earth's limb`: the border that a pointing can be below.
     pub fn border_name(&self) -> &'static str {
         match self {
             Self::Site(_) => "the horizon",
@@ -105,10 +106,11 @@ impl Viewpoint {
         }
     }
 
-    /// Altitude of a pointing above the horizon, or in orbit above the Earth's limb, radians, without refraction and aberration (25" at most).
+    /// Altitude of a pointing above the horizon, or in orbit above the Earth's limb, radians, without refraction and
+    /// aberration (25" at most).
     ///
     /// # Errors
-    /// [`OrbitError`] where the observer's own elements give no place.
+    /// [`OrbitError`] where the observer's own elements give no position.
     pub fn pointing_altitude_rad(
         &self,
         pointing: &Direction<Gcrs>,

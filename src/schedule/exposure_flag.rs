@@ -52,6 +52,8 @@ pub struct ExposureFlag {
     pub expected_lost_pixel_fraction: Option<f64>,
     /// Probability that at least one lit satellite crosses, with independent errors: 1 - Π(1 - p).
     pub p_any: f64,
+    /// True where `p_any` and the expected loss are lower limits: elements are so old that delays beyond those searched are probable.
+    pub p_any_is_lower_limit: bool,
     /// Length of all nominal lit streaks in the field, degrees.
     pub streak_length_deg: f64,
     /// Reasons for the verdict.
@@ -75,6 +77,7 @@ impl ExposureFlag {
             brightest_mag: None,
             expected_lost_pixel_fraction: None,
             p_any: f64::NAN,
+            p_any_is_lower_limit: false,
             streak_length_deg: f64::NAN,
             reasons: vec![reason],
             next_clear_start: None,

@@ -1,6 +1,6 @@
 //! Verdict on one exposure from its passes.
 
-use crate::passes::{Chance, Exposure, FieldPass};
+use crate::passes::{CrossingProbability, Exposure, FieldPass};
 
 use super::exposure_flag::{ExposureFlag, Verdict};
 use super::policy::{LimitKind, MagnitudeLimit, Policy};
@@ -30,19 +30,23 @@ pub(super) trait CameraLimits {
 pub(super) struct Expected {
     /// Probability that at least one lit satellite crosses.
     pub p_any: f64,
+    /// True where the elements of a satellite are so old that longer delays are probable than those that are searched:
+    /// both numbers are then lower limits.
+    pub is_lower_limit: bool,
     /// Expected fraction of the pixels lost, [0, 1]; `None` without a telescope.
     pub lost_pixel_fraction: Option<f64>,
 }
 
 impl Expected {
-    /// Computes the values from the chances of all satellites, with independent errors; `lost_fraction` returns the fraction of
-    /// the pixels that a satellite is expected to cost.
-    pub fn of(chances: &[Chance], lost_fraction: Option<&dyn Fn(&Chance) -> f64>) -> Self {
+    /// From the probabilities of all satellites, their errors taken as independent; `lost_fraction` is the share of the pixels that each is
+    /// expected to cost, for a telescope.
+    pub fn of(satellites: &[CrossingProbability], lost_fraction: Option<&dyn Fn(&CrossingProbability) -> f64>) -> Self {
         Self {
             // 1 - Π(1 - p)
-            p_any: 1.0 - chances.iter().map(|chance| 1.0 - chance.probability.clamp(0.0, 1.0)).product::<f64>(),
+            p_any: 1.0 - satellites.iter().map(|one| 1.0 - one.probability.clamp(0.0, 1.0)).product::<f64>(),
+            is_lower_limit: satellites.iter().any(|one| one.is_lower_limit),
             lost_pixel_fraction: lost_fraction
-                .map(|lost_fraction| chances.iter().map(lost_fraction).fold(0.0, |sum, lost| sum + lost).min(1.0)),
+                .map(|lost_fraction| satellites.iter().map(lost_fraction).fold(0.0, |sum, lost| sum + lost).min(1.0)),
         }
     }
 }
@@ -108,6 +112,7 @@ pub(super) fn flag(
         brightest_mag: counted.iter().filter_map(|pass| peak_magnitude(pass)).min_by(f64::total_cmp),
         expected_lost_pixel_fraction: lost,
         p_any: expected.p_any,
+        p_any_is_lower_limit: expected.is_lower_limit,
         streak_length_deg: nominal().map(|pass| pass.streak_length_rad.to_degrees()).fold(0.0, |sum, one| sum + one),
         reasons,
         next_clear_start: clear.then_some(exposure.start),
@@ -264,21 +269,23 @@ mod tests {
         }
     }
 
-    fn chances(passes: &[FieldPass]) -> Vec<Chance> {
+    fn probabilities(passes: &[FieldPass]) -> Vec<CrossingProbability> {
         let lit = passes.iter().filter(|pass| pass.lit);
-        lit.map(|pass| Chance {
+        lit.map(|pass| CrossingProbability {
             element_index: pass.element_index,
             probability: pass.probability,
             streak_length_rad: pass.probability * pass.streak_length_rad,
             range_km: pass.mid.range_km,
+            is_lower_limit: false,
         })
         .collect()
     }
 
     fn judge(passes: &[FieldPass], policy: &str) -> ExposureFlag {
         let policy = Policy::from_toml(policy).unwrap();
-        // The sum over near misses and crossings.
-        let expected = Expected::of(&chances(passes), Some(&|chance: &Chance| 0.01 * chance.probability));
+        // As near misses and crossings would add up.
+        let lost = |one: &CrossingProbability| 0.01 * one.probability;
+        let expected = Expected::of(&probabilities(passes), Some(&lost));
         flag(&exposure(), Some("r"), passes, &expected, &Rules { policy: &policy, camera: None })
     }
 

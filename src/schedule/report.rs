@@ -5,7 +5,7 @@ use std::collections::HashMap;
 use crate::frames::{seconds_after, seconds_between};
 use crate::images::{ARCSEC_PER_RAD, Telescope};
 use crate::orbit::LeftOut;
-use crate::passes::{Chance, Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
+use crate::passes::{CrossingProbability, Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::{Band, PhotometryOptions};
 
 use super::exposure_flag::{ExposureFlag, Verdict};
@@ -59,6 +59,18 @@ impl FlagReport {
         self.sort_left_out();
     }
 
+    /// Warning where `p_any` is a lower limit.
+    pub fn lower_limit_warning(&self) -> Option<String> {
+        let limits = self.flags.iter().filter(|flag| flag.p_any_is_lower_limit).count();
+        (limits > 0).then(|| {
+            format!(
+                "p_any and the expected loss are lower limits for {limits} of {} exposures: elements are so old that satellites may be more \
+                 than 300 s early or late, and longer delays are not searched",
+                self.flags.len()
+            )
+        })
+    }
+
     fn sort_left_out(&mut self) {
         self.left_out.sort_by_key(|left_out| left_out.element_index);
         self.left_out.dedup_by_key(|left_out| left_out.element_index);
@@ -109,13 +121,13 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
     let mut answer = request.sky.field_passes(&exposures, request.field, &options)?;
     report.left_out.append(&mut answer.left_out);
 
-    let chances = request.sky.chances(&exposures, request.field)?;
+    let probabilities = request.sky.crossing_probabilities(&exposures, request.field)?;
 
     let camera =
         request.telescope.map(|telescope| Camera { telescope, sky: request.sky, photometry: request.photometry });
     let rules = Rules { policy: request.policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
-    for (((row, exposure), passes), chances) in above.iter().zip(answer.by_exposure).zip(chances) {
-        let expected = expected_of(&chances, request);
+    for (((row, exposure), passes), satellites) in above.iter().zip(answer.by_exposure).zip(probabilities) {
+        let expected = expected_of(&satellites, request);
         flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &expected, &rules));
         report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
@@ -184,14 +196,14 @@ fn below(viewpoint: &Viewpoint, altitude_rad: f64) -> String {
     }
 }
 
-/// Returns the expectation values of one exposure.
-fn expected_of(chances: &[Chance], request: &FlagRequest<'_>) -> Expected {
-    let Some(telescope) = request.telescope else { return Expected::of(chances, None) };
-    let lost_fraction = |chance: &Chance| {
-        let width_arcsec = telescope.width_arcsec(chance.range_km, request.sky.model(chance.element_index).size_m());
-        telescope.lost_pixel_fraction(chance.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
+/// Expectation for all satellites together in one exposure.
+fn expected_of(satellites: &[CrossingProbability], request: &FlagRequest<'_>) -> Expected {
+    let Some(telescope) = request.telescope else { return Expected::of(satellites, None) };
+    let lost_fraction = |one: &CrossingProbability| {
+        let width_arcsec = telescope.width_arcsec(one.range_km, request.sky.model(one.element_index).size_m());
+        telescope.lost_pixel_fraction(one.streak_length_rad.to_degrees(), width_arcsec, request.field.area_deg2())
     };
-    Expected::of(chances, Some(&lost_fraction))
+    Expected::of(satellites, Some(&lost_fraction))
 }
 
 /// Magnitude limits of a telescope, and the sky and photometry of the passes that they apply to.
@@ -342,9 +354,9 @@ fn confirm(
         let too_much_lost = match policy.max_lost_fraction {
             Some(most) => request
                 .sky
-                .chances(&later, request.field)?
+                .crossing_probabilities(&later, request.field)?
                 .iter()
-                .map(|chances| expected_of(chances, request).lost_pixel_fraction.is_some_and(|lost| lost > most))
+                .map(|satellites| expected_of(satellites, request).lost_pixel_fraction.is_some_and(|lost| lost > most))
                 .collect(),
             None => vec![false; later.len()],
         };

@@ -5,7 +5,7 @@ use hifitime::Epoch;
 use crate::frames::{OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
-use crate::passes::{Chord, Crossed, Exposure, FieldPass, SkyError, Viewpoint};
+use crate::passes::{Chord, Exposure, FieldCrossing, FieldPass, SkyError, Viewpoint};
 
 use super::horizon::{altitude_rad, sampling_interval_s};
 use super::judge::{CameraLimits, Rules, counts, is_dodged, is_to_avoid};
@@ -208,8 +208,8 @@ fn crossings(exposures: &[Exposure], request: &WindowRequest<'_>) -> Result<(Vec
     let FlagRequest { sky, field, policy, .. } = request.against;
     let margin_s = policy.margin_or_default_s();
     let answer = sky.field_crossings(exposures, field)?;
-    let of = |crossed: Vec<Crossed>| {
-        let chords = crossed.iter().flat_map(|one| &one.chords);
+    let of = |crossings: Vec<FieldCrossing>| {
+        let chords = crossings.iter().flat_map(|one| &one.chords);
         let interval = |chord: &Chord| Interval { start_s: chord.enter_s - margin_s, end_s: chord.exit_s - margin_s };
         Blocked { intervals: chords.map(interval).collect(), dodged: Vec::new() }
     };

@@ -198,17 +198,17 @@ fn verif_a_late_satellite_is_found_where_it_is() {
         pointing: Direction::from_lon_lat_rad(0.0, 0.0),
         rotation_rad: 0.0,
     };
-    let stretch = sky.stretch(&exposure).unwrap();
+    let interval = sky.exposure_interval(&exposure).unwrap();
     let mut random = crate::common::random::Random(11);
     let mut tried = 0;
     while tried < 150 {
         let element_index = (random.uniform() * sky.elements().len() as f64) as usize;
         let late_s = random.between(-20.0, 20.0);
-        let Ok(track) = stretch.track(element_index, late_s) else { continue };
+        let Ok(track) = interval.track(element_index, late_s) else { continue };
         if !(track.is_up(0.0) && track.is_up(20.0)) || has_companion(&sky, element_index) {
             continue;
         }
-        let ends: [Direction<Gcrs>; 2] = [track.place(0.0).0, track.place(20.0).0];
+        let ends: [Direction<Gcrs>; 2] = [track.direction(0.0).0, track.direction(20.0).0];
         // Away from low orbits 20 s of motion may be no line at all.
         if ends[0].separation_rad(&ends[1]) < arcsec(60.0) {
             continue;

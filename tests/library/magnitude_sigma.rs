@@ -4,14 +4,25 @@ use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, ElementSet, Origin};
 use streakcast::frames::EopTable;
 use streakcast::geometry::{Observer, Site};
-use streakcast::passes::{HorizonPass, ModelChoice, PassOptions, Sky};
-use streakcast::photometry::ModelLibrary;
+use streakcast::passes::{ModelChoice, Sky, VisiblePass, VisibleRequest};
+use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 
-fn passes(elements: Vec<ElementSet>, start: Epoch) -> Vec<HorizonPass> {
+fn passes(elements: Vec<ElementSet>, start: Epoch) -> Vec<VisiblePass> {
     let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
     let sky = Sky::new(elements, Observer::new(site), EopTable::embedded(), &choice);
-    sky.horizon_passes(start, start + 2.0 * Unit::Hour, 0.3, &PassOptions::default()).expect("an answer").0
+    let request = VisibleRequest {
+        start,
+        end: start + 2.0 * Unit::Hour,
+        dark: Vec::new(),
+        min_altitude_rad: 0.3,
+        min_culmination_rad: 0.3,
+        max_magnitude: None,
+        include_dark: true,
+        samples: 0,
+        photometry: PhotometryOptions::default(),
+    };
+    sky.visible_passes(&request, &|_| true).expect("an answer").passes
 }
 
 /// The same satellites with elements of the same moment called three months older: SGP4 gives other places, but the spread of

@@ -7,10 +7,10 @@ mod catalogue;
 mod catalogue_history;
 mod catalogue_hostile;
 mod catalogue_real;
-mod chances;
 #[cfg(feature = "plot")]
 mod charts;
 mod clear_windows;
+mod crossing_probabilities;
 mod crossings;
 mod earthshine;
 mod forecast_reference;

@@ -1,12 +1,13 @@
-//! What a page draws of a sky: who is up at a moment, where Sun and pointing stand, and the outlines of a field.
+//! Satellites above a site at given times, Sun and pointing over it, and the outlines of a field.
 
 use std::collections::BTreeSet;
 
 use hifitime::Epoch;
 use streakcast::config::Setup;
 use streakcast::frames::{Direction, seconds_after};
-use streakcast::geometry::{Observer, Site};
-use streakcast::passes::{Field, PassOptions, Sky, SkyTrack, SkyTrackOptions};
+use streakcast::geometry::{Observer, Site, SunTable};
+use streakcast::orbit::Propagator;
+use streakcast::passes::{Field, SatelliteTrack, Sky, SnapshotOptions, VisiblePass, VisibleRequest};
 use streakcast::photometry::PhotometryOptions;
 
 fn dusk() -> Epoch {
@@ -18,49 +19,66 @@ fn sky() -> Sky {
     setup.prepare(dusk(), dusk()).unwrap().sky
 }
 
-fn options(include_dark: bool) -> PassOptions {
-    PassOptions { include_dark, ..PassOptions::default() }
+fn options(min_altitude_rad: f64, include_dark: bool) -> SnapshotOptions {
+    SnapshotOptions { include_dark, ..SnapshotOptions::all_above(min_altitude_rad) }
 }
 
 #[test]
-fn verif_who_is_up_is_who_has_risen_and_not_set() {
+fn verif_satellites_that_are_up_have_risen_and_not_set() {
     let (sky, at, lowest_rad) = (sky(), dusk(), 10f64.to_radians());
     // Satellites at 1200 km stay up for some twenty minutes.
-    let (passes, _) =
-        sky.horizon_passes(seconds_after(at, -2400.0), seconds_after(at, 2400.0), lowest_rad, &options(true)).unwrap();
-    let is_up = |pass: &&streakcast::passes::HorizonPass| {
+    let request = VisibleRequest {
+        start: seconds_after(at, -2400.0),
+        end: seconds_after(at, 2400.0),
+        dark: Vec::new(),
+        min_altitude_rad: lowest_rad,
+        min_culmination_rad: lowest_rad,
+        max_magnitude: None,
+        include_dark: true,
+        samples: 0,
+        photometry: PhotometryOptions::default(),
+    };
+    let passes = sky.visible_passes(&request, &|_| true).unwrap().passes;
+    let is_up = |pass: &&VisiblePass| {
         pass.rise.as_ref().is_none_or(|rise| rise.epoch <= at) && pass.set.as_ref().is_none_or(|set| set.epoch >= at)
     };
     let risen: BTreeSet<usize> = passes.iter().filter(is_up).map(|pass| pass.element_index).collect();
-    let (found, left_out) = sky.overhead(at, 0.0, 1, lowest_rad, &options(true)).unwrap();
+    let (found, left_out) = sky.snapshots(at, &[0.0], &options(lowest_rad, true)).unwrap();
     let up: BTreeSet<usize> = found.iter().map(|one| one.element_index).collect();
     assert_eq!(up, risen);
     assert!(up.len() > 50 && left_out.is_empty(), "{} up", up.len());
-    assert!(found.iter().all(|one| one.points.len() == 1 && one.points[0].altitude_rad.unwrap() >= lowest_rad));
+    let altitude_rad = |one: &SatelliteTrack| one.snapshots[0].point.altitude_rad.unwrap();
+    assert!(found.iter().all(|one| one.snapshots.len() == 1 && altitude_rad(one) >= lowest_rad));
     // Without the dark ones those are left that any sunlight reaches.
-    let (lit, _) = sky.overhead(at, 0.0, 1, lowest_rad, &options(false)).unwrap();
-    let expected = found.iter().filter(|one| one.points[0].illumination.lit_fraction() > 0.0).count();
+    let (lit, _) = sky.snapshots(at, &[0.0], &options(lowest_rad, false)).unwrap();
+    let expected = found.iter().filter(|one| one.snapshots[0].is_lit()).count();
     assert_eq!(lit.len(), expected);
     assert!(0 < expected && expected < found.len(), "{expected} of {} are lit", found.len());
 }
 
 #[test]
-fn verif_a_stretch_holds_everybody_of_its_moments() {
+fn verif_whole_tracks_hold_all_times_of_the_same_satellites() {
     let (sky, at) = (sky(), dusk());
-    let (tracks, _) = sky.overhead(at, 600.0, 7, 0.5, &options(true)).unwrap();
-    let all: BTreeSet<usize> = tracks.iter().map(|one| one.element_index).collect();
-    let mut moments = BTreeSet::new();
-    for step in 0..7 {
-        let (now, _) = sky.overhead(seconds_after(at, 100.0 * f64::from(step)), 0.0, 1, 0.5, &options(true)).unwrap();
-        for one in now {
-            let track = tracks.iter().find(|track| track.element_index == one.element_index).expect("in the stretch");
-            let apart_rad = track.points[step as usize].direction.separation_rad(&one.points[0].direction);
+    let times_s: Vec<f64> = (0..7).map(|step| 100.0 * f64::from(step)).collect();
+    let photometry = Some(PhotometryOptions::default());
+    let parts = SnapshotOptions { photometry, ..options(0.5, false) };
+    let (tracks, _) = sky.snapshots(at, &times_s, &SnapshotOptions { whole_tracks: true, ..parts }).unwrap();
+    let (partial, _) = sky.snapshots(at, &times_s, &parts).unwrap();
+    assert!(tracks.len() > 50 && partial.iter().any(|one| one.snapshots.len() < times_s.len()));
+    assert_eq!(tracks.len(), partial.len());
+    for (whole, part) in tracks.iter().zip(&partial) {
+        assert_eq!(whole.element_index, part.element_index);
+        assert_eq!(whole.snapshots.len(), times_s.len());
+        for one in &part.snapshots {
+            let other = &whole.snapshots[one.time_index];
+            assert_eq!((other.time_index, other.point.epoch), (one.time_index, one.point.epoch));
             // Interpolated orbits are good to millimetres, the site's turn to a millimetre over ten minutes.
+            let apart_rad = one.point.direction.separation_rad(&other.point.direction);
             assert!(apart_rad < 1e-7, "{apart_rad}");
-            moments.insert(one.element_index);
+            let sigmas = [one, other].map(|one| one.point.brightness.as_ref().map(|light| light.sigma_mag));
+            assert!(sigmas[0].zip(sigmas[1]).is_none_or(|(one, other)| (one - other).abs() < 1e-4), "{sigmas:?}");
         }
     }
-    assert_eq!(all, moments);
 }
 
 #[test]
@@ -68,7 +86,7 @@ fn the_same_satellites_from_elsewhere() {
     let here = sky();
     let there = here.seen_from(Observer::new(Site::by_name("subaru").unwrap()));
     let names = |sky: &Sky| -> BTreeSet<usize> {
-        let (found, _) = sky.overhead(dusk(), 0.0, 1, 0.3, &options(true)).unwrap();
+        let (found, _) = sky.snapshots(dusk(), &[0.0], &options(0.3, true)).unwrap();
         found.iter().map(|one| one.element_index).collect()
     };
     let alone = Setup::from_toml("shells = 'oneweb'\nsite = 'subaru'\n", "t.toml").unwrap();
@@ -82,10 +100,10 @@ fn verif_sun_and_pointing_stand_in_one_sky() {
     const TOLERANCE_RAD: f64 = 1e-4;
     let sky = sky();
     let hours: Vec<Epoch> = (0..24).map(|hour| seconds_after(dusk(), 3600.0 * f64::from(hour))).collect();
-    let places: Vec<_> = hours.iter().map(|at| sky.sun_over_site(*at).unwrap()).collect();
+    let places: Vec<_> = hours.iter().map(|at| sky.sun_altaz(*at).unwrap()).collect();
     for (&at, place) in hours.iter().zip(&places) {
         let sun = streakcast::geometry::SunState::at(at).sun.direction().unwrap();
-        let pointing = sky.pointing_over_site(&sun, at).unwrap();
+        let pointing = sky.pointing_altaz(&sun, at).unwrap();
         assert!((pointing.altitude_rad - place.altitude_rad).abs() < TOLERANCE_RAD, "{at}");
         let around = (pointing.azimuth_rad - place.azimuth_rad).sin().abs() * place.altitude_rad.cos();
         assert!(around < TOLERANCE_RAD, "{at}: {around}");
@@ -120,115 +138,106 @@ fn verif_outlines_run_between_inside_and_outside() {
     }
 }
 
-#[test]
-fn what_cannot_be_asked_is_told() {
-    let sky = sky();
-    for (duration_s, moments, altitude_rad, words) in [
-        (-1.0, 1, 0.0, "0 to 3600 s"),
-        (f64::NAN, 1, 0.0, "0 to 3600 s"),
-        (4000.0, 1, 0.0, "0 to 3600 s"),
-        (0.0, 0, 0.0, "1 to 1000"),
-        (0.0, 2000, 0.0, "1 to 1000"),
-        (0.0, 1, -0.1, "0 to 90 deg"),
-        (0.0, 1, 1.6, "0 to 90 deg"),
-    ] {
-        let message = sky.overhead(dusk(), duration_s, moments, altitude_rad, &options(true)).unwrap_err().to_string();
-        assert!(message.contains(words), "{message}");
-    }
-    let early: Epoch = "1900-01-01T00:00:00 UTC".parse().unwrap();
-    assert!(sky.overhead(early, 0.0, 1, 0.0, &options(true)).is_err() && sky.sun_over_site(early).is_err());
-}
-
 /// Satellites at two heights, some of them in the shadow.
 fn mixed_sky() -> Sky {
     let setup = Setup::from_toml("shells = ['oneweb', 'starlink-gen1']\nsite = 'rubin'\n", "t.toml").unwrap();
     setup.prepare(dusk(), dusk()).unwrap().sky
 }
 
-/// Places alone are those of the full answer, moment by moment, for the same satellites.
+/// Every satellite by SGP4 itself, without the search: those above the altitude, and lit where dark ones are left out.
+fn reference(sky: &Sky, at: Epoch, min_altitude_rad: f64, include_dark: bool) -> Vec<(usize, f64, f64)> {
+    let orientation = sky.orientation_over(at, at).at_s(0.0);
+    let here = sky.viewpoint().site().unwrap().state(&orientation);
+    let sun = SunTable::new(at, at).at_s(0.0).sun;
+    let one = |(index, set): (usize, _)| {
+        let state = Propagator::new(set).unwrap().state(at, &orientation.teme_to_gcrs).unwrap();
+        let away = state.position - here.position;
+        let is_lit = || sky.shadow().illumination(&state.position, &sun).lit_fraction() > 0.0;
+        let (altitude_rad, azimuth_rad) = here.altitude_azimuth_rad(&away).unwrap();
+        (altitude_rad >= min_altitude_rad && (include_dark || is_lit())).then_some((index, altitude_rad, azimuth_rad))
+    };
+    sky.elements().iter().enumerate().filter_map(one).collect()
+}
+
+/// Snapshots hold the satellites that SGP4 places above the altitude, time by time, and no others.
 #[test]
-fn verif_sky_tracks_stand_where_the_full_answer_has_them() {
+fn verif_snapshots_against_sgp4_of_every_satellite() {
+    /// Interpolation, millimetres at 500 km.
+    const TOLERANCE_RAD: f64 = 1e-7;
     let sky = mixed_sky();
-    let stretches: [(f64, Vec<f64>, f64); 4] = [
+    let queries: [(f64, Vec<f64>, f64); 4] = [
         (0.0, vec![0.0], 10.0),
         (0.0, (0..20).map(|step| 2.0 * f64::from(step)).collect(), 18.0),
         (3600.0, vec![100.0, 160.0, 1000.0, 1130.5], 0.0),
         (7200.0, vec![0.0, 1800.0, 3600.0], 25.0),
     ];
     for include_dark in [false, true] {
-        for (later_s, moments_s, lowest_deg) in &stretches {
+        for (later_s, times_s, lowest_deg) in &queries {
             let (at, lowest_rad) = (seconds_after(dusk(), *later_s), lowest_deg.to_radians());
-            let photometry = PhotometryOptions::default();
-            let asked = SkyTrackOptions { min_altitude_rad: lowest_rad, include_dark, photometry: Some(photometry) };
-            let (tracks, left_out) = sky.sky_tracks(at, moments_s, &asked).unwrap();
+            let photometry = Some(PhotometryOptions::default());
+            let asked = SnapshotOptions { photometry, ..options(lowest_rad, include_dark) };
+            let (tracks, left_out) = sky.snapshots(at, times_s, &asked).unwrap();
             assert!(left_out.is_empty());
             assert!(tracks.is_sorted_by_key(|track| track.element_index));
             let mut seen = 0;
-            for (number, moment_s) in moments_s.iter().enumerate() {
-                let (now, _) =
-                    sky.overhead(seconds_after(at, *moment_s), 0.0, 1, lowest_rad, &options(include_dark)).unwrap();
-                let place = |track: &SkyTrack| {
-                    track
-                        .places
-                        .iter()
-                        .find(|(of, _)| *of == number)
-                        .map(|(_, direction)| (track.element_index, *direction))
-                };
-                let places: Vec<_> = tracks.iter().filter_map(place).collect();
-                let there: Vec<usize> = now.iter().map(|one| one.element_index).collect();
-                assert_eq!(places.iter().map(|(index, _)| *index).collect::<Vec<_>>(), there);
-                for (one, (_, direction)) in now.iter().zip(&places) {
-                    // Interpolated orbits are good to millimetres, the site's turn to a millimetre over ten minutes.
-                    let apart_rad = one.points[0].direction.separation_rad(direction);
-                    assert!(apart_rad < 1e-7, "{apart_rad}");
+            for (index, time_s) in times_s.iter().enumerate() {
+                let expected = reference(&sky, seconds_after(at, *time_s), lowest_rad, include_dark);
+                let found: Vec<_> = tracks
+                    .iter()
+                    .flat_map(|track| track.snapshots.iter().map(|one| (track.element_index, one)))
+                    .filter(|(_, one)| one.time_index == index)
+                    .collect();
+                assert_eq!(
+                    found.iter().map(|(index, _)| *index).collect::<Vec<_>>(),
+                    expected.iter().map(|(index, ..)| *index).collect::<Vec<_>>()
+                );
+                for ((element_index, one), (_, altitude_rad, azimuth_rad)) in found.iter().zip(&expected) {
+                    let off_rad = one.point.altitude_rad.unwrap() - altitude_rad;
+                    let beside_rad = (one.point.azimuth_rad.unwrap() - azimuth_rad).sin() * altitude_rad.cos();
+                    assert!(off_rad.hypot(beside_rad) < TOLERANCE_RAD, "{off_rad} {beside_rad}");
+                    let alone = sky.brightness(*element_index, &one.point, &PhotometryOptions::default());
+                    let magnitudes =
+                        [one.point.brightness.as_ref(), alone.as_ref()].map(|light| light.map(|light| light.magnitude));
+                    assert_eq!(magnitudes[0], magnitudes[1]);
                 }
-                for track in tracks.iter().filter(|track| track.places[track.places.len() / 2].0 == number) {
-                    let point = &now.iter().find(|one| one.element_index == track.element_index).unwrap().points[0];
-                    assert!((point.range_km - track.range_km).abs() < 1e-3);
-                    let magnitudes = [point.brightness.as_ref(), track.brightness.as_ref()]
-                        .map(|light| light.map(|light| light.magnitude.0));
-                    match magnitudes {
-                        [Some(full), Some(alone)] => assert!((full - alone).abs() < 1e-5, "{full} {alone}"),
-                        other => assert_eq!(other, [None, None]),
-                    }
-                }
-                seen += there.len();
+                seen += found.len();
             }
-            assert!(seen > 20, "{seen} in {} moments", moments_s.len());
+            assert!(seen > 20, "{seen} in {} times", times_s.len());
         }
     }
 }
 
 #[test]
-fn sky_tracks_move_as_fast_as_their_places_do() {
-    let (sky, moments_s) = (mixed_sky(), [0.0, 0.5, 1.0]);
-    let asked = SkyTrackOptions { min_altitude_rad: 0.3, include_dark: false, photometry: None };
-    let (tracks, _) = sky.sky_tracks(dusk(), &moments_s, &asked).unwrap();
-    let whole = tracks.iter().filter(|track| track.places.len() == 3);
+fn tracks_move_as_fast_as_their_points() {
+    let (sky, times_s) = (mixed_sky(), [0.0, 0.5, 1.0]);
+    let (tracks, _) = sky.snapshots(dusk(), &times_s, &options(0.3, false)).unwrap();
+    let whole = tracks.iter().filter(|track| track.snapshots.len() == 3);
     for track in whole.clone() {
-        let moved_rad = track.places[0].1.separation_rad(&track.places[2].1);
+        let direction = |index: usize| track.snapshots[index].point.direction;
+        let moved_rad = direction(0).separation_rad(&direction(2));
+        let rate_rad_s = track.middle().unwrap().angular_rate_rad_s;
         // Over a second a track bends by some hundredths of its length at most.
-        assert!((moved_rad / track.angular_rate_rad_s - 1.0).abs() < 1e-3, "{moved_rad} {}", track.angular_rate_rad_s);
-        assert!(track.brightness.is_none());
+        assert!((moved_rad / rate_rad_s - 1.0).abs() < 1e-3, "{moved_rad} {rate_rad_s}");
+        assert!(track.snapshots.iter().all(|one| one.point.brightness.is_none()));
     }
     assert!(whole.count() > 100);
 }
 
 #[test]
-fn sky_tracks_refuse_what_they_cannot_answer() {
+fn snapshots_reject_invalid_times_and_altitudes() {
     let sky = sky();
-    let asked = |moments_s: &[f64], min_altitude_rad: f64| {
-        let options = SkyTrackOptions { min_altitude_rad, include_dark: false, photometry: None };
-        sky.sky_tracks(dusk(), moments_s, &options).unwrap_err().to_string()
-    };
-    for (moments_s, altitude_rad, words) in [
+    for (times_s, altitude_rad, words) in [
         (vec![], 0.3, "0 moments (allowed: 1 to 10000)"),
         (vec![0.0, 2.0, 2.0], 0.3, "not in the order of time"),
         (vec![-1.0], 0.3, "-1 s after the start (allowed: 0 to 3600 s)"),
+        (vec![4000.0], 0.3, "4000 s after the start (allowed: 0 to 3600 s)"),
         (vec![f64::NAN], 0.3, "NaN s after the start"),
         (vec![0.0], -0.1, "allowed: 0 to 90 deg"),
+        (vec![0.0], 1.6, "allowed: 0 to 90 deg"),
     ] {
-        let message = asked(&moments_s, altitude_rad);
+        let message = sky.snapshots(dusk(), &times_s, &options(altitude_rad, false)).unwrap_err().to_string();
         assert!(message.contains(words), "{message}");
     }
+    let early: Epoch = "1900-01-01T00:00:00 UTC".parse().unwrap();
+    assert!(sky.snapshots(early, &[0.0], &options(0.0, true)).is_err() && sky.sun_altaz(early).is_err());
 }

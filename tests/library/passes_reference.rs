@@ -8,8 +8,8 @@ use streakcast::elements::{Catalogue, ElementSet, NoradId, ReadOptions};
 use streakcast::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
 use streakcast::geometry::{Illumination, Observer, Site, SunTable, illumination};
 use streakcast::orbit::Propagator;
-use streakcast::passes::{HorizonPass, ModelChoice, PassOptions, Sky};
-use streakcast::photometry::ModelLibrary;
+use streakcast::passes::{ModelChoice, Sky, VisiblePass, VisibleRequest};
+use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 
 /// STK prints 1 ms and knows UT1 of its own (a few ms of it move a low site by a metre, 1 ms of the satellite's way).
 const STK_S: f64 = 0.1;
@@ -35,15 +35,23 @@ fn elements(path: &Path, id: u32) -> ElementSet {
     catalogue.element_sets.into_iter().find(|set| set.norad_id == NoradId(id)).expect("the satellite")
 }
 
-fn passes(elements: ElementSet, site: Site, start: Epoch, days: f64, min_altitude_deg: f64) -> Vec<HorizonPass> {
+fn passes(elements: ElementSet, site: Site, start: Epoch, days: f64, min_altitude_deg: f64) -> Vec<VisiblePass> {
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
     let sky = Sky::new(vec![elements], Observer::new(site), EopTable::embedded(), &choice);
-    let options = PassOptions { include_dark: true, ..PassOptions::default() };
-    let (passes, left_out) = sky
-        .horizon_passes(start, seconds_after(start, days * 86_400.0), min_altitude_deg.to_radians(), &options)
-        .expect("passes");
-    assert!(left_out.is_empty(), "{left_out:?}");
-    passes
+    let request = VisibleRequest {
+        start,
+        end: seconds_after(start, days * 86_400.0),
+        dark: Vec::new(),
+        min_altitude_rad: min_altitude_deg.to_radians(),
+        min_culmination_rad: min_altitude_deg.to_radians(),
+        max_magnitude: None,
+        include_dark: true,
+        samples: 0,
+        photometry: PhotometryOptions::default(),
+    };
+    let found = sky.visible_passes(&request, &|_| true).expect("passes");
+    assert!(found.left_out.is_empty(), "{:?}", found.left_out);
+    found.passes
 }
 
 /// Text like `2014/10/23 01:27:33.224`.

@@ -7,7 +7,7 @@ use streakcast::elements::{Catalogue, ElementSet, NoradId, Origin, ReadOptions};
 use streakcast::frames::{Direction, EopTable, Gcrs, OrientationTable, seconds_after, seconds_between};
 use streakcast::geometry::{EarthLimb, SunTable, aspect};
 use streakcast::orbit::Propagator;
-use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, PassOptions, Sky, SkyError};
+use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, PassOptions, Sky, SkyError, SnapshotOptions};
 use streakcast::photometry::ModelLibrary;
 
 fn active(data: &std::path::Path) -> Vec<ElementSet> {
@@ -277,7 +277,7 @@ fn the_earth_hides_and_questions_of_a_horizon_are_refused() {
     let below = seen(down);
     assert!(!below.is_empty() && below.iter().all(|pass| pass.mid.range_km < 4800.0), "{}", below.len());
     assert!(seen(up).iter().any(|pass| pass.mid.range_km > 20_000.0));
-    let refused = sky.horizon_passes(start, seconds_after(start, 60.0), 0.0, &PassOptions::default());
+    let refused = sky.snapshots(start, &[0.0], &SnapshotOptions::all_above(0.0));
     assert!(matches!(refused, Err(SkyError::NoHorizon { .. })));
     // An observer that has decayed is an error of the question, not an empty sky.
     let mut fallen = own.clone();

@@ -8,7 +8,7 @@ use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::frames::seconds_after;
-use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, SkyTrack, SkyTrackOptions};
+use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict,
@@ -91,6 +91,7 @@ impl Engine {
             let asked: Vec<&ScheduledExposure> = places.iter().map(|place| &rows[*place]).collect();
             let report = ask(&asked, &self.request(field, &prepared)).map_err(failure::asked)?;
             warnings.extend(left_out(&prepared, &report.left_out, starts[places[0]])?);
+            warnings.extend(report.lower_limit_warning());
             for (place, flag) in places.into_iter().zip(report.flags) {
                 flags[place] = Some(flag);
             }
@@ -147,7 +148,7 @@ impl Engine {
     }
 
     /// Verdicts as plain arrays: `verdict` (0 clear, 1 streaked, 2 avoid, 3 invalid), `n_streaks`, `brightest_mag`, `lost_fraction`,
-    /// `p_any`, `streak_length_deg`.
+    /// `p_any`, `streak_length_deg`, `p_any_is_lower_limit`.
     #[pyo3(signature = (asked, bands))]
     fn judge<'py>(
         &self,
@@ -167,6 +168,8 @@ impl Engine {
         answer.set_item("lost_fraction", reals(|flag| flag.expected_lost_pixel_fraction.unwrap_or(f64::NAN)))?;
         answer.set_item("p_any", reals(|flag| flag.p_any))?;
         answer.set_item("streak_length_deg", reals(|flag| flag.streak_length_deg))?;
+        let lower_limits: Vec<bool> = flags.iter().map(|flag| flag.p_any_is_lower_limit).collect();
+        answer.set_item("p_any_is_lower_limit", lower_limits.into_pyarray(py))?;
         Ok((answer, warnings))
     }
 
@@ -255,12 +258,14 @@ impl Engine {
     ) -> PyResult<WithWarnings<Bound<'py, PyDict>>> {
         let start = start_of(0, jd1, jd2)?;
         within("min_altitude", 0, min_altitude_deg, 0.0, 90.0, "deg")?;
-        let options = SkyTrackOptions {
+        // Brightness is computed for the middle of each track alone.
+        let options = SnapshotOptions {
             min_altitude_rad: min_altitude_deg.to_radians(),
             include_dark,
-            photometry: light.then_some(self.photometry),
+            whole_tracks: false,
+            photometry: None,
         };
-        let (rows, warnings) = failure::without_lock(py, || self.sky_rows(start, &seconds, &options))?;
+        let (rows, warnings) = failure::without_lock(py, || self.sky_rows(start, &seconds, &options, light))?;
         let answer = PyDict::new(py);
         let reals = |column: Vec<f64>| -> Bound<'py, PyArray1<f64>> { column.into_pyarray(py) };
         answer.set_item("moment", rows.moment.into_pyarray(py))?;
@@ -288,27 +293,36 @@ struct SkyRows {
 }
 
 impl Engine {
-    fn sky_rows(&self, start: Epoch, seconds: &[f64], options: &SkyTrackOptions) -> PyResult<WithWarnings<SkyRows>> {
+    fn sky_rows(
+        &self,
+        start: Epoch,
+        seconds: &[f64],
+        options: &SnapshotOptions,
+        light: bool,
+    ) -> PyResult<WithWarnings<SkyRows>> {
         let prepared = self.skies.get().of(start)?;
         let sky = &prepared.sky;
-        let (tracks, failed) = sky.sky_tracks(start, seconds, options).map_err(failure::asked)?;
+        let (tracks, failed) = sky.snapshots(start, seconds, options).map_err(failure::asked)?;
         let warnings = left_out(&prepared, &failed, start)?.into_iter().collect();
-        let lost_width = |track: &SkyTrack| {
+        let lost_width = |track: &SatelliteTrack, range_km: f64| {
             let width = |telescope: &Telescope| {
-                telescope.mask_widths * telescope.width_arcsec(track.range_km, sky.model(track.element_index).size_m())
+                telescope.mask_widths * telescope.width_arcsec(range_km, sky.model(track.element_index).size_m())
             };
             self.telescope.as_ref().map_or(f64::NAN, width)
         };
         let mut rows = SkyRows::default();
         for track in &tracks {
-            let lost_width_arcsec = lost_width(track);
-            let magnitude = track.brightness.as_ref().map_or(f64::NAN, |light| light.magnitude.0);
-            for (moment, direction) in &track.places {
-                rows.moment.push(*moment as i64);
+            let Some(middle) = track.middle() else { continue };
+            let range_km = middle.point.range_km;
+            let lost_width_arcsec = lost_width(track, range_km);
+            let brightness = if light { sky.brightness(track.element_index, &middle.point, &self.photometry) } else { None };
+            let magnitude = brightness.map_or(f64::NAN, |light| light.magnitude.0);
+            for snapshot in &track.snapshots {
+                rows.moment.push(snapshot.time_index as i64);
                 rows.norad_id.push(i64::from(track.norad_id.0));
-                rows.direction.extend(direction.vector().iter());
-                rows.range_km.push(track.range_km);
-                rows.rate_deg_s.push(track.angular_rate_rad_s.to_degrees());
+                rows.direction.extend(snapshot.point.direction.vector().iter());
+                rows.range_km.push(range_km);
+                rows.rate_deg_s.push(middle.angular_rate_rad_s.to_degrees());
                 rows.lost_width_arcsec.push(lost_width_arcsec);
                 rows.magnitude.push(magnitude);
             }

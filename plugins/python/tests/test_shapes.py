@@ -14,6 +14,7 @@ import streakcast
 def test_numbers_for_one_and_arrays_for_many(model):
     one = model.assess(TARGET, START, 30.0)
     assert isinstance(one.n_streaks, int) and isinstance(one.p_any, float) and one.crosses is True
+    assert one.p_any_is_lower_limit is False
     assert one.verdict == "avoid" and one.avoid and not one.clear
     assert 0.0 < one.lost_fraction < 0.1 and one.brightest_mag < 7.0
     many = model.assess((np.full((2, 3), TARGET[0]), TARGET[1]), START, np.array([30.0, 30.0, 1e-3]))

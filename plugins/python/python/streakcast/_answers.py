@@ -43,6 +43,8 @@ class Assessment(NamedTuple):
     p_any: Any
     #: Length of all lit streaks in the field, degrees; NaN where invalid.
     streak_length_deg: Any
+    #: Whether ``p_any`` and ``lost_fraction`` are lower limits: elements are so old that delays beyond 300 s, which are not searched, are probable.
+    p_any_is_lower_limit: Any = False
 
     @property
     def avoid(self) -> Any:

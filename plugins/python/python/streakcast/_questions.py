@@ -67,10 +67,12 @@ class Questions(Sights):
         self._tell(skies, told)
         verdict, streaks = VERDICTS[answer["verdict"]], answer["n_streaks"]
         numbers = (answer["brightest_mag"], answer["lost_fraction"], answer["p_any"], answer["streak_length_deg"])
+        is_lower_limit = answer["p_any_is_lower_limit"]
         if shape == ():
             count = int(streaks[0])
-            return Assessment(str(verdict[0]), count > 0, count, *(float(one[0]) for one in numbers))
-        arrays = (verdict, streaks > 0, streaks, *numbers)
+            reals = (float(one[0]) for one in numbers)
+            return Assessment(str(verdict[0]), count > 0, count, *reals, bool(is_lower_limit[0]))
+        arrays = (verdict, streaks > 0, streaks, *numbers, is_lower_limit)
         return Assessment(*(one.reshape(shape) for one in arrays))
 
     def flags(

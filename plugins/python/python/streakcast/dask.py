@@ -59,7 +59,7 @@ def annotate(
     -------
     list of Path
         The nights' files in order of time. Columns ``visit`` (row in ``visits``), ``verdict``, ``n_streaks``, ``brightest_mag``,
-        ``lost_fraction``, ``p_any``, ``streak_length_deg``; see `read` for all of them together.
+        ``lost_fraction``, ``p_any``, ``streak_length_deg``, ``p_any_is_lower_limit``; see `read` for all of them together.
 
     Raises
     ------

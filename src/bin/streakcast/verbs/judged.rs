@@ -175,6 +175,7 @@ pub fn flag_rows(
     }
     bar.finish_and_clear();
     notices.warn(&prepared.left_out_warning(&report.left_out, first)?);
+    notices.warn(&report.lower_limit_warning());
     Ok(report)
 }
 

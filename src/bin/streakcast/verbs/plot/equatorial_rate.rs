@@ -82,7 +82,7 @@ pub fn asked(
         let mut moments: Vec<Epoch> = Vec::new();
         let mut moment = from;
         while moment < to {
-            if prepared.sky.sun_over_site(moment)?.altitude_rad <= typed.max_sun_altitude_deg.to_radians() {
+            if prepared.sky.sun_altaz(moment)?.altitude_rad <= typed.max_sun_altitude_deg.to_radians() {
                 moments.push(moment);
             }
             moment = seconds_after(moment, step_s);

@@ -95,7 +95,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     let counts = prepared.sky.streak_counts(&request)?;
     notices.warn(&prepared.left_out_warning(&counts.left_out, moment)?);
     let table = table(&directions, &counts, typed.limit_mag.is_some());
-    let sun = prepared.sky.sun_over_site(moment)?;
+    let sun = prepared.sky.sun_altaz(moment)?;
     let mut provenance = prepared.provenance;
     crate::verbs::judged::state_scales(&mut provenance, "utc", &photometry);
     provenance.state(

@@ -82,7 +82,7 @@ fn grid(
     for step in 0..(DAY_S / step_s).ceil() as usize {
         let moment = seconds_after(start, step as f64 * step_s);
         let middle = seconds_after(moment, duration_s / 2.0);
-        if prepared.sky.sun_over_site(middle)?.altitude_rad <= typed.max_sun_altitude_deg.to_radians() {
+        if prepared.sky.sun_altaz(middle)?.altitude_rad <= typed.max_sun_altitude_deg.to_radians() {
             moments.push(moment);
         }
     }

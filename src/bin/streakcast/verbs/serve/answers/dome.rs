@@ -3,7 +3,7 @@
 use serde_json::{Value, json};
 use streakcast::frames::seconds_after;
 use streakcast::maps::{Earth, Grid, SkyView};
-use streakcast::passes::Overhead;
+use streakcast::passes::{SatelliteTrack, SnapshotOptions};
 
 use super::super::house::House;
 use super::super::question::{Kind, Parameter, Question, needed, number, optional};
@@ -46,7 +46,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let model = house.library.get(name).ok_or_else(|| Problem::parameter("model", name, &known()))?;
 
     let mid = seconds_after(start, 0.5 * duration_s);
-    let sun = house.sky().sun_over_site(mid).map_err(|error| of_sky(&error))?;
+    let sun = house.sky().sun_altaz(mid).map_err(|error| of_sky(&error))?;
     let earth = Earth::Ellipsoid(house.site.clone());
     let photometry = house.asked.photometry;
     let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)
@@ -66,12 +66,17 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         .collect();
 
     let min_altitude_rad = question.number("min_altitude_deg").unwrap_or_default().to_radians();
-    let moments = if duration_s > 0.0 { TRACK_POINTS } else { 1 };
-    let options = house.pass_options(0);
-    let (overhead, left_out) =
-        house.sky().overhead(start, duration_s, moments, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
+    let count = if duration_s > 0.0 { TRACK_POINTS } else { 1 };
+    let times_s: Vec<f64> = (0..count).map(|number| duration_s * number as f64 / (TRACK_POINTS - 1) as f64).collect();
+    let options = SnapshotOptions {
+        min_altitude_rad,
+        include_dark: house.pass_options(0).include_dark,
+        whole_tracks: true,
+        photometry: Some(photometry),
+    };
+    let (tracks, left_out) = house.sky().snapshots(start, &times_s, &options).map_err(|error| of_sky(&error))?;
     let caveats = house.caveats_at(start, seconds_after(start, duration_s), &left_out)?;
-    let satellites: Vec<Value> = overhead.iter().map(|one| satellite(house, one)).collect();
+    let satellites: Vec<Value> = tracks.iter().map(|track| satellite(house, track)).collect();
 
     let (sun_altitude_deg, sun_azimuth_deg) = degrees(&sun);
     let mut document = Document::resting_on(&house.provenance);
@@ -87,18 +92,19 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     Ok(document.reply())
 }
 
-fn satellite(house: &House, overhead: &Overhead) -> Value {
+fn satellite(house: &House, track: &SatelliteTrack) -> Value {
     let degrees = |radians: Option<f64>| rounded(radians.unwrap_or(f64::NAN).to_degrees(), 3);
-    let track: Vec<[f64; 2]> =
-        overhead.points.iter().map(|point| [degrees(point.azimuth_rad), degrees(point.altitude_rad)]).collect();
-    let brightness = overhead.points.iter().filter_map(|point| point.brightness.as_ref());
+    let points = || track.snapshots.iter().map(|snapshot| &snapshot.point);
+    let track_deg: Vec<[f64; 2]> =
+        points().map(|point| [degrees(point.azimuth_rad), degrees(point.altitude_rad)]).collect();
+    let brightness = points().filter_map(|point| point.brightness.as_ref());
     let brightest = brightness.min_by(|a, b| a.magnitude.0.total_cmp(&b.magnitude.0));
     json!({
-        "norad_id": overhead.norad_id.0,
-        "name": house.sky().elements()[overhead.element_index].name.as_ref(),
+        "norad_id": track.norad_id.0,
+        "name": house.sky().elements()[track.element_index].name.as_ref(),
         "magnitude": brightest.map(|brightness| rounded(brightness.magnitude.0, 2)),
         "magnitude_sigma": brightest.map(|brightness| rounded(brightness.sigma_mag, 2)),
-        "track_deg": track,
+        "track_deg": track_deg,
     })
 }
 

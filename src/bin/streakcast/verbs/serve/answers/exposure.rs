@@ -84,7 +84,8 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let of_sky = |error: SkyError| of_sky(&error);
     let report = report.map_err(of_sky)?;
     let (mut passes, mut before_and_after) = (passes.map_err(of_sky)?, before_and_after.map_err(of_sky)?);
-    let caveats = house.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
+    let mut caveats = house.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
+    caveats.warnings.extend(report.lower_limit_warning());
     if report.flags.iter().any(|flag| flag.verdict == Verdict::Invalid) {
         // What is below the horizon is crossed by nobody that can be seen.
         passes.clear();
@@ -139,8 +140,8 @@ fn around_row(house: &House, pass: &FieldPass, exposure: &Exposure) -> Vec<Cell>
 fn pointing(house: &House, exposure: &Exposure) -> Result<Table, Problem> {
     let ends = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
     let row = |epoch| -> Result<Vec<Cell>, SkyError> {
-        let (altitude_deg, azimuth_deg) = degrees(&house.sky().pointing_over_site(&exposure.pointing, epoch)?);
-        let (sun_altitude_deg, sun_azimuth_deg) = degrees(&house.sky().sun_over_site(epoch)?);
+        let (altitude_deg, azimuth_deg) = degrees(&house.sky().pointing_altaz(&exposure.pointing, epoch)?);
+        let (sun_altitude_deg, sun_azimuth_deg) = degrees(&house.sky().sun_altaz(epoch)?);
         Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into(), sun_altitude_deg.into(), sun_azimuth_deg.into()])
     };
     let rows = ends.into_iter().map(row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;

@@ -1,9 +1,9 @@
 //! Angles of the horizon as columns want them.
 
-use streakcast::passes::Horizontally;
+use streakcast::passes::AltAz;
 
 /// Altitude and azimuth, degrees.
-pub fn degrees(place: &Horizontally) -> (f64, f64) {
+pub fn degrees(place: &AltAz) -> (f64, f64) {
     (place.altitude_rad.to_degrees(), place.azimuth_rad.to_degrees())
 }
 

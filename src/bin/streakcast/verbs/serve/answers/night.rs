@@ -43,7 +43,7 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let count = (seconds_between(from, to) / SUN_EVERY_S) as usize + 1;
     let sun_row = |step: usize| -> Result<Vec<Cell>, SkyError> {
         let epoch = seconds_after(from, SUN_EVERY_S * step as f64);
-        let (altitude_deg, azimuth_deg) = degrees(&house.sky().sun_over_site(epoch)?);
+        let (altitude_deg, azimuth_deg) = degrees(&house.sky().sun_altaz(epoch)?);
         Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into()])
     };
     let places = (0..count).map(sun_row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;

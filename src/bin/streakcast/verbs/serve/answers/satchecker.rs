@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use streakcast::frames::{Direction, epoch_from_jd, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::LeftOut;
-use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, Sky};
+use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, Sky, SnapshotOptions};
 
 use super::super::house::{Caveats, House};
 use super::super::question::{Kind, Parameter, Question, TRUTH, needed, number, optional};
@@ -189,22 +189,21 @@ pub fn above(house: &House, question: &Question) -> Result<Reply, Problem> {
     let sky = sky(house, question)?;
     let at = moment(question.number("julian_date").unwrap_or_default())?;
     let said = |name: &str| question.number(name);
-    let options = PassOptions {
+    let options = SnapshotOptions {
+        min_altitude_rad: said("min_altitude").unwrap_or_default().to_radians(),
         include_dark: !question.truth("illuminated_only").unwrap_or(false),
-        min_probability: None,
-        samples: 0,
-        photometry: house.asked.photometry,
-        ..PassOptions::default()
+        whole_tracks: false,
+        photometry: Some(house.asked.photometry),
     };
-    let min_altitude_rad = said("min_altitude").unwrap_or_default().to_radians();
-    let (overhead, left_out) = sky.overhead(at, 0.0, 1, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
+    let (tracks, left_out) = sky.snapshots(at, &[0.0], &options).map_err(|error| of_sky(&error))?;
     let caveats = house.caveats_at(at, at, &left_out)?;
     let ranges = said("min_range").unwrap_or(0.0)..=said("max_range").unwrap_or(1_500_000.0);
-    let data: Vec<Value> = overhead
+    let data: Vec<Value> = tracks
         .iter()
         .filter(|one| is_of_constellation(&sky, one.element_index, question))
         .filter_map(|one| {
-            let point = one.points.first().filter(|point| ranges.contains(&point.range_km))?;
+            let point = one.snapshots.first().map(|snapshot| &snapshot.point);
+            let point = point.filter(|point| ranges.contains(&point.range_km))?;
             let elements = &sky.elements()[one.element_index];
             let age_days = streakcast::frames::seconds_between(elements.epoch, at) / 86_400.0;
             let mut value = position(&sky, one.element_index, point, age_days);

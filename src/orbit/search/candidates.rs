@@ -1,0 +1,115 @@
+//! Candidate satellites for a search cone: plane test, side test and phase test over a whole window.
+
+use super::cone::{ConeTest, Cones, Inside};
+use super::phase::Phase;
+use super::plane::{ConeInShell, Planes};
+use super::window::{CHUNK, Chunk, Window};
+use crate::frames::{Gcrs, Rotation, Teme};
+use crate::math::vectors::widest;
+
+/// Lanes of a chunk that are tested together.
+const BLOCK: usize = 8;
+
+/// A satellite that may be inside a cone.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Candidate {
+    /// Which element set.
+    pub element_index: u32,
+    /// Number of the cone.
+    pub cone: u32,
+    /// Interval of its predicted position inside the cone, seconds from the middle of the cone's time. It reaches
+    /// beyond the cone's time by the delay that the window searches.
+    pub near_s: [f32; 2],
+    /// True where it is in the given shadow all the time of this cone.
+    pub is_dark: bool,
+}
+
+impl Window {
+    /// Adds to `candidates` every satellite that may be inside one of the cones at any time of it, none missing, in no
+    /// order. About 15 µs for 14,000 satellites.
+    pub fn candidates(&self, cones: &Cones<'_>, teme_to_gcrs: &Rotation<Teme, Gcrs>, candidates: &mut Vec<Candidate>) {
+        let single = std::slice::from_ref(cones.whole);
+        let parts = if cones.parts.is_empty() { single } else { cones.parts };
+        let numbers = cones.first..cones.first + parts.len() as u32;
+        for &(element_index, along_track_s) in &self.always {
+            candidates.extend(numbers.clone().zip(parts).map(|(cone, part)| {
+                let half_s = part.half_duration_s as f32 + along_track_s;
+                Candidate { element_index, cone, near_s: [-half_s, half_s], is_dark: false }
+            }));
+        }
+        let test = |cone| ConeTest::new(cone, teme_to_gcrs, self.span_s);
+        let whole = test(cones.whole);
+        let of_parts: Vec<ConeTest<'_>> = cones.parts.iter().map(test).collect();
+        let shadow = cones.shadow.map(|shadow| shadow.in_teme(teme_to_gcrs));
+        self.planes(&whole, |chunk, lane, phase| {
+            let inside =
+                |test: &ConeTest<'_>| test.inside(phase, &chunk.normal_at(lane, test.fraction()), shadow.as_ref());
+            let Some(in_whole) = inside(&whole) else { return };
+            let candidate = |cone: u32, Inside { near_s, is_dark }: Inside| Candidate {
+                element_index: phase.element_index,
+                cone,
+                near_s: near_s.map(|time_s| time_s as f32),
+                is_dark,
+            };
+            if of_parts.is_empty() {
+                candidates.push(candidate(cones.first, in_whole));
+            }
+            // A satellite inside a part is inside the whole at the same time, whatever its delay.
+            let late_s = f64::from(phase.along_track_s);
+            let since_s = cones.whole.mid_s;
+            let is_then = |part: &ConeTest<'_>| {
+                let [from_s, to_s] = part.interval_s().map(|time_s| time_s - since_s);
+                let is_past = from_s > in_whole.near_s[1] + late_s || to_s < in_whole.near_s[0] - late_s;
+                !is_past
+            };
+            let of_part = |(part, cone): (&ConeTest<'_>, u32)| {
+                is_then(part).then(|| inside(part)).flatten().map(|inside| candidate(cone, inside))
+            };
+            candidates.extend(of_parts.iter().zip(numbers.clone()).filter_map(of_part));
+        });
+    }
+
+    /// Plane test and side test: calls `met` for every satellite that passes both.
+    fn planes(&self, test: &ConeTest<'_>, mut met: impl FnMut(&Chunk, usize, &Phase)) {
+        let (observer, axis, moved_km) = (test.observer(), test.axis(), test.moved_km());
+        let radius_rad = test.radius_rad();
+        let in_shell = ConeInShell::new(observer, axis, radius_rad);
+        let (o, d, x) = (observer.cast::<f32>(), axis.cast::<f32>(), test.fraction() as f32);
+        for chunk in &self.chunks {
+            let Some((near_km, far_km)) = in_shell.distances_km(chunk.lowest_km, chunk.highest_km, moved_km) else {
+                continue;
+            };
+            let (near, far) = (near_km as f32, far_km as f32);
+            let limit = (moved_km + chunk.slop_km + 0.01) as f32;
+            let near_limit = limit + near * radius_rad as f32;
+            let far_limit = limit + far * radius_rad as f32;
+            let (ends, limits) = ([near, far], [near_limit, far_limit]);
+            let outside = widest(Planes { chunk, fraction: x, observer: &o, axis: &d, ends, limits });
+            // The lanes that pass are collected without a branch for each, so that their phases are then read side by
+            // side.
+            let (mut left, mut count) = ([0_u8; CHUNK], 0);
+            for (block, outside) in outside.chunks_exact(BLOCK).enumerate() {
+                // Mostly none of eight passes: one comparison for all of them.
+                if outside.iter().fold(true, |all, outside| all & (*outside > 0.0)) {
+                    continue;
+                }
+                for (lane, outside) in outside.iter().enumerate() {
+                    left[count & (CHUNK - 1)] = (block * BLOCK + lane) as u8;
+                    // NaN passes.
+                    count += usize::from(*outside <= 0.0 || outside.is_nan());
+                }
+            }
+            if count == 0 {
+                continue;
+            }
+            let cap = test.cap([near_km, far_km], chunk.lowest_km);
+            for lane in left.iter().take(count).map(|lane| usize::from(*lane)) {
+                let Some(phase) = chunk.phases.get(lane) else { continue };
+                let normal = chunk.normal_at(lane, test.fraction());
+                if cap.is_none_or(|cap| test.may_be_over(&cap, phase, &normal)) {
+                    met(chunk, lane, phase);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,100 @@
+//! Plane test: which orbit planes of a chunk pass a cone between the distances at which the cone crosses their shell.
+
+use nalgebra::Vector3;
+
+use super::window::{CHUNK, Chunk};
+use crate::math::vectors::NullaryFnOnce;
+
+/// A cone seen from the Earth's centre: the distances between which it crosses a shell.
+pub(super) struct ConeInShell {
+    observer_km: f64,
+    /// Cosines of the largest and least angle between zenith and the cone's directions.
+    cos_far: f64,
+    cos_near: f64,
+}
+
+impl ConeInShell {
+    pub fn new(observer: &Vector3<f64>, axis: &Vector3<f64>, radius_rad: f64) -> Self {
+        let zenith_rad = observer.cross(axis).norm().atan2(observer.dot(axis));
+        Self {
+            observer_km: observer.norm(),
+            cos_far: (zenith_rad + radius_rad).min(std::f64::consts::PI).cos(),
+            cos_near: (zenith_rad - radius_rad).max(0.0).cos(),
+        }
+    }
+
+    /// Least and greatest distance at which the cone meets radii between the two; `None` where it never does.
+    ///
+    /// An observer `moved_km` away sees a point at the same distance and in the same direction at a radius that differs
+    /// by no more than that: the shell is widened by it, which holds for observers inside the shell and above it too.
+    pub fn distances_km(&self, lowest_km: f64, highest_km: f64, moved_km: f64) -> Option<(f64, f64)> {
+        let (lowest_km, highest_km) = (lowest_km - moved_km, highest_km + moved_km);
+        // ρ = -O cos z ± √(r² - O² sin² z)
+        let root = |cosine: f64, radius_km: f64| {
+            let square = radius_km * radius_km - self.observer_km.powi(2) * (1.0 - cosine * cosine);
+            (square >= 0.0).then(|| square.sqrt())
+        };
+        let outside = self.observer_km > highest_km;
+        let far = if outside {
+            // From above, only directions that dip to the shell meet it, the steepest of them at the lowest radius.
+            if self.cos_far >= 0.0 {
+                return None;
+            }
+            -self.observer_km * self.cos_far + root(self.cos_far, highest_km)?
+        } else {
+            -self.observer_km * self.cos_far + root(self.cos_far, highest_km.max(self.observer_km)).unwrap_or(0.0)
+        };
+        let near = if outside {
+            -self.observer_km * self.cos_far - root(self.cos_far, highest_km)?
+        } else if self.observer_km < lowest_km {
+            -self.observer_km * self.cos_near + root(self.cos_near, lowest_km).unwrap_or(0.0)
+        } else {
+            0.0
+        };
+        Some((near.max(0.0), far))
+    }
+}
+
+/// Orbit planes of a chunk against a cone between two distances ρ.
+pub(super) struct Planes<'a> {
+    pub chunk: &'a Chunk,
+    /// Position in the window, from 0 to 1.
+    pub fraction: f32,
+    pub observer: &'a Vector3<f32>,
+    pub axis: &'a Vector3<f32>,
+    /// Least and greatest ρ, km.
+    pub ends: [f32; 2],
+    /// Largest distance of a plane from the cone's axis there, km.
+    pub limits: [f32; 2],
+}
+
+impl NullaryFnOnce for Planes<'_> {
+    type Output = [f32; CHUNK];
+
+    /// Distance of each plane from the cone, km; at most 0 where it passes it.
+    #[inline(always)]
+    fn call(self) -> Self::Output {
+        let Self { chunk, fraction, observer: o, axis: d, ends: [near, far], limits: [near_limit, far_limit] } = self;
+        // |n·O + ρ n·d| ≤ ρψ + slop at both ends of ρ, or a change of sign in between
+        let mut outside = [0.0_f32; CHUNK];
+        for (lane, outside) in outside.iter_mut().enumerate() {
+            let nx = chunk.normal[0][lane] + fraction * chunk.normal_change[0][lane];
+            let ny = chunk.normal[1][lane] + fraction * chunk.normal_change[1][lane];
+            let nz = chunk.normal[2][lane] + fraction * chunk.normal_change[2][lane];
+            let along_observer = nx * o.x + ny * o.y + nz * o.z;
+            let along_axis = nx * d.x + ny * d.y + nz * d.z;
+            let at_near = along_observer + near * along_axis;
+            let at_far = along_observer + far * along_axis;
+            let above = lesser(at_near - near_limit, at_far - far_limit);
+            let below = lesser(-at_near - near_limit, -at_far - far_limit);
+            *outside = if above > below { above } else { below };
+        }
+        outside
+    }
+}
+
+/// The lesser of two numbers in one machine instruction: `f32::min` needs three because of NaN.
+#[inline(always)]
+fn lesser(a: f32, b: f32) -> f32 {
+    if a < b { a } else { b }
+}

@@ -1,0 +1,395 @@
+//! Orbit planes and phases of a whole catalogue over a few hours, for the search of satellites inside a cone.
+//!
+//! A satellite in the field of view lies on a line of sight at its own distance from the Earth's centre, so its orbit
+//! plane must pass there, and it must be there now. All tests run on numbers that change slowly (the plane's normal,
+//! the mean longitude, the eccentricity vector), taken from SGP4 at the two ends of the window and interpolated in
+//! between:
+//!
+//! 1. **Plane.** Points of the cone at distance ρ lie within `|n·O + ρ n·d|` of the orbit plane, give or take the
+//!    cone's width; the satellite's shell (perigee to apogee) limits ρ to [ρ₁, ρ₂]. Linear in ρ, so the ends decide.
+//!    Satellites are sorted by shell and handled in chunks that share ρ₁ and ρ₂: one or two in a hundred survive.
+//! 2. **Side.** Nine in ten of these are on another side of the Earth by their mean longitudes.
+//! 3. **Phase.** For the rest the interpolated elements give a position good to some 20 km and a velocity, and with
+//!    them the closest approach to the line of sight while the shutter is open: one or two in ten thousand survive.
+//!    Satellites low enough for strong drag, and extreme eccentricities, skip this test.
+//!
+//! Only survivors need SGP4. Every margin is on the safe side: `tests/library/crossings.rs` compares the result with
+//! brute force, and `verif_model_error_is_within_its_margin` the margins with SGP4.
+
+use hifitime::Epoch;
+use nalgebra::Vector3;
+use rayon::prelude::*;
+
+use super::super::index::{LeftOut, SatelliteIndex};
+use super::super::propagator::{DECAYED_RADIUS_KM, OrbitError, State};
+use super::kepler::SlowElements;
+use super::phase::Phase;
+use super::side::SWING_PER_ECCENTRICITY;
+use crate::frames::{Teme, seconds_between};
+
+/// Longest interval that one window may cover, seconds. Over six hours a node moves by at most 2.5° and drag bends the
+/// mean longitude of anything above 250 km by less than the margin.
+pub const MAX_WINDOW_S: f64 = 6.0 * 3600.0;
+
+/// How far SGP4's plane (short-period terms at both nodes, 2 · 3/2 · J₂/2p² · sin I cos I, and the curvature of its
+/// precession) may lie from the interpolated one, radians.
+const PLANE_SLOP_RAD: f64 = 1.2e-3;
+
+/// How far SGP4's radius may lie outside the perigee and apogee of the osculating orbits at the nodes, km: four times
+/// the short-period amplitude of a low orbit.
+const RADIUS_SLOP_KM: f64 = 35.0;
+
+/// How far SGP4's position may lie from the interpolated one, as a share of the semi-major axis for an orbit of one
+/// Earth radius; the J₂ terms that cause it fall with the square of the semi-major axis.
+const POSITION_SLOP: f64 = 8.0e-3;
+
+/// The same for effects that do not fall with height (lunar and solar terms, resonances), km.
+const POSITION_SLOP_FLOOR_KM: f64 = 6.0;
+
+/// Below this perigee distance drag bends the orbit within a window: only the plane of such satellites is trusted.
+const DRAGGED_PERIGEE_KM: f64 = DECAYED_RADIUS_KM + 230.0;
+
+/// Above this eccentricity the interpolated position is no longer good enough near perigee: only the plane is trusted.
+const TOO_ECCENTRIC: f64 = 0.9;
+
+/// Short-period terms in the difference of two osculating mean longitudes, and in a rate from two osculating axes.
+const LONGITUDE_NOISE_RAD: f64 = 0.02;
+const RATE_NOISE: f64 = 0.01;
+
+/// Satellites that share one shell in the plane test; a multiple of the widest vector of f32.
+pub(super) const CHUNK: usize = 64;
+
+/// How far from its predicted position a satellite is still searched; zero for nominal crossings alone.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub struct Reach {
+    /// Along the track, seconds.
+    pub along_track_s: f64,
+    /// Across the track, km.
+    pub cross_track_km: f64,
+}
+
+/// One satellite before it is sorted into a chunk.
+struct Entry {
+    phase: Phase,
+    normal: Vector3<f64>,
+    normal_change: Vector3<f64>,
+    lowest_km: f64,
+    highest_km: f64,
+    cross_track_km: f64,
+}
+
+/// Up to [`CHUNK`] satellites of neighbouring shells, their normals as columns.
+#[derive(Clone, Debug)]
+pub(super) struct Chunk {
+    pub lowest_km: f64,
+    pub highest_km: f64,
+    pub slop_km: f64,
+    pub normal: [[f32; CHUNK]; 3],
+    pub normal_change: [[f32; CHUNK]; 3],
+    pub phases: Vec<Phase>,
+}
+
+/// A catalogue's planes and phases from `start` on, for at most [`MAX_WINDOW_S`].
+#[derive(Clone, Debug)]
+pub struct Window {
+    start: Epoch,
+    pub(super) span_s: f64,
+    /// Minutes from each element epoch to the start.
+    minutes: Vec<f64>,
+    pub(super) chunks: Vec<Chunk>,
+    /// Satellites without an interpolation: SGP4 is always used; element index and largest delay searched, seconds.
+    pub(super) always: Vec<(u32, f32)>,
+    left_out: Vec<LeftOut>,
+}
+
+/// How one satellite is searched.
+enum Kind {
+    Regular(Box<Entry>),
+    Always,
+    LeftOut(OrbitError),
+    Absent,
+}
+
+impl Window {
+    /// Propagates every satellite to both ends of the window, on all threads (about 1 µs a satellite and core).
+    ///
+    /// `reach` gives for each element index how far from its prediction a satellite is searched. The margins hold for
+    /// windows of at most [`MAX_WINDOW_S`]; callers split longer intervals.
+    pub fn new(index: &SatelliteIndex, start: Epoch, end: Epoch, reach: &(dyn Fn(usize) -> Reach + Sync)) -> Self {
+        let span_s = seconds_between(start, end).max(1.0);
+        let made: Vec<(f64, Kind)> = index
+            .propagators()
+            .par_iter()
+            .enumerate()
+            .with_min_len(64)
+            .map(|(element_index, propagator)| {
+                let Some(propagator) = propagator else { return (0.0, Kind::Absent) };
+                let minutes = propagator.minutes_since_epoch(start);
+                let end_minutes = minutes + span_s / 60.0;
+                let kind = match (propagator.teme_state(minutes), propagator.teme_state(end_minutes)) {
+                    (Ok(first), Ok(last)) => entry(element_index, &first, &last, span_s, reach(element_index))
+                        .map_or(Kind::Always, |entry| Kind::Regular(Box::new(entry))),
+                    // No position at both ends: none in between. No position at one end: SGP4 decides at each time.
+                    (Err(error), Err(_)) => Kind::LeftOut(error),
+                    _ => Kind::Always,
+                };
+                (minutes, kind)
+            })
+            .collect();
+
+        let mut window = Self {
+            start,
+            span_s,
+            minutes: made.iter().map(|(minutes, _)| *minutes).collect(),
+            chunks: Vec::new(),
+            always: Vec::new(),
+            left_out: Vec::new(),
+        };
+        let mut entries = Vec::with_capacity(made.len());
+        for (element_index, (_, kind)) in made.into_iter().enumerate() {
+            match kind {
+                Kind::Regular(entry) => entries.push(entry),
+                Kind::Always => window.always.push((element_index as u32, reach(element_index).along_track_s as f32)),
+                Kind::LeftOut(reason) => {
+                    if let Some(propagator) = index.propagator(element_index) {
+                        window.left_out.push(LeftOut { norad_id: propagator.norad_id(), element_index, reason });
+                    }
+                }
+                Kind::Absent => {}
+            }
+        }
+        // Thin shells first, by height; thick ones (eccentric orbits) after them, by perigee, so that no chunk mixes
+        // both.
+        let key = |entry: &Entry| ((entry.highest_km - entry.lowest_km > 200.0), entry.lowest_km);
+        entries.sort_unstable_by(|a, b| {
+            let ((thick_a, low_a), (thick_b, low_b)) = (key(a), key(b));
+            thick_a.cmp(&thick_b).then(low_a.total_cmp(&low_b))
+        });
+        window.chunks = entries.chunks(CHUNK).map(|entries| chunk(entries.iter().map(|entry| &**entry))).collect();
+        window
+    }
+
+    /// Start of the window.
+    pub fn start(&self) -> Epoch {
+        self.start
+    }
+
+    /// Length, seconds.
+    pub fn span_s(&self) -> f64 {
+        self.span_s
+    }
+
+    /// Minutes from a satellite's element epoch to the window's start.
+    pub fn minutes_at_start(&self, element_index: usize) -> f64 {
+        self.minutes[element_index]
+    }
+
+    /// Satellites without a position anywhere in the window.
+    pub fn left_out(&self) -> &[LeftOut] {
+        &self.left_out
+    }
+}
+
+/// Slow elements of one satellite from its states at both ends; `None` where they do not describe it: SGP4 is then
+/// always used.
+fn entry(element_index: usize, first: &State<Teme>, last: &State<Teme>, span_s: f64, reach: Reach) -> Option<Entry> {
+    let reference = first.position.vector().normalize();
+    let (begin, end) = (SlowElements::of(first, &reference)?, SlowElements::of(last, &reference)?);
+    let eccentricity = |elements: &SlowElements| elements.eccentricity[0].hypot(elements.eccentricity[1]);
+    let perigee = |elements: &SlowElements| elements.semi_major_axis_km * (1.0 - eccentricity(elements));
+    let apogee = |elements: &SlowElements| elements.semi_major_axis_km * (1.0 + eccentricity(elements));
+    let mut lowest_km = perigee(&begin).min(perigee(&end)) - RADIUS_SLOP_KM;
+    let highest_km = apogee(&begin).max(apogee(&end)) + RADIUS_SLOP_KM;
+    let dragged = lowest_km + RADIUS_SLOP_KM < DRAGGED_PERIGEE_KM;
+    if dragged {
+        lowest_km = DECAYED_RADIUS_KM;
+    }
+    // Whole revolutions in between from the mean of both mean motions: osculating noise is 2e-3, a twentieth of a turn.
+    let expected = begin.mean_longitude_rad + 0.5 * (begin.mean_motion_rad_s() + end.mean_motion_rad_s()) * span_s;
+    let turns = ((expected - end.mean_longitude_rad) / std::f64::consts::TAU).round();
+    let change = end.mean_longitude_rad + turns * std::f64::consts::TAU - begin.mean_longitude_rad;
+    // Where drag terms diverge, velocity no longer is the rate of position, and nothing here holds.
+    let drift = (change - (expected - begin.mean_longitude_rad)).abs();
+    if drift > LONGITUDE_NOISE_RAD + RATE_NOISE * (expected - begin.mean_longitude_rad).abs() {
+        return None;
+    }
+    let semi_major_axis_km = begin.semi_major_axis_km;
+    let eccentric = eccentricity(&begin).max(eccentricity(&end));
+    // J₂ terms scale as a (R/a)² / (1 - e)³ at perigee.
+    let slop_km = POSITION_SLOP_FLOOR_KM
+        + POSITION_SLOP * DECAYED_RADIUS_KM.powi(2) / semi_major_axis_km / (1.0 - eccentric).powi(3);
+    let [k, h] = begin.eccentricity;
+    Some(Entry {
+        phase: Phase {
+            element_index: element_index as u32,
+            reference: [reference.x as f32, reference.y as f32, reference.z as f32],
+            mean_longitude_rad: begin.mean_longitude_rad,
+            mean_longitude_rate_rad_s: change / span_s,
+            eccentricity: [k as f32, h as f32],
+            eccentricity_change: [(end.eccentricity[0] - k) as f32, (end.eccentricity[1] - h) as f32],
+            semi_major_axis_km: semi_major_axis_km as f32,
+            semi_major_axis_change_km: (end.semi_major_axis_km - semi_major_axis_km) as f32,
+            slop_km: (slop_km + reach.cross_track_km) as f32,
+            along_track_s: reach.along_track_s as f32,
+            swing_rad: (SWING_PER_ECCENTRICITY * eccentric) as f32,
+            only_plane: dragged || eccentric > TOO_ECCENTRIC,
+        },
+        normal: begin.normal,
+        normal_change: end.normal - begin.normal,
+        // An error across the track may point up or down.
+        lowest_km: lowest_km - reach.cross_track_km,
+        highest_km: highest_km + reach.cross_track_km,
+        cross_track_km: reach.cross_track_km,
+    })
+}
+
+fn chunk<'a>(entries: impl ExactSizeIterator<Item = &'a Entry> + Clone) -> Chunk {
+    let mut chunk = Chunk {
+        lowest_km: f64::INFINITY,
+        highest_km: 0.0,
+        slop_km: 0.0,
+        normal: [[0.0; CHUNK]; 3],
+        normal_change: [[0.0; CHUNK]; 3],
+        phases: Vec::with_capacity(entries.len()),
+    };
+    for (lane, entry) in entries.enumerate() {
+        chunk.lowest_km = chunk.lowest_km.min(entry.lowest_km);
+        chunk.highest_km = chunk.highest_km.max(entry.highest_km);
+        chunk.slop_km = chunk.slop_km.max(PLANE_SLOP_RAD * entry.highest_km + entry.cross_track_km);
+        for axis in 0..3 {
+            chunk.normal[axis][lane] = entry.normal[axis] as f32;
+            chunk.normal_change[axis][lane] = entry.normal_change[axis] as f32;
+        }
+        chunk.phases.push(entry.phase);
+    }
+    chunk
+}
+
+impl Chunk {
+    /// The interpolated normal. A chord of the arc it runs over, it is short by 1e-4 at most: 0.7 km, part of the
+    /// margin.
+    pub fn normal_at(&self, lane: usize, fraction: f64) -> Vector3<f64> {
+        let component =
+            |axis: usize| f64::from(self.normal[axis][lane]) + fraction * f64::from(self.normal_change[axis][lane]);
+        Vector3::new(component(0), component(1), component(2))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::side::Cap;
+    use super::*;
+    use crate::constants::WGS72_MU_KM3_S2;
+    use crate::elements::{ElementSet, NoradId, Origin};
+    use crate::frames::seconds_after;
+
+    fn element_set(norad_id: u32, altitude_km: f64, eccentricity: f64, inclination_deg: f64) -> ElementSet {
+        let a = 6378.137 + altitude_km;
+        let turn = f64::from(norad_id) * 137.508;
+        ElementSet {
+            norad_id: NoradId(norad_id),
+            name: "".into(),
+            international_designator: "".into(),
+            epoch: Epoch::from_gregorian_utc_at_noon(2026, 4, 20),
+            mean_motion_rev_day: (WGS72_MU_KM3_S2 / a.powi(3)).sqrt() * 86_400.0 / std::f64::consts::TAU,
+            eccentricity,
+            inclination_deg,
+            right_ascension_of_node_deg: turn.rem_euclid(360.0),
+            argument_of_perigee_deg: (turn * 1.7).rem_euclid(360.0),
+            mean_anomaly_deg: (turn * 2.3).rem_euclid(360.0),
+            bstar_per_earth_radius: 1e-4,
+            mean_motion_dot_rev_day2: 0.0,
+            mean_motion_ddot_rev_day3: 0.0,
+            revolution_at_epoch: 0,
+            origin: Origin::Synthetic,
+        }
+    }
+
+    /// Orbits of every kind: low to geosynchronous and beyond, circular to Molniya, equatorial to retrograde.
+    fn orbits() -> Vec<ElementSet> {
+        let mut orbits = Vec::new();
+        for altitude_km in [300.0, 420.0, 550.0, 780.0, 1200.0, 2500.0, 8000.0, 20_200.0, 35_786.0, 60_000.0] {
+            for eccentricity in [0.0001_f64, 0.002, 0.02, 0.1, 0.3, 0.7, 0.85] {
+                for inclination_deg in [0.01, 28.5, 53.0, 63.4, 86.4, 97.6, 140.0] {
+                    if (6378.137 + altitude_km) * (1.0 - eccentricity) > 6650.0 {
+                        orbits.push(element_set(
+                            900_000_000 + orbits.len() as u32,
+                            altitude_km,
+                            eccentricity,
+                            inclination_deg,
+                        ));
+                    }
+                }
+            }
+        }
+        orbits
+    }
+
+    /// The three margins of the cull hold against SGP4 over a whole window, with a third of each to spare.
+    #[test]
+    fn verif_model_error_is_within_its_margin() {
+        let elements = orbits();
+        let index = SatelliteIndex::new(&elements);
+        let start = Epoch::from_gregorian_utc_at_midnight(2026, 4, 26);
+        let window = Window::new(&index, start, seconds_after(start, MAX_WINDOW_S), &|_| Reach::default());
+        let mut checked = 0;
+        let mut worst = [0.0_f64; 3];
+        for chunk in &window.chunks {
+            for (lane, phase) in chunk.phases.iter().enumerate().filter(|(_, phase)| !phase.only_plane) {
+                let element_index = phase.element_index as usize;
+                let propagator = index.propagator(element_index).expect("made");
+                for step in 0..=90 {
+                    let time_s = MAX_WINDOW_S * f64::from(step) / 90.0;
+                    let fraction = time_s / MAX_WINDOW_S;
+                    let truth = propagator
+                        .teme_state(window.minutes_at_start(element_index) + time_s / 60.0)
+                        .expect("in orbit");
+                    let normal = chunk.normal_at(lane, fraction);
+                    let (place, _) = phase.state(&normal, time_s, fraction);
+                    let position = truth.position.vector();
+                    let radius_km = position.norm();
+                    let ratios = [
+                        normal.dot(position).abs() / (PLANE_SLOP_RAD * radius_km),
+                        (place - position).norm() / f64::from(phase.slop_km),
+                        (radius_km - highest(phase)).max(lowest(phase) - radius_km) / RADIUS_SLOP_KM,
+                    ];
+                    // A line of sight straight up to it, and nothing but its own margin to be found by.
+                    let up = position.normalize();
+                    let height_km = radius_km - DECAYED_RADIUS_KM;
+                    let cap =
+                        Cap::of(&(up * DECAYED_RADIUS_KM), &up, 1e-6, [height_km - 0.1, height_km + 0.1], radius_km);
+                    let slop_km = f64::from(phase.slop_km);
+                    assert!(cap.expect("a cap").may_hold(phase, &normal, time_s, 0.0, slop_km));
+                    for (worst, ratio) in worst.iter_mut().zip(ratios) {
+                        *worst = worst.max(ratio);
+                    }
+                    assert!(
+                        ratios.iter().all(|ratio| *ratio < 0.67),
+                        "{:?} at {time_s} s: share of the margins for plane, place, radius {ratios:?}",
+                        elements[element_index]
+                    );
+                    checked += 1;
+                }
+            }
+        }
+        assert!(checked > 20_000, "only {checked} places were checked; worst {worst:?}");
+    }
+
+    fn lowest(phase: &Phase) -> f64 {
+        extreme(phase, -1.0).into_iter().fold(f64::INFINITY, f64::min)
+    }
+
+    fn highest(phase: &Phase) -> f64 {
+        extreme(phase, 1.0).into_iter().fold(0.0, f64::max)
+    }
+
+    fn extreme(phase: &Phase, sign: f64) -> [f64; 2] {
+        [0.0, 1.0].map(|fraction: f64| {
+            let [k, h] = [0, 1].map(|axis| {
+                f64::from(phase.eccentricity[axis]) + fraction * f64::from(phase.eccentricity_change[axis])
+            });
+            (f64::from(phase.semi_major_axis_km) + fraction * f64::from(phase.semi_major_axis_change_km))
+                * (1.0 + sign * k.hypot(h))
+        })
+    }
+}

@@ -1,0 +1,196 @@
+//! Candidate satellites of one exposure: the search cones of its slices, and the time interval of each satellite in
+//! them.
+
+use std::sync::Arc;
+
+use super::evaluator::LOWEST_ALTITUDE_RAD;
+use super::exposure::Exposure;
+use super::field::FieldOnSky;
+use super::scene::Scene;
+use super::sky::Sky;
+use super::track::ObserverMotion;
+use crate::constants::EARTH_ROTATION_RAD_S;
+use crate::frames::{Direction, Gcrs, Orientation, Rotation, Teme, seconds_between};
+use crate::orbit::{Candidate, Cone, Cones, OrbitArc, ShadowCone, Window};
+
+/// Length of a slice at most, seconds: an observer on the ground moves by 14 km to each side in it.
+const SLICE_S: f64 = 60.0;
+/// The same for an observer in orbit, which moves by 40 km.
+const FLIGHT_SLICE_S: f64 = 10.0;
+/// Slices that are first tested together: the cheapest number for the two tests.
+const GROUP: u32 = 5;
+/// A satellite that is a candidate again within this time is still on the same pass, seconds: no orbit returns so soon.
+const SAME_PASS_S: f64 = 1200.0;
+/// The Sun's motion among the stars, rad/s: 1.02 degrees a day at most.
+const SUN_RATE_RAD_S: f64 = 2.1e-7;
+/// Aberration (21") and light time (6") between the astrometric axis and the geometric cone, with a margin, radians.
+pub(super) const ABERRATION_MARGIN_RAD: f64 = 2e-4;
+
+/// The slices of one exposure in which one satellite is a candidate, from the first to the last of one pass; seconds of
+/// the scene.
+pub(super) struct CandidateInterval {
+    pub element_index: usize,
+    pub start_s: f64,
+    pub end_s: f64,
+    /// Interval of its predicted position in the field. It reaches beyond the slices by the delay that is searched.
+    pub near_s: [f64; 2],
+    /// True where it is in the Earth's shadow all the time.
+    is_dark: bool,
+}
+
+impl CandidateInterval {
+    /// Over a time interval, without a search.
+    pub fn over(element_index: usize, start_s: f64, end_s: f64) -> Self {
+        Self { element_index, start_s, end_s, near_s: [start_s, end_s], is_dark: false }
+    }
+}
+
+/// A search cone with its window and the Earth's orientation.
+pub(super) struct PlacedCone<'a> {
+    pub window: &'a Window,
+    pub cone: Cone,
+    pub teme_to_gcrs: Rotation<Teme, Gcrs>,
+}
+
+impl Sky {
+    /// The search cone of a field for `half_s` before and after a time.
+    pub(super) fn cone<'a>(
+        &self,
+        scene: &'a Scene,
+        exposure: &Exposure,
+        field: &FieldOnSky,
+        (motion, orientation): (&ObserverMotion, &Orientation),
+        (mid_s, half_s): (f64, f64),
+    ) -> Option<PlacedCone<'a>> {
+        let (window, window_start_s) = scene.window_at(mid_s)?;
+        let cone = Cone {
+            mid_s: mid_s - window_start_s,
+            half_duration_s: half_s,
+            observer: motion.position(mid_s),
+            observer_speed_km_s: motion.fastest_km_s(mid_s, half_s),
+            axis: exposure.pointing,
+            radius_rad: field.bounding_radius_rad() + ABERRATION_MARGIN_RAD,
+        };
+        Some(PlacedCone { window, cone, teme_to_gcrs: orientation.teme_to_gcrs })
+    }
+
+    /// Satellites that may be in the field during an exposure, and when; dark ones only with `include_dark`. `seen` is
+    /// a buffer.
+    pub(super) fn candidate_intervals(
+        &self,
+        scene: &Scene,
+        exposure: &Exposure,
+        field: &FieldOnSky,
+        flight: Option<&Arc<OrbitArc>>,
+        include_dark: bool,
+        seen: &mut Vec<Candidate>,
+    ) -> Vec<CandidateInterval> {
+        let start_s = seconds_between(scene.start, exposure.start);
+        let longest_s = if flight.is_some() { FLIGHT_SLICE_S } else { SLICE_S };
+        let slices = (exposure.duration_s / longest_s).ceil().max(1.0);
+        let slice_s = exposure.duration_s / slices;
+        let cone = |mid_s: f64, half_s: f64| {
+            let orientation = scene.orientation.at_s(mid_s);
+            let motion = self.motion(scene, &orientation, flight, mid_s)?;
+            self.cone(scene, exposure, field, (&motion, &orientation), (mid_s, half_s))
+        };
+        let shadow = (!include_dark).then(|| {
+            let (radius_km, narrowing) = self.shadow().dark_core();
+            let sun = scene.sun.at_s(start_s + 0.5 * exposure.duration_s).sun;
+            // The Sun moves by this during the exposure: a share of the depth.
+            let narrowing = narrowing + SUN_RATE_RAD_S * exposure.duration_s;
+            ShadowCone { away_from_sun: Direction::from_vector(-sun.vector()), radius_km, narrowing }
+        });
+        let shadow = shadow.as_ref();
+        seen.clear();
+        // A telescope in orbit moves too far for groups.
+        let most = if flight.is_some() { 1 } else { GROUP };
+        let mut first = 0;
+        while first < slices as u32 {
+            let group = most.min(slices as u32 - first);
+            let half_s = 0.5 * slice_s * f64::from(group);
+            let mid_s = start_s + slice_s * f64::from(first) + half_s;
+            if self.is_below_ground(scene, exposure, field, mid_s, half_s) {
+                first += group;
+                continue;
+            }
+            let parts: Vec<_> = (first..first + group)
+                .map(|part| cone(start_s + slice_s * (f64::from(part) + 0.5), 0.5 * slice_s))
+                .collect();
+            // All of them in one window.
+            let of_window = |window: &Window| -> Option<Vec<Cone>> {
+                let is_there = |part: &&PlacedCone<'_>| std::ptr::eq(part.window, window);
+                parts.iter().map(|part| part.as_ref().filter(is_there).map(|part| part.cone)).collect()
+            };
+            let whole = if group > 1 { cone(mid_s, half_s) } else { None };
+            match whole.and_then(|whole| of_window(whole.window).map(|parts| (whole, parts))) {
+                Some((PlacedCone { window, cone, teme_to_gcrs }, parts)) => {
+                    window.candidates(&Cones { whole: &cone, parts: &parts, first, shadow }, &teme_to_gcrs, seen);
+                }
+                None => {
+                    for (number, part) in (first..).zip(&parts) {
+                        let Some(PlacedCone { window, cone, teme_to_gcrs }) = part else { continue };
+                        window.candidates(
+                            &Cones { whole: cone, parts: &[], first: number, shadow },
+                            teme_to_gcrs,
+                            seen,
+                        );
+                    }
+                }
+            }
+            first += group;
+        }
+        seen.retain(|candidate| !self.is_observer(candidate.element_index as usize));
+        seen.sort_unstable_by_key(|candidate| (candidate.element_index, candidate.cone));
+        let mut intervals: Vec<CandidateInterval> = Vec::new();
+        for candidate in seen.iter() {
+            let element_index = candidate.element_index as usize;
+            let slice = candidate.cone;
+            let (from_s, end_s) = (start_s + slice_s * f64::from(slice), start_s + slice_s * f64::from(slice + 1));
+            let near_s = candidate.near_s.map(|time_s| 0.5 * (from_s + end_s) + f64::from(time_s));
+            match intervals.last_mut() {
+                Some(last) if last.element_index == element_index && from_s - last.end_s < SAME_PASS_S => {
+                    last.end_s = end_s;
+                    last.near_s = [last.near_s[0].min(near_s[0]), last.near_s[1].max(near_s[1])];
+                    last.is_dark &= candidate.is_dark;
+                }
+                _ => intervals.push(CandidateInterval {
+                    element_index,
+                    start_s: from_s,
+                    end_s,
+                    near_s,
+                    is_dark: candidate.is_dark,
+                }),
+            }
+        }
+        // A pass that is partly lit is evaluated as a whole.
+        intervals.retain(|interval| !interval.is_dark);
+        intervals
+    }
+
+    /// True where a part of the field may lie below the lowest altitude during the exposure; in orbit always.
+    pub(super) fn reaches_the_ground(
+        &self,
+        exposure: &Exposure,
+        field: &FieldOnSky,
+        orientation: &Orientation,
+    ) -> bool {
+        let Some(altitude_rad) = self.pointing_altitude_rad(exposure, orientation) else { return true };
+        // The sky turns by no more than this, whatever the exposure's length.
+        let turn_rad = (EARTH_ROTATION_RAD_S * exposure.duration_s).min(std::f64::consts::PI);
+        altitude_rad - field.bounding_radius_rad() - turn_rad < LOWEST_ALTITUDE_RAD
+    }
+
+    /// True where all of the field lies below the lowest altitude for `half_s` before and after a time.
+    fn is_below_ground(&self, scene: &Scene, exposure: &Exposure, field: &FieldOnSky, mid_s: f64, half_s: f64) -> bool {
+        let reach_rad = field.bounding_radius_rad() + ABERRATION_MARGIN_RAD + EARTH_ROTATION_RAD_S * half_s;
+        self.pointing_altitude_rad(exposure, &scene.orientation.at_s(mid_s))
+            .is_some_and(|altitude_rad| altitude_rad + reach_rad < LOWEST_ALTITUDE_RAD)
+    }
+
+    /// Altitude of the pointing; `None` in orbit.
+    fn pointing_altitude_rad(&self, exposure: &Exposure, orientation: &Orientation) -> Option<f64> {
+        let observer = self.viewpoint().site()?;
+        Some((observer.state(orientation).horizon * exposure.pointing).latitude_rad())
+    }
+}

@@ -1,0 +1,208 @@
+//! Tracks of delayed satellites over one exposure, to compare predictions with a measurement.
+//!
+//! A satellite that is late by δ is at time t where its element set has it at t - δ. The observer is at its own
+//! position at t, so that a late satellite takes a slightly different path among the stars, not the same one later
+//! (0.5° apart for 10 s at 550 km).
+
+use nalgebra::Vector3;
+
+use super::error::SkyError;
+use super::evaluator::PassEvaluator;
+use super::exposure::Exposure;
+use super::scene::Scene;
+use super::sky::Sky;
+use super::track::{Chord, ObserverMotion, SightLine, TrackPoint};
+use crate::constants::DAY_S;
+use crate::frames::{Direction, Gcrs, Orientation, Position, seconds_after, seconds_between};
+use crate::geometry::aspect;
+use crate::orbit::{OrbitArc, OrbitError, OrbitUncertainty, Propagator, State};
+use crate::photometry::PhotometryOptions;
+
+/// Tracks reach so far beyond the exposure on both sides, seconds.
+const MARGIN_S: f64 = 60.0;
+
+/// A sky over one exposure and a minute on both sides. Times are seconds after shutter opening.
+pub struct ExposureInterval<'s> {
+    sky: &'s Sky,
+    scene: Scene,
+    orientation: Orientation,
+    motion: ObserverMotion,
+    duration_s: f64,
+}
+
+/// A satellite as the observer sees it at one time.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct Sighting {
+    /// ICRS astrometric topocentric direction.
+    pub direction: Direction<Gcrs>,
+    /// Rate of the direction by the satellite's own motion alone, with the observer at rest: at right angles to it,
+    /// rad/s.
+    pub own_rate: Vector3<f64>,
+    /// Distance from the observer, km.
+    pub range_km: f64,
+}
+
+/// The track of a satellite with a certain delay.
+pub struct DelayedTrack<'s> {
+    interval: &'s ExposureInterval<'s>,
+    element_index: usize,
+    arc: OrbitArc,
+}
+
+impl Sky {
+    /// Shared data of the tracks of delayed satellites over one exposure.
+    ///
+    /// # Errors
+    /// [`SkyError`] where the exposure has no finite length or direction, or lies outside the years of the Sun's
+    /// ephemeris; where the telescope is in orbit and its own elements give no position.
+    pub fn exposure_interval(&self, exposure: &Exposure) -> Result<ExposureInterval<'_>, SkyError> {
+        exposure.check()?;
+        let start = seconds_after(exposure.start, -MARGIN_S);
+        let scene = self.scene_without_windows(start, exposure.duration_s + 2.0 * MARGIN_S);
+        let flight = self.flight(&scene, exposure)?;
+        let mid_s = MARGIN_S + 0.5 * exposure.duration_s;
+        let orientation = scene.orientation.at_s(mid_s);
+        let motion =
+            self.motion(&scene, &orientation, flight.as_ref(), mid_s).ok_or(SkyError::NoEphemeris { epoch: start })?;
+        Ok(ExposureInterval { sky: self, scene, orientation, motion, duration_s: exposure.duration_s })
+    }
+}
+
+impl ExposureInterval<'_> {
+    /// The sky.
+    pub fn sky(&self) -> &Sky {
+        self.sky
+    }
+
+    /// Length of the exposure, seconds.
+    pub fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    /// SGP4 of an element set; `None` where it cannot start, and for the telescope itself.
+    pub fn propagator(&self, element_index: usize) -> Option<&Propagator> {
+        if self.sky.is_observer(element_index) { None } else { self.sky.index().propagator(element_index) }
+    }
+
+    /// The epoch of a time.
+    pub fn epoch(&self, time_s: f64) -> hifitime::Epoch {
+        seconds_after(self.scene.start, MARGIN_S + time_s)
+    }
+
+    /// Geocentric position of the observer.
+    pub fn observer(&self, time_s: f64) -> Position<Gcrs> {
+        self.motion.position(MARGIN_S + time_s)
+    }
+
+    /// Geocentric state of a delayed satellite, by SGP4 itself.
+    ///
+    /// # Errors
+    /// [`OrbitError`].
+    pub fn state(&self, propagator: &Propagator, time_s: f64, late_s: f64) -> Result<State<Gcrs>, OrbitError> {
+        let minutes = propagator.minutes_since_epoch(self.scene.start) + (MARGIN_S + time_s - late_s) / 60.0;
+        propagator.state_at_minutes(minutes, &self.orientation.teme_to_gcrs)
+    }
+
+    /// A delayed satellite as it is seen, by SGP4 itself.
+    ///
+    /// # Errors
+    /// [`OrbitError`].
+    pub fn sighting(&self, propagator: &Propagator, time_s: f64, late_s: f64) -> Result<Sighting, OrbitError> {
+        let state = self.state(propagator, time_s, late_s)?;
+        let earth_velocity = self.scene.sun.at_s(MARGIN_S + time_s).earth_velocity;
+        let seen = aspect(&state.position, &state.velocity, &self.observer(time_s), &earth_velocity);
+        let line = seen.direction.vector();
+        let velocity = state.velocity.vector();
+        let own_rate = (velocity - line * line.dot(velocity)) / seen.range_km;
+        Ok(Sighting { direction: seen.direction, own_rate, range_km: seen.range_km })
+    }
+
+    /// Days from the epoch of an element set to a time.
+    pub fn element_age_days(&self, propagator: &Propagator, time_s: f64) -> f64 {
+        seconds_between(propagator.epoch(), self.epoch(time_s)) / DAY_S
+    }
+
+    /// One-sigma errors of the prediction of a satellite.
+    pub fn uncertainty(&self, element_index: usize, age_days: f64) -> OrbitUncertainty {
+        self.sky.uncertainty(element_index, age_days)
+    }
+
+    /// The whole track of a delayed satellite, from a minute before the exposure to a minute after it.
+    ///
+    /// # Errors
+    /// [`OrbitError`]; an observer has no track of itself and is reported as one without elements.
+    pub fn track(&self, element_index: usize, late_s: f64) -> Result<DelayedTrack<'_>, OrbitError> {
+        let propagator = self.propagator(element_index).ok_or_else(|| OrbitError::Elements {
+            norad_id: self.sky.elements()[element_index].norad_id,
+            reason: "no track".to_owned(),
+        })?;
+        let minutes = propagator.minutes_since_epoch(self.scene.start) - late_s / 60.0;
+        let span_s = self.duration_s + 2.0 * MARGIN_S;
+        let arc = OrbitArc::new(propagator, minutes, 0.0, span_s, &self.orientation.teme_to_gcrs)?;
+        Ok(DelayedTrack { interval: self, element_index, arc })
+    }
+}
+
+impl DelayedTrack<'_> {
+    /// Tracks reach so far beyond the exposure on both sides, seconds.
+    pub const MARGIN_S: f64 = MARGIN_S;
+
+    fn line(&self) -> SightLine<'_> {
+        SightLine { arc: &self.arc, observer: self.interval.motion.clone() }
+    }
+
+    /// Earliest and latest time of the track, seconds after shutter opening.
+    pub fn times_s(&self) -> [f64; 2] {
+        [-MARGIN_S, self.interval.duration_s + MARGIN_S]
+    }
+
+    /// The direction, and its rate by the motions of satellite and observer, at right angles to it, rad/s.
+    pub fn direction(&self, time_s: f64) -> (Direction<Gcrs>, Vector3<f64>) {
+        let sight = self.line().sight(MARGIN_S + time_s);
+        let along = sight.vector * sight.vector.dot(&sight.rate_s);
+        (Direction::from_vector(sight.vector), sight.rate_s - along)
+    }
+
+    /// The time at which the track passes nearest to a direction, from a first guess; within [`DelayedTrack::times_s`].
+    pub fn nearest_s(&self, direction: &Direction<Gcrs>, guess_s: f64) -> f64 {
+        let [first_s, last_s] = self.times_s();
+        let mut time_s = guess_s.clamp(first_s, last_s);
+        // Newton's method for the distance along the track: what is left over the rate.
+        for _ in 0..8 {
+            let (_, rate) = self.direction(time_s);
+            let step_s = direction.vector().dot(&rate) / rate.norm_squared().max(1e-18);
+            let next_s = (time_s + step_s).clamp(first_s, last_s);
+            if (next_s - time_s).abs() < 1e-6 {
+                return next_s;
+            }
+            time_s = next_s;
+        }
+        time_s
+    }
+
+    /// Position and light at a time; `None` only where observer and satellite coincide.
+    pub fn point(&self, time_s: f64, photometry: &PhotometryOptions) -> Option<TrackPoint> {
+        let line = self.line();
+        self.evaluator(&line, Some(photometry), time_s).point(MARGIN_S + time_s)
+    }
+
+    /// True where it is above the ground (or clear of the Earth, for an observer in orbit) at a time.
+    pub fn is_up(&self, time_s: f64) -> bool {
+        let line = self.line();
+        let at_s = MARGIN_S + time_s;
+        let moment = Chord { enter_s: at_s, exit_s: at_s };
+        !self.evaluator(&line, None, time_s).above_ground(&moment).is_empty()
+    }
+
+    fn evaluator<'a>(
+        &'a self,
+        line: &'a SightLine<'a>,
+        photometry: Option<&'a PhotometryOptions>,
+        time_s: f64,
+    ) -> PassEvaluator<'a> {
+        let ExposureInterval { sky, scene, .. } = self.interval;
+        let element_index = self.element_index;
+        let uncertainty = sky.uncertainty_at(element_index, self.interval.epoch(time_s));
+        PassEvaluator { sky, scene, line, element_index, photometry, uncertainty }
+    }
+}

@@ -1,0 +1,233 @@
+//! Evaluation of one satellite along its line of sight: positions, light, motion.
+
+use nalgebra::Vector3;
+
+use super::crossing::{Crossing, root};
+use super::scene::Scene;
+use super::sky::Sky;
+use super::track::{Chord, SightLine, TrackPoint};
+use super::viewpoint::Viewpoint;
+use crate::frames::{Gcrs, Position, seconds_after};
+use crate::geometry::{Illumination, ObserverState, ViewingGeometry};
+use crate::math::minimum::minimum;
+use crate::orbit::OrbitUncertainty;
+use crate::photometry::{Brightness, PhotometryOptions};
+
+/// Steps along a pass in the first search for shadow and peak.
+const LIGHT_STEPS: usize = 24;
+/// Tolerance of the peak's time, as a share of the step between two points.
+const PEAK_TOLERANCE: f64 = 1e-4;
+
+/// Geometric altitude below which the ground hides a satellite, radians: 0.57° of refraction and the dip of a
+/// mountain's horizon. It matters only for fields that reach below the horizon.
+pub(super) const LOWEST_ALTITUDE_RAD: f64 = -0.035;
+/// Step of the search for rising and setting within a chord, seconds: no satellite sets and rises again in it.
+const HORIZON_STEP_S: f64 = 30.0;
+/// The same for the limb of the Earth as seen from an orbit, seconds.
+const LIMB_STEP_S: f64 = 5.0;
+
+/// Errors along the track are followed along the tangent this far at most, seconds: beyond it the path bends away (½ g
+/// t², 0.4 km here) and the slope is extrapolated.
+const LONGEST_GEOMETRY_STEP_S: f64 = 10.0;
+/// Largest sigma of a magnitude from the error of the position, mag: a satellite that may be dark is not infinitely
+/// uncertain.
+const MOST_GEOMETRY_SIGMA_MAG: f64 = 3.0;
+
+/// A line of sight with all that light needs. Times are seconds of the scene.
+pub(super) struct PassEvaluator<'a> {
+    pub sky: &'a Sky,
+    pub scene: &'a Scene,
+    pub line: &'a SightLine<'a>,
+    pub element_index: usize,
+    /// Band, system, extinction; `None` for points without brightness.
+    pub photometry: Option<&'a PhotometryOptions>,
+    /// Errors of the satellite's position at the age of its elements.
+    pub uncertainty: OrbitUncertainty,
+}
+
+impl PassEvaluator<'_> {
+    /// The satellite at one time; `None` only where observer and satellite coincide.
+    pub fn point(&self, time_s: f64) -> Option<TrackPoint> {
+        let here = self.sky.viewpoint().site().map(|observer| observer.state(&self.scene.orientation.at_s(time_s)));
+        self.point_over(time_s, here.as_ref())
+    }
+
+    /// As [`PassEvaluator::point`], over the state of the site at that time; `None` for an observer in orbit.
+    pub fn point_over(&self, time_s: f64, here: Option<&ObserverState>) -> Option<TrackPoint> {
+        let (_, _, aspect) = self.line.aspect_at(time_s);
+        let (geometry, illumination, brightness) = self.light(time_s)?;
+        let brightness = brightness.map(|light| self.widened(time_s, light));
+        let horizontal = match here {
+            Some(here) => Some(here.altitude_azimuth_rad(&aspect.geometric)?),
+            None => None,
+        };
+        Some(TrackPoint {
+            epoch: seconds_after(self.scene.start, time_s),
+            direction: aspect.direction,
+            altitude_rad: horizontal.map(|(altitude_rad, _)| altitude_rad),
+            azimuth_rad: horizontal.map(|(_, azimuth_rad)| azimuth_rad),
+            range_km: aspect.range_km,
+            geometry,
+            illumination,
+            brightness,
+        })
+    }
+
+    fn light(&self, time_s: f64) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
+        let (state, place, _) = self.line.aspect_at(time_s);
+        self.light_at(time_s, &state.position, &place)
+    }
+
+    /// Light of a satellite at this position.
+    fn light_at(
+        &self,
+        time_s: f64,
+        satellite: &Position<Gcrs>,
+        place: &Position<Gcrs>,
+    ) -> Option<(ViewingGeometry, Illumination, Option<Brightness>)> {
+        let sun = self.scene.sun.at_s(time_s).sun;
+        let geometry = ViewingGeometry::new(satellite, place, &sun)?;
+        let illumination = self.sky.shadow().illumination(satellite, &sun);
+        let Some(photometry) = self.photometry else { return Some((geometry, illumination, None)) };
+        let photometry = match self.sky.viewpoint() {
+            Viewpoint::Site(_) => *photometry,
+            // No extinction for a telescope in orbit.
+            Viewpoint::Orbit(_) => PhotometryOptions { extinction_mag_per_airmass: None, ..*photometry },
+        };
+        let brightness =
+            self.sky.model(self.element_index).brightness(&geometry, illumination.lit_fraction(), &photometry);
+        Some((geometry, illumination, brightness))
+    }
+
+    /// The same light with a sigma that includes the error of the prediction: in range, in aspect, and in the Earth's
+    /// shadow.
+    fn widened(&self, time_s: f64, light: Brightness) -> Brightness {
+        let (state, place, _) = self.line.aspect_at(time_s);
+        let (position, velocity) = (state.position.vector(), state.velocity.vector());
+        let Some(across) = position.cross(velocity).try_normalize(0.0) else { return light };
+        // Change from one side to the other, mag; where it is dark, the faintest that counts.
+        let faintest = light.magnitude.0 + MOST_GEOMETRY_SIGMA_MAG;
+        let magnitude = |moved_km: Vector3<f64>| {
+            let lit = self.light_at(time_s, &Position::from_vector(position + moved_km), &place);
+            lit.and_then(|(_, _, light)| light).map_or(faintest, |light| light.magnitude.0.min(faintest))
+        };
+        let half_difference = |moved_km: Vector3<f64>| 0.5 * (magnitude(moved_km) - magnitude(-moved_km)).abs();
+        let step_s = self.uncertainty.along_track_s.min(LONGEST_GEOMETRY_STEP_S);
+        let along = half_difference(velocity * step_s) * (self.uncertainty.along_track_s / step_s.max(1e-9));
+        let cross = half_difference(across * self.uncertainty.cross_track_km);
+        let geometry = along.hypot(cross).min(MOST_GEOMETRY_SIGMA_MAG);
+        Brightness { sigma_mag: light.sigma_mag.hypot(geometry), ..light }
+    }
+
+    /// True where any part of the Sun reaches the satellite at any of the steps.
+    pub fn is_lit(&self, enter_s: f64, exit_s: f64) -> bool {
+        times(enter_s, exit_s, LIGHT_STEPS).any(|time_s| self.illumination(time_s).lit_fraction() > 0.0)
+    }
+
+    /// The parts of a chord in which the satellite is above the ground, or for an observer in orbit clear of the Earth.
+    pub fn above_ground(&self, chord: &Chord) -> Vec<Chord> {
+        let height = |time_s: f64| match self.sky.viewpoint() {
+            Viewpoint::Site(observer) => {
+                let here = observer.state(&self.scene.orientation.at_s(time_s));
+                here.sine_of_altitude(&self.line.aspect_at(time_s).2.geometric) - LOWEST_ALTITUDE_RAD.sin()
+            }
+            Viewpoint::Orbit(observer) => {
+                let (state, place, _) = self.line.aspect_at(time_s);
+                observer.limb().clearance_km(&place, &state.position)
+            }
+        };
+        let longest_s = if self.sky.viewpoint().site().is_some() { HORIZON_STEP_S } else { LIMB_STEP_S };
+        let steps = ((chord.exit_s - chord.enter_s) / longest_s).ceil().max(1.0) as usize;
+        let samples: Vec<(f64, f64)> =
+            times(chord.enter_s, chord.exit_s, steps).map(|time_s| (time_s, height(time_s))).collect();
+        let mut borders_s = vec![chord.enter_s];
+        for pair in samples.windows(2) {
+            if (pair[0].1 >= 0.0) != (pair[1].1 >= 0.0) {
+                borders_s.push(root(height, pair[0], pair[1]));
+            }
+        }
+        borders_s.push(chord.exit_s);
+        borders_s
+            .windows(2)
+            .filter(|pair| height(0.5 * (pair[0] + pair[1])) >= 0.0)
+            .map(|pair| Chord { enter_s: pair[0], exit_s: pair[1] })
+            .collect()
+    }
+
+    /// Removes the parts of a crossing below the ground, and returns the interval of the rest; for a near miss, the
+    /// time of its closest approach. `None` where nothing is left. Only fields near the ground need this.
+    pub fn keep_above_ground(&self, crossing: &mut Crossing, near_the_ground: bool) -> Option<(f64, f64)> {
+        if near_the_ground {
+            let closest = Chord { enter_s: crossing.closest_s, exit_s: crossing.closest_s };
+            let near_miss_is_up = crossing.chords.is_empty() && !self.above_ground(&closest).is_empty();
+            crossing.chords = crossing.chords.iter().flat_map(|chord| self.above_ground(chord)).collect();
+            if crossing.chords.is_empty() && !near_miss_is_up {
+                return None;
+            }
+        }
+        let enter_s = crossing.chords.first().map_or(crossing.closest_s, |chord| chord.enter_s);
+        let exit_s = crossing.chords.last().map_or(crossing.closest_s, |chord| chord.exit_s);
+        Some((enter_s, exit_s))
+    }
+
+    /// Illumination of the satellite.
+    pub fn illumination(&self, time_s: f64) -> Illumination {
+        self.sky.shadow().illumination(&self.line.arc.state_at(time_s).position, &self.scene.sun.at_s(time_s).sun)
+    }
+
+    /// The brightest point; `None` where the satellite is not visible at any, and without photometry.
+    pub fn peak(&self, enter_s: f64, exit_s: f64) -> Option<TrackPoint> {
+        self.peak_in_steps(enter_s, exit_s, LIGHT_STEPS)
+    }
+
+    /// As [`PassEvaluator::peak`], with this number of steps in the first search.
+    pub fn peak_in_steps(&self, enter_s: f64, exit_s: f64, steps: usize) -> Option<TrackPoint> {
+        self.photometry?;
+        let magnitude = |time_s: f64| {
+            self.light(time_s)
+                .and_then(|(_, _, brightness)| brightness)
+                .map_or(f64::INFINITY, |light| light.magnitude.0)
+        };
+        let best = times(enter_s, exit_s, steps)
+            .map(|time_s| (time_s, magnitude(time_s)))
+            .min_by(|a, b| a.1.total_cmp(&b.1))
+            .filter(|(_, magnitude)| magnitude.is_finite())?;
+        let step_s = (exit_s - enter_s) / steps as f64;
+        let ends_s = [(best.0 - step_s).max(enter_s), (best.0 + step_s).min(exit_s)];
+        let (peak_s, _) = minimum(magnitude, ends_s, best, PEAK_TOLERANCE * step_s);
+        self.point(peak_s)
+    }
+
+    /// Evenly spaced points from entry to exit, both included; one point is in the middle.
+    pub fn samples(&self, enter_s: f64, exit_s: f64, count: usize) -> Vec<TrackPoint> {
+        match count {
+            0 => Vec::new(),
+            1 => self.point(0.5 * (enter_s + exit_s)).into_iter().collect(),
+            _ => times(enter_s, exit_s, count - 1).filter_map(|time_s| self.point(time_s)).collect(),
+        }
+    }
+
+    /// Position angle of the motion and its speed on the sky, radians and rad/s.
+    pub fn motion(&self, time_s: f64) -> (f64, f64) {
+        // Long enough against rounding (1e-16 / 1e-3), short enough against curvature.
+        const HALF_S: f64 = 0.05;
+        let (_, _, before) = self.line.aspect_at(time_s - HALF_S);
+        let (_, _, now) = self.line.aspect_at(time_s);
+        let (_, _, after) = self.line.aspect_at(time_s + HALF_S);
+        let rate_rad_s = before.direction.separation_rad(&after.direction) / (2.0 * HALF_S);
+        (now.direction.position_angle_rad(&after.direction), rate_rad_s)
+    }
+
+    /// Length of one chord on the sky, radians.
+    pub fn length_rad(&self, chord: &Chord) -> f64 {
+        let directions: Vec<_> = times(chord.enter_s, chord.exit_s, LIGHT_STEPS)
+            .map(|time_s| self.line.aspect_at(time_s).2.direction)
+            .collect();
+        directions.windows(2).map(|pair| pair[0].separation_rad(&pair[1])).sum()
+    }
+}
+
+/// `steps + 1` times from one to the other.
+fn times(from_s: f64, to_s: f64, steps: usize) -> impl Iterator<Item = f64> {
+    (0..=steps).map(move |step| from_s + (to_s - from_s) * step as f64 / steps as f64)
+}

@@ -1,0 +1,131 @@
+//! Crossings alone: which lit satellites are in a field and when, without magnitude or probability. A tenth of the work
+//! of a pass.
+
+use nalgebra::Vector3;
+
+use super::super::candidates::{ABERRATION_MARGIN_RAD, CandidateInterval};
+use super::super::crossing::cross;
+use super::super::error::SkyError;
+use super::super::exposure::Exposure;
+use super::super::field::{Field, FieldOnSky};
+use super::super::scene::SearchScope;
+use super::super::sky::Sky;
+use super::super::track::{Chord, ObserverMotion, SightLine};
+use super::exposed_field::{ExposedField, NearSatellite};
+use crate::constants::WGS72_MU_KM3_S2;
+use crate::frames::Gcrs;
+use crate::orbit::{Beam, LeftOut, OrbitError, State};
+
+/// Longest interval covered by one SGP4 position, seconds: the path leaves its tangent by 4 km.
+const LONGEST_STEP_S: f64 = 60.0;
+/// Largest disagreement of SGP4's velocity and its positions in that time, km: the tolerance of
+/// [`Propagator::check_step`](crate::orbit::Propagator::check_step) in half of it.
+const VELOCITY_SLOP_KM: f64 = 3.0;
+
+/// One lit satellite in one exposure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FieldCrossing {
+    /// Position of its element set in the sky's catalogue.
+    pub element_index: usize,
+    /// Parts of the track inside the field, seconds after the exposure's start, in time order.
+    pub chords: Vec<Chord>,
+}
+
+/// Crossings by exposure.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct FieldCrossings {
+    /// For each exposure, in its place, the crossings in order of entry.
+    pub by_exposure: Vec<Vec<FieldCrossing>>,
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. None is computed
+    /// while the field is below the ground.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Sky {
+    /// Every lit satellite that crosses the field in each exposure: the same ones as the passes of
+    /// [`Sky::field_passes`] with default options, at the same times to 10 µs. A satellite whose orbit fails far from
+    /// the field is not reported, and one that stays for hours or comes twice within minutes is lit if it is at any of
+    /// the times that it crosses, not in between.
+    ///
+    /// # Errors
+    /// As [`Sky::field_passes`].
+    pub fn field_crossings(&self, exposures: &[Exposure], field: &Field) -> Result<FieldCrossings, SkyError> {
+        let (by_exposure, left_out) = self.by_exposure(exposures, SearchScope::Nominal, |scene, exposure, seen| {
+            let exposed = ExposedField::new(self, scene, exposure, field)?;
+            let (mut crossings, left_out) = exposed.evaluate(false, seen, |interval| exposed.crossing(interval));
+            let entry = |one: &FieldCrossing| one.chords.first().map_or(0.0, |chord| chord.enter_s);
+            crossings.sort_by(|a, b| entry(a).total_cmp(&entry(b)).then(a.element_index.cmp(&b.element_index)));
+            Ok((crossings, left_out))
+        })?;
+        Ok(FieldCrossings { by_exposure, left_out })
+    }
+}
+
+impl ExposedField<'_> {
+    /// The crossing of one satellite; `None` where it does not cross, or is dark.
+    fn crossing(&self, interval: &CandidateInterval) -> Result<Option<FieldCrossing>, OrbitError> {
+        let &CandidateInterval { element_index, start_s, end_s, near_s, .. } = interval;
+        let Some(satellite) = self.satellite(element_index, 0.5 * (start_s + end_s)) else { return Ok(None) };
+        let near_the_ground = self.sky.reaches_the_ground(self.exposure, &self.field, &satellite.orientation);
+        let (mut chords, mut is_lit) = (Vec::new(), false);
+        for [from_s, to_s] in intervals_near([near_s[0].max(start_s), near_s[1].min(end_s)], &satellite, &self.field)? {
+            let arc = satellite.arc(from_s, to_s)?;
+            let line = SightLine { arc: &arc, observer: satellite.observer.clone() };
+            let mut crossing = cross(&|time_s| line.sight(time_s), from_s, to_s, &self.field);
+            if crossing.chords.is_empty() {
+                continue;
+            }
+            let evaluator = self.evaluator(&line, element_index, None, satellite.uncertainty);
+            if let Some((enter_s, exit_s)) = evaluator.keep_above_ground(&mut crossing, near_the_ground) {
+                is_lit |= evaluator.is_lit(enter_s, exit_s);
+                chords.extend(self.after_opening(&crossing.chords));
+            }
+        }
+        Ok(is_lit.then_some(FieldCrossing { element_index, chords }))
+    }
+}
+
+/// Intervals in which a satellite may be in a field, within one that its interpolated elements leave open: one SGP4
+/// position a minute.
+///
+/// # Errors
+/// [`OrbitError`] where one of the positions is missing, or velocities are not the rate of positions.
+fn intervals_near(
+    [from_s, to_s]: [f64; 2],
+    satellite: &NearSatellite<'_>,
+    field: &FieldOnSky,
+) -> Result<Vec<[f64; 2]>, OrbitError> {
+    let steps = ((to_s - from_s) / LONGEST_STEP_S).ceil().max(1.0);
+    let half_s = 0.5 * (to_s - from_s) / steps;
+    let mut near: Vec<[f64; 2]> = Vec::new();
+    let mut before: Option<State<Gcrs>> = None;
+    for step in 0..steps as usize {
+        let begin_s = from_s + 2.0 * half_s * step as f64;
+        let minutes = satellite.minutes + (begin_s + half_s) / 60.0;
+        let state = satellite.propagator.state_at_minutes(minutes, &satellite.orientation.teme_to_gcrs)?;
+        if let Some(before) = before.replace(state) {
+            satellite.propagator.check_step(&before, &state, 2.0 * half_s, minutes - 2.0 * half_s / 60.0)?;
+        }
+        if !passes_by(&state, &satellite.observer, begin_s + half_s, half_s, field) {
+            continue;
+        }
+        let end_s = begin_s + 2.0 * half_s;
+        match near.last_mut() {
+            Some(last) if begin_s - last[1] < half_s => last[1] = end_s,
+            _ => near.push([begin_s, end_s]),
+        }
+    }
+    Ok(near)
+}
+
+/// Whether a satellite with this state at a time may be in a field within `half_s` of it: along a straight line, with
+/// the largest deviation of the true path.
+fn passes_by(state: &State<Gcrs>, observer: &ObserverMotion, time_s: f64, half_s: f64, field: &FieldOnSky) -> bool {
+    let (there, here) = (*state.position.vector(), *observer.position(time_s).vector());
+    // Both fall by ½ g t² at most.
+    let fall_km = |position: &Vector3<f64>| 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
+    let slop_km = fall_km(&there) + fall_km(&here) + VELOCITY_SLOP_KM;
+    let velocity = state.velocity.vector() - observer.velocity(time_s);
+    let beam = Beam::new(*field.centre(), field.bounding_radius_rad() + ABERRATION_MARGIN_RAD);
+    beam.near_s(&(there - here), &velocity, half_s, slop_km).is_some()
+}

@@ -1,0 +1,102 @@
+//! One exposure of one field, and the evaluation of its candidate satellites.
+
+use std::sync::Arc;
+
+use super::super::candidates::CandidateInterval;
+use super::super::error::SkyError;
+use super::super::evaluator::PassEvaluator;
+use super::super::exposure::Exposure;
+use super::super::field::{Field, FieldOnSky};
+use super::super::scene::Scene;
+use super::super::sky::Sky;
+use super::super::track::{ObserverMotion, SightLine};
+use crate::frames::{Orientation, seconds_after, seconds_between};
+use crate::orbit::{Candidate, LeftOut, OrbitArc, OrbitError, OrbitUncertainty, Propagator};
+use crate::photometry::PhotometryOptions;
+
+/// A field on the sky during an exposure. Times are seconds of the scene.
+pub(super) struct ExposedField<'a> {
+    pub sky: &'a Sky,
+    pub scene: &'a Scene,
+    pub exposure: &'a Exposure,
+    pub field: FieldOnSky<'a>,
+    /// Arc of a telescope in orbit.
+    pub flight: Option<Arc<OrbitArc>>,
+    pub opened_s: f64,
+    pub closed_s: f64,
+}
+
+/// One satellite near one time.
+pub(super) struct NearSatellite<'a> {
+    pub propagator: &'a Propagator,
+    /// From the element epoch to the scene's start.
+    pub minutes: f64,
+    pub orientation: Orientation,
+    pub observer: ObserverMotion,
+    pub uncertainty: OrbitUncertainty,
+}
+
+impl NearSatellite<'_> {
+    /// Its arc between two times.
+    pub fn arc(&self, from_s: f64, to_s: f64) -> Result<OrbitArc, OrbitError> {
+        OrbitArc::new(self.propagator, self.minutes, from_s, to_s - from_s, &self.orientation.teme_to_gcrs)
+    }
+}
+
+impl<'a> ExposedField<'a> {
+    pub fn new(sky: &'a Sky, scene: &'a Scene, exposure: &'a Exposure, field: &'a Field) -> Result<Self, SkyError> {
+        let opened_s = seconds_between(scene.start, exposure.start);
+        Ok(Self {
+            sky,
+            scene,
+            exposure,
+            field: field.on_sky(&exposure.pointing, exposure.rotation_rad),
+            flight: sky.flight(scene, exposure)?,
+            opened_s,
+            closed_s: opened_s + exposure.duration_s,
+        })
+    }
+
+    /// Evaluates every candidate; the results, and the satellites without a position. `seen` is a buffer.
+    pub fn evaluate<T>(
+        &self,
+        include_dark: bool,
+        seen: &mut Vec<Candidate>,
+        of: impl Fn(&CandidateInterval) -> Result<Option<T>, OrbitError>,
+    ) -> (Vec<T>, Vec<LeftOut>) {
+        let flight = self.flight.as_ref();
+        let (mut found, mut left_out) = (Vec::new(), Vec::new());
+        for interval in self.sky.candidate_intervals(self.scene, self.exposure, &self.field, flight, include_dark, seen)
+        {
+            match of(&interval) {
+                Ok(one) => found.extend(one),
+                Err(reason) => left_out.push(self.sky.failed(interval.element_index, reason)),
+            }
+        }
+        (found, left_out)
+    }
+
+    /// A satellite near a time; `None` without a propagator.
+    pub fn satellite(&self, element_index: usize, mid_s: f64) -> Option<NearSatellite<'a>> {
+        let propagator = self.sky.index().propagator(element_index)?;
+        let orientation = self.scene.orientation.at_s(mid_s);
+        Some(NearSatellite {
+            propagator,
+            minutes: propagator.minutes_since_epoch(self.scene.start),
+            observer: self.sky.motion(self.scene, &orientation, self.flight.as_ref(), mid_s)?,
+            uncertainty: self.sky.uncertainty_at(element_index, seconds_after(self.scene.start, mid_s)),
+            orientation,
+        })
+    }
+
+    /// Evaluator of a satellite along its line of sight.
+    pub fn evaluator<'l>(
+        &'l self,
+        line: &'l SightLine<'l>,
+        element_index: usize,
+        photometry: Option<&'l PhotometryOptions>,
+        uncertainty: OrbitUncertainty,
+    ) -> PassEvaluator<'l> {
+        PassEvaluator { sky: self.sky, scene: self.scene, line, element_index, photometry, uncertainty }
+    }
+}

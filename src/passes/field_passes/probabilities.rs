@@ -1,0 +1,256 @@
+//! Probability and expected streak length of every satellite that may be in an exposure, near misses included.
+//!
+//! Candidates are searched with the delays and the shifts across the track that their errors allow, delays up to
+//! [`Lateness::LONGEST_S`]. Where older elements allow longer delays, the probability is a lower limit and marked as
+//! such.
+//!
+//! A satellite with a delay of seconds or more is evaluated in pieces of ten seconds of the exposure, each with the
+//! site at its position then, because the site moves past many orbit planes (by up to 280 km in ten minutes). The
+//! delays that bring a satellite into the field during different pieces exclude one another: its probability is that of
+//! being in the field during the first piece, plus that of entering it during each of the others. So it never decreases
+//! with the length of the exposure.
+//!
+//! Simplified: orbit planes do not turn during the delay, and the site stands still before and after the exposure or
+//! its piece. In exposures longer than a revolution a satellite that comes back is counted again, up to 1. For a
+//! telescope in orbit the passes and near misses of [`Sky::field_passes`] are summed.
+
+use super::super::candidates::PlacedCone;
+use super::super::crossing::{Crossing, cross};
+use super::super::error::SkyError;
+use super::super::evaluator::LOWEST_ALTITUDE_RAD;
+use super::super::exposure::Exposure;
+use super::super::field::Field;
+use super::super::probability::{Delays, Lateness, REACH_SIGMAS, crossing_odds};
+use super::super::scene::SearchScope;
+use super::super::sky::Sky;
+use super::super::track::{FieldPass, ObserverMotion, SightLine};
+use super::exposed_field::ExposedField;
+use super::options::PassOptions;
+use crate::frames::{Orientation, seconds_after};
+use crate::geometry::Observer;
+use crate::orbit::{Candidate, Cones, OrbitArc, OrbitUncertainty, Propagator};
+
+/// Length of a piece of an exposure, seconds: the site moves by 5 km at most in it, a share of a field of degrees.
+const PIECE_S: f64 = 10.0;
+/// Below this error along the track the exposure is not cut into pieces, seconds.
+const ON_TIME_S: f64 = 3.0;
+/// Steps along a path in the search for light.
+const LIGHT_STEPS: u32 = 24;
+/// Least probability of the near misses that are summed for a telescope in orbit.
+const LEAST_IN_FLIGHT: f64 = 0.01;
+
+/// One satellite that may be in one exposure.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct CrossingProbability {
+    /// Position of its element set in the sky's catalogue.
+    pub element_index: usize,
+    /// Probability that it is in the field at any time of the exposure, (0, 1].
+    pub probability: f64,
+    /// Expected length of its streak within the field, radians: the average over all its errors, 0 for those that lead
+    /// past.
+    pub streak_length_rad: f64,
+    /// Its distance where its path is nearest to the centre of the field, km.
+    pub range_km: f64,
+    /// True where its elements are so old that longer delays are probable than those that were searched: probability
+    /// and streak length are then lower limits.
+    pub is_lower_limit: bool,
+}
+
+/// A part of an exposure, with the site as it is then. Times are seconds of the scene.
+struct Piece {
+    start_s: f64,
+    end_s: f64,
+    /// True for all pieces but the first: satellites that are in the field at its start belong to the piece before.
+    only_entering: bool,
+    /// Standing still outside of the piece.
+    site: ObserverMotion,
+    orientation: Orientation,
+}
+
+impl Piece {
+    fn mid_s(&self) -> f64 {
+        0.5 * (self.start_s + self.end_s)
+    }
+}
+
+impl Sky {
+    /// Every satellite that may be in each exposure while the Sun shines on it, with its probability; by exposure, in
+    /// catalogue order.
+    ///
+    /// With fresh elements these are little more than the nominal crossings. With elements weeks old they are all
+    /// satellites that come by within minutes, each with a small probability.
+    ///
+    /// # Errors
+    /// As [`Sky::field_passes`].
+    pub fn crossing_probabilities(
+        &self,
+        exposures: &[Exposure],
+        field: &Field,
+    ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
+        let Some(observer) = self.viewpoint().site() else { return self.probabilities_in_flight(exposures, field) };
+        let (by_exposure, _) = self.by_exposure(exposures, SearchScope::Delayed, |scene, exposure, seen| {
+            let exposed = ExposedField::new(self, scene, exposure, field)?;
+            Ok((exposed.probabilities(observer, seen), Vec::new()))
+        })?;
+        Ok(by_exposure)
+    }
+
+    fn probabilities_in_flight(
+        &self,
+        exposures: &[Exposure],
+        field: &Field,
+    ) -> Result<Vec<Vec<CrossingProbability>>, SkyError> {
+        let options =
+            PassOptions { min_probability: Some(LEAST_IN_FLIGHT), without_light: true, ..PassOptions::default() };
+        let passes = self.field_passes(exposures, field, &options)?.by_exposure;
+        // The mean chord of a circle is π/2 of its radius.
+        let mean_chord_rad = std::f64::consts::FRAC_PI_2 * field.bounding_radius_rad();
+        let length_rad = |pass: &FieldPass, exposure: &Exposure| {
+            if pass.is_crossing() {
+                pass.streak_length_rad
+            } else {
+                mean_chord_rad.min(pass.angular_rate_rad_s * exposure.duration_s)
+            }
+        };
+        let of = |(passes, exposure): (Vec<FieldPass>, &Exposure)| {
+            let mut found: Vec<CrossingProbability> = passes
+                .iter()
+                .filter(|pass| pass.lit && pass.probability > 0.0)
+                .map(|pass| CrossingProbability {
+                    element_index: pass.element_index,
+                    probability: pass.probability,
+                    streak_length_rad: pass.probability * length_rad(pass, exposure),
+                    range_km: pass.mid.range_km,
+                    is_lower_limit: Lateness::gaussian(pass.along_track_sigma_s).is_cut(),
+                })
+                .collect();
+            found.sort_by_key(|one| one.element_index);
+            found
+        };
+        Ok(passes.into_iter().zip(exposures).map(of).collect())
+    }
+}
+
+impl ExposedField<'_> {
+    /// All satellites that may be in the exposure. `seen` is a buffer.
+    fn probabilities(&self, observer: &Observer, seen: &mut Vec<Candidate>) -> Vec<CrossingProbability> {
+        // From the opening on, so that a longer exposure begins with the same pieces.
+        let count = (self.exposure.duration_s / PIECE_S).ceil().max(1.0) as u32;
+        let pieces: Vec<Piece> = (0..count)
+            .map(|number| {
+                let start_s = self.opened_s + PIECE_S * f64::from(number);
+                self.piece(observer, start_s, self.closed_s.min(start_s + PIECE_S), number > 0)
+            })
+            .collect();
+        seen.clear();
+        for (first, piece) in (0..).zip(&pieces) {
+            let times_s = (piece.mid_s(), 0.5 * (piece.end_s - piece.start_s));
+            let near = (&piece.site, &piece.orientation);
+            let Some(PlacedCone { window, cone, teme_to_gcrs }) =
+                self.sky.cone(self.scene, self.exposure, &self.field, near, times_s)
+            else {
+                continue;
+            };
+            window.candidates(&Cones { whole: &cone, parts: &[], first, shadow: None }, &teme_to_gcrs, seen);
+        }
+        seen.sort_unstable_by_key(|candidate| (candidate.element_index, candidate.cone));
+        let whole = self.piece(observer, self.opened_s, self.closed_s, false);
+        let mid = seconds_after(self.scene.start, whole.mid_s());
+        let of_one = |candidates: &[Candidate]| {
+            let element_index = candidates[0].element_index as usize;
+            let propagator = self.sky.index().propagator(element_index)?;
+            let sigma = self.sky.uncertainty_at(element_index, mid);
+            let near_s = |candidate: &Candidate| {
+                let mid_s = pieces[candidate.cone as usize].mid_s();
+                candidate.near_s.map(|time_s| mid_s + f64::from(time_s))
+            };
+            let of = |piece: &Piece, near_s: [f64; 2]| {
+                self.probability_in(piece, observer, element_index, propagator, near_s, sigma)
+            };
+            if sigma.along_track_s < ON_TIME_S {
+                let all_s =
+                    candidates.iter().map(near_s).reduce(|one, next| [one[0].min(next[0]), one[1].max(next[1])]);
+                return of(&whole, all_s?);
+            }
+            let of_pieces = candidates.iter().filter_map(|one| of(&pieces[one.cone as usize], near_s(one)));
+            of_pieces.reduce(|one, next| CrossingProbability {
+                probability: (one.probability + next.probability).min(1.0),
+                streak_length_rad: one.streak_length_rad + next.streak_length_rad,
+                ..one
+            })
+        };
+        seen.chunk_by(|one, other| one.element_index == other.element_index).filter_map(of_one).collect()
+    }
+
+    fn piece(&self, observer: &Observer, start_s: f64, end_s: f64, only_entering: bool) -> Piece {
+        let mid_s = 0.5 * (start_s + end_s);
+        let orientation = self.scene.orientation.at_s(mid_s);
+        let earth_velocity = self.scene.sun.at_s(mid_s).earth_velocity;
+        let site = ObserverMotion::of_site(observer, &orientation, earth_velocity, mid_s);
+        Piece { start_s, end_s, only_entering, site: site.still_outside(start_s, end_s), orientation }
+    }
+
+    /// One satellite in one piece, its predicted track being near the field during `near_s`; `None` where it cannot be
+    /// in the field, or is dark.
+    fn probability_in(
+        &self,
+        piece: &Piece,
+        observer: &Observer,
+        element_index: usize,
+        propagator: &Propagator,
+        near_s: [f64; 2],
+        sigma: OrbitUncertainty,
+    ) -> Option<CrossingProbability> {
+        let [from_s, to_s] = near_s;
+        let minutes = propagator.minutes_since_epoch(self.scene.start);
+        let arc = OrbitArc::new(propagator, minutes, from_s, to_s - from_s, &piece.orientation.teme_to_gcrs).ok()?;
+        let line = SightLine { arc: &arc, observer: piece.site.clone() };
+        let track = |time_s: f64| line.sight(time_s);
+        let nominal = cross(&track, from_s, to_s, &self.field);
+        let (_, _, aspect) = line.aspect_at(nominal.closest_s);
+        let cross_track_rad = sigma.cross_track_km / aspect.range_km;
+        if nominal.min_separation_rad > self.field.bounding_radius_rad() + REACH_SIGMAS * cross_track_rad {
+            return None;
+        }
+        let is_up = observer.state(&piece.orientation).sine_of_altitude(&aspect.geometric) >= LOWEST_ALTITUDE_RAD.sin();
+        if !is_up || !self.is_lit(piece, &arc, &nominal, (from_s, to_s), aspect.range_km) {
+            return None;
+        }
+        let lateness = Lateness::gaussian(sigma.along_track_s);
+        let delays =
+            Delays { start_s: piece.start_s, end_s: piece.end_s, lateness, only_entering: piece.only_entering };
+        let odds = crossing_odds(&track, &nominal, (from_s, to_s), &delays, &self.field, cross_track_rad);
+        (odds.probability > 0.0).then_some(CrossingProbability {
+            element_index,
+            probability: odds.probability.min(1.0),
+            streak_length_rad: odds.streak_length_rad,
+            range_km: aspect.range_km,
+            is_lower_limit: lateness.is_cut(),
+        })
+    }
+
+    /// True where the Sun as it is during the piece shines on the path anywhere within the field, or, for a path beside
+    /// it, where it passes by.
+    fn is_lit(
+        &self,
+        piece: &Piece,
+        arc: &OrbitArc,
+        nominal: &Crossing,
+        (from_s, to_s): (f64, f64),
+        range_km: f64,
+    ) -> bool {
+        let sun = self.scene.sun.at_s(piece.mid_s()).sun;
+        let is_lit_at =
+            |time_s: f64| self.sky.shadow().illumination(&arc.state_at(time_s).position, &sun).lit_fraction() > 0.0;
+        if is_lit_at(nominal.closest_s) {
+            return true;
+        }
+        let speed_km_s = arc.state_at(nominal.closest_s).velocity.norm_km_s();
+        let beside_s = self.field.bounding_radius_rad() * range_km / speed_km_s;
+        let (enter_s, exit_s) = match (nominal.chords.first(), nominal.chords.last()) {
+            (Some(first), Some(last)) => (first.enter_s, last.exit_s),
+            _ => ((nominal.closest_s - beside_s).max(from_s), (nominal.closest_s + beside_s).min(to_s)),
+        };
+        (0..=LIGHT_STEPS).any(|step| is_lit_at(enter_s + (exit_s - enter_s) * f64::from(step) / f64::from(LIGHT_STEPS)))
+    }
+}

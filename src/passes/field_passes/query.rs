@@ -1,0 +1,113 @@
+//! Run of a field query over many exposures, and its results.
+
+use rayon::prelude::*;
+
+use super::super::candidates::CandidateInterval;
+use super::super::error::SkyError;
+use super::super::exposure::{Exposure, groups};
+use super::super::field::Field;
+use super::super::scene::{Scene, SearchScope};
+use super::super::sky::Sky;
+use super::super::track::FieldPass;
+use super::exposed_field::ExposedField;
+use super::options::PassOptions;
+use crate::orbit::{Candidate, LeftOut};
+
+/// Passes by exposure.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Passes {
+    /// For each exposure, in its place, the passes in order of entry.
+    pub by_exposure: Vec<Vec<FieldPass>>,
+    /// Satellites without a position for at least one of the exposures, each once, in catalogue order. None is computed
+    /// while the field is below the ground.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Sky {
+    /// Every satellite that crosses the field in each exposure, on all threads of the current pool.
+    ///
+    /// Exposures may come in any order and last from nothing to days; those of one night share their preparation. The
+    /// result does not depend on the number of threads. A satellite that comes back after leaving (an exposure of
+    /// hours) is a pass of its own each time.
+    ///
+    /// # Errors
+    /// [`SkyError`] where an exposure has no finite direction or length, or lies outside the years of the Sun's
+    /// ephemeris; where the telescope is in orbit and its own elements give no position.
+    pub fn field_passes(
+        &self,
+        exposures: &[Exposure],
+        field: &Field,
+        options: &PassOptions,
+    ) -> Result<Passes, SkyError> {
+        let scope = if options.min_probability.is_some() { SearchScope::Delayed } else { SearchScope::Nominal };
+        let (by_exposure, left_out) = self.by_exposure(exposures, scope, |scene, exposure, seen| {
+            let exposed = ExposedField::new(self, scene, exposure, field)?;
+            let (mut passes, left_out) =
+                exposed.evaluate(options.include_dark, seen, |interval| exposed.pass(interval, options));
+            passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
+            Ok((passes, left_out))
+        })?;
+        Ok(Passes { by_exposure, left_out })
+    }
+
+    /// As [`Sky::field_passes`], without the search: SGP4 is evaluated for every satellite over all of the time. The
+    /// reference of the search; thousands of times slower. Near misses of fields below the ground are included here
+    /// alone.
+    ///
+    /// # Errors
+    /// As [`Sky::field_passes`].
+    pub fn field_passes_by_brute_force(
+        &self,
+        exposures: &[Exposure],
+        field: &Field,
+        options: &PassOptions,
+    ) -> Result<Vec<Vec<FieldPass>>, SkyError> {
+        exposures.iter().try_for_each(Exposure::check)?;
+        exposures
+            .par_iter()
+            .map(|exposure| {
+                let scene = self.scene_without_windows(exposure.start, exposure.duration_s);
+                let exposed = ExposedField::new(self, &scene, exposure, field)?;
+                let mut passes: Vec<FieldPass> = (0..self.elements().len())
+                    .filter(|&element_index| !self.is_observer(element_index))
+                    .filter_map(|element_index| {
+                        let interval = CandidateInterval::over(element_index, 0.0, exposure.duration_s);
+                        exposed.pass(&interval, options).ok().flatten()
+                    })
+                    .collect();
+                passes.sort_by(|a, b| a.enter.epoch.cmp(&b.enter.epoch).then(a.element_index.cmp(&b.element_index)));
+                Ok(passes)
+            })
+            .collect()
+    }
+
+    /// Evaluates each exposure with the scene of its group, on all threads: the results by exposure, and the satellites
+    /// without a position.
+    pub(super) fn by_exposure<T: Send>(
+        &self,
+        exposures: &[Exposure],
+        scope: SearchScope,
+        of: impl Fn(&Scene, &Exposure, &mut Vec<Candidate>) -> Result<(Vec<T>, Vec<LeftOut>), SkyError> + Sync,
+    ) -> Result<(Vec<Vec<T>>, Vec<LeftOut>), SkyError> {
+        exposures.iter().try_for_each(Exposure::check)?;
+        let mut by_exposure: Vec<Vec<T>> = exposures.iter().map(|_| Vec::new()).collect();
+        let mut left_out = self.left_out().to_vec();
+        for group in groups(exposures) {
+            let start = exposures[group[0]].start;
+            let span_s = group.iter().map(|&one| exposures[one].end_s(start)).fold(0.0, f64::max);
+            let scene = self.scene(start, span_s, scope);
+            left_out.extend(scene.windows.iter().flat_map(|window| window.left_out()).cloned());
+            let found = group
+                .par_iter()
+                .map_init(Vec::new, |seen, &one| Ok((one, of(&scene, &exposures[one], seen)?)))
+                .collect::<Result<Vec<_>, SkyError>>()?;
+            for (one, (of_one, without)) in found {
+                by_exposure[one] = of_one;
+                left_out.extend(without);
+            }
+        }
+        left_out.sort_by_key(|left_out| left_out.element_index);
+        left_out.dedup_by_key(|left_out| left_out.element_index);
+        Ok((by_exposure, left_out))
+    }
+}

@@ -1,0 +1,93 @@
+//! Number of streaks in exposures at given horizontal directions of a site, at several times.
+
+use hifitime::Epoch;
+
+use super::super::altaz::AltAz;
+use super::super::error::SkyError;
+use super::super::exposure::Exposure;
+use super::super::field::Field;
+use super::super::sky::Sky;
+use super::super::track::FieldPass;
+use super::options::PassOptions;
+use crate::frames::{Direction, Horizontal, seconds_after};
+use crate::orbit::LeftOut;
+use crate::photometry::PhotometryOptions;
+
+/// Exposures of one length through one field, to be counted.
+#[derive(Clone, Debug)]
+pub struct CountRequest<'a> {
+    /// Azimuths and altitudes of the field's centre as the shutter opens; it then follows the stars.
+    pub directions: &'a [Direction<Horizontal>],
+    /// Shutter openings.
+    pub moments: &'a [Epoch],
+    /// Length of an exposure, seconds.
+    pub duration_s: f64,
+    /// The field, its y axis to the north.
+    pub field: &'a Field,
+    /// Band and system of the magnitudes.
+    pub photometry: PhotometryOptions,
+    /// Streaks that reach this magnitude are also counted separately.
+    pub limit_mag: Option<f64>,
+}
+
+/// Streaks of one exposure.
+#[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
+pub struct StreakCount {
+    /// Lit satellites whose nominal tracks cross.
+    pub streaks: usize,
+    /// Number of them that are brighter than the limit; 0 without one.
+    pub bright: usize,
+}
+
+/// Counts, and the positions of the Sun.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Counts {
+    /// By moment, then by direction.
+    pub by_moment: Vec<Vec<StreakCount>>,
+    /// The Sun's centre in the middle of the exposures of each time, without refraction.
+    pub sun: Vec<AltAz>,
+    /// Satellites without a position for at least one of the exposures.
+    pub left_out: Vec<LeftOut>,
+}
+
+impl Sky {
+    /// Counts the streaks of an exposure at every time in every direction.
+    ///
+    /// # Errors
+    /// [`SkyError::NoHorizon`] for an observer in orbit; otherwise as [`Sky::field_passes`].
+    pub fn streak_counts(&self, request: &CountRequest<'_>) -> Result<Counts, SkyError> {
+        let mut counts = Counts::default();
+        let options = PassOptions { photometry: request.photometry, ..PassOptions::default() };
+        let mut exposures = Vec::new();
+        for &start in request.moments {
+            let orientation = self.orientation_over(start, start).at_s(0.0);
+            let from_horizon = self.site_observer()?.state(&orientation).horizon.inverse();
+            exposures.extend(request.directions.iter().map(|direction| Exposure {
+                id: String::new(),
+                start,
+                duration_s: request.duration_s,
+                pointing: from_horizon * *direction,
+                rotation_rad: 0.0,
+            }));
+            let middle = seconds_after(start, request.duration_s / 2.0);
+            counts.sun.push(self.sun_altaz(middle)?);
+        }
+        // All in one query, so that exposures near in time share their preparation.
+        let passes = self.field_passes(&exposures, request.field, &options)?;
+        let peak = |pass: &FieldPass| {
+            pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref()).map(|brightness| brightness.magnitude.0)
+        };
+        let count = |passes: &Vec<FieldPass>| {
+            let lit = || passes.iter().filter(|pass| pass.lit && pass.is_crossing());
+            let is_bright =
+                |pass: &&FieldPass| peak(pass).zip(request.limit_mag).is_some_and(|(mag, limit)| mag < limit);
+            StreakCount { streaks: lit().count(), bright: lit().filter(is_bright).count() }
+        };
+        counts.by_moment = match request.directions.len() {
+            0 => vec![Vec::new(); request.moments.len()],
+            n => passes.by_exposure.chunks(n).map(|chunk| chunk.iter().map(count).collect()).collect(),
+        };
+        counts.left_out = passes.left_out;
+        Ok(counts)
+    }
+}

@@ -1,0 +1,71 @@
+//! Delays that bring a satellite into an exposure, for one track through a field.
+//!
+//! A satellite that is late by δ is at time t where it was predicted for t - δ. It is in the field during [start, end]
+//! if it was predicted in it during the chord [a, b] and start - b ≤ δ ≤ end - a.
+
+use super::super::track::Chord;
+use super::lateness::Lateness;
+
+/// Expectation for one satellite in one exposure.
+#[derive(Copy, Clone, Debug, Default, PartialEq)]
+pub(in crate::passes) struct Odds {
+    /// Probability that it is inside the field at any time.
+    pub probability: f64,
+    /// Length of its streak averaged over all errors, those that lead past the field counting as 0; radians.
+    pub streak_length_rad: f64,
+}
+
+/// The delays of one satellite in one exposure.
+#[derive(Copy, Clone, Debug)]
+pub(in crate::passes) struct Delays {
+    pub start_s: f64,
+    pub end_s: f64,
+    pub lateness: Lateness,
+    /// With `true` only delays count by which the satellite enters the field while the shutter is open, not those by
+    /// which it is inside as it opens.
+    pub only_entering: bool,
+}
+
+impl Delays {
+    /// For the chords of a track.
+    pub fn odds(&self, chords: &[Chord], length_rad: impl Fn(&Chord) -> f64) -> Odds {
+        let streak_length_rad = chords
+            .iter()
+            .map(|chord| match chord.exit_s - chord.enter_s {
+                duration_s if duration_s > 0.0 => length_rad(chord) * self.expected_stay_s(chord) / duration_s,
+                _ => 0.0,
+            })
+            .sum();
+        Odds { probability: self.probability(chords), streak_length_rad }
+    }
+
+    /// Share of delays that bring one of the chords into the exposure. Delays of neighbouring chords are joined. A
+    /// satellite enters the field once, at the begin of its first chord.
+    fn probability(&self, chords: &[Chord]) -> f64 {
+        if self.only_entering {
+            let enters_s = chords.iter().map(|chord| chord.enter_s).min_by(f64::total_cmp);
+            return enters_s.map_or(0.0, |enter_s| self.lateness.share(self.start_s - enter_s, self.end_s - enter_s));
+        }
+        let mut ranges: Vec<(f64, f64)> =
+            chords.iter().map(|chord| (self.start_s - chord.exit_s, self.end_s - chord.enter_s)).collect();
+        ranges.sort_by(|a, b| a.0.total_cmp(&b.0));
+        let (mut total, mut done) = (0.0, f64::NEG_INFINITY);
+        for (low, high) in ranges {
+            if high > done {
+                total += self.lateness.share(low.max(done), high);
+                done = high;
+            }
+        }
+        total
+    }
+
+    /// Time that a chord spends inside the exposure, averaged over all delays, seconds.
+    fn expected_stay_s(&self, chord: &Chord) -> f64 {
+        // ∫₀ᵀ dt [P(δ ≤ t - a) - P(δ ≤ t - b)]
+        let over = |edge_s: f64| {
+            self.lateness.cumulative_integral_s(self.end_s - edge_s)
+                - self.lateness.cumulative_integral_s(self.start_s - edge_s)
+        };
+        (over(chord.enter_s) - over(chord.exit_s)).max(0.0)
+    }
+}

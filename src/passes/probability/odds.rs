@@ -1,0 +1,131 @@
+//! Probability of a crossing and expected streak length, seen from a site.
+//!
+//! The error of the predicted position is taken as a shift in time along the track (`along_track_s`) and an independent
+//! shift across it (Gaussian, `cross_track_rad` as seen by the observer); both are constant over the exposure. A
+//! satellite that is late by δ is at time t where it was predicted for t - δ. The track shifted across by x meets the
+//! field during chords [a, b] of its own time, so it crosses the exposure [0, T] when -b ≤ δ ≤ T - a:
+//!
+//! P = ∫ dx N(x; σ_c) Σ_chords [F(T - a) - F(-b)]
+//!
+//! with the distribution F of the delay, and spends there, on average, the time
+//!
+//! ∫ dx N(x; σ_c) Σ_chords ∫₀ᵀ dt [F(t - a) - F(t - b)]
+//!
+//! The integrals over δ and t are exact. That over x is a Gauss-Hermite sum where the field is wide against the error
+//! across the track, else a Gauss-Legendre sum over the shifts that lead through the field. Before the shutter opens
+//! and after it closes the site stands still, so that a satellite brought in by its delay is seen from the right
+//! position.
+
+use nalgebra::Vector3;
+
+use super::super::crossing::{Crossing, cross};
+use super::super::field::FieldOnSky;
+use super::super::track::{Chord, Sight};
+use super::delays::{Delays, Odds};
+
+/// Largest shift across the track that is searched, in sigmas.
+pub(in crate::passes) const REACH_SIGMAS: f64 = 3.5;
+/// Errors across the track beyond this share of the field's radius are too wide for five nodes.
+const WIDE_SHARE: f64 = 0.3;
+
+/// Nodes and weights of the five-point Gauss-Hermite rule for a unit normal distribution (Abramowitz & Stegun, table
+/// 25.10).
+pub(super) const GAUSS_HERMITE: [(f64, f64); 5] = [
+    (0.0, 0.533_333_333_333_333_3),
+    (1.355_626_179_974_266, 0.222_075_922_005_612_6),
+    (-1.355_626_179_974_266, 0.222_075_922_005_612_6),
+    (2.856_970_013_872_806, 0.011_257_411_327_720_69),
+    (-2.856_970_013_872_806, 0.011_257_411_327_720_69),
+];
+
+/// Nodes and weights of the eight-point Gauss-Legendre rule on [-1, 1] (Abramowitz & Stegun, table 25.4), positive
+/// half.
+const GAUSS_LEGENDRE: [(f64, f64); 4] = [
+    (0.183_434_642_495_650, 0.362_683_783_378_362),
+    (0.525_532_409_916_329, 0.313_706_645_877_887),
+    (0.796_666_477_413_627, 0.222_381_034_453_374),
+    (0.960_289_856_497_536, 0.101_228_536_290_376),
+];
+
+/// Probability and expected streak length of one satellite.
+///
+/// `track` is the predicted track over `searched_s`, the part that may lead through the field with any of the delays
+/// and shifts; `nominal` is its crossing, `sigma_rad` the error across it.
+pub(in crate::passes) fn crossing_odds(
+    track: &impl Fn(f64) -> Sight,
+    nominal: &Crossing,
+    searched_s: (f64, f64),
+    delays: &Delays,
+    field: &FieldOnSky,
+    sigma_rad: f64,
+) -> Odds {
+    let radius_rad = field.bounding_radius_rad();
+    if sigma_rad > 0.0 && nominal.min_separation_rad > radius_rad + 2.0 * REACH_SIGMAS * sigma_rad {
+        return Odds::default();
+    }
+    let shifted = |shift_rad: f64| {
+        if shift_rad == 0.0 {
+            return delays.odds(&nominal.chords, length_on(track));
+        }
+        let shifted = |time_s: f64| shifted_across(&track(time_s), shift_rad);
+        let chords = cross(&shifted, searched_s.0, searched_s.1, field).chords;
+        delays.odds(&chords, length_on(&shifted))
+    };
+    if sigma_rad <= 0.0 {
+        return shifted(0.0);
+    }
+    let mut total = Odds::default();
+    let mut add = |shift_rad: f64, weight: f64| {
+        if weight > 1e-9 {
+            let odds = shifted(shift_rad);
+            total.probability += weight * odds.probability;
+            total.streak_length_rad += weight * odds.streak_length_rad;
+        }
+    };
+    if sigma_rad <= WIDE_SHARE * radius_rad {
+        for (node, weight) in GAUSS_HERMITE {
+            add(node * sigma_rad, weight);
+        }
+    } else {
+        // Shifts on both sides of the one through the centre that lead through the field.
+        let through_rad = across(&track(nominal.closest_s)).map_or(0.0, |across| field.centre().dot(&across));
+        let low_rad = (through_rad - radius_rad).max(-REACH_SIGMAS * sigma_rad);
+        let high_rad = (through_rad + radius_rad).min(REACH_SIGMAS * sigma_rad);
+        let (middle_rad, half_rad) = (0.5 * (low_rad + high_rad), 0.5 * (high_rad - low_rad));
+        if half_rad > 0.0 {
+            for (node, weight) in
+                GAUSS_LEGENDRE.into_iter().flat_map(|(node, weight)| [(node, weight), (-node, weight)])
+            {
+                let shift_rad = middle_rad + half_rad * node;
+                // N(x; σ_c) dx
+                let z = shift_rad / sigma_rad;
+                let density = (-0.5 * z * z).exp() / (sigma_rad * std::f64::consts::TAU.sqrt());
+                add(shift_rad, weight * half_rad * density);
+            }
+        }
+    }
+    total.probability = total.probability.clamp(0.0, 1.0);
+    total
+}
+
+/// Unit vector across the track; `None` where it stands still.
+fn across(sight: &Sight) -> Option<Vector3<f64>> {
+    sight.vector.cross(&sight.rate_s).try_normalize(0.0)
+}
+
+/// The angle between the ends of a chord, radians.
+fn length_on(track: &impl Fn(f64) -> Sight) -> impl Fn(&Chord) -> f64 {
+    move |chord| {
+        let (enter, exit) = (track(chord.enter_s).vector, track(chord.exit_s).vector);
+        enter.cross(&exit).norm().atan2(enter.dot(&exit))
+    }
+}
+
+/// A line of sight shifted on the sky at right angles to the track.
+pub(super) fn shifted_across(sight: &Sight, shift_rad: f64) -> Sight {
+    let unit = sight.vector.normalize();
+    let across = unit.cross(&sight.rate_s);
+    let norm = across.norm();
+    let vector = if norm > 0.0 { unit + across * (shift_rad / norm) } else { unit };
+    Sight { vector, rate_s: sight.rate_s }
+}

@@ -1,0 +1,243 @@
+//! All satellites above a site, sampled at given times.
+
+use hifitime::Epoch;
+use rayon::prelude::*;
+
+use super::candidates::CandidateInterval;
+use super::error::{SkyError, check_epoch};
+use super::evaluator::PassEvaluator;
+use super::exposure::Exposure;
+use super::field::Field;
+use super::scene::{Scene, SearchScope};
+use super::sky::Sky;
+use super::track::{SightLine, TrackPoint};
+use crate::constants::EARTH_ROTATION_RAD_S;
+use crate::elements::NoradId;
+use crate::frames::{Direction, seconds_after};
+use crate::geometry::{Illumination, ObserverState};
+use crate::orbit::{LeftOut, OrbitArc, OrbitError};
+use crate::photometry::{Brightness, PhotometryOptions};
+
+/// Longest time after the start, seconds: limits how far the site turns under the cone that is searched.
+const LONGEST_S: f64 = 3600.0;
+/// Most times of one query.
+const MOST_TIMES: usize = 10_000;
+/// Least number of satellites for one thread.
+const TOGETHER: usize = 16;
+
+/// Options of a snapshot.
+#[derive(Copy, Clone, Debug, PartialEq)]
+pub struct SnapshotOptions {
+    /// Lowest altitude, geometric, radians, 0 to π/2.
+    pub min_altitude_rad: f64,
+    /// Include satellites in the umbra.
+    pub include_dark: bool,
+    /// Include all times of a satellite that is above the altitude and lit at one of them.
+    pub whole_tracks: bool,
+    /// Band, system, extinction; `None` omits the brightness of all points, which is several times faster.
+    pub photometry: Option<PhotometryOptions>,
+}
+
+impl SnapshotOptions {
+    /// All satellites above an altitude, lit or not, without brightness.
+    pub fn all_above(min_altitude_rad: f64) -> Self {
+        Self { min_altitude_rad, include_dark: true, whole_tracks: false, photometry: None }
+    }
+}
+
+/// One satellite above a site.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SatelliteTrack {
+    /// NORAD catalogue number.
+    pub norad_id: NoradId,
+    /// Position of its element set in the sky's catalogue.
+    pub element_index: usize,
+    /// Its points in order of time, at least one.
+    pub snapshots: Vec<SatelliteSnapshot>,
+}
+
+/// One satellite at one time.
+#[derive(Clone, Debug, PartialEq)]
+pub struct SatelliteSnapshot {
+    /// Index of the time in the query.
+    pub time_index: usize,
+    /// Position and light.
+    pub point: TrackPoint,
+    /// Speed among the stars, rad/s.
+    pub angular_rate_rad_s: f64,
+}
+
+impl SatelliteTrack {
+    /// The snapshot in the middle.
+    pub fn middle(&self) -> Option<&SatelliteSnapshot> {
+        self.snapshots.get(self.snapshots.len() / 2)
+    }
+}
+
+impl SatelliteSnapshot {
+    /// True where any part of the Sun reaches the satellite.
+    pub fn is_lit(&self) -> bool {
+        self.point.illumination != Illumination::Umbra
+    }
+}
+
+/// Site at one of the times.
+struct SiteAt {
+    time_s: f64,
+    here: ObserverState,
+}
+
+impl Sky {
+    /// Every satellite above an altitude at any of `times_s` (seconds after `start`, 0 to an hour, in order of time),
+    /// in catalogue order, on all threads; and the satellites without a position then.
+    ///
+    /// # Errors
+    /// [`SkyError::NoEphemeris`] outside the years of the Sun's ephemeris; [`SkyError::NoHorizon`] for an observer in
+    /// orbit; [`SkyError::Exposure`] for an altitude below 0 or above π/2, times out of order or later than an hour,
+    /// none or more than ten thousand.
+    pub fn snapshots(
+        &self,
+        start: Epoch,
+        times_s: &[f64],
+        options: &SnapshotOptions,
+    ) -> Result<(Vec<SatelliteTrack>, Vec<LeftOut>), SkyError> {
+        check(times_s, options)?;
+        check_epoch(start)?;
+        let observer = self.site_observer()?;
+        let (Some(&first_s), Some(&last_s)) = (times_s.first(), times_s.last()) else {
+            return Ok((Vec::new(), Vec::new()));
+        };
+        let scene = self.scene(start, last_s, SearchScope::Nominal);
+        let site_at = |&time_s: &f64| SiteAt { time_s, here: observer.state(&scene.orientation.at_s(time_s)) };
+        let times: Vec<SiteAt> = times_s.iter().map(site_at).collect();
+        // The sky above the altitude as one round field about the zenith of the middle, wide enough for the zenith's
+        // motion to both sides.
+        let half_s = 0.5 * (last_s - first_s);
+        let to_gcrs = observer.state(&scene.orientation.at_s(first_s + half_s)).horizon.inverse();
+        let zenith = to_gcrs * Direction::from_lon_lat_rad(0.0, std::f64::consts::FRAC_PI_2);
+        let reach_rad = std::f64::consts::FRAC_PI_2 - options.min_altitude_rad + EARTH_ROTATION_RAD_S * half_s;
+        let exposure = Exposure {
+            id: "sky".to_owned(),
+            start: seconds_after(start, first_s),
+            duration_s: last_s - first_s,
+            pointing: zenith,
+            rotation_rad: 0.0,
+        };
+        let field = Field::circle((2.0 * reach_rad).clamp(1e-3, std::f64::consts::PI))
+            .map_err(|error| invalid(error.to_string()))?;
+        let on_sky = field.on_sky(&exposure.pointing, 0.0);
+        let candidates =
+            self.candidate_intervals(&scene, &exposure, &on_sky, None, options.include_dark, &mut Vec::new());
+        let found: Vec<Result<Option<SatelliteTrack>, LeftOut>> = candidates
+            .par_iter()
+            .with_min_len(TOGETHER)
+            .map(|interval| {
+                self.snapshots_of(&scene, &times, interval, options)
+                    .map_err(|reason| self.failed(interval.element_index, reason))
+            })
+            .collect();
+        let of_windows = scene.windows.iter().flat_map(|window| window.left_out());
+        let mut left_out: Vec<LeftOut> = self.left_out().iter().chain(of_windows).cloned().collect();
+        let mut tracks = Vec::new();
+        for one in found {
+            match one {
+                Ok(track) => tracks.extend(track),
+                Err(failed) => left_out.push(failed),
+            }
+        }
+        left_out.sort_by_key(|one| one.element_index);
+        left_out.dedup_by_key(|one| one.element_index);
+        Ok((tracks, left_out))
+    }
+
+    /// Brightness of a satellite at a point; its sigma is that of the model alone, without the error of the elements.
+    /// `None` in the umbra and where a model gives no light.
+    pub fn brightness(
+        &self,
+        element_index: usize,
+        point: &TrackPoint,
+        photometry: &PhotometryOptions,
+    ) -> Option<Brightness> {
+        self.model(element_index).brightness(&point.geometry, point.illumination.lit_fraction(), photometry)
+    }
+
+    fn snapshots_of(
+        &self,
+        scene: &Scene,
+        times: &[SiteAt],
+        interval: &CandidateInterval,
+        options: &SnapshotOptions,
+    ) -> Result<Option<SatelliteTrack>, OrbitError> {
+        let element_index = interval.element_index;
+        let [from_s, to_s] = interval.near_s;
+        let Some(propagator) = self.index().propagator(element_index) else { return Ok(None) };
+        let mid_s = 0.5 * (from_s + to_s);
+        let orientation = scene.orientation.at_s(mid_s);
+        let Some(observer) = self.motion(scene, &orientation, None, mid_s) else { return Ok(None) };
+        let minutes = propagator.minutes_since_epoch(scene.start);
+        let arc = |from_s: f64, to_s: f64| {
+            OrbitArc::new(propagator, minutes, from_s, to_s - from_s, &orientation.teme_to_gcrs)
+        };
+        let uncertainty = self.uncertainty_at(element_index, seconds_after(scene.start, mid_s));
+        let near_arc = arc(from_s, to_s)?;
+        let near_line = SightLine { arc: &near_arc, observer };
+        let near =
+            times.partition_point(|time| time.time_s < from_s)..times.partition_point(|time| time.time_s <= to_s);
+        let lowest = options.min_altitude_rad.sin();
+        let is_seen = |time: &SiteAt| {
+            let (state, _, aspect) = near_line.aspect_at(time.time_s);
+            let sun = || scene.sun.at_s(time.time_s).sun;
+            let is_lit = || self.shadow().illumination(&state.position, &sun()) != Illumination::Umbra;
+            time.here.sine_of_altitude(&aspect.geometric) >= lowest && (options.include_dark || is_lit())
+        };
+        let mut seen = near.filter(|&index| is_seen(&times[index])).peekable();
+        if seen.peek().is_none() {
+            return Ok(None);
+        }
+        let points_on = |line: &SightLine<'_>, indices: &mut dyn Iterator<Item = usize>| {
+            let photometry = options.photometry.as_ref();
+            let evaluator = PassEvaluator { sky: self, scene, line, element_index, photometry, uncertainty };
+            let snapshot = |index: usize| {
+                let time_s = times[index].time_s;
+                let sight = line.sight(time_s);
+                Some(SatelliteSnapshot {
+                    time_index: index,
+                    point: evaluator.point_over(time_s, Some(&times[index].here))?,
+                    // ω = |ŝ × dŝ/dt|
+                    angular_rate_rad_s: sight.vector.cross(&sight.rate_s).norm(),
+                })
+            };
+            indices.filter_map(snapshot).collect::<Vec<_>>()
+        };
+        let snapshots = if options.whole_tracks {
+            let (first_s, last_s) = (times[0].time_s, times[times.len() - 1].time_s);
+            let whole = arc(first_s, last_s)?;
+            let line = SightLine { arc: &whole, observer: near_line.observer.clone() };
+            points_on(&line, &mut (0..times.len()))
+        } else {
+            points_on(&near_line, &mut seen)
+        };
+        let track = SatelliteTrack { norad_id: propagator.norad_id(), element_index, snapshots };
+        Ok((!track.snapshots.is_empty()).then_some(track))
+    }
+}
+
+fn invalid(problem: String) -> SkyError {
+    SkyError::Exposure { id: "sky".to_owned(), problem }
+}
+
+fn check(times_s: &[f64], options: &SnapshotOptions) -> Result<(), SkyError> {
+    if !(0.0..=std::f64::consts::FRAC_PI_2).contains(&options.min_altitude_rad) {
+        let given_deg = options.min_altitude_rad.to_degrees();
+        return Err(invalid(format!("a lowest altitude of {given_deg} deg (allowed: 0 to 90 deg)")));
+    }
+    let count = times_s.len();
+    if !(1..=MOST_TIMES).contains(&count) {
+        return Err(invalid(format!("{count} moments (allowed: 1 to {MOST_TIMES})")));
+    }
+    let in_order = times_s.windows(2).all(|pair| pair[0] < pair[1]);
+    if let Some(bad_s) = times_s.iter().find(|time_s| !(0.0..=LONGEST_S).contains(*time_s)) {
+        return Err(invalid(format!("a moment {bad_s} s after the start (allowed: 0 to {LONGEST_S} s)")));
+    }
+    if in_order { Ok(()) } else { Err(invalid("moments that are not in the order of time".to_owned())) }
+}

@@ -1,0 +1,295 @@
+//! Probability that satellites cross an exposure: against draws of the errors, with elements a day, three weeks and
+//! half a year old.
+
+use std::borrow::Borrow;
+
+use crate::common::random::Random;
+use hifitime::{Epoch, Unit};
+use streakcast::elements::{Constellation, ElementSet, Origin};
+use streakcast::frames::{Direction, EopTable, seconds_after};
+use streakcast::geometry::{Observer, Site};
+use streakcast::orbit::{OrbitClass, uncertainty};
+use streakcast::passes::{CrossingProbability, Exposure, Field, ModelChoice, PassOptions, Sky, TrackPoint};
+use streakcast::photometry::ModelLibrary;
+
+fn sky(elements: Vec<ElementSet>) -> Sky {
+    let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
+    let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
+    Sky::new(elements, Observer::new(site), EopTable::embedded(), &choice)
+}
+
+/// Satellites of a shell as if their elements were published, `age_days` before the exposures.
+fn published(age_days: f64, at: Epoch, count: usize) -> Vec<ElementSet> {
+    let epoch = at - age_days * Unit::Day;
+    let mut elements = Constellation::by_name("starlink-gen1").expect("a shell").element_sets(epoch);
+    // Every satellite of the first shell counts: thinned out evenly.
+    elements.truncate(1584);
+    let step = elements.len() / count;
+    let mut elements: Vec<ElementSet> = elements.into_iter().step_by(step).collect();
+    for set in &mut elements {
+        set.origin = Origin::Published;
+        set.name = "STARLINK-1".into();
+    }
+    elements
+}
+
+/// The same satellites as they may be: each early or late, and off its track, by errors drawn once.
+fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Random) -> Vec<ElementSet> {
+    elements
+        .iter()
+        .map(|set| {
+            let sigma = uncertainty(OrbitClass::of(set), age_days);
+            let mut set = set.clone();
+            // SGP4 knows of time only since epoch: a later epoch is a later satellite on the same path.
+            set.epoch = seconds_after(set.epoch, sigma.along_track_s * draws.normal());
+            // Off the plane by σ at every argument of latitude: r Δi and r sin i ΔΩ, each with σ.
+            let tilt_deg = (sigma.cross_track_km / 6928.0).to_degrees();
+            set.inclination_deg += tilt_deg * draws.normal();
+            set.right_ascension_of_node_deg = (set.right_ascension_of_node_deg
+                + tilt_deg * draws.normal() / set.inclination_deg.to_radians().sin())
+            .rem_euclid(360.0);
+            set
+        })
+        .collect()
+}
+
+/// Exposures of a twilight all over the sky.
+fn exposures(start: Epoch, count: usize, draws: &mut Random) -> Vec<Exposure> {
+    (0..count)
+        .map(|number| {
+            let zenith_deg = 60.0 * draws.uniform().sqrt();
+            let turn = std::f64::consts::TAU * draws.uniform();
+            Exposure {
+                id: number.to_string(),
+                start: seconds_after(start, 6.0 * number as f64),
+                duration_s: 30.0,
+                // Around the zenith of that hour: the site's latitude and its sidereal time (16 h at the start),
+                // roughly.
+                pointing: Direction::from_lon_lat_rad(
+                    (240.0 + 0.025 * number as f64 + zenith_deg * turn.cos() / 0.86).to_radians(),
+                    (-30.0 + zenith_deg * turn.sin()).to_radians().clamp(-1.5, 1.5),
+                ),
+                rotation_rad: 0.0,
+            }
+        })
+        .collect()
+}
+
+/// Expected numbers of streaks, of streaked exposures, and streak length, against as many draws of all errors.
+///
+/// Tolerance: three sigma of the draws, and 4 % for what is left out (planes that turn during the delay, the site
+/// standing still, one error across for two directions).
+#[test]
+fn verif_probabilities_against_draws_of_the_errors() {
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    for (age_days, rounds) in [(1.0, 40), (30.0, 60)] {
+        let mut draws = Random(20_261_121);
+        let exposures = exposures(start, 360, &mut draws);
+        let elements = published(age_days, exposures[180].start, 1584);
+        let found = sky(elements.clone()).crossing_probabilities(&exposures, &field).expect("probabilities");
+        assert!(found.iter().flatten().all(|one| !one.is_lower_limit));
+        let skies = (0..rounds).map(|_| sky(drawn(&elements, age_days, &mut draws)));
+        compare(&format!("{age_days} d"), &exposures, &field, sums(&found), skies);
+    }
+}
+
+/// Half a year after the elements only delays of up to 300 s are counted: about their share of what is drawn, marked as
+/// a lower limit.
+#[test]
+fn verif_probabilities_of_old_elements_are_lower_limits() {
+    const AGE_DAYS: f64 = 180.0;
+    /// Satellites come round after half a turn: delays of whole revolutions bring some of them back.
+    const SHARE: std::ops::Range<f64> = 0.7..1.3;
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    let mut draws = Random(20_261_121);
+    let exposures = exposures(start, 360, &mut draws);
+    let elements = published(AGE_DAYS, exposures[180].start, 1584);
+    let sigma_s = uncertainty(OrbitClass::of(&elements[0]), AGE_DAYS).along_track_s;
+    assert!(sigma_s > 500.0, "{sigma_s}");
+    let found = sky(elements.clone()).crossing_probabilities(&exposures, &field).expect("probabilities");
+    assert!(found.iter().flatten().all(|one| one.is_lower_limit) && found.iter().flatten().count() > 300);
+    let drawn: Vec<f64> = (0..10)
+        .map(|_| {
+            let sky = sky(drawn(&elements, AGE_DAYS, &mut draws));
+            let passes = sky.field_passes(&exposures, &field, &PassOptions::default()).expect("passes");
+            passes.by_exposure.iter().map(Vec::len).sum::<usize>() as f64
+        })
+        .collect();
+    let mean = drawn.iter().sum::<f64>() / drawn.len() as f64;
+    // Φ(300/σ) - Φ(-300/σ) ≈ 2 φ(0) 300/σ
+    let share = 2.0 * 300.0 / sigma_s / std::f64::consts::TAU.sqrt();
+    let [expected, ..] = sums(&found);
+    println!("{AGE_DAYS} d: {expected:.3} expected within 300 s, {mean:.3} drawn, {share:.3} of the delays");
+    assert!(SHARE.contains(&(expected / (share * mean))), "{expected:.3} expected, {mean:.3} drawn, {share:.3}");
+}
+
+/// Streaks, streaked exposures and degrees of streak that are expected.
+fn sums(found: &[Vec<CrossingProbability>]) -> [f64; 3] {
+    let sum = |of: &dyn Fn(&CrossingProbability) -> f64| found.iter().flatten().map(of).sum::<f64>();
+    let none = |all: &Vec<CrossingProbability>| all.iter().map(|one| 1.0 - one.probability).product::<f64>();
+    [
+        sum(&|one| one.probability),
+        found.iter().map(|all| 1.0 - none(all)).sum(),
+        sum(&|one| one.streak_length_rad.to_degrees()),
+    ]
+}
+
+/// Holds expected streaks, streaked exposures and degrees of streak against as many drawn skies.
+fn compare(
+    name: &str,
+    exposures: &[Exposure],
+    field: &Field,
+    expected: [f64; 3],
+    skies: impl Iterator<Item: Borrow<Sky>>,
+) {
+    let mut seen = [Vec::new(), Vec::new(), Vec::new()];
+    for sky in skies {
+        let passes = sky.borrow().field_passes(exposures, field, &PassOptions::default()).expect("passes").by_exposure;
+        seen[0].push(passes.iter().map(Vec::len).sum::<usize>() as f64);
+        seen[1].push(passes.iter().filter(|passes| !passes.is_empty()).count() as f64);
+        seen[2].push(passes.iter().flatten().map(|pass| pass.streak_length_rad.to_degrees()).sum());
+    }
+    for ((what, expected), seen) in ["streaks", "exposures", "degrees"].iter().zip(expected).zip(&seen) {
+        let n = seen.len() as f64;
+        let mean = seen.iter().sum::<f64>() / n;
+        let sigma = (seen.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / (n - 1.0) / n).sqrt();
+        println!("{name}: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn");
+        assert!(mean * n > 50.0, "{name}: too few {what} to tell anything");
+        assert!(
+            (expected - mean).abs() < 3.0 * sigma + 0.04 * mean,
+            "{name}: {what} {expected:.3} expected, {mean:.3} ± {sigma:.3} drawn"
+        );
+    }
+}
+
+/// Exposures of one field from one start, elements a month old: what is expected of each of them against draws. The
+/// site moves by 120 km in the shortest, past planes that are known to 4 km. Tolerance as above, for each exposure on
+/// its own.
+#[test]
+fn verif_long_exposures_against_draws_of_the_errors() {
+    const AGE_DAYS: f64 = 30.0;
+    const ROUNDS: usize = 400;
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    let mut draws = Random(20_261_123);
+    let mut elements = published(AGE_DAYS, start, 1584);
+    for set in &mut elements {
+        set.mean_motion_dot_rev_day2 = 2e-5;
+    }
+    let skies: Vec<Sky> = (0..ROUNDS).map(|_| sky(drawn(&elements, AGE_DAYS, &mut draws))).collect();
+    let here = sky(elements);
+    for (right_ascension_deg, duration_s) in [(240.0, 600.0), (240.0, 900.0), (225.0, 300.0), (225.0, 900.0)] {
+        let exposures = [Exposure {
+            id: "long".into(),
+            start,
+            duration_s,
+            pointing: Direction::from_lon_lat_rad(f64::to_radians(right_ascension_deg), (-30f64).to_radians()),
+            rotation_rad: 0.0,
+        }];
+        let found = here.crossing_probabilities(&exposures, &field).expect("probabilities");
+        compare(&format!("{right_ascension_deg} deg, {duration_s} s"), &exposures, &field, sums(&found), skies.iter());
+    }
+}
+
+/// A shutter that stays open longer never has fewer satellites to expect, and a second more changes little: on station
+/// a month and manoeuvring 150 days after the elements.
+#[test]
+fn verif_longer_exposures_have_no_less() {
+    /// Only the last piece of an exposure is another than in a longer one; of the number expected.
+    const OF_ALL: f64 = 0.01;
+    /// Where few planes pass, each in about a minute, one of them brings up to this share of the number in a second.
+    const OF_A_SECOND: f64 = 0.03;
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    for (age_days, dot) in [(30.0, 2e-5), (150.0, 1e-3)] {
+        let mut elements = published(age_days, start, 1584);
+        for set in &mut elements {
+            set.mean_motion_dot_rev_day2 = dot;
+        }
+        let here = sky(elements);
+        for (right_ascension_deg, declination_deg) in [(240.0, -30.0), (225.0, -10.0), (270.0, -55.0)] {
+            let expected = |duration_s: f64| {
+                let exposures = [Exposure {
+                    id: "long".into(),
+                    start,
+                    duration_s,
+                    pointing: Direction::from_lon_lat_rad(
+                        f64::to_radians(right_ascension_deg),
+                        f64::to_radians(declination_deg),
+                    ),
+                    rotation_rad: 0.0,
+                }];
+                sums(&here.crossing_probabilities(&exposures, &field).expect("probabilities"))
+            };
+            let name = format!("{age_days} d, {right_ascension_deg} deg");
+            let mut last = [0.0; 3];
+            for duration_s in [30.0, 31.0, 45.0, 300.0, 599.0, 600.0, 601.0, 900.0, 1800.0] {
+                let now = expected(duration_s);
+                println!("{name}: {duration_s} s {now:.4?}");
+                for (now, last) in now.iter().zip(last) {
+                    assert!(now + OF_ALL * last >= last, "{name}: {duration_s} s {now} after {last}");
+                }
+                last = now;
+            }
+            let [ten_minutes, a_second_more] = [600.0, 601.0].map(expected);
+            assert!(ten_minutes[0] > 0.003, "{name}: {ten_minutes:?}");
+            for (one, other) in ten_minutes.iter().zip(a_second_more) {
+                assert!(
+                    (one - other).abs() < OF_A_SECOND * one,
+                    "{name}: 600 s {ten_minutes:?}, 601 s {a_second_more:?}"
+                );
+            }
+        }
+    }
+}
+
+/// A pass takes its range, and with it the angle of the error across, in the middle of its chord, a probability where
+/// it is nearest.
+const SAME: f64 = 1e-3;
+
+/// Every listed crossing is among the satellites, with the same probability, also where it enters or leaves the Earth's
+/// shadow.
+#[test]
+fn verif_probabilities_hold_every_crossing() {
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    for (age_days, at_least) in [(0.0, 12), (3.0, 12)] {
+        let mut draws = Random(7);
+        // Later in the evening: half of the satellites cross the edge of the shadow.
+        let exposures = exposures(Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 15, 0), 1500, &mut draws);
+        let sky = sky(published(age_days, exposures[750].start, 1584));
+        let passes = sky.field_passes(&exposures, &field, &PassOptions::default()).expect("passes").by_exposure;
+        let found = sky.crossing_probabilities(&exposures, &field).expect("probabilities");
+        let mut checked = 0;
+        for (passes, found) in passes.iter().zip(&found) {
+            for pass in passes.iter().filter(|pass| pass.probability > 1e-6) {
+                let own = found.iter().find(|one| one.element_index == pass.element_index);
+                let probability = own.map_or(0.0, |one| one.probability);
+                assert!((probability - pass.probability).abs() < SAME, "{pass:?}: {probability}");
+                checked += 1;
+            }
+        }
+        assert!(checked > at_least, "{age_days} d: only {checked}");
+    }
+}
+
+/// Without light the passes are the same, near misses among them, with neither brightness nor peak.
+#[test]
+fn verif_passes_without_light_are_the_same_but_for_it() {
+    let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
+    let field = Field::circle(3.5f64.to_radians()).expect("a field");
+    let exposures = exposures(start, 360, &mut Random(20_261_123));
+    let sky = sky(published(1.0, start, 1584));
+    let lit = PassOptions { min_probability: Some(0.01), samples: 3, ..PassOptions::default() };
+    let ask = |options: &PassOptions| sky.field_passes(&exposures, &field, options).expect("passes").by_exposure;
+    let mut expected = ask(&lit);
+    let dark = |point: &mut TrackPoint| point.brightness = None;
+    let mut bright = 0;
+    for pass in expected.iter_mut().flatten() {
+        bright += usize::from(pass.peak.take().is_some_and(|peak| peak.brightness.is_some()));
+        [&mut pass.enter, &mut pass.mid, &mut pass.exit].into_iter().chain(&mut pass.samples).for_each(dark);
+    }
+    assert!(bright > 10, "{bright} passes with light");
+    assert_eq!(ask(&PassOptions { without_light: true, ..lit }), expected);
+}
