@@ -360,9 +360,9 @@ fn satchecker_shapes_carry_magnitudes() {
     let words = |target: &str| server.get(target).json()["detail"].as_str().unwrap().to_owned();
     let both = "site=rubin&start_time_jd=2461267.4&mid_obs_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1";
     let both = words(&format!("/fov/satellite-passes/?{both}"));
-    assert_eq!(both, "start_time_jd and mid_obs_time_jd are both said; allowed: one of them");
+    assert_eq!(both, "start_time_jd and mid_obs_time_jd are both given; allowed: one of them");
     let twice = words("/api/v1/night?night=2026-08-14&night=2026-08-14");
-    assert_eq!(twice, "night is said more than once; allowed: once");
+    assert_eq!(twice, "night is given more than once; allowed: once");
     let crowd = "site=rubin&start_time_jd=2461267.4785&duration=3600&ra=254&dec=-30&fov_radius=45";
     assert_eq!(server.get(&format!("/fov/satellite-passes/?{crowd}")).status, 400);
 }

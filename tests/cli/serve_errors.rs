@@ -84,10 +84,10 @@ fn what_cannot_be_read_is_told_why() {
         (request("GET", &lines(100), ""), 431, "16 kB or 64 lines"),
         (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03".to_vec(), 400, "without TLS"),
         (b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\x04\0\0\0\0\0".to_vec(), 400, "HTTP2 preface"),
-        (b"GET\r\n\r\n".to_vec(), 400, "cannot be read"),
-        (b"GET /health\r\n".to_vec(), 400, "cannot be read"),
+        (b"GET\r\n\r\n".to_vec(), 400, "malformed head"),
+        (b"GET /health\r\n".to_vec(), 400, "malformed head"),
         (b"GET / HTTP/9.9\r\n\r\n".to_vec(), 400, "HTTP/1.1 and 1.0"),
-        (b"\0\0\0\0\r\n\r\n".to_vec(), 400, "cannot be read"),
+        (b"\0\0\0\0\r\n\r\n".to_vec(), 400, "malformed head"),
         (request("G\u{e9}T", "", ""), 400, "invalid HTTP method"),
         (request("GET", "no colon\r\n", ""), 400, "invalid HTTP header"),
         (request("GET", "Content-Length: -5\r\n", ""), 400, "content-length"),
@@ -122,7 +122,7 @@ fn heads_that_break_off_or_never_come_are_told_so() {
     let mut broken = server.connect();
     broken.write_all(b"GET /health HTTP/1.1\r\nHost: local").unwrap();
     broken.shutdown(Shutdown::Write).unwrap();
-    is_last_problem(&read(broken), 400, "breaks off");
+    is_last_problem(&read(broken), 400, "incomplete head");
     // Bytes one at a time do not make the time longer, and who asks nothing is told nothing.
     let (mut slow, silent) = (server.connect(), server.connect());
     for byte in b"GET /health" {
@@ -206,12 +206,12 @@ fn off_loopback_a_token_is_needed() {
     assert_eq!(code, 2);
     assert!(stderr.contains("--token-file FILE or --token-env NAME"), "{stderr}");
     let (code, _, stderr) = run(&[&open, &["--token-env", "STREAKCAST_TEST_NO_SUCH"]]);
-    assert!(code == 2 && stderr.contains("holds no token"), "{stderr}");
+    assert!(code == 2 && stderr.contains("STREAKCAST_TEST_NO_SUCH is not set"), "{stderr}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("token").display().to_string();
     std::fs::write(&path, "short\n").unwrap();
     let (code, _, stderr) = run(&[&open, &["--token-file", &path]]);
-    assert!(code == 2 && stderr.contains("a token of 5 letters"), "{stderr}");
+    assert!(code == 2 && stderr.contains("invalid token of 5 characters"), "{stderr}");
 
     let token = "correct-horse-battery";
     let arguments = [SHARED, RULES, &["--bind", "0.0.0.0:0", "--token-env", "STREAKCAST_TEST_TOKEN"]].concat();
