@@ -25,10 +25,9 @@ impl RequestFilter {
     /// Checks the rate, the length of the target, the headers Host and Sec-Fetch-Site, and that there is no body.
     pub fn check<B>(&self, request: &Request<B>, address: IpAddr, now: Instant) -> Result<(), Problem> {
         let headers = request.headers();
-        self.limiter.check(address, now).map_err(|wait| {
-            let seconds = wait.as_secs_f64().ceil() as u64;
-            Problem::new(429, "too many requests from this address").with(RETRY_AFTER, seconds.into())
-        })?;
+        if !self.limiter.allows(address, now) {
+            return Err(Problem::new(429, "too many requests from this address").with(RETRY_AFTER, "1"));
+        }
         if request.uri().path_and_query().is_some_and(|target| target.as_str().len() > MAX_TARGET_BYTES) {
             return Err(Problem::new(414, format!("path and query are longer than {MAX_TARGET_BYTES} bytes")));
         }

@@ -22,27 +22,23 @@ impl RateLimiter {
         Self { interval: BURST / requests_per_second, due: Mutex::default() }
     }
 
-    /// Counts a request.
-    ///
-    /// # Errors
-    /// The time until the next request is allowed, if this one is not.
-    pub fn check(&self, address: IpAddr, now: Instant) -> Result<(), Duration> {
+    /// Counts a request and returns whether it is allowed. If not, one a second later is.
+    pub fn allows(&self, address: IpAddr, now: Instant) -> bool {
         let mut due = self.due.lock().unwrap_or_else(PoisonError::into_inner);
         let network = network_of(address);
         if due.len() >= MAX_ADDRESSES && !due.contains_key(&network) {
             due.retain(|_, due| *due > now);
             if due.len() >= MAX_ADDRESSES {
-                return Err(BURST);
+                return false;
             }
         }
         let due = due.entry(network).or_insert(now);
         let next = now.max(*due) + self.interval;
-        let wait = next.saturating_duration_since(now + BURST);
-        if wait > Duration::ZERO {
-            return Err(wait);
+        let is_allowed = next <= now + BURST;
+        if is_allowed {
+            *due = next;
         }
-        *due = next;
-        Ok(())
+        is_allowed
     }
 }
 
@@ -66,14 +62,14 @@ mod tests {
         let limiter = RateLimiter::new(10);
         let (one, other): (IpAddr, IpAddr) = ("192.0.2.1".parse().unwrap(), "192.0.2.2".parse().unwrap());
         let begin = Instant::now();
-        assert!((0..10).all(|_| limiter.check(one, begin).is_ok()));
-        assert_eq!(limiter.check(one, begin), Err(Duration::from_millis(100)));
-        assert!(limiter.check(other, begin).is_ok(), "addresses are counted separately");
+        assert!((0..10).all(|_| limiter.allows(one, begin)));
+        assert!(!limiter.allows(one, begin) && !limiter.allows(one, begin + Duration::from_millis(99)));
+        assert!(limiter.allows(other, begin), "addresses are counted separately");
         let later = begin + Duration::from_millis(150);
-        assert!(limiter.check(one, later).is_ok() && limiter.check(one, later).is_err());
+        assert!(limiter.allows(one, later) && !limiter.allows(one, later));
         let network: [IpAddr; 2] = ["2001:db8::1".parse().unwrap(), "2001:db8::2".parse().unwrap()];
-        assert!((0..10).all(|turn| limiter.check(network[turn % 2], later).is_ok()));
-        assert!(limiter.check(network[0], later).is_err());
+        assert!((0..10).all(|turn| limiter.allows(network[turn % 2], later)));
+        assert!(!limiter.allows(network[0], later));
     }
 
     #[test]
@@ -81,10 +77,10 @@ mod tests {
         let limiter = RateLimiter::new(1);
         let begin = Instant::now();
         let address = |number: u32| IpAddr::from(number.to_be_bytes());
-        let allowed = (0..10_000).filter(|number| limiter.check(address(*number), begin).is_ok()).count();
+        let allowed = (0..10_000).filter(|number| limiter.allows(address(*number), begin)).count();
         assert_eq!((allowed, limiter.due.lock().unwrap().len()), (MAX_ADDRESSES, MAX_ADDRESSES));
         // Addresses without a request in the last second are dropped.
-        assert!(limiter.check(address(20_000), begin + Duration::from_secs(2)).is_ok());
+        assert!(limiter.allows(address(20_000), begin + Duration::from_secs(2)));
         assert_eq!(limiter.due.lock().unwrap().len(), 1);
     }
 }

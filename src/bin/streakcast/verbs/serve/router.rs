@@ -175,7 +175,7 @@ fn check_token(token: Option<&Token>, headers: &HeaderMap) -> Result<(), Problem
         return Ok(());
     }
     let detail = "the token is missing or wrong; allowed: the header 'Authorization: Bearer TOKEN'";
-    Err(Problem::new(401, detail).with(WWW_AUTHENTICATE, HeaderValue::from_static("Bearer")))
+    Err(Problem::new(401, detail).with(WWW_AUTHENTICATE, "Bearer"))
 }
 
 async fn not_found(uri: Uri) -> Response {
@@ -183,8 +183,7 @@ async fn not_found(uri: Uri) -> Response {
 }
 
 async fn method_not_allowed(uri: Uri) -> Response {
-    let problem = Problem::new(405, "invalid method; allowed: GET and HEAD");
-    problem.with(ALLOW, HeaderValue::from_static("GET, HEAD")).response(uri.path())
+    Problem::new(405, "invalid method; allowed: GET and HEAD").with(ALLOW, "GET, HEAD").response(uri.path())
 }
 
 /// Rejects requests that do not pass the filter.

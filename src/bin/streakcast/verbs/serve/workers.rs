@@ -83,7 +83,7 @@ impl WorkerPool {
 }
 
 fn busy() -> Problem {
-    Problem::new(503, "the server is busy").with(RETRY_AFTER, 1.into())
+    Problem::new(503, "the server is busy").with(RETRY_AFTER, "1")
 }
 
 #[cfg(test)]
