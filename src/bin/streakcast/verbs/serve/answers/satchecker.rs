@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
-use streakcast::frames::{Direction, epoch_from_jd, seconds_after};
+use streakcast::frames::{Direction, epoch_from_jd, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::LeftOut;
 use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, Sky};
@@ -15,6 +15,7 @@ use super::super::query::{Kind, Parameter, Query, TRUTH, number, optional, requi
 use super::super::state::{Caveats, ServerState};
 use super::document::{left_out_count_schema, object_schema, warnings_schema};
 use super::exposure::of_sky;
+use super::horizontal::rounded;
 use super::satchecker_positions::{position, position_schema};
 
 const LATITUDE: Parameter =
@@ -80,12 +81,46 @@ pub const ABOVE: &[Parameter] = &[
 /// Source in every answer.
 const SOURCE: &str = "streakcast";
 /// Most positions of one answer.
-const MOST_POSITIONS: f64 = 20_000.0;
+const MAX_POSITIONS: f64 = 20_000.0;
 /// Most points along a pass; SatChecker has one a second.
-const MOST_SAMPLES: usize = 601;
+const MAX_SAMPLES: usize = 601;
 
 pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let sky = sky(state, query)?;
+    let exposure = exposure(query)?;
+    let radius_rad = query.number("fov_radius").unwrap_or_default().to_radians();
+    let field = Field::circle(2.0 * radius_rad).map_err(|error| Problem::new(400, error.to_string()))?;
+    let passes_of = |samples: usize| {
+        let options = pass_options(state, query, samples);
+        let answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
+        let answer = answer.map_err(|error| of_sky(&error))?;
+        let found = answer.by_exposure.into_iter().flatten();
+        let wanted = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
+        Ok::<(Vec<FieldPass>, Vec<LeftOut>), Problem>((wanted.collect(), answer.left_out))
+    };
+    // First without points: their number is limited.
+    let (found, left_out) = passes_of(0)?;
+    let caveats = state.caveats_at(exposure.start, seconds_after(exposure.start, exposure.duration_s), &left_out)?;
+    let expected: f64 = found.iter().map(|pass| length_s(pass).ceil().min(MAX_SAMPLES as f64) + 1.0).sum();
+    if expected > MAX_POSITIONS {
+        let detail =
+            format!("{expected} positions; allowed: {MAX_POSITIONS}: a shorter duration or a smaller fov_radius");
+        return Err(Problem::new(400, detail));
+    }
+    let longest_s = found.iter().map(length_s).fold(0.0, f64::max);
+    let samples = (longest_s.ceil() as usize + 1).clamp(2, MAX_SAMPLES);
+    let (found, _) = passes_of(samples)?;
+    let with_elements = query.truth("include_orbital_data").unwrap_or(false);
+    let document = if query.text("group_by") == Some("satellite") {
+        by_satellite(&sky, &exposure, &found, with_elements)
+    } else {
+        by_time(&sky, &exposure, &found, with_elements)
+    };
+    Ok(with_source(document, &caveats))
+}
+
+/// The time interval and the direction of the query.
+fn exposure(query: &Query) -> Result<Exposure, Problem> {
     let number = |name: &str| query.number(name).unwrap_or_default();
     let duration_s = number("duration");
     let start = match (query.number("start_time_jd"), query.number("mid_obs_time_jd")) {
@@ -94,116 +129,96 @@ pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
         (None, None) => return Err(Problem::missing("start_time_jd", "start_time_jd or mid_obs_time_jd, one of them")),
         (Some(_), Some(_)) => return Err(Problem::both("start_time_jd", "mid_obs_time_jd")),
     };
-    let exposure = Exposure {
+    Ok(Exposure {
         id: "fov".to_owned(),
         start,
         duration_s,
         pointing: Direction::from_lon_lat_rad(number("ra").to_radians(), number("dec").to_radians()),
         rotation_rad: 0.0,
-    };
-    let field =
-        Field::circle(2.0 * number("fov_radius").to_radians()).map_err(|error| Problem::new(400, error.to_string()))?;
-    let passes_of = |samples: usize| {
-        let options = PassOptions {
-            include_dark: !query.truth("illuminated_only").unwrap_or(false),
-            min_probability: None,
-            samples,
-            photometry: state.asked.photometry,
-            ..PassOptions::default()
-        };
-        let answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
-        let answer = answer.map_err(|error| of_sky(&error))?;
-        let found = answer.by_exposure.into_iter().flatten();
-        let wanted = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
-        Ok::<(Vec<FieldPass>, Vec<LeftOut>), Problem>((wanted.collect(), answer.left_out))
-    };
-    // First without points: their number is limited.
-    let length_s = |pass: &FieldPass| streakcast::frames::seconds_between(pass.enter.epoch, pass.exit.epoch);
-    let (found, left_out) = passes_of(0)?;
-    let caveats = state.caveats_at(start, seconds_after(start, duration_s), &left_out)?;
-    let lengths_s: Vec<f64> = found.iter().map(length_s).collect();
-    let expected: f64 = lengths_s.iter().map(|length_s| length_s.ceil().min(MOST_SAMPLES as f64) + 1.0).sum();
-    if expected > MOST_POSITIONS {
-        let detail =
-            format!("{expected} positions; allowed: {MOST_POSITIONS}: a shorter duration or a smaller fov_radius");
-        return Err(Problem::new(400, detail));
+    })
+}
+
+fn pass_options(state: &ServerState, query: &Query, samples: usize) -> PassOptions {
+    PassOptions {
+        include_dark: !query.truth("illuminated_only").unwrap_or(false),
+        min_probability: None,
+        samples,
+        photometry: state.asked.photometry,
+        ..PassOptions::default()
     }
-    let longest_s = lengths_s.iter().copied().fold(0.0, f64::max);
-    let samples = (longest_s.ceil() as usize + 1).clamp(2, MOST_SAMPLES);
-    let (found, _) = passes_of(samples)?;
-    let with_elements = query.truth("include_orbital_data").unwrap_or(false);
-    let by_satellite = query.text("group_by") == Some("satellite");
-    let thinned = |pass: &FieldPass| -> Vec<usize> {
-        // Keeps every `step`-th of the evenly spaced points, so that they are a second apart at most.
-        let last = pass.samples.len().saturating_sub(1);
-        let step =
-            if length_s(pass) > 0.0 { (last as f64 / length_s(pass)).floor().max(1.0) as usize } else { last.max(1) };
-        (0..=last).filter(|point| point % step == 0 || *point == last).collect()
-    };
-    let one_position = |pass: &FieldPass, point: usize| {
-        let mut value = position(&sky, pass.element_index, &pass.samples[point], pass.element_age_days);
-        let angle_rad = pass.samples[point].direction.separation_rad(&exposure.pointing);
-        value["angle"] = json!(super::horizontal::rounded(angle_rad.to_degrees(), 8));
-        value
-    };
-    let document = if by_satellite {
-        let count: usize = found.iter().map(|pass| thinned(pass).len()).sum();
-        let mut satellites: BTreeMap<String, Value> = BTreeMap::new();
-        for pass in &found {
-            let elements = &sky.elements()[pass.element_index];
-            let positions = thinned(pass).into_iter().map(|point| one_position(pass, point));
-            let key = format!("{} ({})", elements.name, elements.norad_id);
-            // A satellite may cross more than once.
-            let known = satellites.entry(key).or_insert_with(|| {
-                let mut satellite =
-                    json!({"name": elements.name.as_ref(), "norad_id": elements.norad_id.0, "positions": [], "streaks": []});
-                if with_elements {
-                    satellite["orbital_data"] = orbital_data(&sky, pass.element_index);
-                }
-                satellite
-            });
-            if let Some(list) = known["positions"].as_array_mut() {
-                list.extend(positions);
+}
+
+fn length_s(pass: &FieldPass) -> f64 {
+    seconds_between(pass.enter.epoch, pass.exit.epoch)
+}
+
+/// The positions of a pass with their times, a second apart at most.
+fn positions(sky: &Sky, exposure: &Exposure, pass: &FieldPass) -> Vec<(Epoch, Value)> {
+    let last = pass.samples.len().saturating_sub(1);
+    // Keeps every `step`-th of the evenly spaced points.
+    let step =
+        if length_s(pass) > 0.0 { (last as f64 / length_s(pass)).floor().max(1.0) as usize } else { last.max(1) };
+    let kept = pass.samples.iter().enumerate().filter(|(point, _)| point % step == 0 || *point == last);
+    kept.map(|(_, point)| {
+        let mut value = position(sky, pass.element_index, point, pass.element_age_days);
+        let angle_rad = point.direction.separation_rad(&exposure.pointing);
+        value["angle"] = json!(rounded(angle_rad.to_degrees(), 8));
+        (point.epoch, value)
+    })
+    .collect()
+}
+
+/// Positions and streaks of each satellite, by name.
+fn by_satellite(sky: &Sky, exposure: &Exposure, passes: &[FieldPass], with_elements: bool) -> Value {
+    let mut satellites: BTreeMap<String, Value> = BTreeMap::new();
+    let mut count = 0;
+    for pass in passes {
+        let elements = &sky.elements()[pass.element_index];
+        let key = format!("{} ({})", elements.name, elements.norad_id);
+        // A satellite may cross more than once.
+        let satellite = satellites.entry(key).or_insert_with(|| {
+            let mut satellite =
+                json!({"name": elements.name.as_ref(), "norad_id": elements.norad_id.0, "positions": [], "streaks": []});
+            if with_elements {
+                satellite["orbital_data"] = orbital_data(sky, pass.element_index);
             }
-            if let Some(list) = known["streaks"].as_array_mut() {
-                list.push(streak(pass));
-            }
+            satellite
+        });
+        let positions = positions(sky, exposure, pass);
+        count += positions.len();
+        if let Some(list) = satellite["positions"].as_array_mut() {
+            list.extend(positions.into_iter().map(|(_, value)| value));
         }
-        let total = satellites.len();
-        let data = json!({"satellites": satellites, "total_satellites": total, "total_position_results": count});
-        json!({"data": data})
-    } else {
-        let mut positions: Vec<(Epoch, Value)> = found
-            .iter()
-            .flat_map(|pass| thinned(pass).into_iter().map(move |point| (pass, point)))
-            .map(|(pass, point)| {
-                let mut value = one_position(pass, point);
-                let elements = &sky.elements()[pass.element_index];
-                value["name"] = json!(elements.name.as_ref());
-                value["norad_id"] = json!(elements.norad_id.0);
-                if with_elements {
-                    value["orbital_data"] = orbital_data(&sky, pass.element_index);
-                }
-                (pass.samples[point].epoch, value)
-            })
-            .collect();
-        positions.sort_by_key(|(epoch, _)| *epoch);
-        let data: Vec<Value> = positions.into_iter().map(|(_, value)| value).collect();
-        listed(data)
-    };
-    Ok(with_source(document, &caveats))
+        if let Some(list) = satellite["streaks"].as_array_mut() {
+            list.push(streak(pass));
+        }
+    }
+    let total = satellites.len();
+    json!({"data": {"satellites": satellites, "total_satellites": total, "total_position_results": count}})
+}
+
+/// Positions of all satellites in order of time.
+fn by_time(sky: &Sky, exposure: &Exposure, passes: &[FieldPass], with_elements: bool) -> Value {
+    let mut all = Vec::new();
+    for pass in passes {
+        let elements = &sky.elements()[pass.element_index];
+        for (epoch, mut value) in positions(sky, exposure, pass) {
+            value["name"] = json!(elements.name.as_ref());
+            value["norad_id"] = json!(elements.norad_id.0);
+            if with_elements {
+                value["orbital_data"] = orbital_data(sky, pass.element_index);
+            }
+            all.push((epoch, value));
+        }
+    }
+    all.sort_by_key(|(epoch, _)| *epoch);
+    listed(all.into_iter().map(|(_, value)| value).collect())
 }
 
 pub fn above(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let sky = sky(state, query)?;
     let at = moment(query.number("julian_date").unwrap_or_default())?;
-    let options = PassOptions {
-        include_dark: !query.truth("illuminated_only").unwrap_or(false),
-        min_probability: None,
-        samples: 0,
-        photometry: state.asked.photometry,
-        ..PassOptions::default()
-    };
+    let options = pass_options(state, query, 0);
     let min_altitude_rad = query.number("min_altitude").unwrap_or_default().to_radians();
     let (overhead, left_out) = sky.overhead(at, 0.0, 1, min_altitude_rad, &options).map_err(|error| of_sky(&error))?;
     let caveats = state.caveats_at(at, at, &left_out)?;
@@ -214,7 +229,7 @@ pub fn above(state: &ServerState, query: &Query) -> Result<String, Problem> {
         .filter_map(|one| {
             let point = one.points.first().filter(|point| ranges.contains(&point.range_km))?;
             let elements = &sky.elements()[one.element_index];
-            let age_days = streakcast::frames::seconds_between(elements.epoch, at) / 86_400.0;
+            let age_days = seconds_between(elements.epoch, at) / 86_400.0;
             let mut value = position(&sky, one.element_index, point, age_days);
             value["name"] = json!(elements.name.as_ref());
             value["norad_id"] = json!(elements.norad_id.0);
@@ -277,7 +292,6 @@ fn orbital_data(sky: &Sky, element_index: usize) -> Value {
 
 /// The streak as a whole, which SatChecker's points once a second do not give.
 fn streak(pass: &FieldPass) -> Value {
-    let rounded = super::horizontal::rounded;
     let utc = |epoch| streakcast::output::format_utc(epoch, 3);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     json!({
