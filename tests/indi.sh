@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The gate against Debian's real INDI server and its simulators: a mount is slewed, and `gate --indi` must find it where it points.
-# Installs indi-bin where apt can; says loudly that it was left out where it cannot. STREAKCAST names the binary; else it is built.
+# The gate against Debian's INDI server and its simulators: a mount is slewed, and `gate --indi` must read its pointing.
+# Installs indi-bin by apt; prints that the test was skipped if it cannot. STREAKCAST is the binary (default: it is built).
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
@@ -34,21 +34,37 @@ fail() {
 }
 set_property() { indi_setprop -p "$port" "$1" >>"$work/log" 2>&1; }
 get_property() { indi_getprop -p "$port" -t 3 "$1" 2>>"$work/log"; }
-# until_property PROPERTY VALUE: waits until it is so.
+# until_property PROPERTY VALUE: waits until the property has the value.
 until_property() {
-    for _ in $(seq 60); do
+    for _ in $(seq 600); do
         [ "$(get_property "$1" | head -n 1 | cut -d= -f2-)" = "$2" ] && return 0
         sleep 0.5
     done
     fail "$1 never became $2"
 }
 mount="Telescope Simulator"
-gate=("$STREAKCAST" gate --shells starlink-gen1 --fov 3deg --exposure 10s --limit-mag=-20 --indi "localhost:$port" --strict)
+gate=("$STREAKCAST" gate --shells starlink-gen1 --fov 3deg --exposure 10s --limit-mag=-20 --indi "localhost:$port" --timeout 20s --strict)
+
+# The gate waits less than a second for the site of a mount whose pointing it has, which a loaded machine may miss: tries are repeated.
+gate_passes() {
+    for _ in $(seq 20); do
+        if "${gate[@]}" "$@" 2>"$work/error"; then return 0; fi
+    done
+    fail "the gate did not find the mount: $(cat "$work/error")"
+}
+# gate_fails WORDS ARGUMENT...: an error with these words.
+gate_fails() {
+    local words=$1
+    shift
+    for _ in $(seq 20); do
+        if ! "${gate[@]}" "$@" 2>"$work/error" && grep -q "$words" "$work/error"; then return 0; fi
+    done
+    fail "no error with '$words': $(cat "$work/error")"
+}
 
 until_property "$mount.CONNECTION.CONNECT" Off
-# Not connected: no coordinates, and the gate says so.
-if "${gate[@]}" --mpc X05 2>"$work/error"; then fail "a mount that is not connected has no place"; fi
-grep -q "is it connected?" "$work/error" || fail "$(cat "$work/error")"
+# A mount that is not connected has no coordinates.
+gate_fails "is it connected?" --mpc X05
 
 set_property "$mount.CONNECTION.CONNECT=On"
 until_property "$mount.CONNECTION.CONNECT" On
@@ -60,7 +76,7 @@ set_property "$mount.EQUATORIAL_EOD_COORD.RA;DEC=5;80"
 until_property "$mount.EQUATORIAL_EOD_COORD._STATE" Ok
 of_date=$(get_property "$mount.EQUATORIAL_EOD_COORD.*")
 
-"${gate[@]}" --status-file "$work/status.json" || fail "the gate did not find the mount"
+gate_passes --status-file "$work/status.json"
 python=$(command -v python3) || skip "no python3 to compare the numbers"
 "$python" - "$work/status.json" "$of_date" <<'PYTHON' || fail "the mount points elsewhere"
 import datetime, json, math, sys
@@ -83,9 +99,8 @@ assert status["verdict"] == "clear" and status["mount"] == "Telescope Simulator"
 PYTHON
 
 # A site that is not the mount's.
-if "${gate[@]}" --mpc X05 2>"$work/error"; then fail "a mount in Germany is no mount in Chile"; fi
-grep -q "km from" "$work/error" || fail "$(cat "$work/error")"
-# A server that has gone: on with the night, and an error where the user is strict.
+gate_fails "km from" --mpc X05
+# Without a server the night goes on; with --strict it is an error.
 kill "$server"
 wait "$server" 2>/dev/null || true
 "${gate[@]:0:${#gate[@]}-1}" --mpc X05 2>"$work/error" || fail "no server must not stall a night"

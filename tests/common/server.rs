@@ -1,4 +1,4 @@
-//! A `streakcast serve` for tests: started on a free port, asked over plain TCP, stopped at the end.
+//! A `streakcast serve` for tests: started on a free port, called over plain TCP, stopped at the end.
 
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -8,8 +8,8 @@ use std::time::Duration;
 
 use serde_json::Value;
 
-/// Any answer that is not a stall.
-const PROMPT: Duration = Duration::from_secs(120);
+/// Limit on a read that would wait for ever.
+const READ_TIMEOUT: Duration = Duration::from_secs(300);
 
 /// Sky, site and field of the servers of most tests.
 pub const SHARED: &[&str] = &["--shells", "starlink-gen1", "--mpc", "X05", "--fov", "3.5deg", "--quiet"];
@@ -40,7 +40,7 @@ impl Response {
 }
 
 impl Server {
-    /// Starts it, on a free port of loopback where the arguments name no other.
+    /// Starts the server, by default on a free port of loopback.
     pub fn start(arguments: &[&str]) -> Self {
         Self::start_with(arguments, &[])
     }
@@ -88,21 +88,21 @@ impl Server {
 
     pub fn connect(&self) -> TcpStream {
         let stream = TcpStream::connect(("127.0.0.1", self.port)).unwrap();
-        stream.set_read_timeout(Some(PROMPT)).unwrap();
+        stream.set_read_timeout(Some(READ_TIMEOUT)).unwrap();
         stream
     }
 
-    /// Bytes as they are, and what comes back until the connection closes.
+    /// Sends bytes, and reads the response until the connection closes.
     pub fn raw(&self, bytes: &[u8]) -> Response {
         let mut stream = self.connect();
-        // A server that has seen enough may close before all is written.
+        // The server may close before all is written.
         let _ = stream.write_all(bytes);
         let mut answer = Vec::new();
         let _ = stream.read_to_end(&mut answer);
         parse(&answer)
     }
 
-    /// Asks it to stop as a service manager does, and waits for its end.
+    /// Sends a signal, and waits for the end of the process.
     #[cfg(unix)]
     pub fn stop(mut self, signal: &str) -> i32 {
         self.signal(signal);
@@ -127,7 +127,7 @@ pub fn serve(more: &[&str]) -> Server {
     Server::start(&[SHARED, RULES, &["--telescope", "rubin"], more].concat())
 }
 
-/// One server for all tests that only ask and run at the same time; it goes with the last that holds it.
+/// One server for all tests that send only requests; it stops with the last of them.
 pub fn shared() -> Arc<Server> {
     static SERVER: Mutex<Weak<Server>> = Mutex::new(Weak::new());
     let mut known = SERVER.lock().unwrap_or_else(PoisonError::into_inner);

@@ -1,22 +1,22 @@
-//! `serve`: one page and an HTTP API over a schedule and a sky that are read once and never change.
+//! `serve`: a page and an HTTP API for one schedule and one set of satellites, read once at the start.
 //!
-//! `run` reads and listens; `server` takes connections and stops gracefully, `farewell` ends each; `door` lets in what may come in (`bucket` counts); `routes` knows the
-//! paths, `question` their parameters, `answers/` what each computes, on threads that `desk` hands out; `reply` is what goes back; `openapi`
-//! describes all of it from the same tables; `page` holds the files of the page; `house` is what every answer rests on.
+//! `run` reads the inputs into `state` and listens; `server` accepts connections (`malformed` answers request heads that cannot be
+//! read); `router` maps paths to handlers, behind `filter` and `rate_limit`; `query` reads parameters; `answers/` computes the
+//! responses on the threads of `workers`; `problem` holds error responses; `openapi` describes the API; `page` holds the page's files.
 
 mod answers;
-mod bucket;
-mod desk;
-mod door;
-mod farewell;
-mod house;
+mod filter;
+mod malformed;
 mod openapi;
 mod page;
-mod question;
-mod reply;
-mod routes;
+mod problem;
+mod query;
+mod rate_limit;
+mod router;
 mod run;
 mod server;
+mod state;
 mod token;
+mod workers;
 
 pub use run::run;

@@ -1,14 +1,14 @@
-//! `/openapi.json`: made from the same tables that requests are read and answers are written with.
+//! `/openapi.json`: OpenAPI document, generated from the tables by which requests are read and answers are written.
 
 use serde_json::{Map, Value, json};
 
-use super::house::House;
-use super::question::{Parameter, Question};
-use super::reply::{JSON, PROBLEM_JSON, Problem, Reply, STATUSES};
-use super::routes::{ROUTES, Route};
+use super::problem::{PROBLEM_JSON, Problem, STATUSES};
+use super::query::{Parameter, Query};
+use super::router::{JSON, ROUTES, Route};
+use super::state::ServerState;
 
-pub fn answer(_: &House, _: &Question) -> Result<Reply, Problem> {
-    Ok(Reply::json(format!("{}\n", document())))
+pub fn answer(_: &ServerState, _: &Query) -> Result<String, Problem> {
+    Ok(format!("{}\n", document()))
 }
 
 /// OpenAPI 3.1.
@@ -27,7 +27,7 @@ pub fn document() -> Value {
         "info": {
             "title": "streakcast serve",
             "version": env!("CARGO_PKG_VERSION"),
-            "description": "Satellites crossing the exposures of one schedule. Read only: GET and HEAD. Angles in degrees (ICRS for right ascension and declination), times UTC, magnitudes in the band and system that provenance names. The same question has the same answer as long as the server runs.",
+            "description": "Satellites crossing the exposures of one schedule. Read only: GET and HEAD. Angles in degrees (ICRS for right ascension and declination), times UTC, magnitudes in the band and system that provenance names. The same request has the same answer as long as the server runs.",
             "license": {"name": "MIT OR Apache-2.0", "identifier": "MIT OR Apache-2.0"},
         },
         "servers": [{"url": "/"}],
@@ -36,7 +36,7 @@ pub fn document() -> Value {
             "schemas": {"Problem": problem_schema()},
             "responses": responses,
             "securitySchemes": {
-                "token": {"type": "http", "scheme": "bearer", "description": "Only where the server was started with a token."},
+                "token": {"type": "http", "scheme": "bearer", "description": "Required if the server was started with a token."},
             },
         },
     })
@@ -45,14 +45,13 @@ pub fn document() -> Value {
 fn operation(route: &Route) -> Value {
     let ok = json!({"description": "The answer.", "content": {JSON: {"schema": (route.schema)()}}});
     let mut responses = Map::from_iter([("200".to_owned(), ok)]);
-    // Everything that may come, by what this path can meet.
     for (status, ..) in STATUSES {
-        let can_come = match status {
+        let is_possible = match status {
             401 => route.needs_token,
             404 => route.path == "/api/v1/night",
             _ => true,
         };
-        if can_come {
+        if is_possible {
             responses.insert(status.to_string(), json!({"$ref": format!("#/components/responses/{status}")}));
         }
     }
@@ -84,8 +83,8 @@ fn problem_schema() -> Value {
             "type": {"type": "string"},
             "title": {"type": "string"},
             "status": {"type": "integer"},
-            "detail": {"type": "string", "description": "What was given, and what is allowed."},
-            "instance": {"type": "string", "description": "The path; not where the request could not be read."},
+            "detail": {"type": "string", "description": "What is wrong, and what is allowed."},
+            "instance": {"type": "string", "description": "The path of the request, unless its head is malformed."},
             "parameter": {"type": "string", "description": "The parameter that is wrong."},
         },
         "required": ["type", "title", "status", "detail"],

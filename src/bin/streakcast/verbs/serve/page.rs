@@ -1,13 +1,9 @@
-//! The files of the page, inside the binary.
-
-use hyper::body::Bytes;
-
-use super::reply::Reply;
+//! The files of the page, embedded in the binary.
 
 const SCRIPT: &str = "text/javascript; charset=utf-8";
 
-/// Path, kind, bytes.
-static FILES: &[(&str, &str, &[u8])] = &[
+/// Path, content type and content.
+pub static FILES: &[(&str, &str, &[u8])] = &[
     ("/", "text/html; charset=utf-8", include_bytes!("page/index.html")),
     ("/page.css", "text/css; charset=utf-8", include_bytes!("page/page.css")),
     ("/favicon.svg", "image/svg+xml", include_bytes!("page/favicon.svg")),
@@ -26,23 +22,17 @@ static FILES: &[(&str, &str, &[u8])] = &[
     ("/crossings.js", SCRIPT, include_bytes!("page/crossings.js")),
 ];
 
-/// The file at a path.
-pub fn file(path: &str) -> Option<Reply> {
-    let (_, content_type, bytes) = FILES.iter().find(|(known, ..)| *known == path)?;
-    Some(Reply { status: 200, content_type, body: Bytes::from_static(bytes), header: None })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// What the page may weigh.
-    const MOST_BYTES: usize = 300_000;
+    /// Limit on the size of the page.
+    const MAX_BYTES: usize = 300_000;
 
     #[test]
-    fn the_page_is_light_and_asks_nobody_else() {
+    fn the_page_is_small_and_loads_nothing_from_elsewhere() {
         let bytes: usize = FILES.iter().map(|(.., bytes)| bytes.len()).sum();
-        assert!(bytes < MOST_BYTES, "{bytes} bytes");
+        assert!(bytes < MAX_BYTES, "{bytes} bytes");
         for (path, _, bytes) in FILES {
             let text = std::str::from_utf8(bytes).unwrap();
             let foreign =
@@ -59,7 +49,7 @@ mod tests {
             let text = std::str::from_utf8(bytes).unwrap();
             for line in text.lines().filter(|line| line.starts_with("import ")) {
                 let name = line.rsplit("\"./").next().and_then(|rest| rest.strip_suffix("\";")).unwrap();
-                assert!(file(&format!("/{name}")).is_some(), "{path} imports {name}");
+                assert!(FILES.iter().any(|(path, ..)| path[1..] == *name), "{path} imports {name}");
             }
         }
     }

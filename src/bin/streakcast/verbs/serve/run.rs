@@ -1,6 +1,7 @@
-//! From what was typed to a server that listens.
+//! Reads the inputs, judges the schedule and starts the server.
 
 use std::io::Write;
+use std::sync::Arc;
 
 use anyhow::anyhow;
 use serde_json::json;
@@ -9,29 +10,36 @@ use streakcast::passes::Viewpoint;
 use streakcast::schedule::Schedule;
 
 use super::super::judged::{self, Asked};
-use super::house::{Caveats, House, nights_of, zone_h};
-use super::server::{self, Settings};
+use super::filter::RequestFilter;
+use super::rate_limit::RateLimiter;
+use super::router::{App, router};
+use super::server;
+use super::state::{Caveats, ServerState, nights_of, zone_h};
 use super::token::Token;
+use super::workers::WorkerPool;
 use crate::failure::Outcome;
 use crate::serve_arguments::ServeArguments;
 
-/// More rows than this are a survey, not a schedule to look at.
-const MOST_ROWS: usize = 100_000;
+/// Most exposures that the page can show.
+const MAX_EXPOSURES: usize = 100_000;
 
 pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let setup = typed.shared.setup(typed.rules.setup())?;
     let token = Token::of(&typed)?;
     let notices = judged::begin(&setup)?;
     let asked = Asked::of(&setup)?;
-    // Before the work: an address that is taken is told at once.
+    // Before the computation, so that an address in use is reported at once.
     let listener =
         std::net::TcpListener::bind(typed.bind).map_err(|error| anyhow!("cannot listen at {}: {error}", typed.bind))?;
     let address = listener.local_addr()?;
 
     let schedule = Schedule::read(&typed.schedule, &setup.schedule_options()?)?;
     let rows = schedule.exposures.len();
-    if rows > MOST_ROWS {
-        return Err(anyhow!("schedule {}: {rows} exposures; allowed: {MOST_ROWS} at most", typed.schedule.display()));
+    if rows > MAX_EXPOSURES {
+        return Err(anyhow!(
+            "schedule {}: {rows} exposures; allowed: {MAX_EXPOSURES} at most",
+            typed.schedule.display()
+        ));
     }
     let (first, last) =
         judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &typed.schedule)))?;
@@ -41,7 +49,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         Viewpoint::Orbit(observer) => {
             let name = observer.name();
             return Err(anyhow!(
-                "the observer {name} is in orbit: the page draws the sky of a site (--site, --mpc or --lat, --lon, --height)"
+                "invalid observer {name}, which is in orbit; allowed: a site (--site, --mpc or --lat, --lon, --height)"
             ));
         }
     };
@@ -68,7 +76,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     );
     let telescope = asked.telescope.as_ref().map(|telescope| telescope.name.clone());
     provenance.state("options", judged::options_json(&setup, &asked.policy, telescope.as_deref()));
-    let house = House {
+    let state = ServerState {
         library: setup.model_library()?,
         caveats: Caveats { warnings, left_out_count: report.left_out.len() },
         nights: nights_of(&schedule, &site),
@@ -82,22 +90,24 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         provenance,
     };
 
-    let settings = Settings {
-        rate: typed.rate,
+    let workers = rayon::current_num_threads();
+    let is_loopback = address.ip().to_canonical().is_loopback();
+    let app = App {
+        state: Arc::new(state),
+        filter: RequestFilter { limiter: RateLimiter::new(typed.rate), is_loopback },
         token,
-        is_loopback: address.ip().to_canonical().is_loopback(),
-        workers: rayon::current_num_threads(),
+        workers: WorkerPool::new(workers),
     };
     let mut out = std::io::stdout().lock();
-    // Who started it waits for this line; who closed the pipe does not.
+    // Programs that start the server read this line; a closed pipe is no error.
     let _ = writeln!(out, "http://{address}/").and_then(|()| out.flush());
     drop(out);
-    server::serve(listener, house, settings)?;
+    server::serve(listener, router(app), workers)?;
     notices.say("stopped");
     Ok(Outcome::Done)
 }
 
-/// The statements without the long lists beside them.
+/// The statements without the lists.
 fn without_lists(provenance: &Provenance) -> Provenance {
     let mut short = Provenance::default();
     for (name, value) in provenance.entries() {

@@ -1,4 +1,4 @@
-//! The token that the API asks for: from a file or an environment variable, never from the command line.
+//! The access token of the API: from a file or an environment variable, never from the command line.
 
 use std::net::SocketAddr;
 
@@ -7,15 +7,15 @@ use subtle::ConstantTimeEq;
 
 use crate::serve_arguments::ServeArguments;
 
-/// Shorter ones are guessed.
+/// Shorter tokens can be guessed.
 const SHORTEST: usize = 16;
 const LONGEST: usize = 512;
 
-/// A secret of the server; it is never shown.
+/// Secret that requests carry; never printed.
 pub struct Token(Vec<u8>);
 
 impl Token {
-    /// The token as the flags name it; none on loopback where none is named.
+    /// Reads the token that the flags name; on loopback it is optional.
     pub fn of(typed: &ServeArguments) -> anyhow::Result<Option<Self>> {
         let text = match (&typed.token_file, &typed.token_env) {
             (Some(path), _) => {
@@ -23,34 +23,33 @@ impl Token {
                     .map_err(|error| anyhow!("cannot read the token of {}: {error}", path.display()))?;
                 text.lines().next().unwrap_or_default().trim().to_owned()
             }
-            (None, Some(name)) => std::env::var(name)
-                .map_err(|_| anyhow!("environment variable {name} holds no token"))?
-                .trim()
-                .to_owned(),
-            (None, None) => return needless(typed.bind).map(|()| None),
+            (None, Some(name)) => {
+                std::env::var(name).map_err(|_| anyhow!("environment variable {name} is not set"))?.trim().to_owned()
+            }
+            (None, None) => return check_loopback(typed.bind).map(|()| None),
         };
         if !(SHORTEST..=LONGEST).contains(&text.len()) || !text.bytes().all(|byte| byte.is_ascii_graphic()) {
             let letters = text.chars().count();
             return Err(anyhow!(
-                "a token of {letters} letters; allowed: {SHORTEST} to {LONGEST} letters, digits and marks without blanks"
+                "invalid token of {letters} characters; allowed: {SHORTEST} to {LONGEST} printable ASCII characters without spaces"
             ));
         }
         Ok(Some(Self(text.into_bytes())))
     }
 
-    /// Whether an Authorization header carries it, in a time that does not tell how much of it is right.
+    /// Whether an Authorization header carries the token; compared in constant time.
     pub fn is_carried_by(&self, authorization: Option<&[u8]>) -> bool {
         let Some((scheme, given)) = authorization.and_then(|header| header.split_at_checked(7)) else { return false };
         scheme.eq_ignore_ascii_case(b"bearer ") && bool::from(self.0.as_slice().ct_eq(given.trim_ascii()))
     }
 }
 
-fn needless(bind: SocketAddr) -> anyhow::Result<()> {
+fn check_loopback(bind: SocketAddr) -> anyhow::Result<()> {
     if bind.ip().to_canonical().is_loopback() {
         return Ok(());
     }
     Err(anyhow!(
-        "--bind {bind} can be reached from elsewhere; allowed without a token: 127.0.0.1 and [::1]; say --token-file FILE or --token-env NAME"
+        "--bind {bind} is reachable from other machines; allowed without a token: 127.0.0.1 and [::1]; specify --token-file FILE or --token-env NAME"
     ))
 }
 

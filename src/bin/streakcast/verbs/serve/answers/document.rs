@@ -1,20 +1,19 @@
-//! A JSON document put together from tables and values, each table with its own digits.
+//! JSON body of an answer, assembled from tables and values, and its JSON Schema.
 
 use serde_json::{Value, json};
 use streakcast::output::{Column, Kind, Provenance, Table, json_members, json_rows};
 
-use super::super::house::Caveats;
-use super::super::reply::Reply;
+use super::super::state::Caveats;
 
-/// An object that grows member by member.
+/// A JSON object to which members are added.
 #[derive(Default)]
 pub struct Document {
     text: String,
 }
 
 impl Document {
-    /// With what the answer rests on.
-    pub fn resting_on(provenance: &Provenance) -> Self {
+    /// An object with the provenance of the answer.
+    pub fn with_provenance(provenance: &Provenance) -> Self {
         let mut document = Self::default();
         document.raw("provenance", &serde_json::to_string(provenance).unwrap_or_else(|_| "{}".to_owned()));
         document
@@ -45,8 +44,8 @@ impl Document {
         self.raw(name, &format!("{{{members}}}"));
     }
 
-    pub fn reply(self) -> Reply {
-        Reply::json(format!("{{{}}}\n", self.text))
+    pub fn into_json(self) -> String {
+        format!("{{{}}}\n", self.text)
     }
 }
 
@@ -63,7 +62,7 @@ pub fn rows_schema(columns: &[Column]) -> Value {
     json!({"type": "array", "items": row_schema(columns)})
 }
 
-/// An object of these members, all of them there and no others.
+/// The schema of an object with exactly these members.
 pub fn object_schema(members: &[(&str, Value)]) -> Value {
     let names: Vec<&str> = members.iter().map(|(name, _)| *name).collect();
     let members: serde_json::Map<String, Value> =
@@ -71,23 +70,23 @@ pub fn object_schema(members: &[(&str, Value)]) -> Value {
     json!({"type": "object", "properties": members, "required": names, "additionalProperties": false})
 }
 
-/// What an answer rests on: statements by name.
+/// The schema of the provenance.
 pub fn provenance_schema() -> Value {
-    json!({"type": "object", "description": "What the answer rests on: version, elements with hash and epochs, models, time scale, options."})
+    json!({"type": "object", "description": "Origin of the answer: version, elements with hash and epochs, models, time scale, options."})
 }
 
-/// What the user should know: warnings in words.
+/// The schema of the warnings.
 pub fn warnings_schema() -> Value {
     json!({
         "type": "array",
         "items": {"type": "string"},
-        "description": "What the user should know, in the words of the command line: age of the elements, satellites left out, broken records.",
+        "description": "The warnings of the command line: age of the elements, satellites left out, invalid records.",
     })
 }
 
-/// How many satellites the answer does without.
+/// The schema of the number of satellites left out.
 pub fn left_out_count_schema() -> Value {
-    json!({"type": "integer", "minimum": 0, "description": "How many satellites have no place at the time asked about, and are missing from the answer."})
+    json!({"type": "integer", "minimum": 0, "description": "Number of satellites that are missing from the answer because SGP4 cannot compute their position at that time."})
 }
 
 fn cell_schema(column: &Column) -> Value {

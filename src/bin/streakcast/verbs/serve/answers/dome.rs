@@ -1,31 +1,31 @@
-//! `/api/v1/dome`: the sky over the site while an exposure lasts.
+//! `/api/v1/dome`: the sky over the site during an exposure.
 
 use serde_json::{Value, json};
 use streakcast::frames::seconds_after;
 use streakcast::maps::{Earth, Grid, SkyView};
 use streakcast::passes::{SatelliteTrack, SnapshotOptions};
 
-use super::super::house::House;
-use super::super::question::{Kind, Parameter, Question, needed, number, optional};
-use super::super::reply::{Problem, Reply};
+use super::super::problem::Problem;
+use super::super::query::{Kind, Parameter, Query, number, optional, required};
+use super::super::state::ServerState;
 use super::document::{Document, left_out_count_schema, object_schema, provenance_schema, warnings_schema};
 use super::exposure::of_sky;
 use super::horizontal::{degrees, rounded};
 
 pub const PARAMETERS: &[Parameter] = &[
-    needed("start_utc", Kind::Moment, "Beginning."),
-    needed("duration_s", number(0.0, 3600.0, " s"), "Length, seconds."),
+    required("start_utc", Kind::Moment, "Start."),
+    required("duration_s", number(0.0, 3600.0, " s"), "Length, seconds."),
     optional(
         "height_km",
         number(160.0, 40_000.0, " km"),
-        "Height of the satellites of map and shadow, km; 550 where unsaid.",
+        "Height of the satellites of map and shadow, km; default 550.",
     ),
     optional(
         "model",
         Kind::Text { longest: 100 },
-        "Brightness model of the map, as /api/v1/night lists them; starlink-v1.5 where unsaid.",
+        "Brightness model of the map, one of those that /api/v1/night lists; default starlink-v1.5.",
     ),
-    optional("min_altitude_deg", number(0.0, 90.0, " deg"), "Lowest altitude of satellites, degrees; 0 where unsaid."),
+    optional("min_altitude_deg", number(0.0, 90.0, " deg"), "Lowest altitude of satellites, degrees; default 0."),
 ];
 
 const DEFAULT_HEIGHT_KM: f64 = 550.0;
@@ -37,21 +37,21 @@ const EDGE_POINTS: usize = 180;
 /// Points of a track.
 const TRACK_POINTS: usize = 5;
 
-pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
-    let start = question.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
-    let duration_s = question.number("duration_s").unwrap_or_default();
-    let height_km = question.number("height_km").unwrap_or(DEFAULT_HEIGHT_KM);
-    let name = question.text("model").unwrap_or(DEFAULT_MODEL);
-    let known = || house.library.names().collect::<Vec<_>>().join(", ");
-    let model = house.library.get(name).ok_or_else(|| Problem::parameter("model", name, &known()))?;
+pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
+    let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
+    let duration_s = query.number("duration_s").unwrap_or_default();
+    let height_km = query.number("height_km").unwrap_or(DEFAULT_HEIGHT_KM);
+    let name = query.text("model").unwrap_or(DEFAULT_MODEL);
+    let known = || state.library.names().collect::<Vec<_>>().join(", ");
+    let model = state.library.get(name).ok_or_else(|| Problem::parameter("model", name, &known()))?;
 
     let mid = seconds_after(start, 0.5 * duration_s);
-    let sun = house.sky().sun_altaz(mid).map_err(|error| of_sky(&error))?;
-    let earth = Earth::Ellipsoid(house.site.clone());
-    let photometry = house.asked.photometry;
+    let sun = state.sky().sun_altaz(mid).map_err(|error| of_sky(&error))?;
+    let earth = Earth::Ellipsoid(state.site.clone());
+    let photometry = state.asked.photometry;
     let view = SkyView::new(&model, earth, height_km, sun.azimuth_rad, sun.altitude_rad, photometry)
         .map_err(|error| Problem::new(400, error.to_string()))?
-        .with_shadow(house.sky().shadow());
+        .with_shadow(state.sky().shadow());
     let grid = Grid::regular(STEP_DEG).map_err(|error| Problem::new(500, error.to_string()))?;
     let points = view.map(grid).points;
     let row_length = (360.0 / STEP_DEG) as usize;
@@ -65,21 +65,21 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         .map(|point| [rounded(point.azimuth_rad.to_degrees(), 3), rounded(point.altitude_rad.to_degrees(), 3)])
         .collect();
 
-    let min_altitude_rad = question.number("min_altitude_deg").unwrap_or_default().to_radians();
+    let min_altitude_rad = query.number("min_altitude_deg").unwrap_or_default().to_radians();
     let count = if duration_s > 0.0 { TRACK_POINTS } else { 1 };
     let times_s: Vec<f64> = (0..count).map(|number| duration_s * number as f64 / (TRACK_POINTS - 1) as f64).collect();
     let options = SnapshotOptions {
         min_altitude_rad,
-        include_dark: house.pass_options(0).include_dark,
+        include_dark: state.pass_options(0).include_dark,
         whole_tracks: true,
         photometry: Some(photometry),
     };
-    let (tracks, left_out) = house.sky().snapshots(start, &times_s, &options).map_err(|error| of_sky(&error))?;
-    let caveats = house.caveats_at(start, seconds_after(start, duration_s), &left_out)?;
-    let satellites: Vec<Value> = tracks.iter().map(|track| satellite(house, track)).collect();
+    let (tracks, left_out) = state.sky().snapshots(start, &times_s, &options).map_err(|error| of_sky(&error))?;
+    let caveats = state.caveats_at(start, seconds_after(start, duration_s), &left_out)?;
+    let satellites: Vec<Value> = tracks.iter().map(|track| satellite(state, track)).collect();
 
     let (sun_altitude_deg, sun_azimuth_deg) = degrees(&sun);
-    let mut document = Document::resting_on(&house.provenance);
+    let mut document = Document::with_provenance(&state.provenance);
     document.caveats(&caveats);
     document.value(
         "sun",
@@ -89,10 +89,10 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         .value("map", json!({"model": name, "height_km": height_km, "step_deg": STEP_DEG, "magnitudes": magnitudes}));
     document.value("shadow_edge_deg", json!(edge));
     document.value("satellites", satellites);
-    Ok(document.reply())
+    Ok(document.into_json())
 }
 
-fn satellite(house: &House, track: &SatelliteTrack) -> Value {
+fn satellite(state: &ServerState, track: &SatelliteTrack) -> Value {
     let degrees = |radians: Option<f64>| rounded(radians.unwrap_or(f64::NAN).to_degrees(), 3);
     let points = || track.snapshots.iter().map(|snapshot| &snapshot.point);
     let track_deg: Vec<[f64; 2]> =
@@ -101,7 +101,7 @@ fn satellite(house: &House, track: &SatelliteTrack) -> Value {
     let brightest = brightness.min_by(|a, b| a.magnitude.0.total_cmp(&b.magnitude.0));
     json!({
         "norad_id": track.norad_id.0,
-        "name": house.sky().elements()[track.element_index].name.as_ref(),
+        "name": state.sky().elements()[track.element_index].name.as_ref(),
         "magnitude": brightest.map(|brightness| rounded(brightness.magnitude.0, 2)),
         "magnitude_sigma": brightest.map(|brightness| rounded(brightness.sigma_mag, 2)),
         "track_deg": track_deg,
@@ -111,7 +111,7 @@ fn satellite(house: &House, track: &SatelliteTrack) -> Value {
 pub fn schema() -> Value {
     let number = json!({"type": "number"});
     let or_null = json!({"type": ["number", "null"]});
-    let places = json!({
+    let directions = json!({
         "type": "array",
         "items": {"type": "array", "items": number, "minItems": 2, "maxItems": 2},
         "description": "Azimuth from north through east and altitude [deg].",
@@ -120,7 +120,7 @@ pub fn schema() -> Value {
     let magnitudes = json!({
         "type": "array",
         "items": {"type": "array", "items": or_null},
-        "description": "Rows from the horizon to the zenith, in each the azimuths from 0 on, every step_deg; null where nothing lit stands [mag].",
+        "description": "Rows from the horizon to the zenith, in each the azimuths from 0, every step_deg; null where a satellite is not sunlit [mag].",
     });
     let map = object_schema(&[
         ("model", json!({"type": "string"})),
@@ -133,7 +133,7 @@ pub fn schema() -> Value {
         ("name", json!({"type": "string"})),
         ("magnitude", or_null.clone()),
         ("magnitude_sigma", or_null),
-        ("track_deg", places.clone()),
+        ("track_deg", directions.clone()),
     ]);
     object_schema(&[
         ("provenance", provenance_schema()),
@@ -141,7 +141,7 @@ pub fn schema() -> Value {
         ("left_out_count", left_out_count_schema()),
         ("sun", sun),
         ("map", map),
-        ("shadow_edge_deg", places),
+        ("shadow_edge_deg", directions),
         ("satellites", json!({"type": "array", "items": satellite})),
     ])
 }

@@ -1,4 +1,4 @@
-//! `/api/v1/exposure`: what `flag` and `passes` say of any exposure, and who crosses its field before and after.
+//! `/api/v1/exposure`: the results of `flag` and `passes` for any exposure, and the crossings before and after it.
 
 use serde_json::Value;
 use streakcast::frames::{Direction, seconds_after, seconds_between};
@@ -9,9 +9,9 @@ use streakcast::schedule::{
 };
 
 use super::super::super::passes::left_out_table;
-use super::super::house::House;
-use super::super::question::{Kind, Parameter, Question, needed, number, optional};
-use super::super::reply::{Problem, Reply};
+use super::super::problem::Problem;
+use super::super::query::{Kind, Parameter, Query, number, optional, required};
+use super::super::state::ServerState;
 use super::columns::{AROUND, POINTING};
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, rows_schema, warnings_schema,
@@ -19,75 +19,79 @@ use super::document::{
 use super::horizontal::degrees;
 
 pub const PARAMETERS: &[Parameter] = &[
-    needed("start_utc", Kind::Moment, "Shutter opening."),
-    needed("duration_s", number(0.0, 3600.0, " s"), "Length of the exposure, seconds."),
-    needed("ra_deg", number(0.0, 360.0, " deg"), "Right ascension of the field's centre, ICRS, degrees."),
-    needed("dec_deg", number(-90.0, 90.0, " deg"), "Declination of the field's centre, degrees."),
+    required("start_utc", Kind::Moment, "Shutter opening."),
+    required("duration_s", number(0.0, 3600.0, " s"), "Length of the exposure, seconds."),
+    required("ra_deg", number(0.0, 360.0, " deg"), "Right ascension of the field's centre, ICRS, degrees."),
+    required("dec_deg", number(-90.0, 90.0, " deg"), "Declination of the field's centre, degrees."),
     optional(
         "rotation_deg",
         number(-360.0, 360.0, " deg"),
-        "Position angle of the field's y axis from north through east, degrees; the server's where unsaid.",
+        "Position angle of the field's y axis from north through east, degrees; default: that of the server.",
     ),
     optional("band", Kind::Text { longest: 20 }, "Band of the exposure, for limits by band."),
-    optional("limit_mag", number(-30.0, 40.0, " mag"), "Limiting magnitude of the policy; the server's where unsaid."),
-    optional("samples", Kind::Count { least: 0, greatest: 500 }, "Points along each track; 0 where unsaid."),
+    optional(
+        "limit_mag",
+        number(-30.0, 40.0, " mag"),
+        "Limiting magnitude of the policy; default: that of the server.",
+    ),
+    optional("samples", Kind::Count { least: 0, greatest: 500 }, "Points along each track; default 0."),
     optional(
         "around_s",
         number(0.0, 1800.0, " s"),
-        "Crossings this long before and after too, seconds; 0 where unsaid.",
+        "Time before and after the exposure whose crossings are returned too, seconds; default 0.",
     ),
 ];
 
-/// The name of the exposure in the answer, as `passes` names its own.
+/// Identifier of the exposure in the answer, that of `passes`.
 const ID: &str = "1";
 
-pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
-    let said = |name: &str| question.number(name).unwrap_or_default();
-    let start = question.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
-    let rotation_deg = question.number("rotation_deg").or(house.setup.rotation).unwrap_or_default();
+pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
+    let number = |name: &str| query.number(name).unwrap_or_default();
+    let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
+    let rotation_deg = query.number("rotation_deg").or(state.setup.rotation).unwrap_or_default();
     let exposure = Exposure {
         id: ID.to_owned(),
         start,
-        duration_s: said("duration_s"),
-        pointing: Direction::from_lon_lat_rad(said("ra_deg").to_radians(), said("dec_deg").to_radians()),
+        duration_s: number("duration_s"),
+        pointing: Direction::from_lon_lat_rad(number("ra_deg").to_radians(), number("dec_deg").to_radians()),
         rotation_rad: rotation_deg.to_radians(),
     };
-    let mut policy = house.asked.policy.clone();
-    if let Some(limit) = question.number("limit_mag") {
+    let mut policy = state.asked.policy.clone();
+    if let Some(limit) = query.number("limit_mag") {
         policy.limit_mag = Some(MagnitudeLimit::All(limit));
     }
     let row = ScheduledExposure {
         id: ID.to_owned(),
         row: 0,
-        band: question.text("band").map(str::to_owned),
+        band: query.text("band").map(str::to_owned),
         exposure: Ok(exposure.clone()),
     };
-    let samples = question.count("samples").unwrap_or_default();
-    let ask = |exposure: &Exposure, samples: usize| {
-        let answer = house.sky().field_passes(
+    let samples = query.count("samples").unwrap_or_default();
+    let passes_of = |exposure: &Exposure, samples: usize| {
+        let answer = state.sky().field_passes(
             std::slice::from_ref(exposure),
-            &house.asked.field,
-            &house.pass_options(samples),
+            &state.asked.field,
+            &state.pass_options(samples),
         )?;
         Ok(answer.by_exposure.into_iter().next().unwrap_or_default())
     };
-    let long = question.number("around_s").map(|around_s| Exposure {
+    let long = query.number("around_s").map(|around_s| Exposure {
         start: seconds_after(start, -around_s),
         duration_s: exposure.duration_s + 2.0 * around_s,
         ..exposure.clone()
     });
-    // Somebody drags: the three are asked at once.
+    // In parallel: the page requests this at each move of a drag.
     let ((passes, before_and_after), report) = rayon::join(
-        || rayon::join(|| ask(&exposure, samples), || long.map_or(Ok(Vec::new()), |long| ask(&long, 0))),
-        || flag_exposures(&[&row], &house.request(&policy)),
+        || rayon::join(|| passes_of(&exposure, samples), || long.map_or(Ok(Vec::new()), |long| passes_of(&long, 0))),
+        || flag_exposures(&[&row], &state.request(&policy)),
     );
     let of_sky = |error: SkyError| of_sky(&error);
     let report = report.map_err(of_sky)?;
     let (mut passes, mut before_and_after) = (passes.map_err(of_sky)?, before_and_after.map_err(of_sky)?);
-    let mut caveats = house.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
+    let mut caveats = state.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
     caveats.warnings.extend(report.lower_limit_warning());
     if report.flags.iter().any(|flag| flag.verdict == Verdict::Invalid) {
-        // What is below the horizon is crossed by nobody that can be seen.
+        // A field below the horizon has no visible crossings.
         passes.clear();
         before_and_after.clear();
     }
@@ -95,40 +99,40 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
         passes.iter().map(|pass| StreakRow {
             exposure: &exposure,
             pass,
-            elements: &house.sky().elements()[pass.element_index],
-            satellite_size_m: house.sky().model(pass.element_index).size_m(),
-            telescope: house.asked.telescope.as_ref(),
-            photometry: &house.asked.photometry,
+            elements: &state.sky().elements()[pass.element_index],
+            satellite_size_m: state.sky().model(pass.element_index).size_m(),
+            telescope: state.asked.telescope.as_ref(),
+            photometry: &state.asked.photometry,
         }),
         true,
         samples > 0,
     );
     let around = Table {
         columns: AROUND.to_vec(),
-        rows: before_and_after.iter().map(|pass| around_row(house, pass, &exposure)).collect(),
+        rows: before_and_after.iter().map(|pass| around_row(state, pass, &exposure)).collect(),
     };
-    let mut document = Document::resting_on(&house.provenance);
+    let mut document = Document::with_provenance(&state.provenance);
     document.caveats(&caveats);
     document.table("exposures", &exposure_table([&exposure]));
     document.table("flags", &flag_table(&report.flags));
     document.table("passes", &streaks);
     document.table("around", &around);
-    document.table("pointing", &pointing(house, &exposure)?);
+    document.table("pointing", &pointing(state, &exposure)?);
     document.table("left_out", &left_out_table(&report.left_out));
-    Ok(document.reply())
+    Ok(document.into_json())
 }
 
-/// Faults of the question that only the sky can see.
+/// Errors of a query that only its computation detects.
 pub fn of_sky(error: &SkyError) -> Problem {
     Problem::new(400, error.to_string())
 }
 
-fn around_row(house: &House, pass: &FieldPass, exposure: &Exposure) -> Vec<Cell> {
+fn around_row(state: &ServerState, pass: &FieldPass, exposure: &Exposure) -> Vec<Cell> {
     let after_s = |epoch| seconds_between(exposure.start, epoch);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     vec![
         i64::from(pass.norad_id.0).into(),
-        house.sky().elements()[pass.element_index].name.as_ref().into(),
+        state.sky().elements()[pass.element_index].name.as_ref().into(),
         after_s(pass.enter.epoch).into(),
         after_s(pass.exit.epoch).into(),
         peak.map(|brightness| brightness.magnitude.0).into(),
@@ -136,12 +140,12 @@ fn around_row(house: &House, pass: &FieldPass, exposure: &Exposure) -> Vec<Cell>
     ]
 }
 
-/// Field and Sun as the shutter opens and as it closes.
-fn pointing(house: &House, exposure: &Exposure) -> Result<Table, Problem> {
+/// Altitudes and azimuths of field and Sun at the start and at the end of the exposure.
+fn pointing(state: &ServerState, exposure: &Exposure) -> Result<Table, Problem> {
     let ends = [exposure.start, seconds_after(exposure.start, exposure.duration_s)];
     let row = |epoch| -> Result<Vec<Cell>, SkyError> {
-        let (altitude_deg, azimuth_deg) = degrees(&house.sky().pointing_altaz(&exposure.pointing, epoch)?);
-        let (sun_altitude_deg, sun_azimuth_deg) = degrees(&house.sky().sun_altaz(epoch)?);
+        let (altitude_deg, azimuth_deg) = degrees(&state.sky().pointing_altaz(&exposure.pointing, epoch)?);
+        let (sun_altitude_deg, sun_azimuth_deg) = degrees(&state.sky().sun_altaz(epoch)?);
         Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into(), sun_altitude_deg.into(), sun_azimuth_deg.into()])
     };
     let rows = ends.into_iter().map(row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
@@ -151,7 +155,7 @@ fn pointing(house: &House, exposure: &Exposure) -> Result<Table, Problem> {
 pub fn schema() -> Value {
     let sampled = streak_table(std::iter::empty(), true, true);
     let mut passes = rows_schema(&sampled.columns);
-    // Only where samples were asked for.
+    // Only with the parameter of this name.
     if let Some(required) = passes["items"]["required"].as_array_mut() {
         required.retain(|name| name != "samples");
     }

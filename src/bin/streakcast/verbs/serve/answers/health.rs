@@ -1,20 +1,20 @@
-//! `/health`: that it runs, and with what.
+//! `/health`: status of the server and the sizes of its inputs.
 
 use serde_json::{Value, json};
 
-use super::super::house::House;
-use super::super::question::Question;
-use super::super::reply::{Problem, Reply};
+use super::super::problem::Problem;
+use super::super::query::Query;
+use super::super::state::ServerState;
 use super::document::object_schema;
 
-pub fn answer(house: &House, _: &Question) -> Result<Reply, Problem> {
+pub fn answer(state: &ServerState, _: &Query) -> Result<String, Problem> {
     let document = json!({
         "status": "ok",
         "version": env!("CARGO_PKG_VERSION"),
-        "satellites": house.sky().elements().len(),
-        "exposures": house.schedule.exposures.len(),
+        "satellites": state.sky().elements().len(),
+        "exposures": state.schedule.exposures.len(),
     });
-    Ok(Reply::json(format!("{document}\n")))
+    Ok(format!("{document}\n"))
 }
 
 pub fn schema() -> Value {

@@ -1,4 +1,4 @@
-//! What each path answers: from the question to the library and back to JSON.
+//! Answers of the paths: each reads its query, calls the library and writes JSON.
 
 mod columns;
 mod document;

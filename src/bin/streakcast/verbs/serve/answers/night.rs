@@ -6,9 +6,9 @@ use streakcast::output::{Table, Value as Cell, format_utc};
 use streakcast::passes::SkyError;
 use streakcast::schedule::{ExposureFlag, ScheduledExposure, flag_table, night_of};
 
-use super::super::house::{House, date_of};
-use super::super::question::{Kind, Parameter, Question, optional};
-use super::super::reply::{Problem, Reply};
+use super::super::problem::Problem;
+use super::super::query::{Kind, Parameter, Query, optional};
+use super::super::state::{ServerState, date_of};
 use super::columns::{NIGHTS, SCHEDULED, SITE, SUN};
 use super::document::{
     Document, left_out_count_schema, object_schema, provenance_schema, row_schema, rows_schema, warnings_schema,
@@ -17,23 +17,23 @@ use super::exposure::of_sky;
 use super::horizontal::degrees;
 
 pub const PARAMETERS: &[Parameter] =
-    &[optional("night", Kind::Date, "The evening's local date; the first night of the schedule where unsaid.")];
+    &[optional("night", Kind::Date, "The evening's local date; default: the first night of the schedule.")];
 
-/// Between two places of the Sun, seconds.
+/// Step of the Sun's positions, seconds.
 const SUN_EVERY_S: f64 = 300.0;
 /// Points of a circle's outline.
 const OUTLINE_POINTS: usize = 120;
 
-pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
-    let known = || house.nights.keys().map(|night| date_of(*night)).take(40).collect::<Vec<_>>().join(", ");
-    let night = match question.date("night") {
+pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
+    let known = || state.nights.keys().map(|night| date_of(*night)).take(40).collect::<Vec<_>>().join(", ");
+    let night = match query.date("night") {
         Some(noon) => mjd_utc(noon).floor() as i64,
         None => {
-            *house.nights.keys().next().ok_or_else(|| Problem::new(404, "no exposure of the schedule can be judged"))?
+            *state.nights.keys().next().ok_or_else(|| Problem::new(404, "no exposure of the schedule can be judged"))?
         }
     };
-    let rows = house.nights.get(&night).ok_or_else(|| Problem::parameter("night", &date_of(night), &known()))?;
-    let site = &house.site;
+    let rows = state.nights.get(&night).ok_or_else(|| Problem::parameter("night", &date_of(night), &known()))?;
+    let site = &state.site;
 
     let (from, to) = night_of(
         streakcast::frames::epoch_from_mjd(night as f64, hifitime::TimeScale::UTC)
@@ -43,20 +43,20 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let count = (seconds_between(from, to) / SUN_EVERY_S) as usize + 1;
     let sun_row = |step: usize| -> Result<Vec<Cell>, SkyError> {
         let epoch = seconds_after(from, SUN_EVERY_S * step as f64);
-        let (altitude_deg, azimuth_deg) = degrees(&house.sky().sun_altaz(epoch)?);
+        let (altitude_deg, azimuth_deg) = degrees(&state.sky().sun_altaz(epoch)?);
         Ok(vec![epoch.into(), altitude_deg.into(), azimuth_deg.into()])
     };
-    let places = (0..count).map(sun_row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
-    let sun = Table { columns: SUN.to_vec(), rows: places };
+    let sun_rows = (0..count).map(sun_row).collect::<Result<_, _>>().map_err(|error| of_sky(&error))?;
+    let sun = Table { columns: SUN.to_vec(), rows: sun_rows };
 
     let exposures = Table {
         columns: SCHEDULED.to_vec(),
-        rows: rows.iter().map(|&row| scheduled_row(&house.schedule.exposures[row])).collect(),
+        rows: rows.iter().map(|&row| scheduled_row(&state.schedule.exposures[row])).collect(),
     };
-    let flags: Vec<ExposureFlag> = rows.iter().map(|&row| house.flags[row].clone()).collect();
+    let flags: Vec<ExposureFlag> = rows.iter().map(|&row| state.flags[row].clone()).collect();
     let nights = Table {
         columns: NIGHTS.to_vec(),
-        rows: house.nights.iter().map(|(night, rows)| vec![date_of(*night).into(), rows.len().into()]).collect(),
+        rows: state.nights.iter().map(|(night, rows)| vec![date_of(*night).into(), rows.len().into()]).collect(),
     };
     let site = Table {
         columns: SITE.to_vec(),
@@ -68,32 +68,32 @@ pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
             site.height_m.into(),
         ]],
     };
-    let policy = &house.asked.policy;
-    let photometry = &house.asked.photometry;
-    let mut document = Document::resting_on(&house.provenance);
-    document.caveats(&house.caveats);
+    let policy = &state.asked.policy;
+    let photometry = &state.asked.photometry;
+    let mut document = Document::with_provenance(&state.provenance);
+    document.caveats(&state.caveats);
     document.value("night", date_of(night));
     document.table("nights", &nights);
     document.value("from_utc", format_utc(from, 0));
     document.value("to_utc", format_utc(to, 0));
-    document.value("utc_offset_h", house.utc_offset_h);
+    document.value("utc_offset_h", state.utc_offset_h);
     document.record("site", &site);
     document.value(
         "field",
         json!({
-            "outlines_deg": house.asked.field.outlines_deg(OUTLINE_POINTS),
-            "radius_deg": house.asked.field.bounding_radius_rad().to_degrees(),
+            "outlines_deg": state.asked.field.outlines_deg(OUTLINE_POINTS),
+            "radius_deg": state.asked.field.bounding_radius_rad().to_degrees(),
         }),
     );
     document.value("limit_mag", policy.limit_mag.as_ref().and_then(|limit| limit.of(None)));
     document.value("max_delay_s", policy.max_delay_or_default_s());
     document.value("band", photometry.band.name());
     document.value("mag_system", photometry.system.to_string());
-    document.value("models", house.library.names().collect::<Vec<_>>());
+    document.value("models", state.library.names().collect::<Vec<_>>());
     document.table("exposures", &exposures);
     document.table("flags", &flag_table(&flags));
     document.table("sun", &sun);
-    Ok(document.reply())
+    Ok(document.into_json())
 }
 
 fn scheduled_row(scheduled: &ScheduledExposure) -> Vec<Cell> {

@@ -1,58 +1,68 @@
-//! `/fov/satellite-passes/` and `/fov/satellites-above-horizon/` as IAU CPS SatChecker (1.7, docs/source/fov.rst and its answers) has them,
-//! answered at once and with magnitudes.
+//! `/fov/satellite-passes/` and `/fov/satellites-above-horizon/` with the parameters and the responses of IAU CPS SatChecker
+//! (version 1.7, docs/source/fov.rst), computed at once and with magnitudes.
 
 use std::collections::BTreeMap;
 
 use hifitime::{Epoch, TimeScale};
 use serde_json::{Value, json};
-use streakcast::frames::{Direction, epoch_from_jd, seconds_after};
+use streakcast::frames::{Direction, epoch_from_jd, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::LeftOut;
 use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, Sky, SnapshotOptions};
 
-use super::super::house::{Caveats, House};
-use super::super::question::{Kind, Parameter, Question, TRUTH, needed, number, optional};
-use super::super::reply::{Problem, Reply};
+use super::super::problem::Problem;
+use super::super::query::{Kind, Parameter, Query, TRUTH, number, optional, required};
+use super::super::state::{Caveats, ServerState};
 use super::document::{left_out_count_schema, object_schema, warnings_schema};
 use super::exposure::of_sky;
+use super::horizontal::rounded;
 use super::satchecker_positions::{position, position_schema};
 
 const LATITUDE: Parameter =
-    optional("latitude", number(-90.0, 90.0, " deg"), "Of the observer, degrees; needed without site.");
-const LONGITUDE: Parameter =
-    optional("longitude", number(-180.0, 360.0, " deg"), "East positive, degrees; needed without site.");
-const ELEVATION: Parameter =
-    optional("elevation", number(-11_000.0, 100_000.0, " m"), "Metres above the ellipsoid; needed without site.");
+    optional("latitude", number(-90.0, 90.0, " deg"), "Latitude of the observer, degrees; required without site.");
+const LONGITUDE: Parameter = optional(
+    "longitude",
+    number(-180.0, 360.0, " deg"),
+    "Longitude of the observer, east positive, degrees; required without site.",
+);
+const ELEVATION: Parameter = optional(
+    "elevation",
+    number(-11_000.0, 100_000.0, " m"),
+    "Height of the observer above the ellipsoid, metres; required without site.",
+);
 const SITE: Parameter = optional(
     "site",
     Kind::Text { longest: 100 },
     "Name or MPC code of a known site, instead of latitude, longitude and elevation.",
 );
-const ILLUMINATED: Parameter = optional("illuminated_only", TRUTH, "Satellites in sunlight alone; false where unsaid.");
-const CONSTELLATION: Parameter =
-    optional("constellation", Kind::Text { longest: 50 }, "Satellites whose names begin like this, in any case.");
+const ILLUMINATED: Parameter = optional("illuminated_only", TRUTH, "Only sunlit satellites; default false.");
+const CONSTELLATION: Parameter = optional(
+    "constellation",
+    Kind::Text { longest: 50 },
+    "Only satellites whose names begin with this, in upper or lower case.",
+);
 
 pub const PASSES: &[Parameter] = &[
     LATITUDE,
     LONGITUDE,
     ELEVATION,
     SITE,
-    optional("start_time_jd", Kind::JulianDate, "Beginning, Julian date (UTC); this or mid_obs_time_jd."),
+    optional("start_time_jd", Kind::JulianDate, "Start, Julian date (UTC); this or mid_obs_time_jd."),
     optional("mid_obs_time_jd", Kind::JulianDate, "Middle, Julian date (UTC)."),
-    needed("duration", number(0.0, 3600.0, " s"), "Seconds."),
-    needed("ra", number(0.0, 360.0, " deg"), "Right ascension of the field's centre, ICRS, degrees."),
-    needed("dec", number(-90.0, 90.0, " deg"), "Declination of the field's centre, degrees."),
-    needed("fov_radius", number(0.0001, 45.0, " deg"), "Radius of the circular field, degrees."),
+    required("duration", number(0.0, 3600.0, " s"), "Seconds."),
+    required("ra", number(0.0, 360.0, " deg"), "Right ascension of the field's centre, ICRS, degrees."),
+    required("dec", number(-90.0, 90.0, " deg"), "Declination of the field's centre, degrees."),
+    required("fov_radius", number(0.0001, 45.0, " deg"), "Radius of the circular field, degrees."),
     optional(
         "group_by",
         Kind::Word(&["satellite", "time"]),
-        "Positions by satellite, or in order of time; time where unsaid.",
+        "Positions by satellite, or in order of time; default time.",
     ),
     ILLUMINATED,
     CONSTELLATION,
-    optional("data_source", Kind::Word(&["any"]), "There is one source: what the server was given."),
-    optional("include_orbital_data", TRUTH, "The element sets as two lines too; false where unsaid."),
-    optional("async", Kind::Word(&["false", "False"]), "Answers come at once: there are no tasks to wait for."),
+    optional("data_source", Kind::Word(&["any"]), "Source of the elements: those of the server."),
+    optional("include_orbital_data", TRUTH, "Whether the element sets are returned as two lines; default false."),
+    optional("async", Kind::Word(&["false", "False"]), "Answers are returned at once, never as tasks."),
 ];
 
 pub const ABOVE: &[Parameter] = &[
@@ -60,152 +70,171 @@ pub const ABOVE: &[Parameter] = &[
     LONGITUDE,
     ELEVATION,
     SITE,
-    needed("julian_date", Kind::JulianDate, "Moment, Julian date (UTC)."),
-    optional("min_altitude", number(0.0, 90.0, " deg"), "Lowest altitude, degrees; 0 where unsaid."),
-    optional("min_range", number(0.0, 1_500_000.0, " km"), "Least distance, km; 0 where unsaid."),
-    optional("max_range", number(0.0, 1_500_000.0, " km"), "Greatest distance, km; 1500000 where unsaid."),
+    required("julian_date", Kind::JulianDate, "Time, Julian date (UTC)."),
+    optional("min_altitude", number(0.0, 90.0, " deg"), "Lowest altitude, degrees; default 0."),
+    optional("min_range", number(0.0, 1_500_000.0, " km"), "Least distance, km; default 0."),
+    optional("max_range", number(0.0, 1_500_000.0, " km"), "Greatest distance, km; default 1500000."),
     ILLUMINATED,
     CONSTELLATION,
 ];
 
-/// Where answers come from, as every one of them says.
+/// Source in every answer.
 const SOURCE: &str = "streakcast";
-/// Positions that one answer may hold.
-const MOST_POSITIONS: f64 = 20_000.0;
-/// Points along the longest pass; SatChecker has one a second.
-const MOST_SAMPLES: usize = 601;
+/// Most positions of one answer.
+const MAX_POSITIONS: f64 = 20_000.0;
+/// Most points along a pass; SatChecker has one a second.
+const MAX_SAMPLES: usize = 601;
 
-pub fn passes(house: &House, question: &Question) -> Result<Reply, Problem> {
-    let sky = sky(house, question)?;
-    let said = |name: &str| question.number(name).unwrap_or_default();
-    let duration_s = said("duration");
-    let start = match (question.number("start_time_jd"), question.number("mid_obs_time_jd")) {
+pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
+    let sky = sky(state, query)?;
+    let exposure = exposure(query)?;
+    let radius_rad = query.number("fov_radius").unwrap_or_default().to_radians();
+    let field = Field::circle(2.0 * radius_rad).map_err(|error| Problem::new(400, error.to_string()))?;
+    let passes_of = |samples: usize| {
+        let options = pass_options(state, query, samples);
+        let answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
+        let answer = answer.map_err(|error| of_sky(&error))?;
+        let found = answer.by_exposure.into_iter().flatten();
+        let wanted = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
+        Ok::<(Vec<FieldPass>, Vec<LeftOut>), Problem>((wanted.collect(), answer.left_out))
+    };
+    // First without points: their number is limited.
+    let (found, left_out) = passes_of(0)?;
+    let caveats = state.caveats_at(exposure.start, seconds_after(exposure.start, exposure.duration_s), &left_out)?;
+    let expected: f64 = found.iter().map(|pass| length_s(pass).ceil().min(MAX_SAMPLES as f64) + 1.0).sum();
+    if expected > MAX_POSITIONS {
+        let detail =
+            format!("{expected} positions; allowed: {MAX_POSITIONS}: a shorter duration or a smaller fov_radius");
+        return Err(Problem::new(400, detail));
+    }
+    let longest_s = found.iter().map(length_s).fold(0.0, f64::max);
+    let samples = (longest_s.ceil() as usize + 1).clamp(2, MAX_SAMPLES);
+    let (found, _) = passes_of(samples)?;
+    let with_elements = query.truth("include_orbital_data").unwrap_or(false);
+    let document = if query.text("group_by") == Some("satellite") {
+        by_satellite(&sky, &exposure, &found, with_elements)
+    } else {
+        by_time(&sky, &exposure, &found, with_elements)
+    };
+    Ok(with_source(document, &caveats))
+}
+
+/// The time interval and the direction of the query.
+fn exposure(query: &Query) -> Result<Exposure, Problem> {
+    let number = |name: &str| query.number(name).unwrap_or_default();
+    let duration_s = number("duration");
+    let start = match (query.number("start_time_jd"), query.number("mid_obs_time_jd")) {
         (Some(jd), None) => moment(jd)?,
         (None, Some(jd)) => seconds_after(moment(jd)?, -0.5 * duration_s),
         (None, None) => return Err(Problem::missing("start_time_jd", "start_time_jd or mid_obs_time_jd, one of them")),
         (Some(_), Some(_)) => return Err(Problem::both("start_time_jd", "mid_obs_time_jd")),
     };
-    let exposure = Exposure {
+    Ok(Exposure {
         id: "fov".to_owned(),
         start,
         duration_s,
-        pointing: Direction::from_lon_lat_rad(said("ra").to_radians(), said("dec").to_radians()),
+        pointing: Direction::from_lon_lat_rad(number("ra").to_radians(), number("dec").to_radians()),
         rotation_rad: 0.0,
-    };
-    let field =
-        Field::circle(2.0 * said("fov_radius").to_radians()).map_err(|error| Problem::new(400, error.to_string()))?;
-    let ask = |samples: usize| {
-        let options = PassOptions {
-            include_dark: !question.truth("illuminated_only").unwrap_or(false),
-            min_probability: None,
-            samples,
-            photometry: house.asked.photometry,
-            ..PassOptions::default()
-        };
-        let answer = sky.field_passes(std::slice::from_ref(&exposure), &field, &options);
-        let answer = answer.map_err(|error| of_sky(&error))?;
-        let found = answer.by_exposure.into_iter().flatten();
-        let wanted = found.filter(|pass| is_of_constellation(&sky, pass.element_index, question));
-        Ok::<(Vec<FieldPass>, Vec<LeftOut>), Problem>((wanted.collect(), answer.left_out))
-    };
-    // Looked at once without points, to see how many there will be.
-    let length_s = |pass: &FieldPass| streakcast::frames::seconds_between(pass.enter.epoch, pass.exit.epoch);
-    let (found, left_out) = ask(0)?;
-    let caveats = house.caveats_at(start, seconds_after(start, duration_s), &left_out)?;
-    let lengths_s: Vec<f64> = found.iter().map(length_s).collect();
-    let expected: f64 = lengths_s.iter().map(|length_s| length_s.ceil().min(MOST_SAMPLES as f64) + 1.0).sum();
-    if expected > MOST_POSITIONS {
-        let detail =
-            format!("{expected} positions; allowed: {MOST_POSITIONS}: a shorter duration or a smaller fov_radius");
-        return Err(Problem::new(400, detail));
-    }
-    let longest_s = lengths_s.iter().copied().fold(0.0, f64::max);
-    let samples = (longest_s.ceil() as usize + 1).clamp(2, MOST_SAMPLES);
-    let (found, _) = ask(samples)?;
-    let with_elements = question.truth("include_orbital_data").unwrap_or(false);
-    let by_satellite = question.text("group_by") == Some("satellite");
-    let thinned = |pass: &FieldPass| -> Vec<usize> {
-        // Points of one pass are evenly spaced: as many of them are left out as keeps a second between two.
-        let last = pass.samples.len().saturating_sub(1);
-        let step =
-            if length_s(pass) > 0.0 { (last as f64 / length_s(pass)).floor().max(1.0) as usize } else { last.max(1) };
-        (0..=last).filter(|point| point % step == 0 || *point == last).collect()
-    };
-    let one_position = |pass: &FieldPass, point: usize| {
-        let mut value = position(&sky, pass.element_index, &pass.samples[point], pass.element_age_days);
-        let angle_rad = pass.samples[point].direction.separation_rad(&exposure.pointing);
-        value["angle"] = json!(super::horizontal::rounded(angle_rad.to_degrees(), 8));
-        value
-    };
-    let document = if by_satellite {
-        let count: usize = found.iter().map(|pass| thinned(pass).len()).sum();
-        let mut satellites: BTreeMap<String, Value> = BTreeMap::new();
-        for pass in &found {
-            let elements = &sky.elements()[pass.element_index];
-            let positions = thinned(pass).into_iter().map(|point| one_position(pass, point));
-            let key = format!("{} ({})", elements.name, elements.norad_id);
-            // One that comes back has both of its passes.
-            let known = satellites.entry(key).or_insert_with(|| {
-                let mut satellite =
-                    json!({"name": elements.name.as_ref(), "norad_id": elements.norad_id.0, "positions": [], "streaks": []});
-                if with_elements {
-                    satellite["orbital_data"] = orbital_data(&sky, pass.element_index);
-                }
-                satellite
-            });
-            if let Some(list) = known["positions"].as_array_mut() {
-                list.extend(positions);
-            }
-            if let Some(list) = known["streaks"].as_array_mut() {
-                list.push(streak(pass));
-            }
-        }
-        let total = satellites.len();
-        let data = json!({"satellites": satellites, "total_satellites": total, "total_position_results": count});
-        json!({"data": data})
-    } else {
-        let mut positions: Vec<(Epoch, Value)> = found
-            .iter()
-            .flat_map(|pass| thinned(pass).into_iter().map(move |point| (pass, point)))
-            .map(|(pass, point)| {
-                let mut value = one_position(pass, point);
-                let elements = &sky.elements()[pass.element_index];
-                value["name"] = json!(elements.name.as_ref());
-                value["norad_id"] = json!(elements.norad_id.0);
-                if with_elements {
-                    value["orbital_data"] = orbital_data(&sky, pass.element_index);
-                }
-                (pass.samples[point].epoch, value)
-            })
-            .collect();
-        positions.sort_by_key(|(epoch, _)| *epoch);
-        let data: Vec<Value> = positions.into_iter().map(|(_, value)| value).collect();
-        listed(data)
-    };
-    Ok(signed(document, &caveats))
+    })
 }
 
-pub fn above(house: &House, question: &Question) -> Result<Reply, Problem> {
-    let sky = sky(house, question)?;
-    let at = moment(question.number("julian_date").unwrap_or_default())?;
-    let said = |name: &str| question.number(name);
+fn pass_options(state: &ServerState, query: &Query, samples: usize) -> PassOptions {
+    PassOptions {
+        include_dark: !query.truth("illuminated_only").unwrap_or(false),
+        min_probability: None,
+        samples,
+        photometry: state.asked.photometry,
+        ..PassOptions::default()
+    }
+}
+
+fn length_s(pass: &FieldPass) -> f64 {
+    seconds_between(pass.enter.epoch, pass.exit.epoch)
+}
+
+/// The positions of a pass with their times, a second apart at most.
+fn positions(sky: &Sky, exposure: &Exposure, pass: &FieldPass) -> Vec<(Epoch, Value)> {
+    let last = pass.samples.len().saturating_sub(1);
+    // Keeps every `step`-th of the evenly spaced points.
+    let step =
+        if length_s(pass) > 0.0 { (last as f64 / length_s(pass)).floor().max(1.0) as usize } else { last.max(1) };
+    let kept = pass.samples.iter().enumerate().filter(|(point, _)| point % step == 0 || *point == last);
+    kept.map(|(_, point)| {
+        let mut value = position(sky, pass.element_index, point, pass.element_age_days);
+        let angle_rad = point.direction.separation_rad(&exposure.pointing);
+        value["angle"] = json!(rounded(angle_rad.to_degrees(), 8));
+        (point.epoch, value)
+    })
+    .collect()
+}
+
+/// Positions and streaks of each satellite, by name.
+fn by_satellite(sky: &Sky, exposure: &Exposure, passes: &[FieldPass], with_elements: bool) -> Value {
+    let mut satellites: BTreeMap<String, Value> = BTreeMap::new();
+    let mut count = 0;
+    for pass in passes {
+        let elements = &sky.elements()[pass.element_index];
+        let key = format!("{} ({})", elements.name, elements.norad_id);
+        // A satellite may cross more than once.
+        let satellite = satellites.entry(key).or_insert_with(|| {
+            let mut satellite =
+                json!({"name": elements.name.as_ref(), "norad_id": elements.norad_id.0, "positions": [], "streaks": []});
+            if with_elements {
+                satellite["orbital_data"] = orbital_data(sky, pass.element_index);
+            }
+            satellite
+        });
+        let positions = positions(sky, exposure, pass);
+        count += positions.len();
+        if let Some(list) = satellite["positions"].as_array_mut() {
+            list.extend(positions.into_iter().map(|(_, value)| value));
+        }
+        if let Some(list) = satellite["streaks"].as_array_mut() {
+            list.push(streak(pass));
+        }
+    }
+    let total = satellites.len();
+    json!({"data": {"satellites": satellites, "total_satellites": total, "total_position_results": count}})
+}
+
+/// Positions of all satellites in order of time.
+fn by_time(sky: &Sky, exposure: &Exposure, passes: &[FieldPass], with_elements: bool) -> Value {
+    let mut all = Vec::new();
+    for pass in passes {
+        let elements = &sky.elements()[pass.element_index];
+        for (epoch, mut value) in positions(sky, exposure, pass) {
+            value["name"] = json!(elements.name.as_ref());
+            value["norad_id"] = json!(elements.norad_id.0);
+            if with_elements {
+                value["orbital_data"] = orbital_data(sky, pass.element_index);
+            }
+            all.push((epoch, value));
+        }
+    }
+    all.sort_by_key(|(epoch, _)| *epoch);
+    listed(all.into_iter().map(|(_, value)| value).collect())
+}
+
+pub fn above(state: &ServerState, query: &Query) -> Result<String, Problem> {
+    let sky = sky(state, query)?;
+    let at = moment(query.number("julian_date").unwrap_or_default())?;
     let options = SnapshotOptions {
-        min_altitude_rad: said("min_altitude").unwrap_or_default().to_radians(),
-        include_dark: !question.truth("illuminated_only").unwrap_or(false),
+        min_altitude_rad: query.number("min_altitude").unwrap_or_default().to_radians(),
+        include_dark: !query.truth("illuminated_only").unwrap_or(false),
         whole_tracks: false,
-        photometry: Some(house.asked.photometry),
+        photometry: Some(state.asked.photometry),
     };
     let (tracks, left_out) = sky.snapshots(at, &[0.0], &options).map_err(|error| of_sky(&error))?;
-    let caveats = house.caveats_at(at, at, &left_out)?;
-    let ranges = said("min_range").unwrap_or(0.0)..=said("max_range").unwrap_or(1_500_000.0);
+    let caveats = state.caveats_at(at, at, &left_out)?;
+    let ranges = query.number("min_range").unwrap_or(0.0)..=query.number("max_range").unwrap_or(1_500_000.0);
     let data: Vec<Value> = tracks
         .iter()
-        .filter(|one| is_of_constellation(&sky, one.element_index, question))
+        .filter(|one| is_of_constellation(&sky, one.element_index, query))
         .filter_map(|one| {
             let point = one.snapshots.first().map(|snapshot| &snapshot.point);
             let point = point.filter(|point| ranges.contains(&point.range_km))?;
             let elements = &sky.elements()[one.element_index];
-            let age_days = streakcast::frames::seconds_between(elements.epoch, at) / 86_400.0;
+            let age_days = seconds_between(elements.epoch, at) / 86_400.0;
             let mut value = position(&sky, one.element_index, point, age_days);
             value["name"] = json!(elements.name.as_ref());
             value["norad_id"] = json!(elements.norad_id.0);
@@ -213,7 +242,7 @@ pub fn above(house: &House, question: &Question) -> Result<Reply, Problem> {
             Some(value)
         })
         .collect();
-    Ok(signed(listed(data), &caveats))
+    Ok(with_source(listed(data), &caveats))
 }
 
 fn listed(data: Vec<Value>) -> Value {
@@ -221,19 +250,19 @@ fn listed(data: Vec<Value>) -> Value {
     json!({"data": data, "count": count, "total_position_results": count})
 }
 
-/// With what SatChecker's answers end with, and what ours say beside that.
-fn signed(mut document: Value, caveats: &Caveats) -> Reply {
+/// Adds the last members of SatChecker's answers, and the warnings.
+fn with_source(mut document: Value, caveats: &Caveats) -> String {
     document["source"] = json!(SOURCE);
     document["version"] = json!(env!("CARGO_PKG_VERSION"));
     document["warnings"] = json!(caveats.warnings);
     document["left_out_count"] = json!(caveats.left_out_count);
-    Reply::json(document.to_string())
+    document.to_string()
 }
 
-/// The server's satellites over the site of the question.
-fn sky(house: &House, question: &Question) -> Result<Sky, Problem> {
-    let numbers = ["latitude", "longitude", "elevation"].map(|name| question.number(name));
-    let site = match (question.text("site"), numbers) {
+/// The server's satellites seen from the site of the query.
+fn sky(state: &ServerState, query: &Query) -> Result<Sky, Problem> {
+    let numbers = ["latitude", "longitude", "elevation"].map(|name| query.number(name));
+    let site = match (query.text("site"), numbers) {
         (Some(name), [None, None, None]) => {
             Site::by_name(name).map_err(|error| Problem::new(400, error.to_string()))?
         }
@@ -246,29 +275,28 @@ fn sky(house: &House, question: &Question) -> Result<Sky, Problem> {
         }
         _ => return Err(Problem::missing("site", "site, or latitude, longitude and elevation")),
     };
-    Ok(house.sky().seen_from(Observer::new(site)))
+    Ok(state.sky().seen_from(Observer::new(site)))
 }
 
 fn moment(jd: f64) -> Result<Epoch, Problem> {
     epoch_from_jd(jd, TimeScale::UTC).map_err(|error| Problem::new(400, error.to_string()))
 }
 
-fn is_of_constellation(sky: &Sky, element_index: usize, question: &Question) -> bool {
-    let Some(wanted) = question.text("constellation") else { return true };
+fn is_of_constellation(sky: &Sky, element_index: usize, query: &Query) -> bool {
+    let Some(wanted) = query.text("constellation") else { return true };
     sky.elements()[element_index].name.to_lowercase().starts_with(&wanted.to_lowercase())
 }
 
 fn orbital_data(sky: &Sky, element_index: usize) -> Value {
     match streakcast::elements::format_tle(&sky.elements()[element_index]) {
         Ok([line1, line2]) => json!({"tle_line1": line1, "tle_line2": line2}),
-        // What two lines cannot hold.
+        // Values that the format of two lines cannot hold.
         Err(error) => json!({"error": error.to_string()}),
     }
 }
 
-/// The streak as a whole: what SatChecker's points once a second do not tell.
+/// The streak as a whole, which SatChecker's points once a second do not give.
 fn streak(pass: &FieldPass) -> Value {
-    let rounded = super::horizontal::rounded;
     let utc = |epoch| streakcast::output::format_utc(epoch, 3);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     json!({
@@ -310,7 +338,7 @@ pub fn passes_schema() -> Value {
     ]);
     let mut each = position_schema(&["angle", "name", "norad_id"]);
     each["properties"]["orbital_data"] = orbital;
-    json!({"oneOf": [signed_schema(&[("data", grouped)]), listed_schema(each)]})
+    json!({"oneOf": [with_source_schema(&[("data", grouped)]), listed_schema(each)]})
 }
 
 pub fn above_schema() -> Value {
@@ -319,14 +347,14 @@ pub fn above_schema() -> Value {
 
 fn listed_schema(item: Value) -> Value {
     let count = json!({"type": "integer", "minimum": 0});
-    signed_schema(&[
+    with_source_schema(&[
         ("data", json!({"type": "array", "items": item})),
         ("count", count.clone()),
         ("total_position_results", count),
     ])
 }
 
-fn signed_schema(members: &[(&str, Value)]) -> Value {
+fn with_source_schema(members: &[(&str, Value)]) -> Value {
     let text = json!({"type": "string"});
     let ends = [
         ("source", text.clone()),

@@ -1,4 +1,4 @@
-//! One position as SatChecker writes it, with what its slots for brightness leave open.
+//! One position in the format of SatChecker, with magnitudes.
 
 use serde_json::{Value, json};
 use streakcast::frames::utc_jd;
@@ -8,7 +8,7 @@ use streakcast::passes::{Sky, TrackPoint};
 use super::document::object_schema;
 use super::horizontal::rounded;
 
-/// SatChecker rounds angles and dates so.
+/// SatChecker's rounding of angles and dates.
 const DECIMALS: i32 = 8;
 
 pub fn position(sky: &Sky, element_index: usize, point: &TrackPoint, age_days: f64) -> Value {
@@ -41,7 +41,7 @@ fn date_time(epoch: hifitime::Epoch) -> String {
     format_utc(epoch, 0).replace('T', " ").replace('Z', " UTC")
 }
 
-/// Its schema, with more members that an answer adds.
+/// The schema of a position with further members.
 pub fn position_schema(more: &[&'static str]) -> Value {
     let (number, or_null, text) =
         (json!({"type": "number"}), json!({"type": ["number", "null"]}), json!({"type": "string"}));

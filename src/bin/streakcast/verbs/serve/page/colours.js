@@ -35,7 +35,7 @@ let known = null;
 export function theme() {
   if (known) return known;
   const style = getComputedStyle(document.documentElement);
-  const names = ["ground", "panel", "line", "text", "muted", "mark", "good", "warn", "bad", "day", "civil", "nautical", "astronomical", "dark", "shadow"];
+  const names = ["ground", "panel", "line", "text", "muted", "mark", "good", "day", "civil", "nautical", "astronomical", "dark", "shadow"];
   known = Object.fromEntries(names.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]));
   return known;
 }

@@ -7,7 +7,7 @@ import { clock, fixed, moment } from "./words.js";
 const DEG = Math.PI / 180;
 
 /** Place of a direction on the tangent plane about a centre, degrees of the plane, east and north; null behind it. */
-export function project(ra, dec, centre) {
+function project(ra, dec, centre) {
   const difference = (ra - centre.ra) * DEG;
   const [sin, cos] = [Math.sin(dec * DEG), Math.cos(dec * DEG)];
   const [sin0, cos0] = [Math.sin(centre.dec * DEG), Math.cos(centre.dec * DEG)];

@@ -1,4 +1,4 @@
-//! Parameters of a query: what they may be, from which both the reading and the OpenAPI document come.
+//! Query parameters: their types and ranges, by which queries are read and the OpenAPI document is written.
 
 use std::collections::BTreeMap;
 
@@ -6,7 +6,7 @@ use hifitime::Epoch;
 use serde_json::{Value, json};
 use streakcast::schedule::{is_covered, parse_instant};
 
-use super::reply::Problem;
+use super::problem::Problem;
 
 /// One parameter.
 #[derive(Copy, Clone, Debug)]
@@ -14,11 +14,11 @@ pub struct Parameter {
     pub name: &'static str,
     pub kind: Kind,
     pub required: bool,
-    /// One sentence; what holds where it is not said.
+    /// Description in one sentence, with the default.
     pub about: &'static str,
 }
 
-/// What a parameter may be.
+/// Type and range of a parameter.
 #[derive(Copy, Clone, Debug)]
 pub enum Kind {
     /// A number in a range, ends included.
@@ -31,7 +31,7 @@ pub enum Kind {
     JulianDate,
     /// A date as 2024-08-14.
     Date,
-    /// Letters of any kind, at most so many.
+    /// Text of at most so many characters.
     Text { longest: usize },
     /// One of some words.
     Word(&'static [&'static str]),
@@ -45,7 +45,7 @@ const MOMENT_PATTERN: &str =
     r"^(19[5-9][0-9]|20[0-9]{2})-[0-1][0-9]-[0-3][0-9]T[0-2][0-9]:[0-5][0-9]:[0-5][0-9](\.[0-9]{1,9})?Z$";
 const DATE_PATTERN: &str = r"^(19[5-9][0-9]|20[0-9]{2})-[0-1][0-9]-[0-3][0-9]$";
 
-pub const fn needed(name: &'static str, kind: Kind, about: &'static str) -> Parameter {
+pub const fn required(name: &'static str, kind: Kind, about: &'static str) -> Parameter {
     Parameter { name, kind, required: true, about }
 }
 
@@ -67,14 +67,14 @@ impl Kind {
                 format!("a Julian date (UTC) from {} to {}", JULIAN_DATES.0, JULIAN_DATES.1)
             }
             Kind::Date => "a date as 2024-08-14".to_owned(),
-            Kind::Text { longest } => format!("1 to {longest} letters"),
+            Kind::Text { longest } => format!("1 to {longest} characters"),
             Kind::Word(words) => words.join(", "),
         }
     }
 
     fn is_allowed(self, text: &str) -> bool {
         let in_range = |least: f64, greatest: f64| {
-            // What JSON calls a number: no signs before, no infinity.
+            // Rust also parses `inf` and `nan`.
             let is_plain = text.bytes().all(|byte| byte.is_ascii_digit() || b"+-.eE".contains(&byte));
             is_plain && text.parse().is_ok_and(|number: f64| (least..=greatest).contains(&number))
         };
@@ -115,16 +115,16 @@ fn date(text: &str) -> Option<Epoch> {
     if text.len() == 10 { moment(&format!("{text}T12:00:00Z")) } else { None }
 }
 
-/// The parameters that were said, each of its kind.
+/// The parameters of a request, each valid for its kind.
 #[derive(Clone, Debug, Default)]
-pub struct Question {
-    said: BTreeMap<&'static str, String>,
+pub struct Query {
+    values: BTreeMap<&'static str, String>,
 }
 
-impl Question {
-    /// Reads a query string against what is allowed.
+impl Query {
+    /// Parses a query string.
     pub fn read(query: &str, parameters: &[Parameter]) -> Result<Self, Problem> {
-        let mut said = BTreeMap::new();
+        let mut values = BTreeMap::new();
         for (name, value) in form_urlencoded::parse(query.as_bytes()) {
             let Some(parameter) = parameters.iter().find(|parameter| parameter.name == name) else {
                 let names: Vec<&str> = parameters.iter().map(|parameter| parameter.name).collect();
@@ -134,18 +134,18 @@ impl Question {
             if !parameter.kind.is_allowed(&value) {
                 return Err(Problem::parameter(parameter.name, &value, &parameter.kind.allowed()));
             }
-            if said.insert(parameter.name, value.into_owned()).is_some() {
-                return Err(Problem::twice(parameter.name));
+            if values.insert(parameter.name, value.into_owned()).is_some() {
+                return Err(Problem::repeated(parameter.name));
             }
         }
-        if let Some(missing) = parameters.iter().find(|one| one.required && !said.contains_key(one.name)) {
+        if let Some(missing) = parameters.iter().find(|one| one.required && !values.contains_key(one.name)) {
             return Err(Problem::missing(missing.name, &missing.kind.allowed()));
         }
-        Ok(Self { said })
+        Ok(Self { values })
     }
 
     pub fn text(&self, name: &str) -> Option<&str> {
-        self.said.get(name).map(String::as_str)
+        self.values.get(name).map(String::as_str)
     }
 
     pub fn number(&self, name: &str) -> Option<f64> {
@@ -164,7 +164,7 @@ impl Question {
         moment(self.text(name)?)
     }
 
-    /// Noon of it.
+    /// Noon of the date.
     pub fn date(&self, name: &str) -> Option<Epoch> {
         date(self.text(name)?)
     }
@@ -175,7 +175,7 @@ mod tests {
     use super::*;
 
     const PARAMETERS: &[Parameter] = &[
-        needed("dec_deg", number(-90.0, 90.0, " deg"), ""),
+        required("dec_deg", number(-90.0, 90.0, " deg"), ""),
         optional("start_utc", Kind::Moment, ""),
         optional("night", Kind::Date, ""),
         optional("samples", Kind::Count { least: 0, greatest: 500 }, ""),
@@ -184,16 +184,16 @@ mod tests {
     ];
 
     #[test]
-    fn what_is_allowed_is_read() {
+    fn valid_parameters_are_read() {
         let text = "dec_deg=-3e1&start_utc=2024-08-14T00%3A30%3A00.5Z&night=2024-08-13&samples=25&lit=True&name=%C3%A9t%C3%A9+1";
-        let question = Question::read(text, PARAMETERS).unwrap();
-        assert_eq!((question.number("dec_deg"), question.count("samples")), (Some(-30.0), Some(25)));
-        assert_eq!((question.truth("lit"), question.text("name")), (Some(true), Some("été 1")));
-        assert!(question.moment("start_utc").is_some() && question.date("night").is_some());
+        let query = Query::read(text, PARAMETERS).unwrap();
+        assert_eq!((query.number("dec_deg"), query.count("samples")), (Some(-30.0), Some(25)));
+        assert_eq!((query.truth("lit"), query.text("name")), (Some(true), Some("été 1")));
+        assert!(query.moment("start_utc").is_some() && query.date("night").is_some());
     }
 
     #[test]
-    fn all_else_is_told_by_name() {
+    fn errors_name_the_parameter() {
         for (text, parameter) in [
             ("", "dec_deg"),
             ("dec_deg=91", "dec_deg"),
@@ -212,8 +212,8 @@ mod tests {
             ("dec_deg=1&name=", "name"),
             ("dec_deg=1&name=123456", "name"),
         ] {
-            let problem = Question::read(text, PARAMETERS).unwrap_err().reply("/");
-            let document: Value = serde_json::from_slice(&problem.body).unwrap();
+            let problem = Query::read(text, PARAMETERS).unwrap_err();
+            let document: Value = serde_json::from_str(&problem.document(None)).unwrap();
             assert_eq!((problem.status, document["parameter"].as_str()), (400, Some(parameter)), "{text}");
             assert!(document["detail"].as_str().unwrap().contains("allowed: "), "{text}");
         }

@@ -1,4 +1,4 @@
-//! What every answer rests on: read once, never changed, so that the same question has the same answer as long as the server runs.
+//! Inputs and verdicts on which every answer is based: read once and never changed.
 
 use std::collections::BTreeMap;
 
@@ -12,22 +12,21 @@ use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
 
 use super::super::judged::Asked;
-use super::reply::Problem;
+use super::problem::Problem;
 
-/// The schedule, its verdicts, and the sky they were made under.
-pub struct House {
+/// The schedule, its verdicts, and the satellites.
+pub struct ServerState {
     pub setup: Setup,
-    /// The sky of all answers.
     pub prepared: Prepared,
-    /// Where it is seen from, unless a question says another place.
+    /// The site of all answers except those of SatChecker's paths.
     pub site: Site,
     pub asked: Asked,
     pub schedule: Schedule,
     /// One for each row.
     pub flags: Vec<ExposureFlag>,
-    /// Those of the whole schedule.
+    /// Those of the verdicts.
     pub caveats: Caveats,
-    /// Without lists of rejected records, which may be long.
+    /// Without its lists (rejected records), which may be long.
     pub provenance: Provenance,
     pub library: ModelLibrary,
     /// Rows by the evening's date (MJD) of their night.
@@ -36,23 +35,23 @@ pub struct House {
     pub utc_offset_h: f64,
 }
 
-/// What to know of an answer.
+/// Limits of an answer.
 pub struct Caveats {
-    /// In the words of the command line.
+    /// The warnings of the command line.
     pub warnings: Vec<String>,
-    /// How many satellites the answer does without.
+    /// Number of satellites that the answer does not include.
     pub left_out_count: usize,
 }
 
-impl House {
-    /// The sky that every answer asks.
+impl ServerState {
     pub fn sky(&self) -> &Sky {
         &self.prepared.sky
     }
 
-    /// Those of an answer from `first` to `last` that does without these satellites.
+    /// Returns the caveats of an answer from `first` to `last` without these satellites.
     ///
-    /// Where all are left out there is no answer: a sky that nobody can tell of is not empty.
+    /// # Errors
+    /// All satellites are left out: an empty answer would be wrong.
     pub fn caveats_at(&self, first: Epoch, last: Epoch, left_out: &[LeftOut]) -> Result<Caveats, Problem> {
         let of_left_out = self.prepared.left_out_warning(left_out, first);
         let mut warnings = self.prepared.warnings_at(first, last);
@@ -60,7 +59,7 @@ impl House {
         Ok(Caveats { warnings, left_out_count: left_out.len() })
     }
 
-    /// What exposures are judged against, with another policy than the server's own or with that.
+    /// The request for verdicts by this policy.
     pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
         FlagRequest {
             sky: self.sky(),
@@ -71,7 +70,7 @@ impl House {
         }
     }
 
-    /// What is wanted of passes, as `passes` wants it.
+    /// The options of `passes`.
     pub fn pass_options(&self, samples: usize) -> PassOptions {
         PassOptions {
             include_dark: false,
@@ -90,7 +89,7 @@ pub fn date_of(evening_mjd: i64) -> String {
     text
 }
 
-/// Rows by their night's evening; those that cannot be judged are in the first.
+/// Rows by the evening (MJD) of their night; invalid ones are in the first night.
 pub fn nights_of(schedule: &Schedule, site: &Site) -> BTreeMap<i64, Vec<usize>> {
     let mut nights: BTreeMap<i64, Vec<usize>> = BTreeMap::new();
     for (row, exposure) in schedule.judged() {

@@ -1,0 +1,141 @@
+//! Worker threads for the answers: a bounded number at a time, a bounded queue, a time limit, and a cache of earlier answers.
+
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::time::Duration;
+
+use axum::body::Bytes;
+use axum::http::header::RETRY_AFTER;
+use quick_cache::{Weighter, unsync::Cache};
+use tokio::sync::Semaphore;
+use tokio::task::spawn_blocking;
+use tokio::time::timeout;
+
+use super::problem::Problem;
+
+/// Requests that may wait while the workers are busy.
+const MAX_WAITING: usize = 256;
+/// Limit on waiting and computing together.
+const ANSWER_TIMEOUT: Duration = Duration::from_secs(30);
+/// Size of the cache, bytes.
+const CACHE_BYTES: u64 = 16 << 20;
+/// Size of the cache's table at the start, entries.
+const CACHE_ENTRIES: usize = 1000;
+
+/// Computes answers, and keeps the last ones by path and query: the same request has the same answer as long as the server runs.
+pub struct WorkerPool {
+    /// Requests that wait or are computed.
+    queue: Semaphore,
+    workers: Arc<Semaphore>,
+    cache: Mutex<Cache<String, Bytes, ByteSize>>,
+}
+
+#[derive(Clone)]
+struct ByteSize;
+
+impl Weighter<String, Bytes> for ByteSize {
+    fn weight(&self, target: &String, body: &Bytes) -> u64 {
+        (target.len() + body.len()) as u64
+    }
+}
+
+impl WorkerPool {
+    pub fn new(workers: usize) -> Self {
+        Self {
+            queue: Semaphore::new(workers + MAX_WAITING),
+            workers: Arc::new(Semaphore::new(workers)),
+            cache: Mutex::new(Cache::with_weighter(CACHE_ENTRIES, CACHE_BYTES, ByteSize)),
+        }
+    }
+
+    /// Returns the answer to `target` (path and query): from the cache, or computed by `work` on a worker thread.
+    ///
+    /// # Errors
+    /// What `work` returns; 503 if the queue is full or the time limit has passed; 500 if `work` panics.
+    pub async fn answer<W>(&self, target: &str, work: W) -> Result<Bytes, Problem>
+    where
+        W: FnOnce() -> Result<String, Problem> + Send + 'static,
+    {
+        if let Some(body) = self.cache().get(target) {
+            return Ok(body.clone());
+        }
+        let _place = self.queue.try_acquire().map_err(|_| busy())?;
+        let computed = timeout(ANSWER_TIMEOUT, async {
+            let worker = Arc::clone(&self.workers).acquire_owned().await;
+            spawn_blocking(move || {
+                // Held until the work is done, even if the request has timed out meanwhile.
+                let _worker = worker;
+                work()
+            })
+            .await
+        });
+        let body: Bytes = match computed.await {
+            Ok(Ok(answer)) => answer?.into(),
+            Ok(Err(_)) => return Err(Problem::new(500, "the answer could not be computed: an error of the program")),
+            Err(_) => return Err(busy()),
+        };
+        self.cache().insert(target.to_owned(), body.clone());
+        Ok(body)
+    }
+
+    fn cache(&self) -> MutexGuard<'_, Cache<String, Bytes, ByteSize>> {
+        self.cache.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+fn busy() -> Problem {
+    Problem::new(503, "the server is busy").with(RETRY_AFTER, "1")
+}
+
+#[cfg(test)]
+mod tests {
+    use std::future::poll_fn;
+    use std::pin::Pin;
+    use std::sync::mpsc;
+    use std::task::Poll;
+
+    use super::*;
+
+    fn run(test: impl Future<Output = ()>) {
+        tokio::runtime::Builder::new_current_thread().enable_time().build().unwrap().block_on(test);
+    }
+
+    #[test]
+    fn a_full_queue_is_refused_and_drains() {
+        run(async {
+            let pool = WorkerPool::new(1);
+            let (release, blocked) = mpsc::channel::<()>();
+            let first = pool.answer("/first", move || {
+                let _ = blocked.recv();
+                Ok("first".to_owned())
+            });
+            let targets: Vec<String> = (0..MAX_WAITING).map(|number| format!("/{number}")).collect();
+            let others = targets.iter().map(|target| pool.answer(target, || Ok("other".to_owned())));
+            type Answer<'a> = Pin<Box<dyn Future<Output = Result<Bytes, Problem>> + 'a>>;
+            let mut waiting: Vec<Answer> = vec![Box::pin(first)];
+            waiting.extend(others.map(|other| Box::pin(other) as Answer));
+            for one in &mut waiting {
+                assert!(poll_fn(|context| Poll::Ready(one.as_mut().poll(context))).await.is_pending());
+            }
+            let refused = pool.answer("/one-more", || Ok(String::new())).await.unwrap_err();
+            assert_eq!(refused.status, 503);
+            assert_eq!(refused.response("/one-more").headers()["retry-after"], "1");
+            release.send(()).unwrap();
+            for one in waiting {
+                assert!(one.await.is_ok());
+            }
+            assert_eq!(pool.answer("/one-more", || Ok("now".to_owned())).await.unwrap(), "now");
+        });
+    }
+
+    #[test]
+    fn answers_are_computed_once_and_panics_are_errors() {
+        run(async {
+            let pool = WorkerPool::new(1);
+            assert_eq!(pool.answer("/a", || Ok("a".to_owned())).await.unwrap(), "a");
+            assert_eq!(pool.answer("/a", || panic!("computed again")).await.unwrap(), "a");
+            let failed = pool.answer("/b", || panic!("this panic is part of the test")).await.unwrap_err();
+            assert_eq!(failed.status, 500);
+            assert_eq!(pool.answer("/b", || Ok("b".to_owned())).await.unwrap(), "b");
+        });
+    }
+}
