@@ -20,6 +20,7 @@ mod equatorial;
 mod error;
 mod frame;
 mod horizontal;
+mod instant;
 mod orientation;
 mod sampled;
 mod time;
@@ -31,6 +32,7 @@ pub use equatorial::{annual_aberration, gcrs_to_of_date, without_annual_aberrati
 pub use error::FramesError;
 pub use frame::{Body, Frame, Gcrs, Horizontal, Itrs, OfDate, Teme};
 pub use horizontal::itrs_to_horizontal;
+pub use instant::{FIRST_YEAR, InstantError, LAST_YEAR, is_covered, parse_instant, parse_moment};
 pub use orientation::{Orientation, OrientationTable};
 pub(crate) use sampled::Sampled;
 pub use time::{

@@ -4,12 +4,13 @@ use std::path::Path;
 
 use hifitime::{Epoch, TimeScale};
 
-use crate::frames::{Direction, epoch_from_jd, epoch_from_mjd};
+use crate::frames::{
+    Direction, FIRST_YEAR, InstantError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
+};
 use crate::passes::Exposure;
 
 use super::error::ScheduleError;
 use super::formats::{Cell, ColumnMap, RawTable, StartColumn, StartForm, display};
-use super::instant::{FIRST_YEAR, InstantError, LAST_YEAR, is_covered, parse_instant};
 use super::scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 
 /// The longest exposure that is taken for one: a day.

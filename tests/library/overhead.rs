@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use hifitime::Epoch;
-use streakcast::config::Setup;
+use streakcast::config::Config;
 use streakcast::frames::{Direction, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Field, PassOptions, Sky, SkyTrack, SkyTrackOptions};
@@ -14,8 +14,8 @@ fn dusk() -> Epoch {
 }
 
 fn sky() -> Sky {
-    let setup = Setup::from_toml("shells = 'oneweb'\nsite = 'rubin'\n", "t.toml").unwrap();
-    setup.prepare(dusk(), dusk()).unwrap().sky
+    let config = Config::from_toml("shells = 'oneweb'\nsite = 'rubin'\n", "t.toml").unwrap();
+    config.prepare(dusk(), dusk()).unwrap().sky
 }
 
 fn options(include_dark: bool) -> PassOptions {
@@ -71,7 +71,7 @@ fn the_same_satellites_from_elsewhere() {
         let (found, _) = sky.overhead(dusk(), 0.0, 1, 0.3, &options(true)).unwrap();
         found.iter().map(|one| one.element_index).collect()
     };
-    let alone = Setup::from_toml("shells = 'oneweb'\nsite = 'subaru'\n", "t.toml").unwrap();
+    let alone = Config::from_toml("shells = 'oneweb'\nsite = 'subaru'\n", "t.toml").unwrap();
     assert_eq!(names(&there), names(&alone.prepare(dusk(), dusk()).unwrap().sky));
     assert_ne!(names(&there), names(&here));
 }
@@ -141,8 +141,8 @@ fn what_cannot_be_asked_is_told() {
 
 /// Satellites at two heights, some of them in the shadow.
 fn mixed_sky() -> Sky {
-    let setup = Setup::from_toml("shells = ['oneweb', 'starlink-gen1']\nsite = 'rubin'\n", "t.toml").unwrap();
-    setup.prepare(dusk(), dusk()).unwrap().sky
+    let config = Config::from_toml("shells = ['oneweb', 'starlink-gen1']\nsite = 'rubin'\n", "t.toml").unwrap();
+    config.prepare(dusk(), dusk()).unwrap().sky
 }
 
 /// Places alone are those of the full answer, moment by moment, for the same satellites.

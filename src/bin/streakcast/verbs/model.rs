@@ -1,18 +1,68 @@
 //! `model`: the brightness models, listed, shown and checked.
 
+use std::path::{Path, PathBuf};
+
+use crate::arguments::OutputArguments;
+use clap::{Args, Subcommand};
 use std::fs;
+use streakcast::config::Config;
 
 use anyhow::anyhow;
 use streakcast::fit::checks::{DataSet, POPULATION, Photometry, compare, comparison_table};
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 use streakcast::photometry::{BrightnessModel, ModelFile, ModelLibrary};
 
-use crate::arguments::{ModelArguments, ModelCheckArguments, ModelListArguments, ModelShowArguments, ModelVerb};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::shared_arguments::setup_of;
+
+#[derive(Args)]
+pub struct ModelArguments {
+    #[command(subcommand)]
+    pub verb: ModelVerb,
+}
+
+#[derive(Subcommand)]
+pub enum ModelVerb {
+    /// All models by name
+    List(ModelListArguments),
+    /// One model: its file, with coefficients, covariance and provenance
+    Show(ModelShowArguments),
+    /// Checks the shipped models, or files, against the rules, published means and phase curves, and photometry
+    Check(ModelCheckArguments),
+}
+
+#[derive(Args)]
+pub struct ModelCheckArguments {
+    /// Model files; a name that begins with that of a shipped model (visorsat-mine) sets the satellites
+    pub files: Vec<PathBuf>,
+    /// Folder of published photometry (see docs/models.md); without it only published means and curves are used
+    #[arg(long, value_name = "FOLDER")]
+    pub data: Option<PathBuf>,
+    /// Only errors on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+#[derive(Args)]
+pub struct ModelListArguments {
+    /// Configuration file with models of your own
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+#[derive(Args)]
+pub struct ModelShowArguments {
+    /// Name or alias
+    pub name: String,
+    #[command(flatten)]
+    pub list: ModelListArguments,
+}
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),
@@ -50,14 +100,14 @@ pub fn run(typed: ModelArguments) -> anyhow::Result<Outcome> {
 }
 
 fn list(typed: ModelListArguments) -> anyhow::Result<Outcome> {
-    let library = setup_of(typed.config.as_deref())?.model_library()?;
+    let library = library_of(typed.config.as_deref())?;
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
     let names: Vec<&str> = library.names().collect();
     write(&output, &table_of(&library, &names))
 }
 
 fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
-    let library = setup_of(typed.list.config.as_deref())?.model_library()?;
+    let library = library_of(typed.list.config.as_deref())?;
     let format = typed.list.output.format.as_deref();
     let model = library.get(&typed.name).ok_or_else(|| {
         anyhow!("unknown model '{}'; known are {}", typed.name, library.names().collect::<Vec<_>>().join(", "))
@@ -71,7 +121,7 @@ fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
     write(&output, &table_of(&library, &[typed.name.as_str()]))
 }
 
-/// Holds files to the rules, without any the shipped ones, and then to what is known of their satellites.
+/// Checks files, or the shipped models without any, against the rules and against published photometry.
 fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
     let notices = Notices::new(typed.quiet);
     let mut checked = Vec::new();
@@ -106,6 +156,11 @@ fn check(typed: ModelCheckArguments) -> anyhow::Result<Outcome> {
         style: Style { columns: CHECK_ON_SCREEN, bold_row: None },
     })?;
     Ok(Outcome::Done)
+}
+
+/// Returns the shipped models and those of a configuration file.
+fn library_of(config: Option<&Path>) -> anyhow::Result<ModelLibrary> {
+    Ok(config.map(Config::read).transpose()?.unwrap_or_default().model_library()?)
 }
 
 fn table_of(library: &ModelLibrary, names: &[&str]) -> Table {

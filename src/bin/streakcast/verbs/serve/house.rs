@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use hifitime::Epoch;
-use streakcast::config::{Prepared, Setup};
+use streakcast::config::{Config, ObservationPlan, PreparedSky};
 use streakcast::geometry::Site;
 use streakcast::orbit::LeftOut;
 use streakcast::output::{Provenance, format_utc};
@@ -11,17 +11,16 @@ use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
 
-use super::super::judged::Asked;
 use super::reply::Problem;
 
 /// The schedule, its verdicts, and the sky they were made under.
 pub struct House {
-    pub setup: Setup,
+    pub config: Config,
     /// The sky of all answers.
-    pub prepared: Prepared,
+    pub prepared: PreparedSky,
     /// Where it is seen from, unless a question says another place.
     pub site: Site,
-    pub asked: Asked,
+    pub asked: ObservationPlan,
     pub schedule: Schedule,
     /// One for each row.
     pub flags: Vec<ExposureFlag>,
@@ -62,13 +61,7 @@ impl House {
 
     /// What exposures are judged against, with another policy than the server's own or with that.
     pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
-        FlagRequest {
-            sky: self.sky(),
-            field: &self.asked.field,
-            policy,
-            telescope: self.asked.telescope.as_ref(),
-            photometry: &self.asked.photometry,
-        }
+        FlagRequest { policy, ..self.asked.request(self.sky()) }
     }
 
     /// What is wanted of passes, as `passes` wants it.

@@ -5,6 +5,7 @@
 //! describes all of it from the same tables; `page` holds the files of the page; `house` is what every answer rests on.
 
 mod answers;
+mod arguments;
 mod bucket;
 mod desk;
 mod door;
@@ -19,4 +20,5 @@ mod run;
 mod server;
 mod token;
 
+pub use arguments::ServeArguments;
 pub use run::run;

@@ -44,7 +44,7 @@ const ID: &str = "1";
 pub fn answer(house: &House, question: &Question) -> Result<Reply, Problem> {
     let said = |name: &str| question.number(name).unwrap_or_default();
     let start = question.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
-    let rotation_deg = question.number("rotation_deg").or(house.setup.rotation).unwrap_or_default();
+    let rotation_deg = question.number("rotation_deg").or(house.config.rotation).unwrap_or_default();
     let exposure = Exposure {
         id: ID.to_owned(),
         start,
