@@ -24,7 +24,7 @@ pub struct PassesArguments {
     /// Include crossings of satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
-    /// Count the crossings brighter than this, in the band asked for; all of them are listed
+    /// Report how many of the crossings are brighter than this, in the band asked for; all of them are listed
     #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
     pub limit_mag: Option<MagnitudeLimit>,
     /// Points along each track
