@@ -6,12 +6,13 @@
 use std::error::Error;
 
 use streakcast::elements::Constellation;
+use streakcast::frames::parse_instant;
 use streakcast::frames::{Direction, EopTable, parse_declination_deg, parse_right_ascension_deg};
 use streakcast::geometry::{Observer, Site};
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
-use streakcast::schedule::{FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, flag_exposures, parse_instant};
+use streakcast::schedule::{FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, flag_exposures};
 
 fn main() -> Result<(), Box<dyn Error>> {
     // 1. Who is up there: the 4,408 satellites of Starlink Gen1 as filed. None of them is claimed to be there.

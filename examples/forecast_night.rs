@@ -7,11 +7,12 @@ use std::error::Error;
 use streakcast::elements::Constellation;
 use streakcast::forecast::{ForecastRequest, PassRow, Selection, compass, forecast};
 use streakcast::frames::EopTable;
+use streakcast::frames::parse_instant;
 use streakcast::geometry::{Observer, Site};
 use streakcast::output::format_utc;
 use streakcast::passes::{ModelChoice, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::{night_of, parse_instant};
+use streakcast::schedule::night_of;
 
 fn main() -> Result<(), Box<dyn Error>> {
     // 1. Who is up there, who looks, and which night: from noon to noon at the site.

@@ -6,12 +6,12 @@
 use std::error::Error;
 
 use streakcast::elements::Constellation;
+use streakcast::frames::parse_instant;
 use streakcast::frames::{Direction, EopTable, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::identify::{IdentifyOptions, MeasuredStreak, Timing, identify_streak};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::parse_instant;
 
 fn main() -> Result<(), Box<dyn Error>> {
     // 1. Who is up there, and who looks.

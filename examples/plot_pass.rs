@@ -8,12 +8,13 @@ use std::path::PathBuf;
 
 use streakcast::elements::Constellation;
 use streakcast::forecast::{ForecastRequest, PassRow, Selection, forecast};
+use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, mjd_utc};
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{ModelChoice, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 use streakcast::plot::{LightCurve, SkyChart, SkyTrack, light_curve, sky_chart};
-use streakcast::schedule::{night_of, parse_instant};
+use streakcast::schedule::night_of;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let folder = PathBuf::from(std::env::args().nth(1).unwrap_or_else(|| ".".to_owned()));

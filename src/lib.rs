@@ -25,8 +25,6 @@ pub mod frames;
 pub mod geometry;
 pub mod identify;
 pub mod images;
-#[cfg(feature = "fits")]
-pub mod injection;
 pub mod maps;
 #[doc(hidden)]
 pub mod math;

@@ -1,248 +1,374 @@
-//! The document: what can be said, and how one saying lies over another.
+//! The configuration document: the one structure that flags, configuration files and plugins fill.
 
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
-use super::choices::{
-    FieldSetup, ModelsSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, TelescopeSetup, is_file_name,
+use super::error::ConfigError;
+use super::values::{
+    FieldChoice, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice, TelescopeChoice, is_file_name,
+    one_or_many,
 };
-use super::error::SetupError;
 use crate::schedule::MagnitudeLimit;
 
-/// Everything that the shared flags say, by their names. What is `None` was not said.
+/// Largest NORAD catalogue number: nine digits.
+#[cfg(feature = "cli")]
+const MOST_NORAD: u32 = 999_999_999;
+
+/// Satellites, site, camera, rules and run of a question. `None`, `false` and an empty list mean that the key is omitted.
 ///
-/// As TOML, hyphens in keys are as good as underscores, and `site`, `telescope`, `field` and `policy` are either the one
-/// word that the flag takes or a table.
+/// The command line fills it from flags, [`Config::read`] from TOML, plugins from JSON; [`Config::over`] lays one over
+/// another. In TOML, hyphens in keys are as good as underscores, and `site`, `telescope`, `field` and `policy` are either
+/// the value of the flag or a table.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields, default)]
-pub struct Setup {
-    /// Files of element sets.
-    pub elements: Option<OneOrMany<PathBuf>>,
-    /// Names of synthetic constellations, or TOML files of one's own.
-    pub shells: Option<OneOrMany<String>>,
-    /// Take element sets with wrong checksums.
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct Config {
+    /// Element sets: TLE, 2LE, 3LE, OMM as JSON, CSV, XML or KVN, plain or gzipped
+    #[serde(deserialize_with = "one_or_many")]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., help_heading = "Satellites"))]
+    pub elements: Vec<PathBuf>,
+    /// Synthetic constellations (streakcast shells lists them), or a TOML file of your own
+    #[serde(deserialize_with = "one_or_many")]
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "NAME", num_args = 1.., value_delimiter = ',', help_heading = "Satellites")
+    )]
+    pub shells: Vec<String>,
+    /// Accept element sets with a wrong checksum
+    #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Satellites"))]
     pub accept_bad_checksums: Option<bool>,
-    /// Site by name, or a table.
-    pub site: Option<SiteSetup>,
-    /// Site by its MPC code.
-    pub mpc: Option<String>,
-    /// Geodetic latitude (WGS84), degrees, north positive.
-    pub lat: Option<f64>,
-    /// Longitude, degrees, east positive.
-    pub lon: Option<f64>,
-    /// Height above the ellipsoid, metres; 0 where latitude and longitude are said without it.
-    pub height: Option<f64>,
-    /// A file with the element set of a telescope in orbit, instead of a site.
-    pub observer_elements: Option<PathBuf>,
-    /// Its NORAD catalogue number, where the file (or that of the satellites) holds several objects.
-    pub observer_norad: Option<u32>,
-    /// Height above the ground, km, below which the Earth's air hides what a telescope in orbit would see.
-    pub limb_height_km: Option<f64>,
-    /// What casts the Earth's shadow: `geometric`, `atmosphere`.
+    /// Standard magnitudes in the form of McCants' qs.mag
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Satellites"))]
+    pub qs_mag: Option<PathBuf>,
+    /// The Earth's shadow: geometric (the solid Earth), or atmosphere (with refracted and reddened light)
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MODEL", help_heading = "Satellites"))]
     pub shadow: Option<String>,
-    /// An IERS finals2000A file.
-    pub eop: Option<PathBuf>,
-    /// Scale of times that name none: `utc`, `tai`, `tt`.
-    pub time_scale: Option<String>,
-    /// The same as a configuration file says it: for times of which nothing else tells, never against a column's name.
-    #[serde(skip)]
-    pub default_time_scale: Option<String>,
-    /// Shutter opening.
-    pub start: Option<Quantity>,
-    /// Length of the exposure with its unit.
-    pub exposure: Option<Quantity>,
-    /// Right ascension of the field's centre.
-    pub ra: Option<Quantity>,
-    /// Declination of the field's centre.
-    pub dec: Option<Quantity>,
-    /// Full diameter of a circular field with its unit.
+    /// Brightness models.
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub models: Option<ModelsTable>,
+    /// Site on the ground.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub site: SiteConfig,
+    /// A telescope in orbit instead of a site: a file with its element set
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Site"))]
+    pub observer_elements: Option<PathBuf>,
+    /// NORAD number of the telescope in orbit, in that file or, without one, among --elements
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ID", value_parser = norad_id, help_heading = "Site"))]
+    pub observer_norad: Option<u32>,
+    /// Height above the ground, km, below which the air hides what a telescope in orbit looks at; 0 if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "KM", allow_hyphen_values = true, help_heading = "Site"))]
+    pub limb_height_km: Option<f64>,
+    /// Full diameter of a circular field with its unit, as 3.5deg or 40arcmin
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Camera"))]
     pub fov: Option<Quantity>,
-    /// A field file, or a table of shapes.
-    pub field: Option<FieldSetup>,
-    /// Position angle of the field's y axis, degrees from north through east.
+    /// Field of any shape: a JSON file of circles, rectangles and polygons
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Camera"))]
+    pub field: Option<FieldChoice>,
+    /// Position angle of the field's y axis, degrees from north through east
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Camera"))]
     pub rotation: Option<f64>,
-    /// A telescope by name or file, or a table.
-    pub telescope: Option<TelescopeSetup>,
-    /// Passband of the magnitudes.
-    pub band: Option<String>,
-    /// Zero point of the magnitudes, `Vega` or `AB`.
-    pub mag_system: Option<String>,
-    /// Light from the Earth on two-panel models; true where nothing is said.
-    pub earthshine: Option<bool>,
-    /// Extinction of the site in the band, mag per airmass; magnitudes above the air where nothing is said.
+    /// Telescope: atlas, decam, pan-starrs, rubin, small, vst, ztf, or a TOML file
+    #[cfg_attr(feature = "cli", arg(long, value_name = "NAME", help_heading = "Camera"))]
+    pub telescope: Option<TelescopeChoice>,
+    /// Band and light of the magnitudes.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "cli", command(flatten, next_help_heading = "Camera"))]
+    pub light: LightConfig,
+    /// Extinction of the site in the band, mag per airmass: magnitudes below the atmosphere; above it if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Camera"))]
     pub extinction: Option<f64>,
-    /// The Sun's distance of the day in magnitudes; at 1 au where nothing is said.
+    /// Magnitudes with the Sun's distance of the day (up to 0.04 mag), not at 1 au
+    #[cfg_attr(feature = "cli", arg(long, num_args = 0, default_missing_value = "true", help_heading = "Camera"))]
     pub sun_distance: Option<bool>,
-    /// Crossings brighter than this make an exposure one to avoid: one number, or a table by band.
-    pub limit_mag: Option<MagnitudeLimit>,
-    /// Near misses at least this probable count too.
+    /// Near misses count too if they are at least this probable
+    #[cfg_attr(feature = "cli", arg(long, value_name = "P", help_heading = "Camera"))]
     pub min_probability: Option<f64>,
-    /// The longest wait for a clear field, with its unit.
-    pub max_delay: Option<Quantity>,
-    /// A policy file, or a table.
-    pub policy: Option<PolicySetup>,
-    /// Dark crossings too.
+    /// Scale of times that name none: utc, tai or tt
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SCALE", help_heading = "Time"))]
+    pub time_scale: Option<String>,
+    /// Time scale of a configuration file: for times that nothing else gives a scale, never against a column's name.
+    #[serde(skip)]
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub default_time_scale: Option<String>,
+    /// UT1 and polar motion: an IERS finals2000A file
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Time"))]
+    pub eop: Option<PathBuf>,
+    /// Files and threads of the run.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "cli", command(flatten))]
+    pub run: RunConfig,
+    /// One exposure.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub exposure: ExposureConfig,
+    /// Rules for verdicts.
+    #[serde(flatten)]
+    #[cfg_attr(feature = "cli", arg(skip))]
+    pub rules: RulesConfig,
+    /// Include crossings in the Earth's shadow.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub include_dark: Option<bool>,
     /// Points along each track.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub samples: Option<usize>,
-    /// A table of standard magnitudes in the form of McCants' `qs.mag`.
-    pub qs_mag: Option<PathBuf>,
-    /// Brightness models.
-    pub models: Option<ModelsSetup>,
     /// Output format.
+    #[cfg_attr(feature = "cli", arg(skip))]
     pub format: Option<String>,
-    /// Threads.
+}
+
+/// Site on the ground.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct SiteConfig {
+    /// Observatory by name (streakcast sites lists them)
+    #[serde(rename = "site")]
+    #[cfg_attr(feature = "cli", arg(id = "site", long, value_name = "NAME", help_heading = "Site"))]
+    pub named: Option<SiteChoice>,
+    /// Observatory by MPC code
+    #[cfg_attr(feature = "cli", arg(long, value_name = "CODE", help_heading = "Site"))]
+    pub mpc: Option<String>,
+    /// Latitude, degrees north (WGS84)
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site"))]
+    pub lat: Option<f64>,
+    /// Longitude, degrees east
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, help_heading = "Site"))]
+    pub lon: Option<f64>,
+    /// Height above the ellipsoid, metres; 0 if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "M", allow_hyphen_values = true, help_heading = "Site"))]
+    pub height: Option<f64>,
+}
+
+impl SiteConfig {
+    /// Returns true if any key of a site is given.
+    pub fn is_given(&self) -> bool {
+        *self != Self::default()
+    }
+}
+
+/// Band of the magnitudes, and of what light.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct LightConfig {
+    /// Passband of the magnitudes: B V R I u g r i z y G
+    #[cfg_attr(feature = "cli", arg(long, value_name = "BAND"))]
+    pub band: Option<String>,
+    /// Zero point of the magnitudes: Vega or AB; each band has its usual one
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SYSTEM"))]
+    pub mag_system: Option<String>,
+    /// Only sunlight on models made of panels, without light reflected by the Earth
+    #[cfg_attr(feature = "cli", arg(long = "no-earthshine", num_args = 0, default_missing_value = "false"))]
+    pub earthshine: Option<bool>,
+}
+
+/// Files and threads of the run.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct RunConfig {
+    /// Configuration file: these flags by name; flags on the command line override it
+    #[serde(skip)]
+    #[cfg_attr(feature = "cli", arg(long = "config", value_name = "FILE", help_heading = "Run"))]
+    pub file: Option<PathBuf>,
+    /// Threads, 1 to 1024; all cores if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Run"))]
     pub threads: Option<usize>,
-    /// No progress, no warnings.
+    /// No warnings, no progress
+    #[cfg_attr(feature = "cli", arg(long, short, num_args = 0, default_missing_value = "true", help_heading = "Run"))]
     pub quiet: Option<bool>,
 }
 
-impl Setup {
+/// One exposure.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct ExposureConfig {
+    /// Shutter opening, as 2024-08-14T00:30:00.000Z
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
+    pub start: Option<Quantity>,
+    /// Length of the exposure with its unit, as 30s or 2min
+    #[serde(rename = "exposure")]
+    #[cfg_attr(feature = "cli", arg(id = "exposure", long, value_name = "TIME", allow_hyphen_values = true))]
+    pub duration: Option<Quantity>,
+    /// Right ascension of the field's centre (ICRS): 188.5 (degrees) or 12h34m
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", allow_hyphen_values = true))]
+    pub ra: Option<Quantity>,
+    /// Declination of the field's centre (ICRS): -30.5 or -30d30m
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", allow_hyphen_values = true))]
+    pub dec: Option<Quantity>,
+}
+
+/// Rules for verdicts: the policy, and limits that override those in it.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct RulesConfig {
+    /// Policy file (TOML)
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
+    pub policy: Option<PolicyChoice>,
+    /// Crossings brighter than this, in the band asked for, make an exposure one to avoid: 7, or by the exposure's band g=7,y=5,default=6
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true))]
+    pub limit_mag: Option<MagnitudeLimit>,
+    /// The longest wait for a clear field with its unit, as 10min
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME"))]
+    pub max_delay: Option<Quantity>,
+}
+
+/// Keys of a configuration file.
+#[rustfmt::skip]
+const KEYS: [&str; 38] = [
+    "elements", "shells", "accept_bad_checksums", "qs_mag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
+    "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
+    "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
+    "start", "exposure", "ra", "dec", "policy", "limit_mag", "max_delay", "include_dark", "samples", "format",
+];
+
+impl Config {
     /// Reads a configuration file. Relative paths in it start from the folder of the file.
     ///
     /// # Errors
-    /// The file cannot be read, is not TOML, or says something that is not known.
-    pub fn read(path: &Path) -> Result<Self, SetupError> {
+    /// The file cannot be read, is not TOML, or has an unknown key or an invalid value.
+    pub fn read(path: &Path) -> Result<Self, ConfigError> {
         let shown = path.display().to_string();
-        let text = std::fs::read_to_string(path).map_err(|source| SetupError::Io {
+        let text = std::fs::read_to_string(path).map_err(|source| ConfigError::Io {
             what: "configuration",
             path: shown.clone(),
             source,
         })?;
-        let mut setup = Self::from_toml(&text, &shown)?;
-        setup.start_paths_from(path.parent().unwrap_or(Path::new("")));
-        setup.default_time_scale = setup.time_scale.take();
-        Ok(setup)
+        let mut config = Self::from_toml(&text, &shown)?;
+        config.start_paths_from(path.parent().unwrap_or(Path::new("")));
+        config.default_time_scale = config.time_scale.take();
+        Ok(config)
     }
 
-    /// From the text of a configuration file; `origin` (its name) is what errors call it.
+    /// Reads the text of a configuration file; `origin` is its name in errors.
     ///
     /// # Errors
-    /// Text that is not TOML, or says something that is not known.
-    pub fn from_toml(text: &str, origin: &str) -> Result<Self, SetupError> {
-        let error = |error: toml::de::Error| SetupError::Toml {
-            path: origin.to_owned(),
-            message: crate::schedule::toml_error_on_one_line(&error, text),
-        };
-        let keys: toml::Table = toml::from_str(text).map_err(error)?;
+    /// Text that is not TOML, an unknown key, an invalid value.
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, ConfigError> {
+        let error = |message: String| ConfigError::Toml { path: origin.to_owned(), message };
+        let of_toml = |error: &toml::de::Error| crate::schedule::toml_error_on_one_line(error, text);
+        let keys: toml::Table = toml::from_str(text).map_err(|syntax| error(of_toml(&syntax)))?;
         // Flags are spelled with hyphens, TOML keys mostly with underscores.
         let keys: toml::Table = keys.into_iter().map(|(key, value)| (key.replace('-', "_"), value)).collect();
-        Setup::deserialize(keys).map_err(error)
+        if let Some(unknown) = keys.keys().find(|key| !KEYS.contains(&key.as_str())) {
+            return Err(error(format!("unknown field `{unknown}`, expected one of `{}`", KEYS.join("`, `"))));
+        }
+        Config::deserialize(keys.clone()).map_err(|value| {
+            // The parser's message on a value does not name the key.
+            let is_invalid = |(key, value): &(String, toml::Value)| {
+                Config::deserialize(toml::Table::from_iter([(key.clone(), value.clone())])).is_err()
+            };
+            let key = keys.into_iter().find(is_invalid).map(|(key, _)| key).unwrap_or_default();
+            error(format!("{key}: {}", of_toml(&value)))
+        })
     }
 
-    /// All files that it names: what an answer depends on besides the question.
-    pub fn files(&self) -> Vec<&Path> {
-        let mut files: Vec<&Path> = self.elements.iter().flat_map(OneOrMany::as_slice).map(PathBuf::as_path).collect();
-        files.extend([&self.eop, &self.observer_elements, &self.qs_mag].into_iter().flatten().map(PathBuf::as_path));
-        if let Some(FieldSetup::File(path)) = &self.field {
-            files.push(path);
+    /// Lays this configuration over the file that it names, if it names one.
+    ///
+    /// # Errors
+    /// As [`Config::read`].
+    pub fn with_file(self) -> Result<Self, ConfigError> {
+        match &self.run.file {
+            Some(path) => {
+                let base = Config::read(path)?;
+                Ok(self.over(base))
+            }
+            None => Ok(self),
         }
-        if let Some(PolicySetup::File(path)) = &self.policy {
-            files.push(path);
+    }
+
+    /// Returns this configuration, completed by `base`.
+    ///
+    /// Values that belong together are taken together: a site, a field or satellites given here are not mixed with
+    /// those of `base`.
+    pub fn over(mut self, base: Config) -> Config {
+        macro_rules! complete {
+            ($config:ident, $base:ident: $($($field:ident).+),+ $(,)?) => {
+                $($config.$($field).+ = $config.$($field).+.or($base.$($field).+);)+
+            };
         }
-        if let Some(models) = &self.models {
-            files.extend(models.files.iter().chain(&models.qs_mag).map(PathBuf::as_path));
+        if self.elements.is_empty() && self.shells.is_empty() {
+            (self.elements, self.shells) = (base.elements, base.shells);
         }
-        let telescope = match &self.telescope {
-            Some(TelescopeSetup::Name(name)) => Some(name),
-            _ => None,
-        };
-        let names = self.shells.iter().flat_map(OneOrMany::as_slice).chain(telescope);
-        files.extend(names.filter(|name| is_file_name(name)).map(Path::new));
+        if !self.has_viewpoint() {
+            self.site = base.site;
+            (self.observer_elements, self.observer_norad) = (base.observer_elements, base.observer_norad);
+        }
+        if self.fov.is_none() && self.field.is_none() {
+            (self.fov, self.field) = (base.fov, base.field);
+        }
+        complete!(self, base:
+            accept_bad_checksums, qs_mag, shadow, models, limb_height_km, rotation, telescope, light.band,
+            light.mag_system, light.earthshine, extinction, sun_distance, min_probability, time_scale,
+            default_time_scale, eop, run.file, run.threads, run.quiet, exposure.start, exposure.duration, exposure.ra,
+            exposure.dec, rules.policy, rules.limit_mag, rules.max_delay, include_dark, samples, format,
+        );
+        self
+    }
+
+    /// Returns true if a site or a telescope in orbit is given.
+    pub fn has_viewpoint(&self) -> bool {
+        self.site.is_given() || self.is_in_orbit()
+    }
+
+    /// Returns true if a telescope in orbit is given.
+    pub fn is_in_orbit(&self) -> bool {
+        self.observer_elements.is_some() || self.observer_norad.is_some()
+    }
+
+    /// Returns true if files of element sets or synthetic constellations are given.
+    pub fn has_satellites(&self) -> bool {
+        !self.elements.is_empty() || !self.shells.is_empty()
+    }
+
+    /// Returns all files that the configuration names, except the configuration file itself.
+    pub fn files(&self) -> Vec<PathBuf> {
+        // Paths are visited for change in one place; a copy is cheap.
+        let (mut copy, mut files) = (self.clone(), Vec::new());
+        copy.visit_paths(|path| files.push(path.clone()));
         files
     }
 
     fn start_paths_from(&mut self, folder: &Path) {
-        let place = |path: &mut PathBuf| *path = folder.join(&*path);
-        match &mut self.elements {
-            Some(OneOrMany::One(path)) => place(path),
-            Some(OneOrMany::Many(paths)) => paths.iter_mut().for_each(place),
-            None => {}
-        }
-        self.eop.iter_mut().for_each(place);
-        self.observer_elements.iter_mut().for_each(place);
-        self.qs_mag.iter_mut().for_each(place);
-        if let Some(FieldSetup::File(path)) = &mut self.field {
-            place(path);
-        }
-        if let Some(PolicySetup::File(path)) = &mut self.policy {
-            place(path);
-        }
-        if let Some(models) = &mut self.models {
-            models.files.iter_mut().for_each(place);
-            models.qs_mag.iter_mut().for_each(place);
-        }
-        let names = match &mut self.shells {
-            Some(OneOrMany::One(name)) => std::slice::from_mut(name),
-            Some(OneOrMany::Many(names)) => names.as_mut_slice(),
-            None => &mut [],
-        };
-        for name in names.iter_mut().chain(self.telescope.iter_mut().filter_map(TelescopeSetup::name_mut)) {
-            if is_file_name(name) {
-                *name = folder.join(&*name).display().to_string();
-            }
-        }
+        self.visit_paths(|path| *path = folder.join(&*path));
     }
 
-    /// This setup, and where it says nothing, `base`.
-    ///
-    /// What is said together is taken together: a site, a field or elements said here are not mixed with those of `base`.
-    pub fn over(self, base: Setup) -> Setup {
-        let has_site = |setup: &Setup| {
-            setup.site.is_some()
-                || setup.mpc.is_some()
-                || setup.lat.is_some()
-                || setup.lon.is_some()
-                || setup.height.is_some()
-                || setup.observer_elements.is_some()
-                || setup.observer_norad.is_some()
+    fn visit_paths(&mut self, mut visit: impl FnMut(&mut PathBuf)) {
+        self.elements.iter_mut().for_each(&mut visit);
+        [&mut self.eop, &mut self.observer_elements, &mut self.qs_mag].into_iter().flatten().for_each(&mut visit);
+        if let Some(NameOrTable::Name(path)) = &mut self.field {
+            visit(path);
+        }
+        if let Some(NameOrTable::Name(path)) = &mut self.rules.policy {
+            visit(path);
+        }
+        if let Some(models) = &mut self.models {
+            models.files.iter_mut().chain(&mut models.qs_mag).for_each(&mut visit);
+        }
+        let telescope = match &mut self.telescope {
+            Some(NameOrTable::Name(name)) => Some(name),
+            _ => None,
         };
-        let own_site = has_site(&self);
-        let own_field = self.fov.is_some() || self.field.is_some();
-        let own_elements = self.elements.is_some() || self.shells.is_some();
-        Setup {
-            elements: self.elements.or(base.elements.filter(|_| !own_elements)),
-            shells: self.shells.or(base.shells.filter(|_| !own_elements)),
-            accept_bad_checksums: self.accept_bad_checksums.or(base.accept_bad_checksums),
-            site: self.site.or(base.site.filter(|_| !own_site)),
-            mpc: self.mpc.or(base.mpc.filter(|_| !own_site)),
-            lat: self.lat.or(base.lat.filter(|_| !own_site)),
-            lon: self.lon.or(base.lon.filter(|_| !own_site)),
-            height: self.height.or(base.height.filter(|_| !own_site)),
-            observer_elements: self.observer_elements.or(base.observer_elements.filter(|_| !own_site)),
-            observer_norad: self.observer_norad.or(base.observer_norad.filter(|_| !own_site)),
-            limb_height_km: self.limb_height_km.or(base.limb_height_km),
-            shadow: self.shadow.or(base.shadow),
-            eop: self.eop.or(base.eop),
-            time_scale: self.time_scale.or(base.time_scale),
-            default_time_scale: self.default_time_scale.or(base.default_time_scale),
-            start: self.start.or(base.start),
-            exposure: self.exposure.or(base.exposure),
-            ra: self.ra.or(base.ra),
-            dec: self.dec.or(base.dec),
-            fov: self.fov.or(base.fov.filter(|_| !own_field)),
-            field: self.field.or(base.field.filter(|_| !own_field)),
-            rotation: self.rotation.or(base.rotation),
-            telescope: self.telescope.or(base.telescope),
-            band: self.band.or(base.band),
-            mag_system: self.mag_system.or(base.mag_system),
-            earthshine: self.earthshine.or(base.earthshine),
-            extinction: self.extinction.or(base.extinction),
-            sun_distance: self.sun_distance.or(base.sun_distance),
-            limit_mag: self.limit_mag.or(base.limit_mag),
-            min_probability: self.min_probability.or(base.min_probability),
-            max_delay: self.max_delay.or(base.max_delay),
-            policy: self.policy.or(base.policy),
-            include_dark: self.include_dark.or(base.include_dark),
-            samples: self.samples.or(base.samples),
-            qs_mag: self.qs_mag.or(base.qs_mag),
-            models: self.models.or(base.models),
-            format: self.format.or(base.format),
-            threads: self.threads.or(base.threads),
-            quiet: self.quiet.or(base.quiet),
+        for name in self.shells.iter_mut().chain(telescope).filter(|name| is_file_name(name)) {
+            let mut path = PathBuf::from(&*name);
+            visit(&mut path);
+            *name = path.display().to_string();
         }
     }
+}
+
+/// Reads a NORAD catalogue number from the command line.
+///
+/// # Errors
+/// Anything but a number of one to nine digits.
+#[cfg(feature = "cli")]
+pub fn norad_id(text: &str) -> Result<u32, String> {
+    let number = text.parse().ok().filter(|number| (1..=MOST_NORAD).contains(number));
+    number.ok_or_else(|| format!("allowed: NORAD catalogue numbers, 1 to {MOST_NORAD}, as 25544"))
 }
 
 #[cfg(test)]
@@ -250,45 +376,75 @@ mod tests {
     use super::*;
 
     #[test]
-    fn tables_and_words_hyphens_and_underscores() {
-        let setup = Setup::from_toml(
+    fn tables_and_names_hyphens_and_underscores() {
+        let config = Config::from_toml(
             "shells = 'starlink-gen1'\nlimit-mag = 7\nexposure = '30s'\nra = 188.5\n[site]\nmpc = 'X05'\n\
              [telescope]\npreset = 'rubin'\n[policy]\nmargin_s = 3\n[field]\ncircle_deg = 3.5\n",
             "t.toml",
         )
         .unwrap();
-        assert_eq!(setup.shells.as_ref().unwrap().as_slice(), ["starlink-gen1"]);
-        assert_eq!(setup.limit_mag, Some(MagnitudeLimit::All(7.0)));
-        assert_eq!(setup.ra.as_ref().unwrap().text(), "188.5");
-        assert!(matches!(&setup.site, Some(SiteSetup::Table(table)) if table.mpc.as_deref() == Some("X05")));
-        assert!(matches!(&setup.policy, Some(PolicySetup::Table(policy)) if policy.margin_s == Some(3.0)));
-        let words =
-            Setup::from_toml("site = 'Rubin'\ntelescope = 'rubin'\nelements = ['a.tle', 'b.tle']\n", "t.toml").unwrap();
-        assert_eq!(words.site, Some(SiteSetup::Name("Rubin".into())));
-        assert_eq!(words.elements.unwrap().as_slice().len(), 2);
+        assert_eq!(config.shells, ["starlink-gen1"]);
+        assert_eq!(config.rules.limit_mag, Some(MagnitudeLimit::All(7.0)));
+        assert_eq!(config.exposure.ra.as_ref().unwrap().as_str(), "188.5");
+        assert_eq!(config.telescope, Some(NameOrTable::Name("rubin".into())));
+        let mpc =
+            |table: &SiteChoice| matches!(table, NameOrTable::Table(table) if table.mpc.as_deref() == Some("X05"));
+        assert!(config.site.named.as_ref().is_some_and(mpc));
+        let margin =
+            |policy: &PolicyChoice| matches!(policy, NameOrTable::Table(policy) if policy.margin_s == Some(3.0));
+        assert!(config.rules.policy.as_ref().is_some_and(margin));
+        let names = "site = 'Rubin'\ntelescope = 'rubin'\nelements = ['a.tle', 'b.tle']\n";
+        let names = Config::from_toml(names, "t.toml").unwrap();
+        assert_eq!(names.site.named, Some(NameOrTable::Name("Rubin".into())));
+        assert_eq!(names.elements.len(), 2);
     }
 
     #[test]
-    fn what_is_not_known_is_refused() {
+    fn unknown_keys_and_invalid_values_are_rejected() {
         for text in ["limitmag = 7\n", "[site]\nlatitude = 3\n", "samples = -1\n", "x", "[policy]\nlimit = 3\n"] {
-            let message = Setup::from_toml(text, "t.toml").unwrap_err().to_string();
+            let message = Config::from_toml(text, "t.toml").unwrap_err().to_string();
             assert!(message.starts_with("configuration t.toml: ") && !message.contains('\n'), "{text}: {message}");
+        }
+        // As plugins give them.
+        assert!(serde_json::from_str::<Config>(r#"{"limitmag": 7}"#).is_err());
+    }
+
+    #[test]
+    fn every_listed_key_is_a_key() {
+        for key in KEYS {
+            // A few keys take a list of texts; no other error than one of the value is possible.
+            let error = Config::from_toml(&format!("{key} = ['']"), "t.toml").err().map(|error| error.to_string());
+            assert!(!error.as_ref().is_some_and(|message| message.contains("unknown")), "{key}: {error:?}");
+        }
+    }
+
+    #[cfg(feature = "cli")]
+    #[test]
+    fn every_flag_is_a_listed_key() {
+        use clap::Args;
+        let flags = Config::augment_args(clap::Command::new("all"));
+        let flags = ExposureConfig::augment_args(RulesConfig::augment_args(flags));
+        for flag in flags.get_arguments().filter_map(clap::Arg::get_long) {
+            let key = flag.trim_start_matches("no-").replace('-', "_");
+            assert!(key == "config" || KEYS.contains(&key.as_str()), "{key}");
         }
     }
 
     #[test]
-    fn what_is_said_together_is_taken_together() {
-        let base = Setup {
-            lat: Some(1.0),
-            lon: Some(2.0),
-            height: Some(3.0),
-            fov: Some(Quantity::Text("1deg".into())),
-            ..Setup::default()
+    fn values_that_belong_together_are_taken_together() {
+        let base = Config {
+            site: SiteConfig { lat: Some(1.0), lon: Some(2.0), height: Some(3.0), ..SiteConfig::default() },
+            fov: Some(Quantity("1deg".into())),
+            ..Config::default()
         };
-        let flags = Setup { mpc: Some("X05".into()), limit_mag: Some(MagnitudeLimit::All(6.0)), ..Setup::default() };
+        let flags = Config {
+            site: SiteConfig { mpc: Some("X05".into()), ..SiteConfig::default() },
+            rules: RulesConfig { limit_mag: Some(MagnitudeLimit::All(6.0)), ..RulesConfig::default() },
+            ..Config::default()
+        };
         let both = flags.over(base);
-        assert_eq!((both.lat, both.height, both.mpc.as_deref()), (None, None, Some("X05")));
-        assert_eq!(both.limit_mag, Some(MagnitudeLimit::All(6.0)));
+        assert_eq!((both.site.lat, both.site.height, both.site.mpc.as_deref()), (None, None, Some("X05")));
+        assert_eq!(both.rules.limit_mag, Some(MagnitudeLimit::All(6.0)));
         assert!(both.fov.is_some());
     }
 
@@ -297,10 +453,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("streakcast.toml");
         std::fs::write(&path, "elements = 'a.tle'\ntelescope = 'mine.toml'\nshells = ['oneweb']\n").unwrap();
-        let setup = Setup::read(&path).unwrap();
-        assert_eq!(setup.elements.unwrap().as_slice(), [folder.path().join("a.tle")]);
+        let config = Config::read(&path).unwrap();
+        assert_eq!(config.elements, [folder.path().join("a.tle")]);
         let mine = folder.path().join("mine.toml").display().to_string();
-        assert_eq!(setup.telescope, Some(TelescopeSetup::Name(mine)));
-        assert_eq!(setup.shells.unwrap().as_slice(), ["oneweb"]);
+        assert_eq!(config.telescope, Some(NameOrTable::Name(mine)));
+        assert_eq!(config.shells, ["oneweb"]);
+        assert_eq!(config.files().len(), 2);
     }
 }

@@ -1,33 +1,39 @@
-//! Why a setup cannot be used.
+//! Errors of a configuration, and of the requests beside it.
 
 use std::io;
 
 use thiserror::Error;
 
 use crate::elements::{CatalogueError, ShellError};
-use crate::frames::FramesError;
+use crate::forecast::ForecastError;
+use crate::frames::{FramesError, InstantError};
 use crate::geometry::GeometryError;
+use crate::identify::IdentifyError;
+#[cfg(feature = "fits")]
+use crate::images::FrameError;
 use crate::images::TelescopeError;
 use crate::orbit::OrbitError;
 use crate::passes::{FieldError, SkyError, UnknownModel};
 use crate::photometry::{BandError, ModelFileError, StandardMagnitudesError};
-use crate::schedule::{InstantError, PolicyError};
+use crate::schedule::{PolicyError, ScheduleError};
+#[cfg(feature = "fits")]
+use crate::streaks::InjectionError;
 
-/// Why a setup cannot be used: what was given, and what is allowed.
+/// Errors of a configuration: what was given, and what is accepted.
 #[derive(Debug, Error)]
 #[non_exhaustive]
-pub enum SetupError {
-    /// A file named in the setup cannot be read.
+pub enum ConfigError {
+    /// A file of the configuration cannot be read.
     #[error("{what} {path}: {source}")]
     Io {
         /// What the file is for.
         what: &'static str,
         /// The file.
         path: String,
-        /// What the system said.
+        /// The system's error.
         source: io::Error,
     },
-    /// The configuration file is not what it should be.
+    /// The configuration file is invalid.
     #[error("configuration {path}: {message}")]
     Toml {
         /// The file.
@@ -35,7 +41,7 @@ pub enum SetupError {
         /// What and where.
         message: String,
     },
-    /// The policy file is not what it should be.
+    /// The policy file is invalid.
     #[error("policy {path}: {message}")]
     PolicyFile {
         /// The file.
@@ -43,15 +49,15 @@ pub enum SetupError {
         /// What and where.
         message: String,
     },
-    /// Something that must be said was not.
+    /// A required value is missing.
     #[error("no {what}; say {allowed}")]
     Missing {
         /// What is missing.
         what: &'static str,
-        /// How to say it.
+        /// How to specify it.
         allowed: &'static str,
     },
-    /// Two things were said that exclude each other.
+    /// Two values exclude each other.
     #[error("{first} and {second} exclude each other; say one of them")]
     Both {
         /// The one.
@@ -59,7 +65,7 @@ pub enum SetupError {
         /// The other.
         second: &'static str,
     },
-    /// A value of no known form.
+    /// A value of unknown form.
     #[error("{what} '{given}' is not known; allowed: {allowed}")]
     Value {
         /// What it is for.
@@ -69,7 +75,7 @@ pub enum SetupError {
         /// What is allowed.
         allowed: &'static str,
     },
-    /// A site that is not known, and looks like none that is.
+    /// An unknown site, with no similar name known.
     #[error(
         "unknown site {0:?}; no known name is near it: streakcast sites lists them, --lat, --lon and --height say any other place"
     )]
@@ -81,7 +87,7 @@ pub enum SetupError {
     NoObserver {
         /// As given.
         id: u32,
-        /// How many objects there are.
+        /// Number of objects.
         count: usize,
     },
     /// The file of the telescope in orbit holds several objects.
@@ -92,7 +98,7 @@ pub enum SetupError {
         /// Number of the first.
         first: u32,
     },
-    /// The telescope in orbit sees nothing: it is below what counts as the Earth's limb.
+    /// The telescope in orbit is below the Earth's limb.
     #[error(
         "{name} is at {at_km:.0} km, below the limb height of {height_km} km; allowed: --limb-height-km below its orbit"
     )]
@@ -104,7 +110,7 @@ pub enum SetupError {
         /// Height of the limb, km.
         height_km: f64,
     },
-    /// The policy asks the telescope for limits that its file lacks.
+    /// The policy refers to limits that the file of the telescope lacks.
     #[error(
         "the policy says {key} = \"telescope\", but the file of {telescope} has no such limit in any band; \
          allowed: numbers in the policy, or a telescope whose file has them ([limits.g] and so on)"
@@ -138,19 +144,19 @@ pub enum SetupError {
         /// What is allowed.
         allowed: &'static str,
     },
-    /// Not one element set gives a position at the time asked for.
+    /// No element set gives a position at the time of the question.
     #[error(
         "none of the {satellites} element sets gives a position at {moment}: {first}; allowed: elements of about that time"
     )]
     NothingPropagates {
-        /// How many there are.
+        /// Number of element sets.
         satellites: usize,
         /// When.
         moment: String,
         /// Why the first of them does not.
         first: String,
     },
-    /// A generation of satellites that is not known.
+    /// An unknown generation of satellites.
     #[error("unknown generation {given:?}; known are {known}")]
     UnknownGeneration {
         /// As given.
@@ -173,7 +179,7 @@ pub enum SetupError {
     /// Dates, angles, Earth orientation.
     #[error(transparent)]
     Frames(#[from] FramesError),
-    /// A time that does not name its scale, or is none.
+    /// A time that is invalid or names no scale.
     #[error(transparent)]
     Instant(#[from] InstantError),
     /// Field of view.
@@ -197,4 +203,48 @@ pub enum SetupError {
     /// The sky.
     #[error(transparent)]
     Sky(#[from] SkyError),
+}
+
+/// Errors of a forecast, an identification or an injection that is requested.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum RequestError {
+    /// The request is incomplete, contradicts itself, or is out of range: what, and what is accepted.
+    #[error("{0}")]
+    Invalid(String),
+    /// Site, times, units.
+    #[error(transparent)]
+    Config(#[from] ConfigError),
+    /// An angle.
+    #[error(transparent)]
+    Angle(#[from] FramesError),
+    /// A number of a forecast.
+    #[error(transparent)]
+    Forecast(#[from] ForecastError),
+    /// A measured streak.
+    #[error(transparent)]
+    Streak(#[from] IdentifyError),
+    /// A schedule.
+    #[error(transparent)]
+    Schedule(#[from] ScheduleError),
+    /// A frame that cannot be read.
+    #[cfg(feature = "fits")]
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// An injection.
+    #[cfg(feature = "fits")]
+    #[error(transparent)]
+    Injection(#[from] InjectionError),
+}
+
+impl RequestError {
+    pub(super) fn invalid(message: impl Into<String>) -> Self {
+        Self::Invalid(message.into())
+    }
+}
+
+impl From<InstantError> for RequestError {
+    fn from(error: InstantError) -> Self {
+        Self::Config(error.into())
+    }
 }

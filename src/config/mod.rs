@@ -1,27 +1,40 @@
-//! One document that names site, elements, models, camera and policy, and what it takes to make a sky of it.
+//! Configuration: one document for satellites, site, models, camera and rules, filled by flags, files and plugins.
 //!
-//! Every face fills the same [`Setup`]: the command line from its flags, a configuration file (TOML) from its keys, a
-//! plugin from its arguments. Laid over each other ([`Setup::over`]) they are resolved here and nowhere else.
+//! [`Config`] is the document; [`ForecastConfig`], [`IdentifyConfig`] and `InjectionConfig` are those of a request beside
+//! it. Each is resolved once, with all checks: to an [`ObservationPlan`], a [`PreparedSky`], a
+//! [`ForecastRequest`](crate::forecast::ForecastRequest), an [`IdentifyPlan`], or an `InjectionPlan` of
+//! [`streaks`](crate::streaks). The command line derives its flags from the same structures (feature `cli`).
 
-mod camera;
-mod choices;
 mod document;
 mod error;
+mod forecast;
 mod health;
-mod place;
+mod identify;
+#[cfg(feature = "fits")]
+mod identify_frame;
+#[cfg(feature = "fits")]
+mod injection;
+mod inputs;
+mod observation;
 mod prepared;
-mod requests;
-mod resolve;
-mod scales;
-mod units;
+mod site;
+mod values;
 mod warnings;
 
-pub use choices::{FieldSetup, ModelsSetup, OneOrMany, PolicySetup, Quantity, SiteSetup, SiteTable, TelescopeSetup};
-pub use document::Setup;
-pub use error::SetupError;
+#[cfg(feature = "cli")]
+pub use document::norad_id;
+pub use document::{Config, ExposureConfig, LightConfig, RulesConfig, RunConfig, SiteConfig};
+pub use error::{ConfigError, RequestError};
+pub use forecast::{ForecastConfig, time_range};
 pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
-pub use prepared::{Prepared, Stock};
-pub use requests::{ForecastSaid, QuestionError, StreakAsked, StreakSaid, above_the_horizon, time_range};
-pub use resolve::{MOST_SAMPLES, OLD_ELEMENTS_DAYS};
-pub use scales::state_scales;
-pub use units::{parse_angle_deg, parse_duration_s, parse_moment, parse_time_scale};
+pub use identify::{IdentifyConfig, IdentifyPlan};
+#[cfg(feature = "fits")]
+pub use injection::{InjectionConfig, SkyOf, inject_frames, inject_into_array};
+pub use inputs::LoadedInputs;
+pub use observation::{MOST_SAMPLES, ObservationPlan};
+pub use prepared::{PreparedSky, state_scales};
+pub use values::{
+    FieldChoice, ModelsTable, NameOrTable, Numbers, PolicyChoice, Quantity, SiteChoice, SiteTable, TelescopeChoice,
+    parse_angle_deg, parse_duration_s, parse_time_scale,
+};
+pub use warnings::OLD_ELEMENTS_DAYS;

@@ -1,145 +1,67 @@
-//! A setup made ready: the sky of its elements over its site, what it rests on, and what the user should know.
+//! Skies prepared for the times of a question, with their provenance and warnings.
 
 use std::collections::BTreeSet;
 
 use hifitime::Epoch;
 use serde_json::json;
 
-use crate::elements::{Catalogue, Constellation, ElementSet, Generation, Rejected, SourceFile};
+use crate::elements::{Constellation, ElementSet, Rejected, SourceFile};
 use crate::frames::{EopTable, seconds_after, seconds_between};
-use crate::geometry::{ShadowModel, Site};
+use crate::geometry::Site;
 use crate::orbit::LeftOut;
 use crate::output::{Provenance, format_utc};
-use crate::passes::{ModelChoice, OrbitingObserver, Sky, Viewpoint};
-use crate::photometry::{ModelLibrary, StandardMagnitudes};
+use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
+use crate::photometry::PhotometryOptions;
+use crate::schedule::lowest_altitudes_rad;
 
-use super::document::Setup;
-use super::error::SetupError;
-use super::resolve::{read_text, synthetic};
+use super::document::Config;
+use super::error::{ConfigError, RequestError};
+use super::inputs::LoadedInputs;
 use super::warnings;
 
-/// How many rejected records are listed in JSON; the count beside them is of all.
+/// Largest number of rejected records listed in JSON; the count beside them is of all.
 const LISTED: usize = 1000;
 
-/// Everything that a question needs besides the question.
+/// Sky of a site, or of a telescope in orbit, with what its answers rest on.
 #[derive(Debug)]
-pub struct Prepared {
+pub struct PreparedSky {
     /// Satellites over the site.
     pub sky: Sky,
-    /// The Earth's orientation that the sky turns with.
+    /// Earth orientation of the sky.
     pub eop: EopTable,
-    /// What the answers rest on; the question's own statements come behind.
+    /// Provenance of the answers; the statements of the question follow it.
     pub provenance: Provenance,
-    /// What the user should know, each counted.
+    /// Warnings for the user, each with its count.
     pub warnings: Vec<String>,
-    /// Of `warnings` those of files and shells, which hold whatever moment is asked about.
+    /// Those of `warnings` about files and shells, which hold at any time.
     of_files: Vec<String>,
-    /// How many of the sky's satellites, the first of them, came from files.
+    /// Number of satellites from files: the first ones of the sky.
     from_files: usize,
-    /// The day that synthetic satellites were made for; `None` without any.
+    /// Day of the synthetic satellites; `None` without any.
     shells_made_for: Option<Epoch>,
 }
 
-/// All that a setup names, read once: skies for any times come out of it, and no file is asked again (but that of a telescope in orbit).
-#[derive(Clone, Debug)]
-pub struct Stock {
-    setup: Setup,
-    shadow: ShadowModel,
-    eop: EopTable,
-    catalogue: Option<Catalogue>,
-    constellations: Vec<Constellation>,
-    choice: ModelChoice,
-}
-
-impl Setup {
-    /// Reads all that was named and makes the sky ready for questions from `first` to `last`.
+impl Config {
+    /// Reads all inputs and prepares the sky for questions from `first` to `last`.
     ///
-    /// Of several element sets of one object the one nearest to the middle is taken; shells are made for the beginning of the UTC day
-    /// of `first`.
+    /// Of several element sets of one object the one nearest to the middle is used; shells are made for the beginning of the
+    /// UTC day of `first`.
     ///
     /// # Errors
-    /// Neither elements nor shells were said, or whatever is wrong with what was.
-    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<Prepared, SetupError> {
-        self.stock_with(self.catalogue(middle_of(first, last))?)?.prepare(first, last)
-    }
-
-    /// Reads all that was named, with every element set of every object, for skies of many nights.
-    ///
-    /// # Errors
-    /// As [`Setup::prepare`].
-    pub fn stock(&self) -> Result<Stock, SetupError> {
-        self.stock_with(self.whole_catalogue()?)
-    }
-
-    fn stock_with(&self, catalogue: Option<Catalogue>) -> Result<Stock, SetupError> {
-        let (shadow, eop) = (self.shadow()?, self.eop_table()?);
-        let constellations = self.constellations()?;
-        if catalogue.is_none() && constellations.is_empty() {
-            let allowed = "--elements FILE..., or, without any download, --shells starlink-gen1 (synthetic; see streakcast shells)";
-            return Err(SetupError::Missing { what: "satellites", allowed });
-        }
-        let choice = self.model_choice()?;
-        Ok(Stock { setup: self.clone(), shadow, eop, catalogue, constellations, choice })
-    }
-
-    fn observer_json(&self, observer: &OrbitingObserver) -> serde_json::Value {
-        json!({
-            "norad_id": observer.norad_id().0,
-            "name": observer.name(),
-            "elements_epoch_utc": format_utc(observer.elements_epoch(), 3),
-            "file": self.observer_elements.as_ref().map(|path| path.display().to_string()),
-            "limb_height_km": observer.limb().height_km,
-        })
-    }
-
-    /// The shipped models and those of the setup's own files, by name.
-    ///
-    /// # Errors
-    /// A file that cannot be read or is no model.
-    pub fn model_library(&self) -> Result<ModelLibrary, SetupError> {
-        let mut library = ModelLibrary::embedded();
-        for path in self.models.iter().flat_map(|models| &models.files) {
-            library.add_json(&read_text("model", path)?, &path.display().to_string())?;
-        }
-        Ok(library)
-    }
-
-    /// Which model goes with which satellite.
-    ///
-    /// # Errors
-    /// As [`Setup::model_library`]; a generation or model that is not known; a table of standard magnitudes that is none.
-    pub fn model_choice(&self) -> Result<ModelChoice, SetupError> {
-        let library = self.model_library()?;
-        let mut choice = ModelChoice::new(&library)?;
-        for (generation, model) in self.models.iter().flat_map(|models| &models.generations) {
-            let generation = Generation::by_name(generation).ok_or_else(|| SetupError::UnknownGeneration {
-                given: generation.clone(),
-                known: Generation::ALL.map(Generation::name).join(", "),
-            })?;
-            choice = choice.with_model(generation, model, &library)?;
-        }
-        if let Some(path) = self.qs_mag.as_deref().or(self.models.as_ref().and_then(|models| models.qs_mag.as_deref()))
-        {
-            let magnitudes = StandardMagnitudes::from_qs_mag(&read_text("standard magnitudes", path)?)?;
-            choice = choice.with_standard_magnitudes(magnitudes);
-        }
-        Ok(choice)
+    /// As [`Config::load`] and [`LoadedInputs::prepare`].
+    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, ConfigError> {
+        self.load_with(self.catalogue(middle_of(first, last))?)?.prepare(first, last)
     }
 }
 
-impl Stock {
-    /// The files of elements as they were read; none where all satellites are synthetic.
-    pub fn sources(&self) -> &[SourceFile] {
-        self.catalogue.as_ref().map_or(&[], |catalogue| &catalogue.sources)
-    }
-
-    /// The sky ready for questions from `first` to `last`, as of [`Setup::prepare`].
+impl LoadedInputs {
+    /// Prepares the sky for questions from `first` to `last`, as [`Config::prepare`].
     ///
     /// # Errors
-    /// No site or a bad one; none of the satellites has a place at that time.
-    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<Prepared, SetupError> {
+    /// No site or an invalid one; no satellite has a position at that time.
+    pub fn prepare(&self, first: Epoch, last: Epoch) -> Result<PreparedSky, ConfigError> {
         let middle = middle_of(first, last);
-        let viewpoint = self.setup.viewpoint(middle)?;
+        let viewpoint = self.config.viewpoint(middle)?;
         let mut of_files = Vec::new();
         let mut provenance = Provenance::new();
         let mut elements: Vec<ElementSet> = Vec::new();
@@ -157,8 +79,9 @@ impl Stock {
         if let Some(day) = shells_made_for {
             let stated: Vec<_> = self.constellations.iter().map(constellation_json).collect();
             provenance.state("shells", stated);
-            // One epoch for all questions of a day, so that a schedule and a single exposure of it see the same satellites.
-            let satellites = synthetic(&self.constellations, day);
+            // One epoch for all questions of a day: a schedule and a single exposure of it have the same satellites.
+            let satellites: Vec<ElementSet> =
+                self.constellations.iter().flat_map(|constellation| constellation.element_sets(day)).collect();
             let names: Vec<&str> =
                 self.constellations.iter().map(|constellation| constellation.name.as_str()).collect();
             of_files.push(format!(
@@ -176,7 +99,7 @@ impl Stock {
                 provenance.state("frame", "ICRS astrometric topocentric");
             }
             Viewpoint::Orbit(observer) => {
-                provenance.state("observer", self.setup.observer_json(observer));
+                provenance.state("observer", observer_json(&self.config, observer));
                 provenance.state("frame", "ICRS astrometric, from the observer's orbit");
             }
         }
@@ -191,16 +114,16 @@ impl Stock {
             (0..sky.elements().len()).map(|index| sky.model(index).source().to_string()).collect();
         provenance.state("models", models.into_iter().collect::<Vec<_>>());
         let warnings = Vec::new();
-        let mut prepared = Prepared { sky, eop, provenance, warnings, of_files, from_files, shells_made_for };
+        let mut prepared = PreparedSky { sky, eop, provenance, warnings, of_files, from_files, shells_made_for };
         prepared.warnings = prepared.warnings_at(first, last);
         Ok(prepared)
     }
 }
 
-impl Prepared {
-    /// What the user should know of a question from `first` to `last`, each counted: of the files, and how far the question is from the elements.
+impl PreparedSky {
+    /// Returns the warnings for a question from `first` to `last`: about the files, and about the age of the elements.
     ///
-    /// For the times that all was prepared for they are `warnings`; a sky that is kept may be asked about others.
+    /// For the times of preparation they are `warnings`; a sky that is kept is used for others.
     pub fn warnings_at(&self, first: Epoch, last: Epoch) -> Vec<String> {
         let mut warnings = self.of_files.clone();
         warnings.extend(warnings::of_age(&self.sky.elements()[..self.from_files], first, last));
@@ -212,11 +135,29 @@ impl Prepared {
         warnings
     }
 
-    /// A warning that names satellites left out, where there are any.
+    /// Rejects an exposure that is below the horizon, or the Earth's limb, at any time; `what` is its name in the error.
     ///
     /// # Errors
-    /// All of them were: no answer is better than a sky called clear.
-    pub fn left_out_warning(&self, left_out: &[LeftOut], moment: Epoch) -> Result<Option<String>, SetupError> {
+    /// An altitude below 0°.
+    pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), RequestError> {
+        let viewpoint = self.sky.viewpoint();
+        match lowest_altitudes_rad(&[exposure], viewpoint, &self.eop).first() {
+            Some(altitude_rad) if *altitude_rad < 0.0 => Err(RequestError::invalid(format!(
+                "the {what} is below {} of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
+                viewpoint.border_name(),
+                viewpoint.name(),
+                format_utc(exposure.start, 0),
+                altitude_rad.to_degrees()
+            ))),
+            _ => Ok(()),
+        }
+    }
+
+    /// Returns a warning that lists satellites left out, if there are any.
+    ///
+    /// # Errors
+    /// All satellites are left out: an error is better than a sky that is called clear.
+    pub fn left_out_warning(&self, left_out: &[LeftOut], moment: Epoch) -> Result<Option<String>, ConfigError> {
         let Some(first) = left_out.first() else { return Ok(None) };
         if left_out.len() == self.sky.elements().len() {
             return Err(nothing_propagates(&self.sky, left_out, moment));
@@ -225,16 +166,32 @@ impl Prepared {
     }
 }
 
+/// States time scale and photometry in the provenance of an answer.
+pub fn state_scales(provenance: &mut Provenance, time_scale: &str, photometry: &PhotometryOptions) {
+    provenance.state("time_scale", time_scale);
+    provenance.state_all(photometry.statements());
+}
+
 fn middle_of(first: Epoch, last: Epoch) -> Epoch {
     seconds_after(first, 0.5 * seconds_between(first, last))
 }
 
-fn nothing_propagates(sky: &Sky, left_out: &[LeftOut], moment: Epoch) -> SetupError {
-    SetupError::NothingPropagates {
+fn nothing_propagates(sky: &Sky, left_out: &[LeftOut], moment: Epoch) -> ConfigError {
+    ConfigError::NothingPropagates {
         satellites: sky.elements().len(),
         moment: format_utc(moment, 0),
         first: left_out.first().map(|one| one.reason.to_string()).unwrap_or_default(),
     }
+}
+
+fn observer_json(config: &Config, observer: &OrbitingObserver) -> serde_json::Value {
+    json!({
+        "norad_id": observer.norad_id().0,
+        "name": observer.name(),
+        "elements_epoch_utc": format_utc(observer.elements_epoch(), 3),
+        "file": config.observer_elements.as_ref().map(|path| path.display().to_string()),
+        "limb_height_km": observer.limb().height_km,
+    })
 }
 
 fn source_json(source: &SourceFile) -> serde_json::Value {
@@ -286,18 +243,18 @@ fn start_of_utc_day(epoch: Epoch) -> Epoch {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::parse_instant;
+    use crate::frames::parse_instant;
 
     fn utc(text: &str) -> Epoch {
         parse_instant(text, None).unwrap()
     }
 
-    fn shells(more: &str) -> Setup {
-        Setup::from_toml(&format!("shells = 'oneweb'\nmpc = 'X05'\n{more}"), "t.toml").unwrap()
+    fn shells(more: &str) -> Config {
+        Config::from_toml(&format!("shells = 'oneweb'\nmpc = 'X05'\n{more}"), "t.toml").unwrap()
     }
 
     #[test]
-    fn synthetic_satellites_are_said_to_be_so() {
+    fn synthetic_satellites_are_named_as_such() {
         let start = utc("2024-08-14T00:30:00Z");
         let prepared = shells("").prepare(start, start).unwrap();
         assert_eq!(prepared.sky.elements().len(), 6372);
@@ -312,11 +269,11 @@ mod tests {
     }
 
     #[test]
-    fn a_sky_that_is_kept_is_warned_of_at_other_times() {
+    fn a_sky_that_is_kept_has_warnings_for_other_times() {
         let start = utc("2026-07-08T20:00:00Z");
-        let (_folder, mut setup) = with_bad_checksums(1);
-        setup.shells = shells("").shells;
-        let prepared = setup.prepare(start, start).unwrap();
+        let (_folder, mut config) = with_bad_checksums(1);
+        config.shells = shells("").shells;
+        let prepared = config.prepare(start, start).unwrap();
         assert_eq!(prepared.warnings_at(start, start), prepared.warnings);
         let count = prepared.warnings.len();
         assert!(!prepared.warnings.iter().any(|warning| warning.contains("days")), "{:?}", prepared.warnings);
@@ -328,34 +285,34 @@ mod tests {
     }
 
     #[test]
-    fn no_satellites_is_an_error_that_shows_the_way() {
+    fn no_satellites_is_an_error_with_the_accepted_flags() {
         let start = utc("2024-08-14T00:30:00Z");
-        let setup = Setup::from_toml("mpc = 'X05'", "t.toml").unwrap();
-        let message = setup.prepare(start, start).unwrap_err().to_string();
+        let config = Config::from_toml("mpc = 'X05'", "t.toml").unwrap();
+        let message = config.prepare(start, start).unwrap_err().to_string();
         assert!(message.contains("--elements") && message.contains("--shells starlink-gen1"), "{message}");
     }
 
     const GOOD: &str = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999\n\
                         2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097\n";
 
-    /// The setup of a file with one good element set and some with a wrong checksum, with its folder.
-    fn with_bad_checksums(bad: usize) -> (tempfile::TempDir, Setup) {
+    /// Returns a configuration with one good element set and some of wrong checksums, with its folder.
+    fn with_bad_checksums(bad: usize) -> (tempfile::TempDir, Config) {
         let folder = tempfile::tempdir().unwrap();
         let text = GOOD.to_owned() + &GOOD.replace("575097", "575098").repeat(bad);
         std::fs::write(folder.path().join("a.tle"), text).unwrap();
         let path = folder.path().join("a.tle").display().to_string();
-        (folder, Setup::from_toml(&format!("elements = '{path}'\nmpc = 'X05'"), "t.toml").unwrap())
+        (folder, Config::from_toml(&format!("elements = '{path}'\nmpc = 'X05'"), "t.toml").unwrap())
     }
 
     #[test]
-    fn rejected_records_are_counted_listed_and_told_how_to_be_taken() {
+    fn rejected_records_are_counted_and_listed() {
         let start = utc("2026-07-08T20:00:00Z");
-        let (_folder, setup) = with_bad_checksums(1);
-        let warning = setup.prepare(start, start).unwrap().warnings.remove(0);
+        let (_folder, config) = with_bad_checksums(1);
+        let warning = config.prepare(start, start).unwrap().warnings.remove(0);
         assert!(warning.starts_with("1 of 2 records rejected (1 for a wrong checksum; --accept-bad-ch"), "{warning}");
 
-        let (_folder, setup) = with_bad_checksums(1200);
-        let prepared = setup.prepare(start, start).unwrap();
+        let (_folder, config) = with_bad_checksums(1200);
+        let prepared = config.prepare(start, start).unwrap();
         let warning = &prepared.warnings[0];
         assert!(
             warning.starts_with("1200 of 1201 records rejected, more than half: the answer is incomplete"),
@@ -378,7 +335,7 @@ mod tests {
     }
 
     #[test]
-    fn an_expired_table_says_so() {
+    fn an_expired_table_is_a_warning() {
         let start = utc("2034-08-14T00:30:00Z");
         let prepared = shells("").prepare(start, start).unwrap();
         assert!(prepared.warnings.iter().any(|warning| warning.contains("table ended") && warning.contains("--eop")));

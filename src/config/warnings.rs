@@ -1,4 +1,4 @@
-//! What the user should know of files, elements and tables, each counted: one function a warning.
+//! Warnings about files, elements and tables, each with its count.
 
 use hifitime::{Epoch, TimeScale, Unit};
 
@@ -8,15 +8,15 @@ use crate::orbit::LeftOut;
 use crate::output::{counted, format_utc};
 use crate::passes::OrbitingObserver;
 
-use super::resolve::OLD_ELEMENTS_DAYS;
-
+/// Beyond this age, either way, element sets draw a warning, days.
+pub const OLD_ELEMENTS_DAYS: f64 = 14.0;
 /// Beyond this age, either way, the elements of a telescope in orbit draw a warning, days.
 const OLD_OBSERVER_DAYS: f64 = 3.0;
 
-/// How many of many are named in a warning.
+/// Number of objects named in a warning.
 const NAMED: usize = 3;
 
-/// Satellites without a place, of which there is a first.
+/// Satellites without a position, of which there is a first.
 pub(super) fn of_left_out(left_out: &[LeftOut], first: &LeftOut, satellites: usize) -> String {
     let named: Vec<String> = left_out.iter().take(NAMED).map(|one| one.norad_id.to_string()).collect();
     let more = if left_out.len() > NAMED { ", ..." } else { "" };
@@ -29,7 +29,7 @@ pub(super) fn of_left_out(left_out: &[LeftOut], first: &LeftOut, satellites: usi
     )
 }
 
-/// What was not taken from files, or in spite of something.
+/// Records rejected, files cut short, and records accepted in spite of a wrong checksum.
 pub(super) fn of_catalogue(catalogue: &Catalogue) -> Vec<String> {
     let mut warnings = Vec::new();
     let rejected = catalogue.rejected.len();
@@ -59,10 +59,10 @@ pub(super) fn of_catalogue(catalogue: &Catalogue) -> Vec<String> {
     warnings
 }
 
-/// Element sets further than two weeks from the time asked about, either way.
+/// Element sets more than two weeks from the time of the question, either way.
 pub(super) fn of_age(elements: &[ElementSet], first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
-    // All epochs are UTC: comparing what they hold spares the leap seconds, and a server asks this with each answer.
+    // All epochs are UTC: comparing their durations avoids leap seconds, and a server calls this with each answer.
     let days_after = |epoch: Epoch, days: f64| (epoch.to_time_scale(TimeScale::UTC) + days * Unit::Day).duration;
     let near = days_after(first, -OLD_ELEMENTS_DAYS)..=days_after(last, OLD_ELEMENTS_DAYS);
     let old: Vec<&ElementSet> = elements.iter().filter(|set| !near.contains(&set.epoch.duration)).collect();
@@ -75,7 +75,7 @@ pub(super) fn of_age(elements: &[ElementSet], first: Epoch, last: Epoch) -> Opti
     ))
 }
 
-/// Synthetic satellites made for a day further than two weeks from the time asked about, either way.
+/// Synthetic satellites of a day more than two weeks from the time of the question, either way.
 pub(super) fn of_shells(made_for: Epoch, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
     let age_days = days(made_for, first).max(days(last, made_for));
@@ -87,7 +87,7 @@ pub(super) fn of_shells(made_for: Epoch, first: Epoch, last: Epoch) -> Option<St
     })
 }
 
-/// The telescope's own place from elements that are days old.
+/// Position of the telescope in orbit from elements that are days old.
 pub(super) fn of_observer(observer: &OrbitingObserver, first: Epoch, last: Epoch) -> Option<String> {
     let days = |from: Epoch, to: Epoch| seconds_between(from, to) / Unit::Day.in_seconds();
     let age_days = days(observer.elements_epoch(), last).max(days(first, observer.elements_epoch()));
@@ -100,7 +100,7 @@ pub(super) fn of_observer(observer: &OrbitingObserver, first: Epoch, last: Epoch
     })
 }
 
-/// Times that the table of the Earth's orientation does not cover.
+/// Times that the table of Earth orientation does not cover.
 pub(super) fn of_orientation(eop: &EopTable, first: Epoch, last: Epoch) -> Option<String> {
     let uncovered = [first, last].map(|epoch| eop.status(epoch)).into_iter().find(|status| !status.is_covered())?;
     let why = match uncovered {
@@ -124,7 +124,7 @@ fn day(epoch: Epoch) -> String {
 mod tests {
     use super::*;
     use crate::elements::Constellation;
-    use crate::schedule::parse_instant;
+    use crate::frames::parse_instant;
 
     fn utc(text: &str) -> Epoch {
         parse_instant(text, None).unwrap()

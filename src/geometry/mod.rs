@@ -31,7 +31,6 @@ pub use limb::EarthLimb;
 pub use observer::{Observer, ObserverState};
 pub use shadow::{Illumination, KARMAN_LINE_KM, ShadowModel, grazing_height_km, illumination, sunlit_by_100_km_rule};
 pub use site::Site;
-pub(crate) use site::edit_distance;
 pub use sun::{SunState, SunTable};
 pub use topocentric::{Aspect, aspect, icrs_of_apparent};
 pub use viewing::ViewingGeometry;

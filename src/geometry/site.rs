@@ -145,7 +145,7 @@ fn nearest_names(key: &str) -> Vec<String> {
                 if is_within(key, known) || is_within(known, key) {
                     return Some(0);
                 }
-                let changes = edit_distance(key, known);
+                let changes = strsim::levenshtein(key, known);
                 let letters = key.chars().count().max(known.chars().count());
                 let alike = key.chars().zip(known.chars()).take_while(|(a, b)| a == b).count();
                 (3 * changes <= letters || alike >= ALIKE).then_some(changes)
@@ -160,22 +160,6 @@ fn nearest_names(key: &str) -> Vec<String> {
 /// True for a part long enough to tell something.
 fn is_within(part: &str, whole: &str) -> bool {
     part.chars().count() >= ALIKE && whole.contains(part)
-}
-
-/// Levenshtein's count of letters to insert, drop or change.
-pub(crate) fn edit_distance(a: &str, b: &str) -> usize {
-    let b: Vec<char> = b.chars().collect();
-    let mut row: Vec<usize> = (0..=b.len()).collect();
-    for (i, letter) in a.chars().enumerate() {
-        let mut diagonal = row[0];
-        row[0] = i + 1;
-        for (j, other) in b.iter().enumerate() {
-            let change = diagonal + usize::from(letter != *other);
-            diagonal = row[j + 1];
-            row[j + 1] = change.min(row[j] + 1).min(diagonal + 1);
-        }
-    }
-    row[b.len()]
 }
 
 #[cfg(test)]

@@ -172,7 +172,12 @@ fn angle_to(state: &State<Gcrs>, place: &Vector3<f64>) -> f64 {
 }
 
 /// Returns the delay for an eccentric orbit, in steps of SGP4 with the current angular rate.
-fn delay_on_eccentric(interval: &ExposureInterval<'_>, propagator: &Propagator, place: &Vector3<f64>, mid_s: f64) -> Option<f64> {
+fn delay_on_eccentric(
+    interval: &ExposureInterval<'_>,
+    propagator: &Propagator,
+    place: &Vector3<f64>,
+    mid_s: f64,
+) -> Option<f64> {
     let longest_s = 0.1 * propagator.period_s();
     let mut late_s = 0.0;
     for _ in 0..MOST_STEPS {

@@ -29,6 +29,11 @@ impl Provenance {
         }
     }
 
+    /// Adds several statements, as [`Provenance::state`].
+    pub fn state_all(&mut self, statements: impl IntoIterator<Item = (&'static str, Value)>) {
+        statements.into_iter().for_each(|(name, value)| self.state(name, value));
+    }
+
     /// Attaches a list that is too long for the header of a text table. JSON and JSON lines contain it beside the provenance,
     /// other formats do not.
     pub fn attach(&mut self, name: &str, value: impl Into<Value>) {

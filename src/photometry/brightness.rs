@@ -110,6 +110,18 @@ impl PhotometryOptions {
     pub fn in_band(band: Band, system: MagSystem) -> Self {
         Self { band, system, ..Self::default() }
     }
+
+    /// Returns names and values of the options, for the provenance of answers.
+    pub fn statements(&self) -> Vec<(&'static str, serde_json::Value)> {
+        let mut statements = vec![
+            ("band", self.band.name().into()),
+            ("mag_system", self.system.to_string().into()),
+            ("earthshine", self.earthshine.name().into()),
+        ];
+        statements.extend(self.extinction_mag_per_airmass.map(|mag| ("extinction_mag_per_airmass", mag.into())));
+        statements.extend(self.sun_distance.then(|| ("sun_distance", "of the day".into())));
+        statements
+    }
 }
 
 #[cfg(test)]

@@ -11,8 +11,8 @@ use crate::passes::Exposure;
 
 use super::error::ScheduleError;
 use super::formats::{Cell, ColumnMap, RawTable, ScheduleFormat, StartColumn, StartForm, display, read_raw};
-use super::instant::{FIRST_YEAR, InstantError, LAST_YEAR, is_covered, parse_instant};
 use super::policy::MagnitudeLimit;
+use crate::frames::{FIRST_YEAR, InstantError, LAST_YEAR, is_covered, parse_instant};
 
 /// One row of a schedule.
 #[derive(Clone, Debug, PartialEq)]

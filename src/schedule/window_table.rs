@@ -227,8 +227,9 @@ fn pretty(document: &Json) -> String {
 mod tests {
     use super::*;
     use crate::frames::Direction;
+    use crate::frames::parse_instant;
     use crate::passes::Exposure;
-    use crate::schedule::{WindowTarget, parse_instant};
+    use crate::schedule::WindowTarget;
 
     fn utc(text: &str) -> Epoch {
         parse_instant(text, None).unwrap()

@@ -1,7 +1,8 @@
 //! Streaks in pixels: the light of a pass put into a frame, with its truth.
 //!
 //! `light/` says what moves over the sky and how bright it is; `chip` turns that into a path in pixels; `render/` draws a path; `drawn` has a drawn streak with
-//! what is true of it; `truth/` makes tables and masks of that; `frame/` is for files.
+//! what is true of it; `truth/` makes tables and masks of that; `frame/` is for files, `injection/` puts
+//! streaks into frames.
 
 mod background;
 mod chip;
@@ -9,6 +10,8 @@ mod count_scale;
 mod drawn;
 #[cfg(feature = "fits")]
 mod frame;
+#[cfg(feature = "fits")]
+mod injection;
 mod light;
 mod optics;
 mod psf;
@@ -24,8 +27,13 @@ pub use count_scale::{CountScale, CountScaleError};
 pub use drawn::{DrawError, DrawnStreak, Shot, StreakPoint, draw_on_chip};
 #[cfg(feature = "fits")]
 pub use frame::{
-    FrameSaid, InjectError, InjectOptions, Injected, StarField, SyntheticError, SyntheticFrame, SyntheticShot,
+    FrameOverrides, InjectError, InjectOptions, Injected, StarField, SyntheticError, SyntheticFrame, SyntheticShot,
     TargetChip, TargetError, TargetFrame, inject,
+};
+#[cfg(feature = "fits")]
+pub use injection::{
+    ArrayFrame, ArrayInjected, InjectedFrame, Injection, InjectionError, InjectionPlan, InjectionSky, Injections, Mark,
+    RandomPlan, SyntheticPlan,
 };
 pub use light::{
     Glint, LightCurve, Modulation, ModulationError, RandomStreakError, RandomStreaks, ResolvedPanels, SatelliteError,

@@ -56,7 +56,7 @@ fn ekos(folder: &TempDir, input: &[u8], close: bool, more: &[&str]) -> (i32, Val
 }
 
 fn utc_seconds(text: &str) -> f64 {
-    let epoch = streakcast::schedule::parse_instant(text, None).unwrap();
+    let epoch = streakcast::frames::parse_instant(text, None).unwrap();
     epoch.to_unix_seconds()
 }
 
@@ -83,11 +83,11 @@ fn waits_until_the_exposure_starts_clear_and_passes_agrees() {
         };
         assert_eq!(brighter(start, "10s"), 0, "{status}");
         // The shutter may open as late as the margin.
-        let late = streakcast::schedule::parse_instant(start, None).unwrap() + 2.0 * hifitime::Unit::Second;
+        let late = streakcast::frames::parse_instant(start, None).unwrap() + 2.0 * hifitime::Unit::Second;
         assert_eq!(brighter(&streakcast::output::format_utc(late, 3), "10s"), 0, "{status}");
         if wait_s > 0.0 {
             // What was waited for stands there: now, or within the margins.
-            let early = streakcast::schedule::parse_instant(&now, None).unwrap() - 2.0 * hifitime::Unit::Second;
+            let early = streakcast::frames::parse_instant(&now, None).unwrap() - 2.0 * hifitime::Unit::Second;
             assert!(brighter(&streakcast::output::format_utc(early, 3), "14s") > 0, "{status}");
             assert!(status["n_dodged"].as_u64().unwrap() > 0);
         }

@@ -6,12 +6,13 @@ use crate::common::cli::{SKY, done, json, path, records, run};
 use crate::common::random::Random;
 use hifitime::Epoch;
 use serde_json::Value;
-use streakcast::config::Setup;
+use streakcast::config::Config;
+use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, Orientation, seconds_after, seconds_between};
 use streakcast::geometry::SunState;
 use streakcast::passes::{Exposure, PassOptions};
 use streakcast::schedule::{
-    Blocking, FlagRequest, Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad, parse_instant,
+    Blocking, FlagRequest, Policy, WindowRequest, WindowTarget, clear_windows, lowest_altitudes_rad,
 };
 
 const LIMIT_MAG: f64 = 6.5;
@@ -26,10 +27,10 @@ fn utc(text: &str) -> Epoch {
 /// Windows against single exposures at random times: inside nothing crosses, outside something does, or target or Sun forbid it.
 #[test]
 fn verif_windows_are_what_passes_says() {
-    let setup = Setup::from_toml("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '6deg'", "t.toml").unwrap();
+    let config = Config::from_toml("shells = 'starlink-gen1'\nmpc = 'X05'\nfov = '6deg'", "t.toml").unwrap();
     let (from, to) = (utc("2024-08-14T22:40:00Z"), utc("2024-08-15T01:00:00Z"));
-    let prepared = setup.prepare(from, to).unwrap();
-    let (field, photometry) = (setup.field_of_view().unwrap(), setup.photometry().unwrap());
+    let prepared = config.prepare(from, to).unwrap();
+    let (field, photometry) = (config.field_of_view().unwrap(), config.photometry().unwrap());
     let policy = Policy::from_toml(&format!("limit_mag = {LIMIT_MAG}\nmargin_s = {MARGIN_S}")).unwrap();
     let (min_altitude_deg, max_sun_altitude_deg) = (30.0_f64, -10.0_f64);
     let request = WindowRequest {

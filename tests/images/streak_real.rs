@@ -9,7 +9,7 @@ use streakcast::images::{CountBasis, FrameFile, PixelPosition, Wcs};
 use streakcast::passes::{Exposure, ModelChoice, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::streaks::{
-    FrameSaid, Modulation, SatelliteLight, SkyPoint, SkyTrack, TargetFrame, Tracking, satellites,
+    FrameOverrides, Modulation, SatelliteLight, SkyPoint, SkyTrack, TargetFrame, Tracking, satellites,
 };
 
 const FRAME: &str = "frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz";
@@ -51,7 +51,7 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_it_was_seen() {
         rotation_rad: 0.0,
     };
     // The header says where that was, by its instrument: that of the observatory is 70 m away, 11" at this satellite.
-    let said = FrameSaid { zero_point: Some((30.0, CountBasis::Frame)), ..FrameSaid::default() };
+    let said = FrameOverrides { zero_point: Some((30.0, CountBasis::Frame)), ..FrameOverrides::default() };
     let said = TargetFrame::open(&folder.join(FRAME), &said).unwrap();
     let site = said.observatory.iter().find_map(|named| Site::by_name(named).ok()).unwrap();
     assert_eq!(site.mpc_code.as_deref(), Some("W84"));

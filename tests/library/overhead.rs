@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 
 use hifitime::Epoch;
-use streakcast::config::Setup;
+use streakcast::config::Config;
 use streakcast::frames::{Direction, seconds_after};
 use streakcast::geometry::{Observer, Site, SunTable};
 use streakcast::orbit::Propagator;
@@ -15,8 +15,8 @@ fn dusk() -> Epoch {
 }
 
 fn sky() -> Sky {
-    let setup = Setup::from_toml("shells = 'oneweb'\nsite = 'rubin'\n", "t.toml").unwrap();
-    setup.prepare(dusk(), dusk()).unwrap().sky
+    let config = Config::from_toml("shells = 'oneweb'\nsite = 'rubin'\n", "t.toml").unwrap();
+    config.prepare(dusk(), dusk()).unwrap().sky
 }
 
 fn options(min_altitude_rad: f64, include_dark: bool) -> SnapshotOptions {
@@ -89,7 +89,7 @@ fn the_same_satellites_from_elsewhere() {
         let (found, _) = sky.snapshots(dusk(), &[0.0], &options(0.3, true)).unwrap();
         found.iter().map(|one| one.element_index).collect()
     };
-    let alone = Setup::from_toml("shells = 'oneweb'\nsite = 'subaru'\n", "t.toml").unwrap();
+    let alone = Config::from_toml("shells = 'oneweb'\nsite = 'subaru'\n", "t.toml").unwrap();
     assert_eq!(names(&there), names(&alone.prepare(dusk(), dusk()).unwrap().sky));
     assert_ne!(names(&there), names(&here));
 }
@@ -140,8 +140,8 @@ fn verif_outlines_run_between_inside_and_outside() {
 
 /// Satellites at two heights, some of them in the shadow.
 fn mixed_sky() -> Sky {
-    let setup = Setup::from_toml("shells = ['oneweb', 'starlink-gen1']\nsite = 'rubin'\n", "t.toml").unwrap();
-    setup.prepare(dusk(), dusk()).unwrap().sky
+    let config = Config::from_toml("shells = ['oneweb', 'starlink-gen1']\nsite = 'rubin'\n", "t.toml").unwrap();
+    config.prepare(dusk(), dusk()).unwrap().sky
 }
 
 /// Every satellite by SGP4 itself, without the search: those above the altitude, and lit where dark ones are left out.

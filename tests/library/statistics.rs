@@ -6,11 +6,12 @@ use crate::common::random::Random;
 use hifitime::Epoch;
 use streakcast::elements::Constellation;
 use streakcast::forecast::{StatisticsRequest, bassa2022, sky_counts};
+use streakcast::frames::parse_instant;
 use streakcast::frames::{Direction, EopTable, Horizontal};
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
-use streakcast::schedule::{night_of, parse_instant};
+use streakcast::schedule::night_of;
 
 /// Three sigmas of counting some 800 trails, and 5 % for pointings at the border of the part of the sky looked at.
 const TRAILS: f64 = 0.16;

@@ -3,13 +3,12 @@
 use hifitime::Epoch;
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use streakcast::config::{Config, ForecastConfig, IdentifyConfig, RequestError};
 use streakcast::forecast::{
     ForecastError, ForecastRequest, PassRow, Selection, forecast as ask, night_table, pass_table,
 };
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, identify_streak, streak_table};
-use streakcast::config::{ForecastSaid, QuestionError, StreakSaid, above_the_horizon};
-use streakcast::config::Setup;
 use streakcast::output::{Column, Kind, Table};
 
 use crate::columns::columns;
@@ -30,18 +29,14 @@ pub fn forecast<'py>(
     config: Option<&str>,
     skies: Py<Skies>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let said: Vec<ForecastSaid> =
+    let given: Vec<ForecastConfig> =
         questions.iter().map(|text| serde_json::from_str(text).map_err(failure::asked)).collect::<PyResult<_>>()?;
     let setup = setup_of(setup, config)?;
     let Nights { passes, nights, warnings } = failure::without_lock(py, || {
         // All of it is looked at before the first night is asked about.
-        let asked = said
+        let asked = given
             .iter()
-            .map(|said| {
-                let (from, to) = said.time_range(&setup).map_err(exception)?;
-                let request = said.request((from, to), &setup, 0).map_err(exception)?;
-                Ok((request, said.selection().map_err(exception)?))
-            })
+            .map(|forecast| forecast.resolve(&setup, 0).map_err(exception))
             .collect::<PyResult<Vec<_>>>()?;
         asked
             .iter()
@@ -99,14 +94,14 @@ pub fn identify<'py>(
     include_dark: bool,
     top: usize,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let said: StreakSaid = serde_json::from_str(said).map_err(failure::asked)?;
-    let setup: Setup = setup_of(setup, config)?;
+    let given: IdentifyConfig = serde_json::from_str(said).map_err(failure::asked)?;
+    let setup: Config = setup_of(setup, config)?;
     let (tables, found, warning) = failure::without_lock(py, || {
-        let asked = said.asked(&setup).map_err(exception)?;
-        let streak = &asked.streak;
+        let plan = given.resolve(&setup).map_err(exception)?;
+        let streak = &plan.streak;
         let (start, end): (Epoch, Epoch) = (streak.start(), seconds_after(streak.start(), streak.duration_s()));
         let prepared = skies.get().over(start, end).map_err(failure::setup)?;
-        above_the_horizon("streak", &asked.exposure(), &prepared).map_err(exception)?;
+        prepared.check_altitude("streak", &plan.exposure()).map_err(exception)?;
         let options = IdentifyOptions { include_dark, photometry: setup.photometry().map_err(failure::setup)? };
         let found = identify_streak(&prepared.sky, streak, &options).map_err(failure::asked)?;
         let rows = found.candidates.iter().take(top).map(|candidate| CandidateRow {
@@ -128,10 +123,10 @@ pub fn identify<'py>(
 }
 
 /// The library's error by the names of the arguments here.
-fn exception(error: QuestionError) -> PyErr {
+fn exception(error: RequestError) -> PyErr {
     match error {
-        QuestionError::Setup(error) => failure::setup(error),
-        QuestionError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
+        RequestError::Config(error) => failure::setup(error),
+        RequestError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
             let name = if what == "sun-altitude-deg" { "max_sun_altitude".to_owned() } else { what.replace('-', "_") };
             failure::asked(format!("{name} {given}{unit}; allowed: {allowed}"))
         }

@@ -6,7 +6,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use streakcast::output::{Column, Kind, Table, Value};
 
-use crate::config::two_parts;
+use crate::questions::two_parts;
 
 /// Nanoseconds from 1900-01-01 to 1970-01-01.
 const UNIX_ZERO_NS: i128 = 25_567 * 86_400 * 1_000_000_000;

@@ -7,20 +7,20 @@ use hifitime::Epoch;
 use numpy::{IntoPyArray, PyArray1, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
+use streakcast::config::{ConfigError, PreparedSky};
 use streakcast::frames::seconds_after;
+use streakcast::images::Telescope;
+use streakcast::output::{Column, Table};
 use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
     Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict,
     WindowRequest, WindowTarget, clear_windows_alone, flag_exposures, flag_table, judge_exposures, streak_table,
 };
-use streakcast::config::{Prepared, SetupError};
-use streakcast::output::{Column, Table};
-use streakcast::images::Telescope;
 
 use crate::columns::{columns, times};
 use crate::failure;
-use crate::config::{Columns, rows, scale_name, start_of, within};
+use crate::questions::{Columns, rows, scale_name, start_of, within};
 use crate::skies::{Skies, setup_of};
 
 /// An answer and what the user should know of it.
@@ -47,7 +47,7 @@ struct Limits {
 
 /// Rows of one night with their sky.
 struct Night {
-    prepared: Arc<Prepared>,
+    prepared: Arc<PreparedSky>,
     places: Vec<usize>,
 }
 
@@ -56,7 +56,7 @@ impl Engine {
         self.field.as_ref().map_err(|message| failure::SetupError::new_err(message.clone()))
     }
 
-    fn request<'a>(&'a self, field: &'a Field, prepared: &'a Prepared) -> FlagRequest<'a> {
+    fn request<'a>(&'a self, field: &'a Field, prepared: &'a PreparedSky) -> FlagRequest<'a> {
         FlagRequest {
             sky: &prepared.sky,
             field,
@@ -100,7 +100,11 @@ impl Engine {
     }
 }
 
-fn left_out(prepared: &Prepared, left_out: &[streakcast::orbit::LeftOut], moment: Epoch) -> PyResult<Option<String>> {
+fn left_out(
+    prepared: &PreparedSky,
+    left_out: &[streakcast::orbit::LeftOut],
+    moment: Epoch,
+) -> PyResult<Option<String>> {
     prepared.left_out_warning(left_out, moment).map_err(failure::setup)
 }
 
@@ -115,7 +119,7 @@ impl Engine {
             let field = match setup.field_of_view() {
                 Ok(field) => Ok(field),
                 // Passes above the horizon need none; whoever needs one is told then.
-                Err(error @ SetupError::Missing { .. }) => Err(failure::as_arguments(&error.to_string())),
+                Err(error @ ConfigError::Missing { .. }) => Err(failure::as_arguments(&error.to_string())),
                 Err(error) => return Err(failure::setup(error)),
             };
             Ok(Self {
@@ -339,7 +343,7 @@ impl Engine {
             photometry: self.photometry,
             ..PassOptions::default()
         };
-        let mut found: Vec<(usize, Arc<Prepared>, Vec<FieldPass>)> = Vec::new();
+        let mut found: Vec<(usize, Arc<PreparedSky>, Vec<FieldPass>)> = Vec::new();
         let mut warnings = Vec::new();
         for Night { prepared, places } in self.nights(exposures.iter().map(|exposure| exposure.start))? {
             let asked: Vec<Exposure> = places.iter().map(|place| exposures[*place].clone()).collect();

@@ -7,16 +7,14 @@ use numpy::{Element, IntoPyArray, PyArrayMethods, PyReadonlyArray2};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
+use streakcast::config::{Config, InjectionConfig, RequestError, SkyOf, inject_frames, inject_into_array};
 use streakcast::images::{Header, ImageValues, Pixels};
-use streakcast::injection::{
-    ArrayInjected, InjectionError, InjectionSaid, Injections, SkyOf, inject_frames, inject_into_array,
-};
-use streakcast::config::Setup;
 use streakcast::output::format_utc;
+use streakcast::streaks::{ArrayInjected, Injections};
 
 use crate::columns::columns;
 use crate::failure;
-use crate::config::start_of;
+use crate::questions::start_of;
 use crate::skies::{Skies, setup_of};
 
 /// A moment as the text that the library reads, to the nanosecond.
@@ -40,19 +38,19 @@ pub fn inject<'py>(
     image: Option<Bound<'py, PyAny>>,
     header: Option<&str>,
 ) -> PyResult<Bound<'py, PyDict>> {
-    let said: InjectionSaid = serde_json::from_str(said).map_err(failure::asked)?;
-    let setup: Setup = setup_of(setup, config)?;
+    let injection: InjectionConfig = serde_json::from_str(said).map_err(failure::asked)?;
+    let setup: Config = setup_of(setup, config)?;
     let image = image.map(|image| values_of(&image)).transpose()?;
     let cards = Header::from_text(header.unwrap_or_default());
     let (told, changed) = failure::without_lock(py, || {
         let sky = skies.as_ref().map(|skies| move |moment: Epoch| skies.get().prepared(moment));
         let sky = sky.as_ref().map(|sky| sky as SkyOf<'_>);
         match &image {
-            None => Ok((inject_frames(&said, &setup, sky, &[output]).map_err(exception)?, None)),
+            None => Ok((inject_frames(&injection, &setup, sky, &[output]).map_err(exception)?, None)),
             Some(image) => {
-                let ArrayInjected { image, mask, told } =
-                    inject_into_array(&said, &setup, sky, image, &cards, Path::new(&output)).map_err(exception)?;
-                Ok((told, Some((image, mask))))
+                let ArrayInjected { image, mask, injections } =
+                    inject_into_array(&injection, &setup, sky, image, &cards, Path::new(&output)).map_err(exception)?;
+                Ok((injections, Some((image, mask))))
             }
         }
     })?;
@@ -67,9 +65,9 @@ pub fn inject<'py>(
 }
 
 /// A setup's error is one of the setup here too.
-fn exception(error: InjectionError) -> PyErr {
+fn exception(error: RequestError) -> PyErr {
     match error {
-        InjectionError::Setup(error) => failure::setup(error),
+        RequestError::Config(error) => failure::setup(error),
         other => failure::asked(failure::as_arguments(&other.to_string())),
     }
 }
@@ -78,7 +76,7 @@ fn answer_of<'py>(py: Python<'py>, told: &Injections) -> PyResult<Bound<'py, PyD
     let answer = PyDict::new(py);
     let mut warnings: Vec<String> = told.warnings.iter().map(|warning| failure::as_arguments(warning)).collect();
     for frame in &told.frames {
-        answer.set_item("summary", &frame.words)?;
+        answer.set_item("summary", &frame.summary)?;
         answer.set_item("truth", columns(py, &frame.truth)?)?;
         answer.set_item("points", columns(py, &frame.points)?)?;
         answer.set_item("trails", columns(py, &frame.trails)?)?;

@@ -7,14 +7,14 @@ use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::PyList;
 use rayon::prelude::*;
+use streakcast::config::Config;
 use streakcast::maps::{BodyView, Earth, Fact, Grid, SkyView};
-use streakcast::photometry::{BrightnessModel, PhotometryOptions};
-use streakcast::config::Setup;
 use streakcast::output::Provenance;
+use streakcast::photometry::{BrightnessModel, PhotometryOptions};
 
 use crate::columns::columns;
 use crate::failure;
-use crate::config::{Column, within};
+use crate::questions::{Column, within};
 use crate::skies::setup_of;
 
 /// A map's columns, and what it rests on as JSON.
@@ -22,7 +22,7 @@ type Map<'py> = (Bound<'py, PyList>, String);
 
 /// What every question about light begins with.
 struct Asked {
-    setup: Setup,
+    setup: Config,
     model: Arc<BrightnessModel>,
     options: PhotometryOptions,
 }
@@ -112,8 +112,8 @@ pub fn sky_map<'py>(
 
 fn sky_view(asked: &Asked, sun_altitude_deg: f64, sun_azimuth_deg: f64, height_km: f64) -> PyResult<SkyView<'_>> {
     let setup = &asked.setup;
-    let is_said = setup.site.is_some() || setup.mpc.is_some() || setup.lat.is_some() || setup.lon.is_some();
-    let earth = if is_said { Earth::Ellipsoid(setup.site().map_err(failure::setup)?) } else { Earth::Sphere };
+    let is_given = setup.site.is_given();
+    let earth = if is_given { Earth::Ellipsoid(setup.site().map_err(failure::setup)?) } else { Earth::Sphere };
     let (azimuth, altitude) = (sun_azimuth_deg.to_radians(), sun_altitude_deg.to_radians());
     let view =
         SkyView::new(&asked.model, earth, height_km, azimuth, altitude, asked.options).map_err(failure::asked)?;

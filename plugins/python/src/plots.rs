@@ -6,15 +6,15 @@ use pyo3::exceptions::{PyOSError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use streakcast::frames::{Direction, Gcrs, mjd_utc};
+use streakcast::output::write_atomically;
 use streakcast::passes::Field;
 use streakcast::plot::{
     FieldChart, FieldStreak, LightCurve, LocalClock, NightTimeline, PictureFormat, SkyChart, SkyRate, SkyTrack,
     SunAltitude, field_chart, light_curve, night_timeline, sky_chart, sky_rate, sun_altitude,
 };
-use streakcast::output::write_atomically;
 
 use crate::failure;
-use crate::config::{Column, epoch_of};
+use crate::questions::{Column, epoch_of};
 
 /// Points of a circle.
 const ROUND: usize = 180;

@@ -4,10 +4,12 @@ use hifitime::{Duration, Epoch, TimeScale};
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
+use streakcast::config::parse_time_scale;
+use streakcast::frames::is_covered;
+use streakcast::frames::parse_moment;
 use streakcast::frames::{Direction, epoch_from_mjd};
 use streakcast::passes::Exposure;
-use streakcast::schedule::{ScheduledExposure, is_covered};
-use streakcast::config::{parse_moment, parse_time_scale};
+use streakcast::schedule::ScheduledExposure;
 
 /// Julian date of hifitime's zero, 1900-01-01T00:00:00 TAI.
 const ZERO_JD: f64 = 2_415_020.5;

@@ -1,16 +1,16 @@
 //! The skies of a setup's satellites: read once, made ready night by night, shared by all who ask.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::{Arc, Mutex, PoisonError};
 
 use hifitime::{Epoch, Unit};
 use pyo3::prelude::*;
+use streakcast::config::{Config, ConfigError, LoadedInputs, PreparedSky};
 use streakcast::frames::{mjd_utc, seconds_after};
-use streakcast::config::{Prepared, Setup, SetupError, Stock};
 use streakcast::output::{Section, write_json};
 
 use crate::failure;
-use crate::config::start_of;
+use crate::questions::start_of;
 
 /// Nights that are kept ready.
 const KEPT: usize = 3;
@@ -18,25 +18,25 @@ const KEPT: usize = 3;
 /// Satellites over a site, for any night.
 #[pyclass(frozen, module = "streakcast._core", weakref)]
 pub struct Skies {
-    stock: Stock,
+    inputs: LoadedInputs,
     /// One moment for all questions, where the caller named one.
     epoch: Option<Epoch>,
     /// East longitude of the site, turns; 0 in orbit.
     longitude_turns: f64,
     site: Option<(String, f64, f64, f64)>,
-    kept: Mutex<Vec<(i64, Arc<Prepared>)>>,
+    kept: Mutex<Vec<(i64, Arc<PreparedSky>)>>,
     /// Warnings of skies made since they were last asked for.
     news: Mutex<Vec<String>>,
 }
 
 impl Skies {
     /// The sky of the night that holds a moment.
-    pub fn of(&self, moment: Epoch) -> PyResult<Arc<Prepared>> {
+    pub fn of(&self, moment: Epoch) -> PyResult<Arc<PreparedSky>> {
         self.prepared(moment).map_err(failure::setup)
     }
 
     /// The same, with the library's own error.
-    pub fn prepared(&self, moment: Epoch) -> Result<Arc<Prepared>, SetupError> {
+    pub fn prepared(&self, moment: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
         let night = self.night_of(moment);
         if let Some(prepared) = self.known(night) {
             return Ok(prepared);
@@ -54,18 +54,18 @@ impl Skies {
         Ok(prepared)
     }
 
-    fn known(&self, night: i64) -> Option<Arc<Prepared>> {
+    fn known(&self, night: i64) -> Option<Arc<PreparedSky>> {
         let kept = self.kept.lock().unwrap_or_else(PoisonError::into_inner);
         kept.iter().find(|(known, _)| *known == night).map(|(_, prepared)| prepared.clone())
     }
 
     /// A sky for questions from one moment to another alone, as the command line makes it; that of the caller's one moment where there is one.
-    pub fn over(&self, first: Epoch, last: Epoch) -> Result<Arc<Prepared>, SetupError> {
+    pub fn over(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
         if self.epoch.is_some() { self.prepared(first) } else { self.made(first, last) }
     }
 
-    fn made(&self, first: Epoch, last: Epoch) -> Result<Arc<Prepared>, SetupError> {
-        let prepared = Arc::new(self.stock.prepare(first, last)?);
+    fn made(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
+        let prepared = Arc::new(self.inputs.prepare(first, last)?);
         let warnings = prepared.warnings.iter().map(|warning| failure::as_arguments(warning));
         self.news.lock().unwrap_or_else(PoisonError::into_inner).extend(warnings);
         Ok(prepared)
@@ -97,12 +97,12 @@ impl Skies {
         let epoch = epoch.map(|(jd1, jd2)| start_of(0, jd1, jd2)).transpose()?;
         failure::without_lock(py, || {
             let setup = setup_of(setup, config)?;
-            let stock = setup.stock().map_err(failure::setup)?;
+            let inputs = setup.load().map_err(failure::setup)?;
             // Elements of an orbit may be bad at any one time; a site is good or bad from the beginning.
-            let orbit = setup.observer_elements.is_some() || setup.observer_norad.is_some();
+            let orbit = setup.is_in_orbit();
             let site = if orbit { None } else { Some(setup.site().map_err(failure::setup)?) };
             Ok(Self {
-                stock,
+                inputs,
                 epoch,
                 longitude_turns: site.as_ref().map_or(0.0, |site| site.longitude_rad / std::f64::consts::TAU),
                 site: site.map(|site| {
@@ -144,7 +144,7 @@ impl Skies {
 
     /// Names and SHA-256 of the files of elements, as read.
     fn element_files(&self) -> Vec<(String, String)> {
-        self.stock.sources().iter().map(|source| (source.name.to_string(), source.sha256.clone())).collect()
+        self.inputs.sources().iter().map(|source| (source.name.to_string(), source.sha256.clone())).collect()
     }
 
     /// How many satellites a night's sky has.
@@ -158,21 +158,21 @@ impl Skies {
 #[pyfunction]
 #[pyo3(signature = (setup, config=None))]
 pub fn setup_files(setup: &str, config: Option<&str>) -> PyResult<Vec<PathBuf>> {
-    let mut files: Vec<PathBuf> = setup_of(setup, config)?.files().into_iter().map(Path::to_owned).collect();
+    let mut files: Vec<PathBuf> = setup_of(setup, config)?.files();
     files.extend(config.map(PathBuf::from));
     Ok(files)
 }
 
 /// A setup from JSON, over that of a configuration file where there is one.
-pub fn setup_of(json: &str, config: Option<&str>) -> PyResult<Setup> {
-    let said: Setup = serde_json::from_str(json).map_err(|error| {
+pub fn setup_of(json: &str, config: Option<&str>) -> PyResult<Config> {
+    let given: Config = serde_json::from_str(json).map_err(|error| {
         let text = error.to_string();
         // The place within JSON that nobody wrote says nothing.
         let end = text.find(" at line ").unwrap_or(text.len());
         failure::SetupError::new_err(text[..end].to_owned())
     })?;
     match config {
-        Some(path) => Ok(said.over(Setup::read(path.as_ref()).map_err(failure::setup)?)),
-        None => Ok(said),
+        Some(path) => Ok(given.over(Config::read(path.as_ref()).map_err(failure::setup)?)),
+        None => Ok(given),
     }
 }

@@ -1,28 +1,38 @@
-//! What can be typed.
+//! Verbs, and the flags that several of them share beside those of [`Config`].
 
 use std::path::PathBuf;
 
-use clap::{Args, Parser, Subcommand, ValueEnum};
-use streakcast::schedule::{MagnitudeLimit, Shard};
+use anyhow::anyhow;
+use clap::{Args, Parser, Subcommand};
+use streakcast::config::Config;
 
-use crate::doctor_arguments::DoctorArguments;
+use crate::output::Output;
+use crate::verbs::annotate::AnnotateArguments;
+use crate::verbs::doctor::DoctorArguments;
 #[cfg(feature = "fetch")]
-use crate::fetch_arguments::FetchArguments;
+use crate::verbs::fetch::FetchArguments;
 #[cfg(feature = "fit")]
-use crate::fit_arguments::FitArguments;
-use crate::forecast_arguments::ForecastArguments;
-use crate::gate_arguments::GateArguments;
-use crate::identify_arguments::IdentifyArguments;
+use crate::verbs::fit::FitArguments;
+use crate::verbs::flag::FlagArguments;
+use crate::verbs::forecast::ForecastArguments;
+use crate::verbs::gate::GateArguments;
+use crate::verbs::identify::IdentifyArguments;
 #[cfg(feature = "fits")]
-use crate::inject_arguments::InjectArguments;
-use crate::map_arguments::MapArguments;
+use crate::verbs::inject::InjectArguments;
+use crate::verbs::lists::ListArguments;
+use crate::verbs::map::MapArguments;
+use crate::verbs::model::ModelArguments;
+use crate::verbs::passes::PassesArguments;
 #[cfg(feature = "plot")]
-use crate::plot_arguments::PlotArguments;
+use crate::verbs::plot::PlotArguments;
+use crate::verbs::reproduce::ReproduceArguments;
 #[cfg(feature = "serve")]
-use crate::serve_arguments::ServeArguments;
-use crate::shared_arguments::{ExposureArguments, OutputArguments, RulesArguments, SharedArguments};
-use crate::statistics_arguments::{ReproduceArguments, StatisticsArguments};
-use crate::window_arguments::WindowsArguments;
+use crate::verbs::serve::ServeArguments;
+use crate::verbs::statistics::StatisticsArguments;
+use crate::verbs::windows::WindowsArguments;
+
+/// Largest offset of a clock from UTC, hours.
+const FARTHEST_CLOCK_H: f64 = 14.0;
 
 /// Satellites crossing astronomers' exposures: which, when, where and how bright.
 #[derive(Parser)]
@@ -38,15 +48,15 @@ pub enum Verb {
     Passes(Box<PassesArguments>),
     /// One verdict for each exposure of a schedule, with reasons and the next clear start
     Flag(Box<FlagArguments>),
-    /// The schedule file again, every cell as it was, with flags and streaks beside
+    /// The schedule file with all its cells unchanged, and flags and streaks beside them
     Annotate(Box<AnnotateArguments>),
-    /// From when to when targets can be exposed without any satellite that matters
+    /// Time windows in which targets can be exposed without any satellite that matters
     Windows(Box<WindowsArguments>),
     /// Every visible pass of a night: rise, culmination, set, shadow, peak magnitude
     Forecast(Box<ForecastArguments>),
     /// Waits until an exposure can start clear: before each frame of Ekos, N.I.N.A. or a script
     Gate(Box<GateArguments>),
-    /// Which satellite a measured streak is of: ranked candidates
+    /// Satellites that may have made a measured streak: ranked candidates
     Identify(Box<IdentifyArguments>),
     /// Maps of magnitude over a satellite's own sky and over that of a site
     Map(MapArguments),
@@ -62,16 +72,16 @@ pub enum Verb {
     /// From photometry to a brightness model
     #[cfg(feature = "fit")]
     Fit(Box<FitArguments>),
-    /// A page and an HTTP API on this machine: the schedule's night, and what another start would meet
+    /// A web page and an HTTP API on this machine: the night of a schedule, and the effect of other start times
     #[cfg(feature = "serve")]
     Serve(Box<ServeArguments>),
     /// How many satellites are lit over a site, how bright, and how many trails an exposure gets
     Statistics(Box<StatisticsArguments>),
-    /// A paper's counts beside ours
+    /// Counts of a paper beside ours
     Reproduce(ReproduceArguments),
     /// The brightness models: list, show, check
     Model(ModelArguments),
-    /// What would be wrong tonight: element ages, Earth orientation, clock, site, models, cache
+    /// Config check for tonight: element ages, Earth orientation, clock, site, models, cache
     Doctor(Box<DoctorArguments>),
     /// The observatories known by name and MPC code
     Sites(ListArguments),
@@ -80,122 +90,80 @@ pub enum Verb {
 }
 
 #[derive(Args)]
-pub struct PassesArguments {
-    #[command(flatten)]
-    pub exposure: ExposureArguments,
-    /// Crossings of satellites in the Earth's shadow too
-    #[arg(long)]
-    pub include_dark: bool,
-    /// Tell how many of the crossings are brighter than this, in the band asked for; all of them are listed
-    #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
-    pub limit_mag: Option<MagnitudeLimit>,
-    /// Points along each track
-    #[arg(long, value_name = "N")]
-    pub samples: Option<usize>,
-    #[command(flatten)]
-    pub shared: SharedArguments,
-    #[command(flatten)]
-    pub output: OutputArguments,
+pub struct OutputArguments {
+    /// table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable; parquet in builds that have it
+    #[arg(long, value_name = "FORMAT", help_heading = "Output")]
+    pub format: Option<String>,
+    /// File to write, whole or not at all; standard output if omitted
+    #[arg(long, short, value_name = "FILE", help_heading = "Output")]
+    pub output: Option<PathBuf>,
 }
 
-#[derive(Args)]
-pub struct FlagArguments {
-    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
-    #[arg(long, value_name = "FILE")]
-    pub schedule: PathBuf,
-    #[command(flatten)]
-    pub rules: RulesArguments,
-    /// The nights of one share of a batch alone, as 3/100: all shares together are the whole answer
-    #[arg(long, value_name = "I/N")]
-    pub shard: Option<Shard>,
-    /// End with exit code 1 where any exposure is streaked (or worse), or one to avoid
-    #[arg(long, value_name = "VERDICT")]
-    pub fail_on: Option<FailOn>,
-    #[command(flatten)]
-    pub shared: SharedArguments,
-    #[command(flatten)]
-    pub output: OutputArguments,
+impl OutputArguments {
+    /// Opens the output in the format given, else that of the configuration.
+    pub fn open(self, config: &Config) -> anyhow::Result<Output> {
+        Output::new(self.format.as_deref().or(config.format.as_deref()), self.output)
+    }
 }
 
-#[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
-pub enum FailOn {
-    Streaked,
-    Avoid,
+/// Rejects flags of a camera, which have no effect without one; `of_what` is the subject of the message.
+pub fn reject_camera(flags: &Config, of_what: &str) -> anyhow::Result<()> {
+    let given = [
+        ("--fov", flags.fov.is_some()),
+        ("--field", flags.field.is_some()),
+        ("--rotation", flags.rotation.is_some()),
+        ("--telescope", flags.telescope.is_some()),
+        ("--min-probability", flags.min_probability.is_some()),
+    ];
+    match given.iter().find(|(_, is_given)| *is_given) {
+        Some((flag, _)) => Err(anyhow!("{flag} changes nothing of {of_what}; leave it out")),
+        None => Ok(()),
+    }
 }
 
-#[derive(Args)]
-pub struct AnnotateArguments {
-    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
-    #[arg(long, value_name = "FILE")]
-    pub schedule: PathBuf,
-    #[command(flatten)]
-    pub rules: RulesArguments,
-    /// File to write; it may be the schedule itself
-    #[arg(long, short, value_name = "FILE")]
-    pub output: PathBuf,
-    /// The nights of one share of a batch alone, as 3/100: the rows of all shares together are the whole file
-    #[arg(long, value_name = "I/N")]
-    pub shard: Option<Shard>,
-    /// Take the place of an earlier annotation
-    #[arg(long)]
-    pub replace: bool,
-    #[command(flatten)]
-    pub shared: SharedArguments,
+/// Reads hours ahead of UTC: `+01:00`, `-4:30`, `+5`, `5.75`, `Z`.
+pub fn utc_offset_h(text: &str) -> Result<f64, String> {
+    let hours = if text.eq_ignore_ascii_case("z") { Some(0.0) } else { signed_hours(text) };
+    hours
+        .filter(|hours| (-FARTHEST_CLOCK_H..=FARTHEST_CLOCK_H).contains(hours))
+        .ok_or_else(|| "allowed: hours ahead of UTC from -14:00 to +14:00, as +01:00 or -4.5".to_owned())
 }
 
-#[derive(Args)]
-pub struct ModelArguments {
-    #[command(subcommand)]
-    pub verb: ModelVerb,
+fn signed_hours(text: &str) -> Option<f64> {
+    let (sign, rest) = match (text.strip_prefix('+'), text.strip_prefix(['-', '\u{2212}'])) {
+        (Some(rest), _) => (1.0, rest),
+        (_, Some(rest)) => (-1.0, rest),
+        _ => (1.0, text),
+    };
+    let (hours, minutes) = rest.split_once(':').unwrap_or((rest, "0"));
+    let whole = |text: &str| text.parse::<u8>().ok().filter(|_| text.bytes().all(|byte| byte.is_ascii_digit()));
+    if let Some(hours) = whole(hours) {
+        return Some(sign * (f64::from(hours) + f64::from(whole(minutes).filter(|minutes| *minutes < 60)?) / 60.0));
+    }
+    // A decimal point excludes minutes.
+    let is_decimal = rest.bytes().all(|byte| byte.is_ascii_digit() || byte == b'.');
+    rest.parse::<f64>().ok().filter(|_| is_decimal).map(|hours| sign * hours)
 }
 
-#[derive(Subcommand)]
-pub enum ModelVerb {
-    /// All models by name
-    List(ModelListArguments),
-    /// One model: its file, with coefficients, covariance and provenance
-    Show(ModelShowArguments),
-    /// Holds models, those shipped or those named, to the rules, to published means and phase curves, and to photometry
-    #[cfg(feature = "fit")]
-    Check(ModelCheckArguments),
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
 
-#[cfg(feature = "fit")]
-#[derive(Args)]
-pub struct ModelCheckArguments {
-    /// Model files; a name that begins with that of a shipped model (visorsat-mine) says which satellites
-    pub files: Vec<PathBuf>,
-    /// Folder of published photometry (see docs/models.md); without it, what was published alone
-    #[arg(long, value_name = "FOLDER")]
-    pub data: Option<PathBuf>,
-    /// No word on standard error but errors
-    #[arg(long, short)]
-    pub quiet: bool,
-    #[command(flatten)]
-    pub output: OutputArguments,
-}
-
-#[derive(Args)]
-pub struct ModelListArguments {
-    /// Configuration file with models of one's own
-    #[arg(long, value_name = "FILE")]
-    pub config: Option<PathBuf>,
-    #[command(flatten)]
-    pub output: OutputArguments,
-}
-
-#[derive(Args)]
-pub struct ModelShowArguments {
-    /// Name or alias
-    pub name: String,
-    #[command(flatten)]
-    pub list: ModelListArguments,
-}
-
-#[derive(Args)]
-pub struct ListArguments {
-    /// Only those whose name or code holds this
-    pub search: Option<String>,
-    #[command(flatten)]
-    pub output: OutputArguments,
+    #[test]
+    fn offsets_of_clocks() {
+        for (text, hours) in [
+            ("+01:00", 1.0),
+            ("-4", -4.0),
+            ("5:45", 5.75),
+            ("Z", 0.0),
+            ("-03:30", -3.5),
+            ("+14:00", 14.0),
+            ("-4.5", -4.5),
+        ] {
+            assert_eq!(utc_offset_h(text), Ok(hours), "{text}");
+        }
+        for text in ["", "+", "CET", "+15:00", "+1:60", "1:2:3", "+-1", "1.5:30", "inf", "1e0", "14.1"] {
+            assert!(utc_offset_h(text).is_err(), "{text}");
+        }
+    }
 }

@@ -2,30 +2,11 @@
 
 mod arguments;
 mod cache;
-mod doctor_arguments;
 mod failure;
-#[cfg(feature = "fetch")]
-mod fetch_arguments;
-#[cfg(feature = "fit")]
-mod fit_arguments;
-mod forecast_arguments;
-mod gate_arguments;
-mod identify_arguments;
-#[cfg(feature = "fits")]
-mod inject_arguments;
-mod map_arguments;
-mod map_output;
 mod notices;
 mod output;
-#[cfg(feature = "plot")]
-mod plot_arguments;
 mod screen;
-#[cfg(feature = "serve")]
-mod serve_arguments;
-mod shared_arguments;
-mod statistics_arguments;
 mod verbs;
-mod window_arguments;
 
 use std::process::ExitCode;
 
@@ -62,7 +43,7 @@ fn main() -> ExitCode {
         Verb::Doctor(typed) => verbs::doctor::run(*typed),
         Verb::Statistics(typed) => verbs::statistics::run(*typed),
         Verb::Reproduce(typed) => verbs::reproduce::run(typed),
-        Verb::Sites(typed) => verbs::sites::run(&typed),
-        Verb::Shells(typed) => verbs::shells::run(&typed),
+        Verb::Sites(typed) => verbs::lists::sites(&typed),
+        Verb::Shells(typed) => verbs::lists::shells(&typed),
     })
 }

@@ -1,47 +1,47 @@
-//! All of it together.
+//! The check of a whole configuration.
 
 use hifitime::Epoch;
 
-use super::super::document::Setup;
 use super::elements::ElementState;
 use super::finding::{Finding, Severity};
 use super::surroundings::{camera, clock, earth_orientation, place, policy};
+use crate::config::document::Config;
 use crate::elements::SourceFile;
 use crate::passes::ModelChoice;
 use crate::photometry::ModelLibrary;
 
-/// What was found at a moment.
+/// Findings at a moment.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Health {
-    /// One for each thing that was looked at, and more where more is to be said.
+    /// Findings; at least one for each subject.
     pub findings: Vec<Finding>,
-    /// The element sets; `None` where none were said or none could be read.
+    /// The element sets; `None` if none are given or none could be read.
     pub elements: Option<ElementState>,
     /// The files of element sets.
     pub sources: Vec<SourceFile>,
 }
 
-/// Where the moment came from that is looked at.
+/// Source of the moment.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum MomentSource {
     /// This machine's clock, which may be wrong.
     Clock,
-    /// The question.
+    /// The user.
     Asked,
 }
 
 impl Health {
-    /// The worst of the findings.
+    /// Returns the worst severity.
     pub fn worst(&self) -> Severity {
         self.findings.iter().map(|finding| finding.severity).max().unwrap_or(Severity::Fine)
     }
 }
 
-impl Setup {
-    /// Looks at everything that a setup names as a question about `now` would use it. What cannot be read is a finding; the rest goes on.
+impl Config {
+    /// Checks all inputs as a question about `now` would use them. An input that cannot be read is a finding.
     pub fn health(&self, now: Epoch, source: MomentSource) -> Health {
         let mut health = Health::default();
-        self.look_at_elements(now, source, &mut health);
+        self.check_elements(now, source, &mut health);
         health.findings.push(clock(now, source, health.elements.as_ref()));
         health.findings.extend(earth_orientation(self, now));
         health.findings.extend(place(self, now));
@@ -50,7 +50,7 @@ impl Setup {
         health
     }
 
-    fn look_at_elements(&self, now: Epoch, source: MomentSource, health: &mut Health) {
+    fn check_elements(&self, now: Epoch, source: MomentSource, health: &mut Health) {
         const SUBJECT: &str = "elements";
         if let Err(error) = self.constellations() {
             health.findings.push(Finding::new(
@@ -59,7 +59,7 @@ impl Setup {
                 error.to_string(),
                 "streakcast shells lists them",
             ));
-        } else if self.shells.is_some() {
+        } else if !self.shells.is_empty() {
             let finding = "shells are synthetic: none of their satellites is claimed to be there";
             health.findings.push(Finding::new(
                 Severity::Note,
@@ -71,7 +71,7 @@ impl Setup {
         let catalogue = match self.catalogue(now) {
             Ok(Some(catalogue)) => catalogue,
             Ok(None) => {
-                if self.shells.is_none() {
+                if self.shells.is_empty() {
                     let finding = "none were said: neither they nor the models of their satellites were looked at";
                     let remedy = "say --elements FILE; streakcast fetch brings one";
                     health.findings.push(Finding::new(Severity::Unchecked, SUBJECT, finding, remedy));
@@ -84,10 +84,10 @@ impl Setup {
                 return;
             }
         };
-        // Models that cannot be read are a finding of their own; nothing is said then of which satellite has which.
-        let said = self.model_choice();
-        let is_readable = said.is_ok();
-        let Some(choice) = said.ok().or_else(|| ModelChoice::new(&ModelLibrary::embedded()).ok()) else { return };
+        // Models that cannot be read are a finding of their own; then there is none about which satellite has which.
+        let given = self.model_choice();
+        let is_readable = given.is_ok();
+        let Some(choice) = given.ok().or_else(|| ModelChoice::new(&ModelLibrary::embedded()).ok()) else { return };
         let state = ElementState::of(&catalogue, &choice, now);
         health.findings.extend(state.findings(&catalogue, now, source));
         if is_readable {
@@ -101,10 +101,10 @@ impl Setup {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::schedule::parse_instant;
+    use crate::frames::parse_instant;
 
     fn health(text: &str, now: &str) -> Health {
-        Setup::from_toml(text, "t.toml").unwrap().health(parse_instant(now, None).unwrap(), MomentSource::Clock)
+        Config::from_toml(text, "t.toml").unwrap().health(parse_instant(now, None).unwrap(), MomentSource::Clock)
     }
 
     fn severity(health: &Health, subject: &str) -> Severity {
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_a_finding_and_the_rest_goes_on() {
+    fn a_fault_is_a_finding_and_the_check_goes_on() {
         let all = health(
             "elements = 'missing.tle'\nlat = 0.0\nlon = 0.0\ntelescope = 'no-such'\neop = 'missing'",
             "2026-11-25T00:00:00Z",
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_that_was_not_looked_at_is_fine() {
+    fn what_is_not_given_is_unchecked() {
         let all = health("models = { files = ['no-such.json'] }\nlimit_mag = 7", "2026-11-25T00:00:00Z");
         for subject in ["elements", "site"] {
             assert_eq!(severity(&all, subject), Severity::Unchecked, "{subject}");
@@ -160,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn a_longitude_of_the_wrong_sign_is_told() {
+    fn a_longitude_of_the_wrong_sign_is_found() {
         let site = |lon: f64| health(&format!("lat = -30.2446\nlon = {lon}\nheight = 2650"), "2026-11-25T00:00:00Z");
         let wrong = site(70.7494);
         let finding =

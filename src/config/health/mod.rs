@@ -1,4 +1,4 @@
-//! What is wrong with a setup at a moment: before a night, not in it.
+//! What is wrong with a config at a moment: before a night, not in it.
 //!
 //! `finding` is one of them, with what to do. `elements` looks at the element sets (their ages, repetitions, kinds), `surroundings` at clock, Earth
 //! orientation, site, camera and policy; `check` puts them together.

@@ -1,27 +1,27 @@
-//! Clock, Earth orientation, leap seconds, site, camera, policy, models.
+//! Checks of clock, Earth orientation, leap seconds, site, camera, policy and models.
 
 use hifitime::Epoch;
 
-use super::super::document::Setup;
 use super::check::MomentSource;
 use super::elements::ElementState;
 use super::finding::{Finding, Severity};
+use crate::config::document::Config;
 use crate::constants::DAY_S;
 use crate::frames::{EopStatus, EopTable, leap_seconds_known_until, seconds_between};
 use crate::geometry::Site;
 use crate::output::format_utc;
 use crate::passes::Viewpoint;
 
-/// So near to its end a table is to be replaced, days.
+/// Time before its end at which a table should be replaced, days.
 const SOON_DAYS: f64 = 60.0;
-/// A site nearer to a known one than this is that one, degrees.
+/// Distance within which two sites are the same, degrees.
 const SAME_SITE_DEG: f64 = 0.2;
 
-/// UT1 and the leap seconds.
-pub(super) fn earth_orientation(setup: &Setup, now: Epoch) -> Vec<Finding> {
+/// Checks UT1 and the leap seconds.
+pub(super) fn earth_orientation(config: &Config, now: Epoch) -> Vec<Finding> {
     const SUBJECT: &str = "Earth orientation";
     let remedy = "give a newer table with --eop finals2000A.all (https://datacenter.iers.org)";
-    let table = match setup.eop_table() {
+    let table = match config.eop_table() {
         Ok(table) => table,
         Err(error) => return vec![Finding::new(Severity::Error, SUBJECT, error.to_string(), remedy)],
     };
@@ -67,14 +67,14 @@ fn status(table: &EopTable, now: Epoch, subject: &'static str, remedy: &str) -> 
     }
 }
 
-/// The clock, as far as the program knows what time it cannot be.
+/// Checks the clock against times that are impossible.
 pub(super) fn clock(now: Epoch, source: MomentSource, elements: Option<&ElementState>) -> Finding {
     let said = format_utc(now, 0);
     if source == MomentSource::Asked {
         return Finding::fine("time", format!("{said} was asked about; this machine's clock was not looked at"));
     }
     const SUBJECT: &str = "clock";
-    // The bundled table was made when its measured part ended; a machine that has lost its time says 1970.
+    // The bundled table is as old as its measured part; a machine without a clock starts in 1970.
     if matches!(EopTable::embedded().status(now), EopStatus::Measured | EopStatus::TooEarly { .. }) {
         let finding = format!("{said}, which is before this version of streakcast was made");
         let remedy = "set the clock right (chrony, w32time); --now TIME asks about the past";
@@ -87,14 +87,14 @@ pub(super) fn clock(now: Epoch, source: MomentSource, elements: Option<&ElementS
     }
 }
 
-/// What an exposure may meet.
-pub(super) fn policy(setup: &Setup) -> Finding {
+/// Checks the policy.
+pub(super) fn policy(config: &Config) -> Finding {
     const SUBJECT: &str = "policy";
-    let policy = match setup.policy() {
+    let policy = match config.policy() {
         Ok(policy) => policy,
         Err(error) => return Finding::new(Severity::Error, SUBJECT, error.to_string(), "see docs/policy.md"),
     };
-    // As its file would say it, in one line.
+    // In one line, as in its file.
     let said: Vec<String> = match serde_json::to_value(&policy) {
         Ok(serde_json::Value::Object(keys)) => keys
             .into_iter()
@@ -107,7 +107,7 @@ pub(super) fn policy(setup: &Setup) -> Finding {
         ["limit_mag", "saturation_mag", "crosstalk_mag", "max_lost_fraction"].iter().any(|key| words.starts_with(key))
     });
     let without = "no limit was said: no exposure is one to avoid, whatever crosses it".to_owned();
-    let is_unsaid = setup.policy.is_none() && setup.max_delay.is_none();
+    let is_unsaid = config.rules.policy.is_none() && config.rules.max_delay.is_none();
     match has_limit {
         true => Finding::fine(SUBJECT, said.join(", ")),
         false if said.is_empty() || is_unsaid => Finding::fine(SUBJECT, without),
@@ -115,22 +115,15 @@ pub(super) fn policy(setup: &Setup) -> Finding {
     }
 }
 
-/// The site, or the orbit of the telescope.
-pub(super) fn place(setup: &Setup, now: Epoch) -> Vec<Finding> {
+/// Checks the site, or the orbit of the telescope.
+pub(super) fn place(config: &Config, now: Epoch) -> Vec<Finding> {
     const SUBJECT: &str = "site";
-    let is_said = setup.site.is_some()
-        || setup.mpc.is_some()
-        || setup.lat.is_some()
-        || setup.lon.is_some()
-        || setup.height.is_some()
-        || setup.observer_elements.is_some()
-        || setup.observer_norad.is_some();
-    if !is_said {
+    if !config.has_viewpoint() {
         let remedy = "say --site, --mpc, or --lat, --lon and --height";
         let finding = "none was said: it was not looked at";
         return vec![Finding::new(Severity::Unchecked, SUBJECT, finding, remedy)];
     }
-    let site = match setup.viewpoint(now) {
+    let site = match config.viewpoint(now) {
         Ok(Viewpoint::Site(observer)) => observer.site().clone(),
         Ok(Viewpoint::Orbit(observer)) => {
             let finding =
@@ -149,7 +142,7 @@ pub(super) fn place(setup: &Setup, now: Epoch) -> Vec<Finding> {
         let finding = "latitude and longitude are 0: the Gulf of Guinea";
         found.push(Finding::new(Severity::Warning, SUBJECT, finding, "say where the telescope is"));
     }
-    if setup.lat.is_some() && setup.height.is_none() {
+    if config.site.lat.is_some() && config.site.height.is_none() {
         let finding = "no height was said: 0 m is taken, and 2000 m are 0.2 deg of a satellite at 550 km";
         found.push(Finding::new(Severity::Note, SUBJECT, finding, "say --height in metres"));
     }
@@ -161,7 +154,7 @@ pub(super) fn place(setup: &Setup, now: Epoch) -> Vec<Finding> {
     found
 }
 
-/// The known observatory that stands where this site would with the other sign of its longitude, or of its latitude.
+/// Returns the known observatory at this site's place with the other sign of its longitude.
 fn mirrored(site: &Site) -> Option<&'static Site> {
     let near = |latitude_rad: f64, longitude_rad: f64| {
         Site::all().find(|known| {
@@ -175,10 +168,10 @@ fn mirrored(site: &Site) -> Option<&'static Site> {
     near(site.latitude_rad, -site.longitude_rad)
 }
 
-/// Telescope, field, band, models.
-pub(super) fn camera(setup: &Setup) -> Vec<Finding> {
+/// Checks telescope, field, band and models.
+pub(super) fn camera(config: &Config) -> Vec<Finding> {
     let mut found = Vec::new();
-    match setup.telescope() {
+    match config.telescope() {
         Ok(Some(telescope)) => found.push(Finding::fine("telescope", telescope.name)),
         Ok(None) => {
             let remedy = "say --telescope NAME where widths and lost pixels matter";
@@ -188,12 +181,13 @@ pub(super) fn camera(setup: &Setup) -> Vec<Finding> {
             found.push(Finding::new(Severity::Error, "telescope", error.to_string(), "see streakcast flag --help"))
         }
     }
-    if (setup.fov.is_some() || setup.field.is_some())
-        && let Err(error) = setup.field_of_view()
+    if (config.fov.is_some() || config.field.is_some())
+        && let Err(error) = config.field_of_view()
     {
         found.push(Finding::new(Severity::Error, "field", error.to_string(), "see examples/field.json"));
     }
-    for (subject, answer) in [("photometry", setup.photometry().map(drop)), ("models", setup.model_choice().map(drop))]
+    for (subject, answer) in
+        [("photometry", config.photometry().map(drop)), ("models", config.model_choice().map(drop))]
     {
         if let Err(error) = answer {
             found.push(Finding::new(Severity::Error, subject, error.to_string(), "see docs/models.md"));

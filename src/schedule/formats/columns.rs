@@ -6,7 +6,6 @@ use hifitime::TimeScale;
 
 use super::super::error::ScheduleError;
 use super::raw::display;
-use crate::geometry::edit_distance;
 
 /// Columns of the exposure identifier, in order of preference.
 pub(in crate::schedule) const ID: &[&str] = &["exposure_id", "observationId", "visit_id", "obs_id", "id"];
@@ -126,7 +125,7 @@ fn with_hint(missing: &str, names: &[String]) -> String {
         .iter()
         .filter(|name| name.len() <= 40)
         .map(|name| (key(name), name))
-        .map(|(key, name)| (edit_distance(&wanted, &key), key, name))
+        .map(|(key, name)| (strsim::levenshtein(&wanted, &key), key, name))
         .filter(|(distance, key, _)| 3 * distance <= wanted.len() || (key.len() > 1 && wanted.starts_with(&**key)))
         .min_by_key(|(distance, ..)| *distance);
     near.map_or_else(|| missing.to_owned(), |(.., name)| format!("{missing} (is it {name}?)"))

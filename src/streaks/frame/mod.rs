@@ -6,5 +6,5 @@ mod target_frame;
 mod write;
 
 pub use synthetic::{StarField, SyntheticError, SyntheticFrame, SyntheticShot};
-pub use target_frame::{FrameSaid, TargetChip, TargetError, TargetFrame};
+pub use target_frame::{FrameOverrides, TargetChip, TargetError, TargetFrame};
 pub use write::{InjectError, InjectOptions, Injected, inject};

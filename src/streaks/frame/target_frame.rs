@@ -76,20 +76,20 @@ pub enum TargetError {
     },
 }
 
-/// What is said of a frame besides its header, and counts more.
+/// Values of a frame that override its header.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct FrameSaid {
-    /// When the shutter opened.
+pub struct FrameOverrides {
+    /// Shutter opening.
     pub start: Option<Epoch>,
-    /// For how long, seconds.
+    /// Length of the exposure, seconds.
     pub duration_s: Option<f64>,
-    /// These HDUs alone.
+    /// Only these HDUs; all images with world coordinates if empty.
     pub hdus: Vec<usize>,
-    /// Magnitude of one count, and of which.
+    /// Zero point, and its basis.
     pub zero_point: Option<(f64, CountBasis)>,
-    /// Electrons a count.
+    /// Electrons per count.
     pub gain_e_adu: Option<f64>,
-    /// Side of a pixel, arcsec: for frames that say nothing of the sky, into which random streaks can go all the same.
+    /// Side of a pixel, arcsec, for random streaks in frames without world coordinates.
     pub pixel_scale_arcsec: Option<f64>,
 }
 
@@ -140,7 +140,7 @@ impl TargetFrame {
     ///
     /// # Errors
     /// [`TargetError`].
-    pub fn open(path: &Path, said: &FrameSaid) -> Result<Self, TargetError> {
+    pub fn open(path: &Path, said: &FrameOverrides) -> Result<Self, TargetError> {
         let file = FrameFile::open(path)?;
         let shown = path.display().to_string();
         let images = images(&file, said)?;
@@ -182,7 +182,7 @@ impl TargetFrame {
 }
 
 /// HDUs that hold light.
-fn images(file: &FrameFile, said: &FrameSaid) -> Result<Vec<usize>, FrameError> {
+fn images(file: &FrameFile, said: &FrameOverrides) -> Result<Vec<usize>, FrameError> {
     if !said.hdus.is_empty() {
         let mut hdus = said.hdus.clone();
         hdus.sort_unstable();
@@ -204,7 +204,7 @@ fn images(file: &FrameFile, said: &FrameSaid) -> Result<Vec<usize>, FrameError> 
     Ok(found)
 }
 
-fn exposure(headers: &[&Header; 2], said: &FrameSaid, path: &str) -> Result<(Epoch, f64), TargetError> {
+fn exposure(headers: &[&Header; 2], said: &FrameOverrides, path: &str) -> Result<(Epoch, f64), TargetError> {
     if let (Some(start), Some(duration_s)) = (said.start, said.duration_s) {
         return Ok((start, duration_s));
     }
@@ -222,7 +222,7 @@ enum Placing {
 }
 
 /// Where a chip is on the sky, and whether its header says so.
-fn place(file: &FrameFile, hdu: usize, said: &FrameSaid) -> Result<(Wcs, bool), Placing> {
+fn place(file: &FrameFile, hdu: usize, said: &FrameOverrides) -> Result<(Wcs, bool), Placing> {
     let error = match Wcs::from_header(file.header(hdu).map_err(Placing::Frame)?) {
         Ok(wcs) => return Ok((wcs, true)),
         Err(error) => error,
@@ -243,7 +243,7 @@ fn target_chip(
     wcs: Wcs,
     is_on_sky: bool,
     exposure_s: f64,
-    said: &FrameSaid,
+    said: &FrameOverrides,
     path: &str,
 ) -> Result<TargetChip, TargetError> {
     let calibration = Calibration::from_headers(&[file.header(hdu)?, file.header(0)?]);

@@ -1,18 +1,42 @@
 //! `annotate`: the schedule file again, lossless, with flags and streaks.
 
+use std::path::PathBuf;
+
+use clap::Args;
+use streakcast::config::{Config, RulesConfig};
 use streakcast::output::AtomicFile;
+use streakcast::schedule::Shard;
 use streakcast::schedule::{Annotation, annotate, flag_table};
 
 use super::judged::judge;
-use crate::arguments::AnnotateArguments;
 use crate::failure::Outcome;
 use crate::output::cannot_write;
 
+#[derive(Args)]
+pub struct AnnotateArguments {
+    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    #[arg(long, value_name = "FILE")]
+    pub schedule: PathBuf,
+    #[command(flatten)]
+    pub rules: RulesConfig,
+    /// File to write; it may be the schedule itself
+    #[arg(long, short, value_name = "FILE")]
+    pub output: PathBuf,
+    /// Only the nights of one share of a batch, as 3/100: the rows of all shares together are the whole file
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// Replace an earlier annotation
+    #[arg(long)]
+    pub replace: bool,
+    #[command(flatten)]
+    pub config: Config,
+}
+
 pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(typed.rules.setup())?;
-    // Before any work: that a file can be made there.
+    let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    // Before any work: can the file be written?
     AtomicFile::check(&typed.output).map_err(|error| cannot_write(&typed.output, &error))?;
-    let judged = judge(&setup, &typed.schedule, typed.shard)?;
+    let judged = judge(&config, &typed.schedule, typed.shard)?;
     let annotation = Annotation {
         flags: &flag_table(&judged.report.flags),
         streaks: &judged.streaks,

@@ -1,39 +1,62 @@
-//! `doctor`: what would be wrong tonight, and what to do.
+//! `doctor`: setup check with remedies.
 
+use crate::arguments::OutputArguments;
+use clap::Args;
 use std::path::Path;
+use std::path::PathBuf;
 use std::time::SystemTime;
+use streakcast::config::{Config, RulesConfig};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::json;
-use streakcast::config::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, finding_table, parse_moment};
+use streakcast::config::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, finding_table};
+use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_between;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value, format_utc};
 
 use super::judged::begin;
 use crate::cache::{FetchRecord, cache_folder, records_in};
-use crate::doctor_arguments::DoctorArguments;
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};
 use crate::screen::Style;
 
+#[derive(Args)]
+pub struct DoctorArguments {
+    /// Folder of fetched elements; streakcast in the system's cache folder if omitted
+    #[arg(long, value_name = "FOLDER")]
+    pub cache: Option<PathBuf>,
+    /// Time to check, as 2024-08-14T00:30:00Z; that of this machine's clock if omitted
+    #[arg(long, value_name = "TIME")]
+    pub now: Option<String>,
+    /// End with exit code 1 on a warning, or if elements or site are not given and so not checked
+    #[arg(long)]
+    pub strict: bool,
+    #[command(flatten)]
+    pub rules: RulesConfig,
+    #[command(flatten)]
+    pub config: Config,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
 /// The longest bar of the histogram, characters.
 const BAR: usize = 40;
-/// A cached file older than this is worth a word, days.
+/// Age of a cached file that is reported, days.
 const STALE_DAYS: f64 = 3.0;
 
 pub fn run(typed: DoctorArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(typed.rules.setup())?;
-    let format = typed.output.format.as_deref().or(setup.format.as_deref());
-    // A page of text is the answer, on a terminal or not; the other formats where they are asked for.
+    let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    let format = typed.output.format.as_deref().or(config.format.as_deref());
+    // A page of text is the default, on a terminal or not.
     let is_text = format.is_none_or(|format| format == "table" || format == "text");
     let output = Output::new(if is_text { Some("table") } else { format }, typed.output.output.clone())?;
-    begin(&setup)?;
+    begin(&config)?;
     let (now, source) = match &typed.now {
-        Some(now) => (parse_moment(now, setup.time_scale()?)?, MomentSource::Asked),
+        Some(now) => (parse_moment(now, config.time_scale()?)?, MomentSource::Asked),
         None => (machine_time(), MomentSource::Clock),
     };
-    let mut health = setup.health(now, source);
+    let mut health = config.health(now, source);
     let folder = cache_folder(typed.cache.as_deref()).ok();
     let cached = folder.as_deref().map(records_in).unwrap_or_default();
     health.findings.extend(cache_findings(folder.as_deref(), typed.cache.is_some(), &cached, now));

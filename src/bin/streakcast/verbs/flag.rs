@@ -1,14 +1,44 @@
 //! `flag`: one verdict for each exposure of a schedule.
 
+use std::path::PathBuf;
+
+use crate::arguments::OutputArguments;
+use clap::{Args, ValueEnum};
+use streakcast::config::{Config, RulesConfig};
 use streakcast::output::Section;
+use streakcast::schedule::Shard;
 use streakcast::schedule::{Verdict, flag_table};
 
 use super::judged::judge;
 use super::passes::left_out_table;
-use crate::arguments::{FailOn, FlagArguments};
 use crate::failure::Outcome;
 use crate::output::Answer;
 use crate::screen::{Shown, Style, rounded, shown};
+
+#[derive(Args)]
+pub struct FlagArguments {
+    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    #[arg(long, value_name = "FILE")]
+    pub schedule: PathBuf,
+    #[command(flatten)]
+    pub rules: RulesConfig,
+    /// Only the nights of one share of a batch, as 3/100: all shares together are the whole answer
+    #[arg(long, value_name = "I/N")]
+    pub shard: Option<Shard>,
+    /// End with exit code 1 if any exposure is streaked (or worse), or one to avoid
+    #[arg(long, value_name = "VERDICT")]
+    pub fail_on: Option<FailOn>,
+    #[command(flatten)]
+    pub config: Config,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+#[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
+pub enum FailOn {
+    Streaked,
+    Avoid,
+}
 
 const ON_SCREEN: &[Shown] = &[
     shown("exposure_id", "exposure"),
@@ -23,9 +53,9 @@ const ON_SCREEN: &[Shown] = &[
 ];
 
 pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(typed.rules.setup())?;
-    let output = typed.output.open(&setup)?;
-    let judged = judge(&setup, &typed.schedule, typed.shard)?;
+    let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    let output = typed.output.open(&config)?;
+    let judged = judge(&config, &typed.schedule, typed.shard)?;
     let flags = flag_table(&judged.report.flags);
     let left_out = left_out_table(&judged.report.left_out);
     output.write(&Answer {

@@ -1,10 +1,13 @@
 //! `forecast`: every visible pass of a night over a site.
 
+use std::path::PathBuf;
+
+use crate::arguments::{OutputArguments, reject_camera, utc_offset_h};
 use anyhow::anyhow;
+use clap::Args;
 use hifitime::Epoch;
 use serde_json::json;
-use streakcast::config::ForecastSaid;
-use streakcast::config::{Prepared, Setup, parse_duration_s};
+use streakcast::config::{Config, ForecastConfig, PreparedSky, parse_duration_s, state_scales};
 use streakcast::forecast::{
     AngleType, EmptyNight, Forecast, ForecastRequest, PassRow, calendar, forecast, light_curve_table, night_table,
     pass_table, readable_table, score_report, tdm,
@@ -13,14 +16,40 @@ use streakcast::geometry::Site;
 use streakcast::output::{Section, counted, format_utc};
 use streakcast::passes::SkyError;
 
-use super::judged::{begin, state_scales};
+use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::forecast_arguments::ForecastArguments;
 use crate::output::{Answer, ENDS, FORMATS, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 
-/// Points of a light curve where nothing else is said.
+/// Formats of a forecast beside those of every verb.
+const FORMAT_HELP: &str = "table (on a terminal), csv (anywhere else), ecsv, json, jsonl, votable; parquet in builds that have it; \
+     ics (calendar), tdm (CCSDS tracking data message), score (columns of SCORE)";
+
+#[derive(Args)]
+#[command(mut_arg("format", |format| format.help(FORMAT_HELP)))]
+pub struct ForecastArguments {
+    #[command(flatten)]
+    pub forecast: ForecastConfig,
+    /// File of light curves beside, one row a point; the end of its name sets the format (csv, ecsv, json, jsonl, vot)
+    #[arg(long, value_name = "FILE", help_heading = "Output")]
+    pub light_curves: Option<PathBuf>,
+    /// Times of the table on a clock this far ahead of UTC, as +01:00
+    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Output")]
+    pub utc_offset: Option<f64>,
+    /// In a calendar, an alarm this long before each pass, as 5min
+    #[arg(long, value_name = "TIME", help_heading = "Output")]
+    pub alarm: Option<String>,
+    /// Angles of a tracking data message: radec (default) or azel
+    #[arg(long, value_name = "TYPE", help_heading = "Output")]
+    pub angle_type: Option<String>,
+    #[command(flatten)]
+    pub config: Config,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+/// Default number of points of a light curve.
 const LIGHT_CURVE_SAMPLES: usize = 61;
 
 const BY_UTC: &[Shown] = &on_screen("start (UTC)", "highest (UTC)", "end (UTC)");
@@ -47,7 +76,7 @@ const fn on_screen(start: &'static str, highest: &'static str, end: &'static str
     ]
 }
 
-/// Files that are no tables.
+/// Formats that are no tables.
 #[derive(Copy, Clone, PartialEq, Eq)]
 enum Document {
     Calendar,
@@ -67,27 +96,26 @@ impl Document {
 }
 
 pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
-    typed.shared.no_camera("what passes over a site")?;
-    let setup = typed.shared.setup(Setup::default())?;
-    let (output, document) = open(&typed, &setup)?;
+    reject_camera(&typed.config, "what passes over a site")?;
+    let config = typed.config.clone().with_file()?;
+    let (output, document) = open(&typed, &config)?;
     let curves = typed.light_curves.clone().map(Output::beside).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
     let offset_s = typed.utc_offset.map(|hours| hours * 3600.0);
     let angles = angles(typed.angle_type.as_deref())?;
-    says_something(&typed, document)?;
-    let said = typed.said();
-    let selection = said.selection()?;
-    let notices = begin(&setup)?;
-    let (from, to) = said.time_range(&setup)?;
-    let request = said.request((from, to), &setup, if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 })?;
+    reject_idle(&typed, document)?;
+    let notices = begin(&config)?;
+    let default_samples = if curves.is_some() { LIGHT_CURVE_SAMPLES } else { 0 };
+    let (request, selection) = typed.forecast.resolve(&config, default_samples)?;
+    let (from, to) = (request.start, request.end);
 
-    let mut prepared = setup.prepare(from, to)?;
+    let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings);
     let found = forecast(&prepared.sky, &request, &selection)?;
     notices.warn(&prepared.left_out_warning(&found.found.left_out, from)?);
     notices.warn(&selection.unknown_warning(prepared.sky.elements()));
     notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
-    state(&mut prepared, &setup, &typed, &request);
+    state(&mut prepared, &config, &typed.forecast, &request);
     let site = site_of(&prepared)?;
     let why_empty = found.why_empty(&prepared.sky, &request);
 
@@ -142,11 +170,11 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn open(typed: &ForecastArguments, setup: &Setup) -> anyhow::Result<(Output, Option<Document>)> {
+fn open(typed: &ForecastArguments, config: &Config) -> anyhow::Result<(Output, Option<Document>)> {
     let path = typed.output.output.clone();
     let extension = path.as_ref().and_then(|path| path.extension()).and_then(|name| name.to_str());
     let extension = extension.map(str::to_ascii_lowercase);
-    let said = typed.output.format.as_deref().or(setup.format.as_deref());
+    let said = typed.output.format.as_deref().or(config.format.as_deref());
     match said.or(extension.as_deref()).and_then(Document::by_name) {
         // A text of its own.
         Some(document) => Ok((Output::new(Some("json"), path)?, Some(document))),
@@ -166,8 +194,8 @@ fn angles(said: Option<&str>) -> anyhow::Result<AngleType> {
     })
 }
 
-/// Flags of one format say nothing in another; that is better said than passed over.
-fn says_something(typed: &ForecastArguments, document: Option<Document>) -> anyhow::Result<()> {
+/// Rejects flags of one format with another.
+fn reject_idle(typed: &ForecastArguments, document: Option<Document>) -> anyhow::Result<()> {
     if typed.alarm.is_some() && document != Some(Document::Calendar) {
         return Err(anyhow!("--alarm is for calendars alone; allowed: with --format ics, or a file that ends in .ics"));
     }
@@ -179,27 +207,7 @@ fn says_something(typed: &ForecastArguments, document: Option<Document>) -> anyh
     Ok(())
 }
 
-impl ForecastArguments {
-    /// The question as it was typed.
-    fn said(&self) -> ForecastSaid {
-        ForecastSaid {
-            night: self.night.clone(),
-            start: self.start.clone(),
-            end: self.end.clone(),
-            max_mag: self.max_mag,
-            min_altitude: self.min_altitude,
-            min_culmination: self.min_culmination,
-            sun_altitude_deg: Some(self.sun_altitude_deg),
-            generation: self.generation.clone(),
-            name: self.name.clone(),
-            norad: self.norad.clone(),
-            include_dark: self.include_dark,
-            samples: self.samples,
-        }
-    }
-}
-
-fn site_of(prepared: &Prepared) -> anyhow::Result<Site> {
+fn site_of(prepared: &PreparedSky) -> anyhow::Result<Site> {
     let viewpoint = prepared.sky.viewpoint();
     let observer = viewpoint.site().ok_or_else(|| SkyError::NoHorizon { observer: viewpoint.name() })?;
     Ok(observer.site().clone())
@@ -209,29 +217,29 @@ fn now() -> anyhow::Result<Epoch> {
     Ok(Epoch::now()?)
 }
 
-fn state(prepared: &mut Prepared, setup: &Setup, typed: &ForecastArguments, request: &ForecastRequest) {
-    let scale = setup.said_time_scale().unwrap_or("utc").to_ascii_lowercase();
+fn state(prepared: &mut PreparedSky, config: &Config, forecast: &ForecastConfig, request: &ForecastRequest) {
+    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut prepared.provenance, &scale, &request.photometry);
     prepared.provenance.state(
         "options",
         json!({
-            "night": typed.night,
+            "night": forecast.night,
             "start_utc": format_utc(request.start, 3),
             "end_utc": format_utc(request.end, 3),
-            "sun_altitude_deg": typed.sun_altitude_deg,
-            "min_altitude_deg": typed.min_altitude,
-            "min_culmination_deg": typed.min_culmination,
-            "max_mag": typed.max_mag,
-            "generation": typed.generation,
-            "name": typed.name,
-            "norad": typed.norad,
-            "include_dark": typed.include_dark,
+            "sun_altitude_deg": forecast.sun_altitude_deg,
+            "min_altitude_deg": forecast.min_altitude,
+            "min_culmination_deg": forecast.min_culmination,
+            "max_mag": forecast.max_mag,
+            "generation": forecast.generation,
+            "name": forecast.name,
+            "norad": forecast.norad,
+            "include_dark": forecast.include_dark,
             "samples": request.samples,
         }),
     );
 }
 
-/// The row of the brightest pass.
+/// Returns the row of the brightest pass.
 fn brightest(found: &Forecast) -> Option<usize> {
     let magnitude =
         |row: usize| Some(found.found.passes[row].visible.as_ref()?.peak.as_ref()?.brightness.as_ref()?.magnitude.0);

@@ -1,20 +1,36 @@
-//! `identify`: which satellite a measured streak is of, as ranked candidates.
+//! `identify`: ranked candidates for a measured streak.
 
+use crate::arguments::{OutputArguments, reject_camera};
 use anyhow::anyhow;
+use clap::Args;
 use serde_json::json;
-use streakcast::config::Setup;
-use streakcast::config::{StreakAsked, StreakSaid, above_the_horizon};
+use streakcast::config::{Config, IdentifyConfig, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::identify::{CandidateRow, Identified, IdentifyOptions, candidate_table, identify_streak, streak_table};
 use streakcast::output::Section;
 
-use super::judged::{begin, state_scales};
+use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
-use crate::identify_arguments::IdentifyArguments;
 use crate::notices::Notices;
 use crate::output::Answer;
 use crate::screen::{Shown, Style, rounded, shown};
+
+#[derive(Args)]
+pub struct IdentifyArguments {
+    #[command(flatten)]
+    pub streak: IdentifyConfig,
+    /// Include satellites in the Earth's shadow
+    #[arg(long)]
+    pub include_dark: bool,
+    /// Largest number of candidates listed
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    pub top: usize,
+    #[command(flatten)]
+    pub config: Config,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),
@@ -38,31 +54,31 @@ const ON_SCREEN: &[Shown] = &[
 const LIKELY: f64 = 0.5;
 
 pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
-    typed.shared.no_camera("what a streak is of")?;
+    reject_camera(&typed.config, "what a streak is of")?;
     if typed.top == 0 {
         return Err(anyhow!("top 0; allowed: 1 or more"));
     }
-    let setup = typed.shared.setup(Setup::default())?;
-    let asked: StreakAsked = typed.said().asked(&setup)?;
-    let output = typed.output.open(&setup)?;
-    let notices = begin(&setup)?;
-    let streak = &asked.streak;
+    let config = typed.config.with_file()?;
+    let plan = typed.streak.resolve(&config)?;
+    let output = typed.output.open(&config)?;
+    let notices = begin(&config)?;
+    let streak = &plan.streak;
     let options = IdentifyOptions {
-        include_dark: typed.include_dark || setup.include_dark.unwrap_or(false),
-        photometry: setup.photometry()?,
+        include_dark: typed.include_dark || config.include_dark.unwrap_or(false),
+        photometry: config.photometry()?,
     };
-    let mut prepared = setup.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
+    let mut prepared = config.prepare(streak.start(), seconds_after(streak.start(), streak.duration_s()))?;
     notices.warn(&prepared.warnings);
-    above_the_horizon("streak", &asked.exposure(), &prepared)?;
+    prepared.check_altitude("streak", &plan.exposure())?;
     let found = identify_streak(&prepared.sky, streak, &options)?;
     notices.warn(&prepared.left_out_warning(&found.left_out, streak.start())?);
 
-    let scale = setup.said_time_scale().unwrap_or("utc").to_ascii_lowercase();
+    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut prepared.provenance, &scale, &options.photometry);
     prepared.provenance.state(
         "options",
         json!({
-            "streak": asked.from,
+            "streak": plan.source,
             "include_dark": options.include_dark,
             "top": typed.top,
             "candidates": found.candidates.len(),
@@ -87,38 +103,6 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
     })?;
     summary(&notices, &found, &prepared.sky);
     Ok(if found.candidates.is_empty() { Outcome::No } else { Outcome::Done })
-}
-
-impl IdentifyArguments {
-    /// The streak as it was typed.
-    fn said(&self) -> StreakSaid {
-        let (streak, time) = (self.streak.clone(), self.time.clone());
-        #[cfg_attr(not(feature = "fits"), expect(unused_mut))]
-        let mut said = StreakSaid {
-            end: streak.end,
-            ra: streak.ra,
-            dec: streak.dec,
-            position_angle: streak.position_angle,
-            length: streak.length,
-            region: streak.region,
-            place_sigma: streak.place_sigma,
-            angle_sigma: streak.angle_sigma,
-            times: time.times,
-            start: time.start,
-            exposure: time.exposure,
-            whole_streak: time.whole_streak,
-            time_sigma: time.time_sigma,
-            ..StreakSaid::default()
-        };
-        #[cfg(feature = "fits")]
-        {
-            said.image = streak.image;
-            said.from_pix = streak.from_pix;
-            said.to_pix = streak.to_pix;
-            said.hdu = streak.hdu;
-        }
-        said
-    }
 }
 
 fn summary(notices: &Notices, found: &Identified, sky: &streakcast::passes::Sky) {

@@ -1,64 +1,62 @@
-//! What `flag` and `annotate` share: a schedule read, judged, and its tables.
+//! Verdicts of a schedule, for `flag`, `annotate`, `serve` and plots.
 
 use std::path::Path;
 
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Value, json};
-pub use streakcast::config::state_scales;
-use streakcast::config::{FieldSetup, Prepared, Setup};
+use streakcast::config::{Config, NameOrTable, ObservationPlan, PreparedSky, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
 use streakcast::output::{Provenance, Table, format_utc};
-use streakcast::passes::{Exposure, Field};
-use streakcast::photometry::PhotometryOptions;
+use streakcast::passes::Exposure;
 use streakcast::schedule::{
-    ExposureFlag, FlagReport, FlagRequest, Policy, Schedule, Shard, StreakRow, Verdict, flag_exposures, streak_table,
+    ExposureFlag, FlagReport, Policy, Schedule, Shard, StreakRow, Verdict, flag_exposures, streak_table,
 };
 
 use crate::notices::Notices;
 
-/// Rows judged at a time: often enough for a progress bar, and a night shares its preparation.
+/// Rows judged at a time: few enough for a progress bar, and rows of a night share its preparation.
 const ROWS_AT_A_TIME: usize = 1000;
 
-/// More threads than any machine has cores are a slip of the finger, and starting them takes minutes.
+/// Largest number of threads; starting more takes minutes.
 const MOST_THREADS: usize = 1024;
 
 /// A schedule with its verdicts.
 pub struct Judged {
     pub schedule: Schedule,
     pub report: FlagReport,
-    /// What the answers rest on.
+    /// Provenance of the answers.
     pub provenance: Provenance,
     pub notices: Notices,
     /// One row for each exposure and satellite.
     pub streaks: Table,
-    /// Of a share of a batch: which rows of the file are in `schedule`.
+    /// For a share of a batch: which rows of the file are in `schedule`.
     pub keep: Option<Vec<bool>>,
 }
 
-/// Sets the threads, and says how loud the run is.
-pub fn begin(setup: &Setup) -> anyhow::Result<Notices> {
-    if let Some(threads) = setup.threads {
+/// Sets the number of threads, and returns the notices of the run.
+pub fn begin(config: &Config) -> anyhow::Result<Notices> {
+    if let Some(threads) = config.run.threads {
         if !(1..=MOST_THREADS).contains(&threads) {
             return Err(anyhow!("threads {threads}; allowed: 1 to {MOST_THREADS}"));
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    Ok(Notices::new(setup.quiet.unwrap_or(false)))
+    Ok(Notices::new(config.run.quiet.unwrap_or(false)))
 }
 
 /// Reads and judges a schedule, or its share of a batch.
-pub fn judge(setup: &Setup, path: &Path, shard: Option<Shard>) -> anyhow::Result<Judged> {
-    let notices = begin(setup)?;
-    let asked = Asked::of(setup)?;
-    let mut schedule = Schedule::read(path, &setup.schedule_options()?)?;
-    // The sky is made for the whole schedule: every share asks the same one.
+pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Result<Judged> {
+    let notices = begin(config)?;
+    let plan = config.observation()?;
+    let mut schedule = Schedule::read(path, &config.schedule_options()?)?;
+    // The sky is made for the whole schedule: all shares use the same one.
     let judgeable = span(&schedule);
     let all_rows = schedule.exposures.len();
     let keep = match shard {
         Some(shard) => {
-            let keep = shard.rows(&schedule, setup.viewpoint_longitude_rad(judgeable.map(|(first, _)| first))?);
+            let keep = shard.rows(&schedule, config.viewpoint_longitude_rad(judgeable.map(|(first, _)| first))?);
             let mut kept = keep.iter();
             schedule.exposures.retain(|_| kept.next().copied().unwrap_or(false));
             Some(keep)
@@ -70,14 +68,14 @@ pub fn judge(setup: &Setup, path: &Path, shard: Option<Shard>) -> anyhow::Result
             // A share of a batch with more shares than nights.
             (FlagReport::default(), streak_table(std::iter::empty(), false, false), Provenance::new())
         }
-        Some(span) => judge_rows(setup, &schedule, span, &asked, &notices)?,
+        Some(span) => judge_rows(config, &schedule, span, &plan, &notices)?,
         None => {
-            // No moment to ask any satellite about: the rows come back with their reasons, and rest on nothing.
+            // Without a time there is no sky: all rows are invalid, with their reasons.
             notices.warn(&[none_judged(&schedule, path)]);
             (invalid_rows(&schedule), streak_table(std::iter::empty(), false, false), Provenance::new())
         }
     };
-    let Asked { policy, telescope, photometry, .. } = &asked;
+    let ObservationPlan { policy, telescope, photometry, .. } = &plan;
     notices.warn(&schedule_warnings(&schedule, policy, telescope.as_ref()));
     let telescope = telescope.as_ref().map(|telescope| telescope.name.as_str());
     state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), photometry);
@@ -92,46 +90,30 @@ pub fn judge(setup: &Setup, path: &Path, shard: Option<Shard>) -> anyhow::Result
             "first_start_utc": judgeable.map(|(first, _)| format_utc(first, 3)),
         }),
     );
-    provenance.state("options", options_json(setup, policy, telescope));
+    provenance.state("options", options_json(config, policy, telescope));
     summary(&notices, &report);
     Ok(Judged { schedule, report, provenance, notices, streaks, keep })
 }
 
-/// What a schedule is judged by.
-pub struct Asked {
-    pub field: Field,
-    pub telescope: Option<Telescope>,
-    pub policy: Policy,
-    pub photometry: PhotometryOptions,
-}
-
-impl Asked {
-    /// As a setup says it.
-    pub fn of(setup: &Setup) -> anyhow::Result<Self> {
-        let (field, telescope) = (setup.field_of_view()?, setup.telescope()?);
-        Ok(Self { field, telescope, policy: setup.policy()?, photometry: setup.photometry()? })
-    }
-}
-
-/// A report in which no row was judged.
+/// Returns a report in which no row was judged.
 fn invalid_rows(schedule: &Schedule) -> FlagReport {
     let reasons = schedule.exposures.iter().filter_map(|row| Some((row, row.exposure.as_ref().err()?)));
     let flags: Vec<_> = reasons.map(|(row, reason)| ExposureFlag::invalid(&row.id, reason.clone())).collect();
     FlagReport { passes: vec![Vec::new(); flags.len()], flags, ..FlagReport::default() }
 }
 
-/// Judges all rows between two moments: the report, its streaks, and what they rest on.
+/// Judges all rows between two moments; returns the report, the streaks and their provenance.
 fn judge_rows(
-    setup: &Setup,
+    config: &Config,
     schedule: &Schedule,
     (first, last): (Epoch, Epoch),
-    asked: &Asked,
+    plan: &ObservationPlan,
     notices: &Notices,
 ) -> anyhow::Result<(FlagReport, Table, Provenance)> {
-    let Asked { telescope, photometry, .. } = asked;
-    let prepared = setup.prepare(first, last)?;
+    let ObservationPlan { telescope, photometry, .. } = plan;
+    let prepared = config.prepare(first, last)?;
     notices.warn(&prepared.warnings);
-    let report = flag_rows(&prepared, schedule, first, asked, notices)?;
+    let report = flag_rows(&prepared, schedule, first, plan, notices)?;
 
     let judged: Vec<(&Exposure, &Vec<_>)> = schedule
         .exposures
@@ -156,16 +138,15 @@ fn judge_rows(
     Ok((report, streaks, prepared.provenance))
 }
 
-/// The verdicts of all rows under a sky that is ready, with a bar on long work.
+/// Returns the verdicts of all rows under a prepared sky, with a progress bar on long work.
 pub fn flag_rows(
-    prepared: &Prepared,
+    prepared: &PreparedSky,
     schedule: &Schedule,
     first: Epoch,
-    asked: &Asked,
+    plan: &ObservationPlan,
     notices: &Notices,
 ) -> anyhow::Result<FlagReport> {
-    let Asked { field, telescope, policy, photometry } = asked;
-    let request = FlagRequest { sky: &prepared.sky, field, policy, telescope: telescope.as_ref(), photometry };
+    let request = plan.request(&prepared.sky);
     let rows: Vec<_> = schedule.exposures.iter().collect();
     let mut report = FlagReport::default();
     let bar = notices.progress(rows.len());
@@ -179,7 +160,7 @@ pub fn flag_rows(
     Ok(report)
 }
 
-/// What the user may not have noticed about the schedule.
+/// Returns warnings about the schedule.
 pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option<&Telescope>) -> Vec<String> {
     let mut warnings = Vec::new();
     let repeated = schedule.repeated_ids();
@@ -209,7 +190,7 @@ pub fn schedule_warnings(schedule: &Schedule, policy: &Policy, telescope: Option
     warnings
 }
 
-/// From the first opening to the last closing of the rows that can be judged; `None` where none can.
+/// Returns the first opening and the last closing of the rows that can be judged; `None` if none can.
 pub fn span(schedule: &Schedule) -> Option<(Epoch, Epoch)> {
     let exposures = || schedule.judged().map(|(_, exposure)| exposure);
     let first = exposures().map(|exposure| exposure.start).min();
@@ -223,21 +204,21 @@ pub fn none_judged(schedule: &Schedule, path: &Path) -> String {
     format!("schedule {}: none of its {} rows can be judged{example}", path.display(), schedule.exposures.len())
 }
 
-pub fn options_json(setup: &Setup, policy: &Policy, telescope: Option<&str>) -> Value {
+pub fn options_json(config: &Config, policy: &Policy, telescope: Option<&str>) -> Value {
     json!({
-        "field": field_said(setup),
-        "default_rotation_deg": setup.rotation.unwrap_or(0.0),
+        "field": given_field(config),
+        "default_rotation_deg": config.rotation.unwrap_or(0.0),
         "telescope": telescope,
         "policy": policy,
     })
 }
 
-/// The field as it was said, for the provenance.
-pub fn field_said(setup: &Setup) -> Value {
-    match (&setup.fov, &setup.field) {
-        (Some(diameter), _) => json!({ "circle": diameter.text() }),
-        (None, Some(FieldSetup::File(path))) => json!({ "file": path.display().to_string() }),
-        (None, Some(FieldSetup::Table(table))) => json!(table),
+/// Returns the field as given, for the provenance.
+pub fn given_field(config: &Config) -> Value {
+    match (&config.fov, &config.field) {
+        (Some(diameter), _) => json!({ "circle": diameter.as_str() }),
+        (None, Some(NameOrTable::Name(path))) => json!({ "file": path.display().to_string() }),
+        (None, Some(NameOrTable::Table(table))) => json!(table),
         (None, None) => json!("of the telescope"),
     }
 }

@@ -1,4 +1,4 @@
-//! One verb, one file.
+//! Verbs: one file or folder each, with its flags.
 
 pub mod annotate;
 pub mod doctor;
@@ -13,18 +13,16 @@ pub mod identify;
 #[cfg(feature = "fits")]
 pub mod inject;
 mod judged;
+pub mod lists;
 pub mod map;
 pub mod model;
 #[cfg(feature = "fit")]
 mod model_check;
-mod night;
 pub mod passes;
 #[cfg(feature = "plot")]
 pub mod plot;
 pub mod reproduce;
 #[cfg(feature = "serve")]
 pub mod serve;
-pub mod shells;
-pub mod sites;
 pub mod statistics;
 pub mod windows;

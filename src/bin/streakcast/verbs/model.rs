@@ -1,14 +1,67 @@
 //! `model list` and `model show`: the brightness models.
 
+use std::path::{Path, PathBuf};
+
+use crate::arguments::OutputArguments;
+use clap::{Args, Subcommand};
+use streakcast::config::Config;
+
 use anyhow::anyhow;
 use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
 use streakcast::photometry::{ModelFile, ModelLibrary};
 
-use crate::arguments::{ModelArguments, ModelListArguments, ModelShowArguments, ModelVerb};
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::shared_arguments::setup_of;
+
+#[derive(Args)]
+pub struct ModelArguments {
+    #[command(subcommand)]
+    pub verb: ModelVerb,
+}
+
+#[derive(Subcommand)]
+pub enum ModelVerb {
+    /// All models by name
+    List(ModelListArguments),
+    /// One model: its file, with coefficients, covariance and provenance
+    Show(ModelShowArguments),
+    /// Checks the shipped models, or files, against the rules, published means and phase curves, and photometry
+    #[cfg(feature = "fit")]
+    Check(ModelCheckArguments),
+}
+
+#[cfg(feature = "fit")]
+#[derive(Args)]
+pub struct ModelCheckArguments {
+    /// Model files; a name that begins with that of a shipped model (visorsat-mine) sets the satellites
+    pub files: Vec<PathBuf>,
+    /// Folder of published photometry (see docs/models.md); without it only published means and curves are used
+    #[arg(long, value_name = "FOLDER")]
+    pub data: Option<PathBuf>,
+    /// Only errors on standard error
+    #[arg(long, short)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+#[derive(Args)]
+pub struct ModelListArguments {
+    /// Configuration file with models of your own
+    #[arg(long, value_name = "FILE")]
+    pub config: Option<PathBuf>,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+#[derive(Args)]
+pub struct ModelShowArguments {
+    /// Name or alias
+    pub name: String,
+    #[command(flatten)]
+    pub list: ModelListArguments,
+}
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),
@@ -30,14 +83,14 @@ pub fn run(typed: ModelArguments) -> anyhow::Result<Outcome> {
 }
 
 fn list(typed: ModelListArguments) -> anyhow::Result<Outcome> {
-    let library = setup_of(typed.config.as_deref())?.model_library()?;
+    let library = library_of(typed.config.as_deref())?;
     let output = Output::new(typed.output.format.as_deref(), typed.output.output)?;
     let names: Vec<&str> = library.names().collect();
     write(&output, &table_of(&library, &names))
 }
 
 fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
-    let library = setup_of(typed.list.config.as_deref())?.model_library()?;
+    let library = library_of(typed.list.config.as_deref())?;
     let format = typed.list.output.format.as_deref();
     let model = library.get(&typed.name).ok_or_else(|| {
         anyhow!("unknown model '{}'; known are {}", typed.name, library.names().collect::<Vec<_>>().join(", "))
@@ -49,6 +102,11 @@ fn show(typed: ModelShowArguments) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     write(&output, &table_of(&library, &[typed.name.as_str()]))
+}
+
+/// Returns the shipped models and those of a configuration file.
+fn library_of(config: Option<&Path>) -> anyhow::Result<ModelLibrary> {
+    Ok(config.map(Config::read).transpose()?.unwrap_or_default().model_library()?)
 }
 
 fn table_of(library: &ModelLibrary, names: &[&str]) -> Table {

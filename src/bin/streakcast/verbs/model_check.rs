@@ -7,7 +7,7 @@ use streakcast::fit::checks::{DataSet, POPULATION, Photometry, compare, comparis
 use streakcast::output::{Provenance, Section};
 use streakcast::photometry::{BrightnessModel, ModelLibrary};
 
-use crate::arguments::ModelCheckArguments;
+use super::model::ModelCheckArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Answer, Output};

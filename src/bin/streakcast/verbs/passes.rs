@@ -1,19 +1,40 @@
 //! `passes`: every satellite that crosses the field during one exposure.
 
+use crate::arguments::OutputArguments;
+use clap::Args;
 use serde_json::json;
-use streakcast::config::above_the_horizon;
-use streakcast::config::{Prepared, Setup, parse_moment};
+use streakcast::config::{Config, ExposureConfig, PreparedSky, RulesConfig, state_scales};
+use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
 use streakcast::output::{Column, Kind, Section, Table, format_utc};
 use streakcast::passes::{Exposure, FieldPass, PassOptions, Passes};
+use streakcast::schedule::MagnitudeLimit;
 use streakcast::schedule::{StreakRow, exposure_table, streak_table};
 
-use crate::arguments::PassesArguments;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::Answer;
 use crate::screen::{Shown, Style, rounded, shown};
+
+#[derive(Args)]
+pub struct PassesArguments {
+    #[command(flatten)]
+    pub exposure: ExposureConfig,
+    /// Include crossings of satellites in the Earth's shadow
+    #[arg(long)]
+    pub include_dark: bool,
+    /// Report how many of the crossings are brighter than this, in the band asked for; all of them are listed
+    #[arg(long, value_name = "MAG", allow_hyphen_values = true)]
+    pub limit_mag: Option<MagnitudeLimit>,
+    /// Points along each track
+    #[arg(long, value_name = "N")]
+    pub samples: Option<usize>,
+    #[command(flatten)]
+    pub config: Config,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "name"),
@@ -37,18 +58,20 @@ const ON_SCREEN: &[Shown] = &[
 ];
 
 pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(Setup {
+    let flags = Config {
+        exposure: typed.exposure,
         include_dark: typed.include_dark.then_some(true),
-        limit_mag: typed.limit_mag,
+        rules: RulesConfig { limit_mag: typed.limit_mag, ..RulesConfig::default() },
         samples: typed.samples,
-        ..typed.exposure.setup()
-    })?;
-    let output = typed.output.open(&setup)?;
-    let asked = ask(&setup)?;
-    let passes = asked.table(output.is_json());
-    let left_out = left_out_table(&asked.answer.left_out);
-    let exposures = exposure_table([&asked.exposure]);
-    let found = asked.found();
+        ..typed.config
+    };
+    let config = flags.with_file()?;
+    let output = typed.output.open(&config)?;
+    let prediction = predict(&config)?;
+    let passes = prediction.table(output.is_json());
+    let left_out = left_out_table(&prediction.answer.left_out);
+    let exposures = exposure_table([&prediction.exposure]);
+    let found = prediction.found();
     let brightest = |pass: &FieldPass| {
         pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref()).map(|brightness| brightness.magnitude.0)
     };
@@ -62,54 +85,53 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
             Section { name: "left_out", table: &left_out },
         ],
         main: &passes,
-        provenance: &asked.prepared.provenance,
+        provenance: &prediction.prepared.provenance,
         style: Style { columns: ON_SCREEN, bold_row },
     })?;
-    summary(&asked.notices, &setup, found.len(), found.iter().filter_map(brightest));
+    summary(&prediction.notices, &config, found.len(), found.iter().filter_map(brightest));
     Ok(if found.is_empty() { Outcome::No } else { Outcome::Done })
 }
 
-/// One exposure asked.
-pub struct Asked {
+/// Passes of one exposure.
+pub struct Prediction {
     pub exposure: Exposure,
     pub telescope: Option<Telescope>,
     pub options: PassOptions,
-    /// The sky that was asked, with what the answer rests on.
-    pub prepared: Prepared,
+    /// Sky, with its provenance.
+    pub prepared: PreparedSky,
     pub answer: Passes,
     pub notices: Notices,
 }
 
-/// Which satellites cross the exposure that a setup says.
-pub fn ask(setup: &Setup) -> anyhow::Result<Asked> {
-    let notices = super::judged::begin(setup)?;
-    let exposure = setup.one_exposure()?;
-    let field = setup.field_of_view()?;
-    let telescope = setup.telescope()?;
+/// Predicts the passes of the configuration's exposure.
+pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
+    let notices = super::judged::begin(config)?;
+    let exposure = config.one_exposure()?;
+    let plan = config.observation()?;
     let options = PassOptions {
-        include_dark: setup.include_dark.unwrap_or(false),
-        min_probability: setup.policy()?.min_probability,
-        samples: setup.samples()?,
-        photometry: setup.photometry()?,
+        include_dark: config.include_dark.unwrap_or(false),
+        min_probability: plan.policy.min_probability,
+        samples: config.samples()?,
+        photometry: plan.photometry,
         ..PassOptions::default()
     };
-    let mut prepared = setup.prepare(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
-    above_the_horizon("pointing", &exposure, &prepared)?;
+    let mut prepared = config.prepare(exposure.start, seconds_after(exposure.start, exposure.duration_s))?;
+    prepared.check_altitude("pointing", &exposure)?;
     notices.warn(&prepared.warnings);
 
-    let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &field, &options)?;
+    let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &plan.field, &options)?;
     notices.warn(&prepared.left_out_warning(&answer.left_out, exposure.start)?);
-    state(&mut prepared, setup, &exposure, &options, telescope.as_ref().map(|telescope| telescope.name.as_str()));
-    Ok(Asked { exposure, telescope, options, prepared, answer, notices })
+    state(&mut prepared, config, &exposure, &options, plan.telescope.as_ref().map(|telescope| telescope.name.as_str()));
+    Ok(Prediction { exposure, telescope: plan.telescope, options, prepared, answer, notices })
 }
 
-impl Asked {
-    /// The passes of the one exposure.
+impl Prediction {
+    /// Returns the passes.
     pub fn found(&self) -> &[FieldPass] {
         self.answer.by_exposure.first().map_or(&[], Vec::as_slice)
     }
 
-    /// The passes as a table; with what nests tables in tables where that is wanted.
+    /// Returns the passes as a table, with nested tables if wanted.
     pub fn table(&self, is_nested: bool) -> Table {
         let rows = self.found().iter().map(|pass| StreakRow {
             exposure: &self.exposure,
@@ -123,11 +145,17 @@ impl Asked {
     }
 }
 
-fn state(prepared: &mut Prepared, setup: &Setup, exposure: &Exposure, options: &PassOptions, telescope: Option<&str>) {
-    // A start that ends in Z says its scale itself.
-    let names_its_own = setup.start.as_ref().is_some_and(|start| parse_moment(&start.text(), None).is_ok());
-    let scale = setup.said_time_scale().filter(|_| !names_its_own).unwrap_or("utc").to_ascii_lowercase();
-    super::judged::state_scales(&mut prepared.provenance, &scale, &options.photometry);
+fn state(
+    prepared: &mut PreparedSky,
+    config: &Config,
+    exposure: &Exposure,
+    options: &PassOptions,
+    telescope: Option<&str>,
+) {
+    // A start that ends in Z has a scale.
+    let names_its_own = config.exposure.start.as_ref().is_some_and(|start| parse_moment(start.as_str(), None).is_ok());
+    let scale = config.given_time_scale().filter(|_| !names_its_own).unwrap_or("utc").to_ascii_lowercase();
+    state_scales(&mut prepared.provenance, &scale, &options.photometry);
     prepared.provenance.state(
         "options",
         json!({
@@ -136,7 +164,7 @@ fn state(prepared: &mut Prepared, setup: &Setup, exposure: &Exposure, options: &
             "ra_deg": round_deg(exposure.pointing.longitude_rad()),
             "dec_deg": round_deg(exposure.pointing.latitude_rad()),
             "rotation_deg": round_deg(exposure.rotation_rad),
-            "field": super::judged::field_said(setup),
+            "field": super::judged::given_field(config),
             "telescope": telescope,
             "include_dark": options.include_dark,
             "min_probability": options.min_probability,
@@ -145,12 +173,12 @@ fn state(prepared: &mut Prepared, setup: &Setup, exposure: &Exposure, options: &
     );
 }
 
-/// Degrees without the rounding of the way through radians.
+/// Returns degrees without the rounding error of radians.
 fn round_deg(radians: f64) -> f64 {
     (radians.to_degrees() * 1e9).round() / 1e9
 }
 
-/// Satellites left out, as a table.
+/// Returns satellites left out as a table.
 pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
     Table {
         columns: vec![
@@ -164,9 +192,10 @@ pub fn left_out_table(left_out: &[streakcast::orbit::LeftOut]) -> Table {
     }
 }
 
-fn summary(notices: &Notices, setup: &Setup, count: usize, magnitudes: impl Iterator<Item = f64>) {
+fn summary(notices: &Notices, config: &Config, count: usize, magnitudes: impl Iterator<Item = f64>) {
     let crossings = if count == 1 { "1 pass".to_owned() } else { format!("{count} passes") };
-    let limit = setup.limit_mag.as_ref().and_then(|limit| limit.of(Some(setup.band.as_deref().unwrap_or("V"))));
+    let limit =
+        config.rules.limit_mag.as_ref().and_then(|limit| limit.of(Some(config.light.band.as_deref().unwrap_or("V"))));
     match limit {
         Some(limit) => {
             let bright = magnitudes.filter(|magnitude| *magnitude < limit).count();

@@ -1,27 +1,61 @@
-//! `reproduce`: a paper's counts beside ours.
+//! `reproduce`: counts of a paper beside ours.
 
+use std::path::PathBuf;
+
+use crate::arguments::OutputArguments;
 use anyhow::{anyhow, bail};
+use clap::Args;
 use clap::ValueEnum;
 use hifitime::Epoch;
 use serde_json::json;
-use streakcast::config::{OneOrMany, Setup};
+use streakcast::config::{Config, RunConfig, SiteConfig};
 use streakcast::elements::Constellation;
 use streakcast::forecast::{
     HU2022, Night, Reproduced, bassa2022, hu2022, lu2024b, lu2024b_constellations, reproduced_table,
 };
+use streakcast::frames::parse_instant;
 use streakcast::frames::{EopTable, mjd_utc, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::output::{Provenance, Section, format_utc};
 use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
 use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::{Schedule, night_of, parse_instant};
+use streakcast::schedule::{Schedule, night_of};
 
 use super::judged::begin;
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::statistics_arguments::{Paper, ReproduceArguments};
+
+#[derive(Copy, Clone, PartialEq, Eq, ValueEnum)]
+pub enum Paper {
+    /// Visits of LSST with streaks: Hu et al. 2022
+    Hu2022,
+    /// Satellites brighter than 7 mag: Lu 2024 (arXiv 2403.11118)
+    Lu2024b,
+    /// Satellites above an altitude by the density of shells: Bassa et al. 2022
+    Bassa2022,
+}
+
+#[derive(Args)]
+pub struct ReproduceArguments {
+    /// The paper
+    pub paper: Paper,
+    /// For hu2022: visits of LSST, as thirteen nights of its baseline (opsim SQLite and all that flag reads)
+    #[arg(long, value_name = "FILE")]
+    pub schedule: Option<PathBuf>,
+    /// Scale of times that name none: utc, tai or tt
+    #[arg(long, value_name = "SCALE")]
+    pub time_scale: Option<String>,
+    /// Threads, 1 to 1024; all cores where unsaid
+    #[arg(long, value_name = "N")]
+    pub threads: Option<usize>,
+    /// No warnings, no progress
+    #[arg(long, short)]
+    pub quiet: bool,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
 
 const ON_SCREEN: &[Shown] = &[
     shown("quantity", "quantity"),
@@ -54,12 +88,11 @@ const LU_SUN_DEG: f64 = -12.0;
 const LU_STEP_S: f64 = 1200.0;
 
 pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
-    let setup = Setup {
+    let config = Config {
         time_scale: typed.time_scale.clone(),
-        threads: typed.threads,
-        quiet: typed.quiet.then_some(true),
-        mpc: Some("X05".to_owned()),
-        ..Setup::default()
+        run: RunConfig { threads: typed.threads, quiet: Some(typed.quiet), ..RunConfig::default() },
+        site: SiteConfig { mpc: Some("X05".to_owned()), ..SiteConfig::default() },
+        ..Config::default()
     };
     if typed.paper != Paper::Hu2022 {
         for (flag, is_said) in [("--schedule", typed.schedule.is_some()), ("--time-scale", typed.time_scale.is_some())]
@@ -71,8 +104,8 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
             }
         }
     }
-    let output = Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output.clone())?;
-    let notices = begin(&setup)?;
+    let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
+    let notices = begin(&config)?;
     let mut provenance = Provenance::new();
     provenance.state("synthetic", true);
     let rows = match typed.paper {
@@ -82,10 +115,10 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
                     "hu2022 needs visits of LSST; say --schedule FILE (opsim SQLite of a baseline) and --time-scale utc"
                 )
             })?;
-            let schedule = Schedule::read(path, &setup.schedule_options()?)?;
+            let schedule = Schedule::read(path, &config.schedule_options()?)?;
             let exposures: Vec<Exposure> = schedule.judged().map(|(_, exposure)| exposure.clone()).collect();
             provenance.state("schedule", json!({ "file": path.display().to_string(), "visits": exposures.len() }));
-            of_hu(&setup, &exposures, &notices)?
+            of_hu(&config, &exposures, &notices)?
         }
         Paper::Lu2024b => of_lu()?,
         Paper::Bassa2022 => of_bassa()?,
@@ -110,7 +143,7 @@ pub fn run(typed: ReproduceArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn of_hu(setup: &Setup, exposures: &[Exposure], notices: &Notices) -> anyhow::Result<Vec<Reproduced>> {
+fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::Result<Vec<Reproduced>> {
     let span = exposures.iter().map(|one| one.start).min().zip(exposures.iter().map(|one| one.start).max());
     let (first, last) = span.ok_or_else(|| anyhow!("the schedule has no visit that can be judged"))?;
     let is_within = FIRST_VISITS_MJD[0] <= mjd_utc(first) && mjd_utc(last) < FIRST_VISITS_MJD[1];
@@ -135,7 +168,7 @@ fn of_hu(setup: &Setup, exposures: &[Exposure], notices: &Notices) -> anyhow::Re
     let rows: Vec<Vec<Reproduced>> = HU2022
         .iter()
         .map(|(name, _)| {
-            let one = Setup { shells: Some(OneOrMany::One((*name).to_owned())), ..setup.clone() };
+            let one = Config { shells: vec![(*name).to_owned()], ..config.clone() };
             let prepared = one.prepare(first, last)?;
             Ok(hu2022(name, &prepared.sky, exposures, &field, is_first_visits, &assumed)?)
         })

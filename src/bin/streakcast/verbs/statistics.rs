@@ -1,19 +1,55 @@
 //! `statistics`: how many satellites are lit over a site, how bright, and how many trails an exposure gets.
 
+use crate::arguments::OutputArguments;
 use anyhow::anyhow;
+use clap::Args;
 use serde_json::json;
-use streakcast::config::{Setup, parse_angle_deg, parse_duration_s};
+use streakcast::config::{Config, Quantity, SiteConfig, parse_angle_deg, parse_duration_s, state_scales, time_range};
 use streakcast::forecast::{SkyCount, StatisticsRequest, sky_counts, statistics_table};
 use streakcast::output::{Section, format_utc};
 
-use super::judged::{begin, state_scales};
+use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::statistics_arguments::StatisticsArguments;
 
-/// The field where none is said: that of Rubin Observatory.
+#[derive(Args)]
+pub struct StatisticsArguments {
+    /// Nights by their evening's local date; several show the season, as 2024-03-20 2024-06-21
+    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',', required = true)]
+    pub night: Vec<String>,
+    /// Altitudes of the Sun at which is counted, degrees
+    #[arg(
+        long,
+        value_name = "DEG,...",
+        value_delimiter = ',',
+        allow_hyphen_values = true,
+        default_values_t = [0.0, -6.0, -12.0, -18.0, -24.0, -30.0, -36.0, -42.0, -48.0]
+    )]
+    pub sun_altitude_deg: Vec<f64>,
+    /// Lowest altitudes of satellites, degrees: a row each
+    #[arg(long, value_name = "DEG", num_args = 1.., value_delimiter = ',', default_values_t = [20.0, 30.0])]
+    pub min_altitude: Vec<f64>,
+    /// Latitudes instead of the site's, degrees north, on its longitude
+    #[arg(long, value_name = "DEG,...", value_delimiter = ',', allow_hyphen_values = true)]
+    pub latitudes: Vec<f64>,
+    /// Length of the exposure with its unit
+    #[arg(long, value_name = "TIME", default_value = "30s")]
+    pub exposure: String,
+    /// Moments that each count is the mean of
+    #[arg(long, value_name = "N", default_value_t = 11)]
+    pub moments: usize,
+    /// Time over which they are spread, with its unit
+    #[arg(long, value_name = "TIME", default_value = "10min")]
+    pub spread: String,
+    #[command(flatten)]
+    pub config: Config,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+/// Default field: that of Rubin Observatory.
 const FIELD: &str = "3.5deg";
 
 const ON_SCREEN: &[Shown] = &[
@@ -34,18 +70,18 @@ const ON_SCREEN: &[Shown] = &[
 ];
 
 pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(Setup::default())?;
-    let output = Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output.clone())?;
-    if setup.field.is_some() {
+    let config = typed.config.with_file()?;
+    let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
+    if config.field.is_some() {
         return Err(anyhow!("statistics takes no --field; allowed: a circle, as --fov {FIELD}"));
     }
-    let fov = setup.fov.as_ref().map_or_else(|| FIELD.to_owned(), |fov| fov.text());
-    let field_rad = parse_angle_deg("fov", &fov)?.to_radians();
+    let fov = config.fov.as_ref().map_or(FIELD, Quantity::as_str);
+    let field_rad = parse_angle_deg("fov", fov)?.to_radians();
     let exposure_s = parse_duration_s("exposure", &typed.exposure)?;
     let spread_s = parse_duration_s("spread", &typed.spread)?;
-    let photometry = setup.photometry()?;
-    let notices = begin(&setup)?;
-    let site = setup.site()?;
+    let photometry = config.photometry()?;
+    let notices = begin(&config)?;
+    let site = config.site()?;
     let radians = |angles: &[f64]| angles.iter().map(|angle| angle.to_radians()).collect::<Vec<_>>();
     let latitudes_deg =
         if typed.latitudes.is_empty() { vec![None] } else { typed.latitudes.iter().map(|one| Some(*one)).collect() };
@@ -54,17 +90,18 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     for night in &typed.night {
         for latitude_deg in &latitudes_deg {
             let place = match latitude_deg {
-                Some(latitude_deg) => Setup {
-                    site: None,
-                    mpc: None,
-                    lat: Some(*latitude_deg),
-                    lon: Some(site.longitude_rad.to_degrees()),
-                    height: Some(site.height_m),
-                    ..setup.clone()
+                Some(latitude_deg) => Config {
+                    site: SiteConfig {
+                        lat: Some(*latitude_deg),
+                        lon: Some(site.longitude_rad.to_degrees()),
+                        height: Some(site.height_m),
+                        ..SiteConfig::default()
+                    },
+                    ..config.clone()
                 },
-                None => setup.clone(),
+                None => config.clone(),
             };
-            let (start, end) = super::night::range(Some(night), None, None, &place)?;
+            let (start, end) = time_range(Some(night), None, None, &place)?;
             let prepared = place.prepare(start, end)?;
             let request = StatisticsRequest {
                 start,
@@ -97,7 +134,7 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
         }
     }
     let mut provenance = first.map(|prepared| prepared.provenance).unwrap_or_default();
-    let scale = setup.said_time_scale().unwrap_or("utc").to_ascii_lowercase();
+    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
     state_scales(&mut provenance, &scale, &photometry);
     provenance.state(
         "options",

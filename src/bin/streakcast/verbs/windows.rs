@@ -1,20 +1,58 @@
-//! `windows`: from when to when targets can be exposed without any satellite that matters.
+//! `windows`: time windows in which targets can be exposed without any satellite that matters.
 
+use std::path::PathBuf;
+
+use crate::arguments::OutputArguments;
 use anyhow::anyhow;
+use clap::Args;
 use serde_json::json;
 use streakcast::config::parse_duration_s;
+use streakcast::config::{Config, RulesConfig, state_scales, time_range};
 use streakcast::output::{Section, format_utc};
 use streakcast::schedule::{
-    Blocking, FlagRequest, FoundWindows, ListedTarget, WindowReport, WindowRequest, WindowShape, WindowTarget,
-    clear_windows, read_targets, window_table, window_target_table,
+    Blocking, FoundWindows, ListedTarget, WindowReport, WindowRequest, WindowShape, WindowTarget, clear_windows,
+    read_targets, window_table, window_target_table,
 };
 
-use super::judged::{begin, field_said, state_scales};
+use super::judged::{begin, given_field};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::{Answer, FORMATS, Output};
 use crate::screen::{Shown, Style, rounded, shown};
-use crate::window_arguments::WindowsArguments;
+
+#[derive(Args)]
+pub struct WindowsArguments {
+    /// The targets: CSV, ECSV or JSON with name, ra_deg, dec_deg, exposure_s (ra and dec may be written 12h34m -30d30m)
+    #[arg(long, value_name = "FILE")]
+    pub targets: PathBuf,
+    /// The night that begins on this evening, local date of the site, as 2024-08-14
+    #[arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"])]
+    pub night: Option<String>,
+    /// Earliest shutter opening, as 2024-08-14T23:30:00Z
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "end")]
+    pub start: Option<String>,
+    /// Latest shutter opening
+    #[arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start")]
+    pub end: Option<String>,
+    /// Length of the exposure of rows without one, with its unit
+    #[arg(long, value_name = "TIME")]
+    pub exposure: Option<String>,
+    /// Lowest altitude of a target while the shutter is open, degrees
+    #[arg(long, value_name = "DEG", default_value_t = 20.0, allow_hyphen_values = true)]
+    pub min_altitude: f64,
+    /// Highest altitude of the Sun while the shutter is open, degrees
+    #[arg(long, value_name = "DEG", default_value_t = -12.0, allow_hyphen_values = true)]
+    pub max_sun_altitude_deg: f64,
+    /// Time from the beginning of a request or block to its shutter opening, for lco and eso-p2, with its unit
+    #[arg(long, value_name = "TIME")]
+    pub overhead: Option<String>,
+    #[command(flatten)]
+    pub rules: RulesConfig,
+    #[command(flatten)]
+    pub config: Config,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
 
 const ON_SCREEN: &[Shown] = &[
     shown("name", "target"),
@@ -25,21 +63,19 @@ const ON_SCREEN: &[Shown] = &[
 ];
 
 pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(typed.rules.setup())?;
+    let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
     let shape = typed.output.format.as_deref().and_then(WindowShape::by_name);
     let output = match shape {
-        // A shape is a text of its own.
         Some(_) => Output::new(Some("json"), typed.output.output.clone())?,
-        None => Output::new(typed.output.format.as_deref().or(setup.format.as_deref()), typed.output.output.clone())
+        None => Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())
             .map_err(|error| {
-                anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, lco, eso-p2, astroq")))
-            })?,
+            anyhow!("{}", error.to_string().replace(FORMATS, &format!("{FORMATS}, lco, eso-p2, astroq")))
+        })?,
     };
-    let notices = begin(&setup)?;
-    let (from, to) = super::night::range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &setup)?;
-    let (field, telescope, policy, photometry) =
-        (setup.field_of_view()?, setup.telescope()?, setup.policy()?, setup.photometry()?);
-    if policy.max_lost_fraction.is_some() {
+    let notices = begin(&config)?;
+    let (from, to) = time_range(typed.night.as_deref(), typed.start.as_deref(), typed.end.as_deref(), &config)?;
+    let plan = config.observation()?;
+    if plan.policy.max_lost_fraction.is_some() {
         return Err(anyhow!(
             "the policy's max_lost_fraction makes no windows; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
         ));
@@ -48,20 +84,13 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let max_sun_altitude_deg = in_degrees("max-sun-altitude-deg", typed.max_sun_altitude_deg)?;
     let seconds = |what, text: &Option<String>| text.as_deref().map(|text| parse_duration_s(what, text)).transpose();
     let overhead_s = seconds("overhead", &typed.overhead)?.unwrap_or(0.0);
-    let rotation_rad = setup.schedule_options()?.default_rotation_rad;
-    let listed = read_targets(&typed.targets, seconds("exposure", &typed.exposure)?, rotation_rad)?;
+    let listed = read_targets(&typed.targets, seconds("exposure", &typed.exposure)?, plan.rotation_rad)?;
 
-    let mut prepared = setup.prepare(from, to)?;
+    let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings);
     let targets: Vec<WindowTarget> = listed.iter().filter_map(|one| one.target.clone().ok()).collect();
     let request = WindowRequest {
-        against: FlagRequest {
-            sky: &prepared.sky,
-            field: &field,
-            policy: &policy,
-            telescope: telescope.as_ref(),
-            photometry: &photometry,
-        },
+        against: plan.request(&prepared.sky),
         blocking: Blocking::Limits,
         min_altitude_rad: min_altitude_deg.to_radians(),
         max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
@@ -74,19 +103,19 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
             notices.warn(&[format!("target {}: {reason}", one.listed.name)]);
         }
     }
-    let scale = setup.said_time_scale().unwrap_or("utc").to_ascii_lowercase();
-    state_scales(&mut prepared.provenance, &scale, &photometry);
+    let scale = config.given_time_scale().unwrap_or("utc").to_ascii_lowercase();
+    state_scales(&mut prepared.provenance, &scale, &plan.photometry);
     prepared.provenance.state(
         "options",
         json!({
             "targets": typed.targets.display().to_string(),
             "from_utc": format_utc(from, 3),
             "to_utc": format_utc(to, 3),
-            "field": field_said(&setup),
-            "telescope": telescope.as_ref().map(|telescope| telescope.name.as_str()),
+            "field": given_field(&config),
+            "telescope": plan.telescope.as_ref().map(|telescope| telescope.name.as_str()),
             "min_altitude_deg": min_altitude_deg,
             "max_sun_altitude_deg": max_sun_altitude_deg,
-            "policy": policy,
+            "policy": plan.policy,
         }),
     );
     if let Some(shape) = shape {

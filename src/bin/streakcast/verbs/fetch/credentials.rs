@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::anyhow;
 
-use crate::fetch_arguments::SpaceTrackArguments;
+use super::arguments::SpaceTrackArguments;
 use crate::notices::Notices;
 
 /// User name and password. It has no way of being printed.

@@ -3,6 +3,7 @@
 //!
 //! `sources` knows the addresses, `stamp` when they were asked, `ask` the network, `verify` what came, `run` the order of things.
 
+mod arguments;
 mod ask;
 mod credentials;
 mod run;
@@ -10,4 +11,5 @@ mod sources;
 mod stamp;
 mod verify;
 
+pub use arguments::FetchArguments;
 pub use run::run;

@@ -7,16 +7,17 @@ use std::time::{Duration, SystemTime};
 
 use anyhow::anyhow;
 use hifitime::Epoch;
-use streakcast::config::{parse_duration_s, parse_moment};
+use streakcast::config::parse_duration_s;
+use streakcast::frames::parse_moment;
 use streakcast::output::{format_utc, write_atomically};
 
+use super::arguments::{CommonFetchArguments, FetchArguments, FetchSource};
 use super::ask::{Answer, Known, Manner, ask};
 use super::credentials::Credentials;
 use super::sources::Wanted;
 use super::verify::verify;
 use crate::cache::{FetchRecord, cache_folder};
 use crate::failure::Outcome;
-use crate::fetch_arguments::{CommonFetchArguments, FetchArguments, FetchSource};
 use crate::notices::Notices;
 
 pub fn run(typed: &FetchArguments) -> anyhow::Result<Outcome> {

@@ -2,9 +2,9 @@
 
 use anyhow::anyhow;
 use hifitime::{Epoch, TimeScale};
-use streakcast::config::parse_moment;
+use streakcast::frames::parse_moment;
 
-use crate::fetch_arguments::{CommonFetchArguments, FetchSource};
+use super::arguments::{CommonFetchArguments, FetchSource};
 
 /// CelesTrak looks for new data every two hours, and answers 403 to who asks for the same data again before.
 const CELESTRAK_WAIT_S: f64 = 7_200.0;

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use anyhow::anyhow;
 use hifitime::Epoch;
-use streakcast::config::parse_moment;
+use streakcast::frames::parse_moment;
 use streakcast::frames::{seconds_after, seconds_between};
 use streakcast::output::{format_utc, write_atomically};
 

@@ -8,8 +8,8 @@ use streakcast::fit::{
     Chain, ChainAbout, Fit, Posterior, PosteriorSettings, Problem, draw, posterior, read_chain, write_chain,
 };
 
+use super::arguments::FitRunArguments;
 use super::points::Placed;
-use crate::fit_arguments::FitRunArguments;
 
 /// Chains are saved after so many steps, if at all.
 const SAVED_EVERY: usize = 500;

@@ -7,10 +7,10 @@ use streakcast::fit::{
 };
 use streakcast::output::Section;
 
+use super::arguments::FitCompareArguments;
 use super::form::{FittedForm, form};
 use super::points::{provenance, read, weights};
 use crate::failure::Outcome;
-use crate::fit_arguments::FitCompareArguments;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 

@@ -4,7 +4,7 @@ use anyhow::anyhow;
 use streakcast::fit::{FitSettings, Form, Loss, PanelsForm, Parameter, TwoPanelForm};
 use streakcast::photometry::{Band, Earthshine, ModelFile, ModelLibrary, PANEL_OFFSET};
 
-use crate::fit_arguments::{FormArguments, LossName};
+use super::arguments::{FormArguments, LossName};
 use crate::verbs::map::model_of;
 
 /// The model whose form is fitted.

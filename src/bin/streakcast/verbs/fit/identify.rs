@@ -7,9 +7,9 @@ use streakcast::fit::measurements::{
 use streakcast::frames::EopTable;
 use streakcast::output::{Provenance, Section};
 
+use super::arguments::FitIdentifyArguments;
 use super::photometry;
 use crate::failure::Outcome;
-use crate::fit_arguments::FitIdentifyArguments;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 use crate::verbs::judged::begin;
@@ -39,10 +39,10 @@ pub fn identify(typed: FitIdentifyArguments) -> anyhow::Result<Outcome> {
             return Err(anyhow!("{name} {value}; allowed: 0 or more"));
         }
     }
-    let setup = photometry::setup(&typed.tables);
-    let notices = begin(&setup)?;
+    let config = photometry::config(&typed.tables);
+    let notices = begin(&config)?;
     let history = photometry::history_of(&typed.elements)?;
-    let options = photometry::read_options(&typed.tables, &setup)?;
+    let options = photometry::read_options(&typed.tables, &config)?;
     let mut reader = RecordReader::open(&typed.tables.photometry, &options)?;
     let records = Records::collect(&mut reader)?;
     let options = AssociationOptions {

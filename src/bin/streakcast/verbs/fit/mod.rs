@@ -1,5 +1,6 @@
 //! `fit`: from photometry to a model.
 
+mod arguments;
 mod chains;
 mod compare;
 mod form;
@@ -11,4 +12,5 @@ mod report;
 mod run;
 mod run_checks;
 
+pub use arguments::FitArguments;
 pub use run::run;

@@ -5,20 +5,21 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use streakcast::config::Setup;
+use streakcast::config::{Config, RunConfig};
 use streakcast::elements::{Catalogue, History, Keep, NoradId, ReadOptions as CatalogueOptions, StationRule};
 use streakcast::fit::measurements::{ColumnMap, Format, OrbitRadius, PhotometryOptions, Place, Placement, Selection};
 use streakcast::frames::EopTable;
 use streakcast::output::Provenance;
 
-use crate::fit_arguments::{PhotometryArguments, TableArguments};
+use super::arguments::{PhotometryArguments, TableArguments};
 use crate::verbs::map::site_of;
 
-pub fn setup(typed: &TableArguments) -> Setup {
-    Setup { threads: typed.threads, quiet: Some(typed.quiet), ..typed.place.setup() }
+pub fn config(typed: &TableArguments) -> Config {
+    let run = RunConfig { threads: typed.threads, quiet: Some(typed.quiet), ..RunConfig::default() };
+    Config { site: typed.site.clone(), run, ..Config::default() }
 }
 
-pub fn read_options(typed: &TableArguments, setup: &Setup) -> anyhow::Result<PhotometryOptions> {
+pub fn read_options(typed: &TableArguments, config: &Config) -> anyhow::Result<PhotometryOptions> {
     let columns = typed.columns.as_ref().map(|said| {
         // A file, or the pairs themselves.
         let text = if said.contains('=') {
@@ -31,7 +32,7 @@ pub fn read_options(typed: &TableArguments, setup: &Setup) -> anyhow::Result<Pho
     Ok(PhotometryOptions {
         format: typed.format_name.as_deref().map(Format::by_name).transpose()?,
         columns: columns.transpose()?,
-        site: site_of(setup)?,
+        site: site_of(config)?,
         filters: typed.filter.clone(),
         keep_duplicates: typed.keep_duplicates,
     })

@@ -9,8 +9,8 @@ use streakcast::fit::{FitPoint, RawWeights, points_of_measurements, points_of_pi
 use streakcast::output::Provenance;
 use streakcast::photometry::Band;
 
+use super::arguments::{ModeName, PhotometryArguments, ReductionArguments, WeightArguments};
 use super::photometry;
-use crate::fit_arguments::{ModeName, PhotometryArguments, ReductionArguments, WeightArguments};
 use crate::notices::Notices;
 use crate::verbs::judged::begin;
 
@@ -42,8 +42,8 @@ pub fn read(
     reduction: &ReductionArguments,
     weights: &RawWeights,
 ) -> anyhow::Result<Placed> {
-    let setup = photometry::setup(&typed.tables);
-    let notices = begin(&setup)?;
+    let config = photometry::config(&typed.tables);
+    let notices = begin(&config)?;
     if !(0.01..=180.0).contains(&reduction.layer_deg) {
         return Err(anyhow!("layer-deg {}; allowed: 0.01 to 180", reduction.layer_deg));
     }
@@ -51,7 +51,7 @@ pub fn read(
     Reducer::new(options)?;
     let history = photometry::history(typed)?;
     let (placement, selection) = (photometry::placement(typed, history.as_ref())?, photometry::selection(typed));
-    let mut reader = RecordReader::open(&typed.tables.photometry, &photometry::read_options(&typed.tables, &setup)?)?;
+    let mut reader = RecordReader::open(&typed.tables.photometry, &photometry::read_options(&typed.tables, &config)?)?;
     let measurements = measure(&mut reader, &placement, &selection)?;
     tell(&notices, &measurements.dropped, measurements.points.len());
     let filters = reader.filters().clone();

@@ -3,9 +3,9 @@
 use streakcast::fit::RawWeights;
 use streakcast::output::Section;
 
+use super::arguments::FitReduceArguments;
 use super::points::{provenance, read};
 use crate::failure::Outcome;
-use crate::fit_arguments::FitReduceArguments;
 use crate::output::{Answer, Output};
 use crate::screen::{Shown, Style, rounded, shown};
 

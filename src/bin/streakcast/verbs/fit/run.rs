@@ -8,13 +8,13 @@ use streakcast::fit::{
 };
 use streakcast::photometry::ModelFile;
 
+use super::arguments::{FitArguments, FitRunArguments, FitVerb};
 use super::chains;
 use super::form::{Chosen, form};
 use super::points::{Placed, read, weights};
 use super::report;
 use super::run_checks::{checked, this_month};
 use crate::failure::Outcome;
-use crate::fit_arguments::{FitArguments, FitRunArguments, FitVerb};
 
 pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
     match typed.verb {

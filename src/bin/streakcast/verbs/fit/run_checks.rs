@@ -8,9 +8,9 @@ use hifitime::Epoch;
 use streakcast::fit::inference::check_walkers;
 use streakcast::photometry::ModelFile;
 
+use super::arguments::FitRunArguments;
 use super::form::Chosen;
 use super::report;
-use crate::fit_arguments::FitRunArguments;
 use crate::output::{Output, check};
 
 /// Where the model file goes, once nothing is wrong.

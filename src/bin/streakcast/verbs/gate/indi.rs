@@ -7,9 +7,9 @@ use std::time::{Duration, Instant};
 use hifitime::Epoch;
 use quick_xml::Reader;
 use quick_xml::events::{BytesStart, Event};
+use streakcast::frames::parse_instant;
 use streakcast::frames::{Direction, Gcrs, OfDate, seconds_between};
 use streakcast::geometry::{Site, icrs_of_apparent};
-use streakcast::schedule::parse_instant;
 
 use super::clock::Clock;
 use super::fault::{Fault, FaultKind};

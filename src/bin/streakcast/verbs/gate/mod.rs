@@ -1,5 +1,6 @@
 //! `gate`: waits until an exposure can start clear.
 
+mod arguments;
 mod clock;
 mod ekos;
 mod fault;
@@ -9,4 +10,5 @@ mod request;
 mod run;
 mod status;
 
+pub use arguments::GateArguments;
 pub use run::run;

@@ -33,8 +33,8 @@ pub fn look_up(path: &Path, name: &str) -> Result<Direction<Gcrs>, Fault> {
         .get(name)
         .or_else(|| file.targets.iter().find_map(|(known, place)| (key(known) == key(name)).then_some(place)));
     let place = found.ok_or_else(|| fault(format!("no target '{name}'; known: {}", known(&file))))?;
-    let angles = parse_right_ascension_deg(&place.ra.text())
-        .and_then(|ra_deg| Ok((ra_deg, parse_declination_deg(&place.dec.text())?)))
+    let angles = parse_right_ascension_deg(place.ra.as_str())
+        .and_then(|ra_deg| Ok((ra_deg, parse_declination_deg(place.dec.as_str())?)))
         .map_err(|error| fault(format!("target '{name}': {error}")))?;
     Ok(Direction::from_lon_lat_rad(angles.0.to_radians(), angles.1.to_radians()))
 }

@@ -1,36 +1,32 @@
-//! What was asked, checked before anything is read: an error here is one of usage.
+//! The request to the gate, checked before elements are read: errors here are errors of usage.
 
 use std::cell::Cell;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use anyhow::anyhow;
-use streakcast::config::{PolicySetup, Setup, parse_duration_s, parse_moment};
+use streakcast::config::{
+    Config, ExposureConfig, ObservationPlan, Quantity, RulesConfig, SiteConfig, parse_duration_s,
+};
+use streakcast::frames::parse_moment;
 use streakcast::frames::{Direction, Gcrs, parse_declination_deg, parse_right_ascension_deg};
 use streakcast::geometry::Site;
-use streakcast::images::Telescope;
-use streakcast::passes::Field;
-use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::Policy;
 
+use super::arguments::{GateArguments, Host};
 use super::clock::Clock;
-use crate::gate_arguments::{GateArguments, Host};
 
-/// How long a host may take from the end of this command to the opening of the shutter where nobody says another, seconds.
+/// Default time that a host may take from the end of this command to the opening of the shutter, seconds.
 const DEFAULT_MARGIN_S: f64 = 2.0;
 
-/// A question to the gate.
+/// A request to the gate.
 pub struct Request {
-    pub setup: Setup,
+    pub config: Config,
     pub clock: Clock,
-    pub field: Field,
-    pub telescope: Option<Telescope>,
-    /// With the margin in it.
-    pub policy: Policy,
-    pub photometry: PhotometryOptions,
+    /// Field, telescope, photometry, and the policy with the margin.
+    pub plan: ObservationPlan,
     pub pointing: Option<Direction<Gcrs>>,
     pub duration_s: Option<f64>,
-    pub rotation_rad: f64,
     pub site: Option<Site>,
     pub max_wait_s: f64,
     pub timeout: Duration,
@@ -44,17 +40,15 @@ pub struct Request {
 }
 
 impl Request {
-    /// From what was typed and what the configuration says.
+    /// Resolves flags and configuration.
     pub fn new(typed: GateArguments) -> anyhow::Result<Self> {
-        let setup = typed.shared.setup(Setup {
-            policy: typed.policy.map(PolicySetup::File),
-            limit_mag: typed.limit_mag,
-            ..Setup::default()
-        })?;
-        let text = |typed: &Option<String>, said: &Option<streakcast::config::Quantity>| {
-            typed.clone().or_else(|| said.as_ref().map(|value| value.text()))
+        let flags = Config {
+            exposure: ExposureConfig { start: None, duration: typed.exposure, ra: typed.ra, dec: typed.dec },
+            rules: RulesConfig { policy: typed.policy, limit_mag: typed.limit_mag, max_delay: None },
+            ..typed.config
         };
-        let mut policy = setup.policy()?;
+        let config = flags.with_file()?;
+        let mut policy = config.policy()?;
         if policy.max_lost_fraction.is_some() {
             return Err(anyhow!(
                 "the policy's max_lost_fraction cannot be waited for; allowed: limit_mag, saturation_mag, crosstalk_mag, min_probability, margin_s"
@@ -63,14 +57,15 @@ impl Request {
         let margin_s = typed.margin.map(|margin| parse_duration_s("margin", &margin)).transpose()?;
         policy.margin_s = margin_s.or(policy.margin_s).or(Some(DEFAULT_MARGIN_S));
         policy.validate()?;
-        let pointing = match (text(&typed.ra, &setup.ra), text(&typed.dec, &setup.dec)) {
+        let text = |value: &Option<Quantity>| value.as_ref().map(|value| value.0.clone());
+        let pointing = match (text(&config.exposure.ra), text(&config.exposure.dec)) {
             (Some(ra), Some(dec)) => Some(Direction::from_lon_lat_rad(
                 parse_right_ascension_deg(&ra)?.to_radians(),
                 parse_declination_deg(&dec)?.to_radians(),
             )),
             _ => None,
         };
-        let duration = text(&typed.exposure, &setup.exposure);
+        let duration = text(&config.exposure.duration);
         let duration_s = duration.map(|exposure| parse_duration_s("exposure", &exposure)).transpose()?;
         let names = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
         if pointing.is_none() && !names && typed.indi.is_none() {
@@ -81,13 +76,14 @@ impl Request {
         if duration_s.is_none() && typed.stdin.is_none() {
             return Err(anyhow!("no length of the exposure; say --exposure 300s, or --stdin ekos"));
         }
-        let said_site = setup.site.is_some() || setup.mpc.is_some() || setup.lat.is_some() || setup.lon.is_some();
-        if setup.observer_elements.is_some() || setup.observer_norad.is_some() {
+        if config.is_in_orbit() {
             return Err(anyhow!("a telescope in orbit has no gate; say a site"));
         }
-        // Said wrongly, or neither said nor to be asked for.
-        let site = if said_site || typed.indi.is_none() { Some(setup.site()?) } else { None };
-        if setup.elements.is_none() && setup.shells.is_none() {
+        // An INDI server knows the site.
+        let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
+        let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
+        let site = if has_site || typed.indi.is_none() { Some(config.site()?) } else { None };
+        if !config.has_satellites() {
             return Err(anyhow!("no satellites; say --elements FILE..."));
         }
         let max_wait_s = parse_duration_s("max-wait", &typed.max_wait)?;
@@ -99,15 +95,11 @@ impl Request {
             return Err(anyhow!("timeout {timeout_s} s: allowed 0.1 to 600 s"));
         }
         let clock = match &typed.now {
-            Some(now) => Clock::Rehearsal(Cell::new(parse_moment(now, setup.time_scale()?)?)),
+            Some(now) => Clock::Rehearsal(Cell::new(parse_moment(now, config.time_scale()?)?)),
             None => Clock::Machine,
         };
         Ok(Self {
-            field: setup.field_of_view()?,
-            telescope: setup.telescope()?,
-            photometry: setup.photometry()?,
-            rotation_rad: setup.schedule_options()?.default_rotation_rad,
-            policy,
+            plan: ObservationPlan { policy, ..config.observation()? },
             pointing,
             duration_s,
             site,
@@ -121,7 +113,7 @@ impl Request {
             indi_device: typed.indi_device,
             status_file: typed.status_file,
             clock,
-            setup,
+            config,
         })
     }
 }

@@ -6,21 +6,21 @@ use std::time::{Duration, SystemTime};
 use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Map, Value, json};
-use streakcast::config::{OLD_ELEMENTS_DAYS, Prepared, SetupError, SiteSetup, SiteTable};
+use streakcast::config::{Config, ConfigError, NameOrTable, OLD_ELEMENTS_DAYS, PreparedSky, SiteConfig, SiteTable};
 use streakcast::elements::share_of_stale;
 use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
 use streakcast::output::format_utc;
 use streakcast::passes::{Exposure, FieldPass};
 use streakcast::schedule::{
-    Blocking, ClearWindow, FlagRequest, TargetWindows, WindowRequest, WindowTarget, clear_windows, wait_for,
+    Blocking, ClearWindow, TargetWindows, WindowRequest, WindowTarget, clear_windows, wait_for,
 };
 
+use super::arguments::GateArguments;
 use super::fault::{Fault, FaultKind};
 use super::request::Request;
 use super::{ekos, indi, places, status};
 use crate::failure::Outcome;
-use crate::gate_arguments::GateArguments;
 use crate::notices::Notices;
 
 /// A mount farther than this from the site that was given stands elsewhere, km.
@@ -49,7 +49,7 @@ enum Verdict {
 
 pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
     let request = Request::new(typed)?;
-    let notices = super::super::judged::begin(&request.setup)?;
+    let notices = super::super::judged::begin(&request.config)?;
     let began = request.clock.now();
     let before = status::read(request.status_file.as_deref());
     let mut said = Map::new();
@@ -149,7 +149,7 @@ fn answer(
         start: request.clock.now(),
         duration_s,
         pointing,
-        rotation_rad: request.rotation_rad,
+        rotation_rad: request.plan.rotation_rad,
     };
     let round = |radians: f64| (radians.to_degrees() * 1e6).round() / 1e6;
     state(said, "target", exposure.id.as_str());
@@ -157,18 +157,12 @@ fn answer(
     state(said, "dec_deg", round(pointing.latitude_rad()));
     state(said, "exposure_s", duration_s);
     state(said, "band", band.clone());
-    state(said, "limit_mag", request.policy.limit_mag.as_ref().and_then(|limit| limit.of(band.as_deref())));
+    state(said, "limit_mag", request.plan.policy.limit_mag.as_ref().and_then(|limit| limit.of(band.as_deref())));
 
     let prepared = prepare(request, &site, satellites_before, said, notices)?;
     let now = request.clock.now();
     let window_request = WindowRequest {
-        against: FlagRequest {
-            sky: &prepared.sky,
-            field: &request.field,
-            policy: &request.policy,
-            telescope: request.telescope.as_ref(),
-            photometry: &request.photometry,
-        },
+        against: request.plan.request(&prepared.sky),
         blocking: Blocking::Limits,
         min_altitude_rad: 0.0,
         max_sun_altitude_rad: None,
@@ -268,21 +262,21 @@ fn prepare(
     satellites_before: Option<usize>,
     said: &mut Map<String, Value>,
     notices: &Notices,
-) -> Result<Prepared, Fault> {
-    let mut setup = request.setup.clone();
-    (setup.mpc, setup.lat, setup.lon, setup.height) = (None, None, None, None);
-    setup.site = Some(SiteSetup::Table(SiteTable {
+) -> Result<PreparedSky, Fault> {
+    let named = NameOrTable::Table(SiteTable {
         name: Some(site.name.clone()),
         mpc: None,
         latitude_deg: Some(site.latitude_rad.to_degrees()),
         longitude_deg: Some(site.longitude_rad.to_degrees()),
         height_m: Some(site.height_m),
-    }));
+    });
+    let site = SiteConfig { named: Some(named), ..SiteConfig::default() };
+    let config = Config { site, ..request.config.clone() };
     let now = request.clock.now();
-    let files = setup.elements.as_ref().map_or(&[][..], |files| files.as_slice());
+    let files = &config.elements;
     let mut tries = 1;
     let prepared = loop {
-        let prepared = setup.prepare(now, seconds_after(now, request.max_wait_s));
+        let prepared = config.prepare(now, seconds_after(now, request.max_wait_s));
         let is_done = match &prepared {
             Err(error) => !is_of_elements(error),
             Ok(prepared) => {
@@ -321,16 +315,16 @@ fn prepare(
     Ok(prepared)
 }
 
-fn is_of_elements(error: &SetupError) -> bool {
-    matches!(error, SetupError::Catalogue(_) | SetupError::NothingPropagates { .. })
+fn is_of_elements(error: &ConfigError) -> bool {
+    matches!(error, ConfigError::Catalogue(_) | ConfigError::NothingPropagates { .. })
 }
 
-fn rejected(prepared: &Prepared) -> usize {
+fn rejected(prepared: &PreparedSky) -> usize {
     let attached = prepared.provenance.attached().find(|(name, _)| *name == "rejected_count");
     attached.and_then(|(_, count)| count.as_u64()).map_or(0, |count| count as usize)
 }
 
-fn is_cut_short(prepared: &Prepared) -> bool {
+fn is_cut_short(prepared: &PreparedSky) -> bool {
     let attached = prepared.provenance.attached().find(|(name, _)| *name == "cut_short");
     attached.and_then(|(_, names)| names.as_array()).is_some_and(|names| !names.is_empty())
 }
@@ -342,7 +336,7 @@ fn age(path: &Path) -> Option<Duration> {
 }
 
 /// The passes that are waited for, in the status file.
-fn name_passes(found: &TargetWindows, prepared: &Prepared, from: Epoch, to: Epoch, said: &mut Map<String, Value>) {
+fn name_passes(found: &TargetWindows, prepared: &PreparedSky, from: Epoch, to: Epoch, said: &mut Map<String, Value>) {
     let ahead: Vec<&FieldPass> =
         found.dodged.iter().filter(|pass| pass.exit.epoch >= from && pass.enter.epoch <= to).collect();
     let named: Vec<Value> = ahead

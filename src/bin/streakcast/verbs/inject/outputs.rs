@@ -1,14 +1,15 @@
-//! Where frames, truth and pictures go, checked before any work.
+//! Outputs of `inject`: frames, truth and pictures, checked before any work.
 
 use std::collections::BTreeSet;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
-use streakcast::injection::{FrameDone, Injections};
-use streakcast::output::{Section, Table};
 
-use crate::inject_arguments::InjectArguments;
+use streakcast::output::{Section, Table};
+use streakcast::streaks::{InjectedFrame, Injections};
+
+use super::arguments::InjectArguments;
 use crate::output::{Answer, Format, Output, check, check_whole};
 use crate::screen::Style;
 
@@ -21,18 +22,18 @@ pub struct Outputs {
 }
 
 impl Outputs {
-    /// Names of all outputs: that typed where there is one frame, else files of the frames' own names in the folder typed. `inputs` are files that are read.
+    /// Names all outputs: the file given for one frame, else files of the frames' own names in the folder given. `inputs` are
+    /// files that are read.
     pub fn new(typed: &InjectArguments, inputs: &[PathBuf]) -> anyhow::Result<Self> {
         let frames = frames(typed)?;
         frames.iter().try_for_each(|path| check_whole(path))?;
         let beside = |path: &Option<PathBuf>| -> anyhow::Result<Option<Output>> {
             path.as_ref().map(|path| Output::new(text_format(path)?, Some(path.clone()))).transpose()
         };
-        let outputs = Self { truth: beside(&typed.truth.truth)?, trails: beside(&typed.truth.trails)?, frames };
-        let mut all: Vec<&PathBuf> =
-            outputs.frames.iter().chain(&typed.truth.truth).chain(&typed.truth.trails).collect();
+        let outputs = Self { truth: beside(&typed.truth)?, trails: beside(&typed.trails)?, frames };
+        let mut all: Vec<&PathBuf> = outputs.frames.iter().chain(&typed.truth).chain(&typed.trails).collect();
         #[cfg(feature = "plot")]
-        for picture in typed.truth.preview.iter().chain(&typed.truth.preview_marked) {
+        for picture in typed.preview.iter().chain(&typed.preview_marked) {
             if !picture.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
                 return Err(anyhow!("picture {}: allowed: a file that ends in .png", picture.display()));
             }
@@ -60,9 +61,9 @@ impl Outputs {
         Ok(outputs)
     }
 
-    /// The tables beside the frames, those of several frames one below the other.
+    /// Writes the tables beside the frames, those of several frames one below the other.
     pub fn write_tables(&self, done: &Injections) -> anyhow::Result<()> {
-        type Choice = fn(&FrameDone) -> &Table;
+        type Choice = fn(&InjectedFrame) -> &Table;
         let truth: Choice = |frame| &frame.truth;
         let trails: Choice = |frame| &frame.trails;
         for (output, of, name) in [(&self.truth, truth, "streaks"), (&self.trails, trails, "trails")] {
@@ -81,10 +82,10 @@ impl Outputs {
     }
 }
 
-/// The most frames of one run.
+/// Largest number of frames of one run.
 const MOST_FRAMES: usize = 100_000;
 
-/// CSV where the name says no format.
+/// Checks that the name of a table ends in a format of text.
 fn text_format(path: &Path) -> anyhow::Result<Option<&'static str>> {
     let end = path.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
     match Format::by_name(&end) {
@@ -96,7 +97,11 @@ fn text_format(path: &Path) -> anyhow::Result<Option<&'static str>> {
 }
 
 fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
-    let count = if typed.synthetic.is_some() { typed.frames.unwrap_or(1) } else { typed.image.len() };
+    let count = if typed.injection.synthetic.is_some() {
+        typed.injection.frames.unwrap_or(1)
+    } else {
+        typed.injection.image.len()
+    };
     if !(1..=MOST_FRAMES).contains(&count) {
         return Err(anyhow!("frames {count}; allowed: 1 to {MOST_FRAMES}"));
     }
@@ -107,7 +112,7 @@ fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
         return Err(anyhow!("{count} frames need a folder; --output {} is none", typed.output.display()));
     }
     let width = count.to_string().len().max(4);
-    let name = |index: usize| match typed.image.get(index) {
+    let name = |index: usize| match typed.injection.image.get(index) {
         Some(image) => image.file_name().map(OsStr::to_owned).unwrap_or_default(),
         None => format!("frame-{:0width$}.fits", index + 1).into(),
     };

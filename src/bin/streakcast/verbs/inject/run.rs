@@ -1,30 +1,30 @@
-//! What was typed to the library's question; its answer to files, pictures and lines on the screen.
+//! The run of `inject`.
 
 use std::path::PathBuf;
 
-use streakcast::config::Setup;
-use streakcast::injection::{InjectionSaid, Injections, inject_frames};
+use streakcast::config::{Config, inject_frames};
+#[cfg(feature = "plot")]
+use streakcast::streaks::Injections;
 
+use super::arguments::InjectArguments;
 use super::outputs::Outputs;
 use crate::failure::Outcome;
-use crate::inject_arguments::{InjectArguments, Numbers};
 #[cfg(feature = "plot")]
 use crate::output::write_bytes;
 
 pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(Setup::default())?;
-    let notices = super::super::judged::begin(&setup)?;
-    let said = said(&typed);
-    let outputs = Outputs::new(&typed, &inputs(&typed, &said, &setup))?;
-    refuse_idle(&typed)?;
-    let done = inject_frames(&said, &setup, None, &outputs.frames)?;
+    let config = typed.config.clone().with_file()?;
+    let notices = super::super::judged::begin(&config)?;
+    let outputs = Outputs::new(&typed, &inputs(&typed, &config))?;
+    reject_idle(&typed)?;
+    let done = inject_frames(&typed.injection, &config, None, &outputs.frames)?;
     for remark in &done.remarks {
         notices.say(remark);
     }
     notices.warn(&done.warnings);
     for frame in &done.frames {
         notices.warn(&frame.warnings);
-        notices.say(&format!("{}: {}", frame.output.display(), frame.words));
+        notices.say(&format!("{}: {}", frame.output.display(), frame.summary));
     }
     #[cfg(feature = "plot")]
     pictures(&typed, &done)?;
@@ -32,87 +32,46 @@ pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     Ok(Outcome::Done)
 }
 
-fn said(typed: &InjectArguments) -> InjectionSaid {
-    let numbers = |numbers: &Option<Numbers>| numbers.as_ref().map_or(Vec::new(), |numbers| numbers.0.clone());
-    let (exposure, streaks, counts, truth) = (&typed.exposure, &typed.streaks, &typed.counts, &typed.truth);
-    InjectionSaid {
-        image: typed.image.clone(),
-        synthetic: typed.synthetic.clone(),
-        frames: typed.frames,
-        start: exposure.start.clone(),
-        exposure: exposure.exposure.clone(),
-        schedule: exposure.schedule.clone(),
-        row: exposure.row.clone(),
-        ra: exposure.ra.clone(),
-        dec: exposure.dec.clone(),
-        pixel_scale: exposure.pixel_scale.clone(),
-        hdu: exposure.hdu.clone(),
-        track_rate: numbers(&exposure.track_rate),
-        random_streaks: streaks.random_streaks,
-        streak_density: streaks.streak_density,
-        magnitude: numbers(&streaks.magnitude),
-        streak_rate_deg_s: numbers(&streaks.streak_rate_deg_s),
-        tumbling: numbers(&streaks.tumbling),
-        glint: streaks.glint.iter().map(|glint| glint.0.clone()).collect(),
-        light_curve: streaks.light_curve.clone(),
-        resolve_panels: streaks.resolve_panels,
-        seeing: streaks.seeing.clone(),
-        psf: streaks.psf.clone(),
-        zero_point: counts.zero_point,
-        zero_point_1s: counts.zero_point_1s,
-        gain: counts.gain,
-        detector: counts.detector.clone(),
-        no_noise: counts.no_noise,
-        seed: counts.seed,
-        truth_points: truth.truth_points,
-        mask_bits: truth.mask_bits.clone(),
-        pixels_only: truth.pixels_only,
-    }
+/// Returns the files that are read: no output may replace one of them.
+fn inputs(typed: &InjectArguments, config: &Config) -> Vec<PathBuf> {
+    typed.injection.files().into_iter().chain(config.files()).chain(config.run.file.clone()).collect()
 }
 
-/// Files that are read: no output may take their place.
-fn inputs(typed: &InjectArguments, said: &InjectionSaid, setup: &Setup) -> Vec<PathBuf> {
-    let elements = setup.elements.as_ref().map_or(&[][..], |elements| elements.as_slice());
-    let one = [&typed.shared.config, &typed.shared.eop, &typed.shared.qs_mag, &typed.shared.observer_elements];
-    said.files().into_iter().chain(elements.iter().chain(one.into_iter().flatten()).cloned()).collect()
-}
-
-/// Refuses options that would do nothing: those of fields, and those of satellites where streaks are random. What a configuration file says for other verbs
-/// may stay in it.
-fn refuse_idle(typed: &InjectArguments) -> anyhow::Result<()> {
-    let (shared, place) = (&typed.shared, &typed.shared.place);
+/// Rejects flags without effect: those of fields, and those of satellites with random streaks. The configuration file may
+/// have such keys for other verbs.
+fn reject_idle(typed: &InjectArguments) -> anyhow::Result<()> {
+    let (flags, site) = (&typed.config, &typed.config.site);
     let of_fields = [
-        ("--fov", shared.fov.is_some()),
-        ("--field", shared.field.is_some()),
-        ("--rotation", shared.rotation.is_some()),
-        ("--min-probability", shared.min_probability.is_some()),
+        ("--fov", flags.fov.is_some()),
+        ("--field", flags.field.is_some()),
+        ("--rotation", flags.rotation.is_some()),
+        ("--min-probability", flags.min_probability.is_some()),
     ];
     let of_satellites = [
-        ("--extinction", shared.extinction.is_some()),
-        ("--sun-distance", shared.sun_distance),
-        ("--no-earthshine", shared.magnitudes.no_earthshine),
-        ("--shadow", shared.shadow.is_some()),
-        ("--qs-mag", shared.qs_mag.is_some()),
-        ("--accept-bad-checksums", shared.accept_bad_checksums),
-        ("--eop", shared.eop.is_some()),
-        ("--site", place.site.is_some()),
-        ("--mpc", place.mpc.is_some()),
-        ("--lat", place.lat.is_some()),
-        ("--lon", place.lon.is_some()),
-        ("--height", place.height.is_some()),
-        ("--observer-elements", shared.observer_elements.is_some()),
-        ("--observer-norad", shared.observer_norad.is_some()),
-        ("--limb-height-km", shared.limb_height_km.is_some()),
+        ("--extinction", flags.extinction.is_some()),
+        ("--sun-distance", flags.sun_distance.is_some()),
+        ("--no-earthshine", flags.light.earthshine.is_some()),
+        ("--shadow", flags.shadow.is_some()),
+        ("--qs-mag", flags.qs_mag.is_some()),
+        ("--accept-bad-checksums", flags.accept_bad_checksums.is_some()),
+        ("--eop", flags.eop.is_some()),
+        ("--site", site.named.is_some()),
+        ("--mpc", site.mpc.is_some()),
+        ("--lat", site.lat.is_some()),
+        ("--lon", site.lon.is_some()),
+        ("--height", site.height.is_some()),
+        ("--observer-elements", flags.observer_elements.is_some()),
+        ("--observer-norad", flags.observer_norad.is_some()),
+        ("--limb-height-km", flags.limb_height_km.is_some()),
     ];
-    let is_random = typed.streaks.random_streaks.is_some() || typed.streaks.streak_density.is_some();
-    let typed_of =
-        |options: &[(&'static str, bool)]| options.iter().find(|(_, is_said)| *is_said).map(|(name, _)| *name);
-    if let Some(option) = typed_of(&of_fields) {
+    let given =
+        |options: &[(&'static str, bool)]| options.iter().find(|(_, is_given)| *is_given).map(|(name, _)| *name);
+    if let Some(option) = given(&of_fields) {
         return Err(anyhow::anyhow!(
             "{option} is for verbs that ask about a field; the field of inject is the frame itself"
         ));
     }
-    match typed_of(&of_satellites).filter(|_| is_random) {
+    match given(&of_satellites).filter(|_| typed.injection.is_random()) {
         Some(option) => Err(anyhow::anyhow!(
             "{option} is for satellites; random streaks have their magnitude and speed from the command line"
         )),
@@ -120,11 +79,11 @@ fn refuse_idle(typed: &InjectArguments) -> anyhow::Result<()> {
     }
 }
 
-/// Pictures of the chip with the longest streak; of the first one where there is none.
+/// Writes pictures of the chip with the longest streak, or of the first one without a streak.
 #[cfg(feature = "plot")]
 fn pictures(typed: &InjectArguments, done: &Injections) -> anyhow::Result<()> {
     use streakcast::images::{FrameFile, Overlay, preview_png};
-    let wanted = [(&typed.truth.preview, false), (&typed.truth.preview_marked, true)];
+    let wanted = [(&typed.preview, false), (&typed.preview_marked, true)];
     // Pictures are for one frame.
     let Some(frame) = done.frames.first().filter(|_| wanted.iter().any(|(path, _)| path.is_some())) else {
         return Ok(());

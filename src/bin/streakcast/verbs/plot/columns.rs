@@ -5,8 +5,8 @@ use std::path::Path;
 
 use anyhow::{anyhow, bail};
 use serde_json::{Map, Value};
-use streakcast::config::parse_moment;
 use streakcast::frames::mjd_utc;
+use streakcast::frames::parse_moment;
 use streakcast::geometry::Site;
 use streakcast::output::{Provenance, Table, Value as Cell};
 

@@ -4,8 +4,8 @@ use anyhow::{anyhow, bail};
 use streakcast::fit::read_chain;
 use streakcast::plot::{Corner, corner};
 
+use super::arguments::PlotCornerArguments;
 use crate::failure::Outcome;
-use crate::plot_arguments::PlotCornerArguments;
 
 use super::target::Target;
 

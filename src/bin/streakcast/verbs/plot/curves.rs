@@ -2,8 +2,8 @@
 
 use anyhow::{anyhow, bail};
 use serde_json::Value;
-use streakcast::config::parse_moment;
 use streakcast::frames::mjd_utc;
+use streakcast::frames::parse_moment;
 use streakcast::plot::SkyTrack;
 
 use super::columns::Columns;

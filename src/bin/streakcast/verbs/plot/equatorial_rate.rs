@@ -5,16 +5,16 @@ use std::collections::BTreeSet;
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
-use streakcast::config::{Quantity, Setup, parse_duration_s};
+use streakcast::config::{Config, Quantity, parse_duration_s, state_scales, time_range};
 use streakcast::frames::{Direction, Horizontal, seconds_after};
 use streakcast::math::healpix::{cell_count, ring_cell, ring_centre_rad};
 use streakcast::output::{Column, Kind, Provenance, Table};
 use streakcast::passes::CountRequest;
 use streakcast::plot::{EquatorialRate, Picture, equatorial_rate};
 
+use super::arguments::PlotSkyRateArguments;
 use crate::notices::Notices;
-use crate::plot_arguments::PlotSkyRateArguments;
-use crate::verbs::judged::{field_said, state_scales};
+use crate::verbs::judged::given_field;
 
 use super::columns::Columns;
 use super::rates::{BRIGHT, Rates, STREAKS};
@@ -49,13 +49,13 @@ struct Sum {
 /// Exposes every cell of the site's sky again and again through the dark hours, and puts each where it stands among the stars.
 pub fn asked(
     typed: &PlotSkyRateArguments,
-    setup: &Setup,
+    config: &Config,
     directions: &[(u64, Direction<Horizontal>)],
     notices: &Notices,
 ) -> anyhow::Result<(Table, Provenance)> {
-    let exposure = setup.exposure.as_ref().map(Quantity::text);
+    let exposure = config.exposure.duration.as_ref().map(Quantity::as_str);
     let exposure = exposure.ok_or_else(|| anyhow!("the length of an exposure is missing; allowed: --exposure 30s"))?;
-    let duration_s = parse_duration_s("exposure", &exposure)?;
+    let duration_s = parse_duration_s("exposure", exposure)?;
     let step_s = parse_duration_s("step", &typed.step)?;
     if !(SHORTEST_STEP_S..=LONGEST_STEP_S).contains(&step_s) {
         bail!("step {}; allowed: 30s to 1h", typed.step);
@@ -72,13 +72,13 @@ pub fn asked(
     if nights.len() > MOST_NIGHTS {
         bail!("{} nights; allowed: 1 to {MOST_NIGHTS}", nights.len());
     }
-    let (field, photometry) = (setup.field_of_view()?, setup.photometry()?);
+    let (field, photometry) = (config.field_of_view()?, config.photometry()?);
     let places: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
     let mut sums = vec![Sum::default(); cell_count(typed.nside) as usize];
     let (mut provenance, mut said) = (None, BTreeSet::new());
     for night in &nights {
-        let (from, to) = crate::verbs::night::range(Some(night), None, None, setup)?;
-        let prepared = setup.prepare(from, to)?;
+        let (from, to) = time_range(Some(night), None, None, config)?;
+        let prepared = config.prepare(from, to)?;
         let mut moments: Vec<Epoch> = Vec::new();
         let mut moment = from;
         while moment < to {
@@ -130,7 +130,7 @@ pub fn asked(
             "frame": FRAME,
             "nights": nights,
             "exposure_s": duration_s,
-            "field": field_said(setup),
+            "field": given_field(config),
             "nside": typed.nside,
             "step_s": step_s,
             "min_altitude_deg": typed.min_altitude,

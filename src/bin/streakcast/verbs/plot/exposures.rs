@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use anyhow::{anyhow, bail};
-use streakcast::config::Setup;
+use streakcast::config::Config;
 use streakcast::frames::{EopTable, mjd_utc};
 use streakcast::geometry::{Observer, Site};
 use streakcast::output::{Column, Kind, Provenance, Table, Value};
@@ -38,10 +38,10 @@ const COLUMNS: [Column; 9] = [
 ];
 
 /// Judges a schedule.
-pub fn asked(setup: &Setup, schedule: &Path, site: Option<&Site>, eop: &EopTable) -> anyhow::Result<Exposures> {
-    let judged = judge(setup, schedule, None)?;
+pub fn asked(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopTable) -> anyhow::Result<Exposures> {
+    let judged = judge(config, schedule, None)?;
     let observer = site.map(|site| Observer::new(site.clone()));
-    let limit = setup.policy()?.limit_mag;
+    let limit = config.policy()?.limit_mag;
     let rows = judged.schedule.exposures.iter().zip(judged.report.flags.iter().zip(&judged.report.passes));
     let row = |(row, (flag, passes)): (&ScheduledExposure, (&ExposureFlag, &Vec<FieldPass>))| {
         let exposure = row.exposure.as_ref().ok();
@@ -75,11 +75,11 @@ pub fn asked(setup: &Setup, schedule: &Path, site: Option<&Site>, eop: &EopTable
 pub fn of_flags(
     flags: &Columns,
     path: &Path,
-    setup: &Setup,
+    config: &Config,
     observer: Option<&Observer>,
     eop: &EopTable,
 ) -> anyhow::Result<Table> {
-    let schedule = Schedule::read(path, &setup.schedule_options()?)?;
+    let schedule = Schedule::read(path, &config.schedule_options()?)?;
     let ids = flags.texts("exposure_id")?;
     let same =
         schedule.exposures.len() == ids.len() && schedule.exposures.iter().zip(&ids).all(|(row, id)| row.id == *id);

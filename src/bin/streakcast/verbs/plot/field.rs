@@ -2,16 +2,17 @@
 
 use anyhow::anyhow;
 use serde_json::Value;
-use streakcast::config::{FieldSetup, Quantity, Setup, parse_moment};
+use streakcast::config::{Config, NameOrTable, Quantity};
+use streakcast::frames::parse_moment;
 use streakcast::frames::{Direction, Gcrs};
 use streakcast::output::format_utc;
 use streakcast::passes::Field;
 use streakcast::plot::{FieldChart, FieldStreak, Picture, field_chart};
 
+use super::arguments::PlotFieldArguments;
 use crate::failure::Outcome;
-use crate::plot_arguments::PlotFieldArguments;
 use crate::verbs::judged::begin;
-use crate::verbs::passes::ask;
+use crate::verbs::passes::predict;
 
 use super::columns::Columns;
 use super::curves::{SYNTHETIC, shells_caption};
@@ -21,27 +22,27 @@ use super::target::Target;
 const ROUND: usize = 180;
 
 pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
-    let asked = Setup { include_dark: typed.include_dark.then_some(true), ..typed.exposure.setup() };
-    let setup = typed.shared.setup(asked)?;
+    let include_dark = typed.include_dark.then_some(true);
+    let config = Config { exposure: typed.exposure, include_dark, ..typed.config }.with_file()?;
     let title = typed.title.title.as_deref();
     if let Some(path) = &typed.from {
-        begin(&setup)?;
+        begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "passes")?;
         let exposure = Place::stated(&columns).ok_or_else(|| {
             anyhow!("table {}: it does not say which exposure it is of; allowed: what passes wrote", path.display())
         })?;
-        let field = stated_field(&setup, &columns)?;
+        let field = stated_field(&config, &columns)?;
         target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?)?;
         return Ok(outcome(&columns));
     }
     let target = Target::new(&typed.picture)?;
-    let asked = ask(&setup)?;
+    let asked = predict(&config)?;
     let table = asked.table(false);
     let columns = Columns::of(&table, &asked.prepared.provenance);
     // As a table that is read later says it: one picture of both.
     let exposure = Place::stated(&columns).ok_or_else(|| anyhow!("the answer does not say its exposure"))?;
-    let picture = picture(&columns, &exposure, Some(&setup.field_of_view()?), title)?;
+    let picture = picture(&columns, &exposure, Some(&config.field_of_view()?), title)?;
     target.write(&picture, "passes", &table, &asked.prepared.provenance)?;
     Ok(outcome(&columns))
 }
@@ -74,18 +75,18 @@ impl Place {
 }
 
 /// The field that was said now, else that of the table; none of a telescope, whose file is not at hand.
-fn stated_field(setup: &Setup, columns: &Columns) -> anyhow::Result<Option<Field>> {
-    if setup.fov.is_some() || setup.field.is_some() || setup.telescope.is_some() {
-        return Ok(Some(setup.field_of_view()?));
+fn stated_field(config: &Config, columns: &Columns) -> anyhow::Result<Option<Field>> {
+    if config.fov.is_some() || config.field.is_some() || config.telescope.is_some() {
+        return Ok(Some(config.field_of_view()?));
     }
     let said = columns.stated("options").and_then(|options| options.get("field"));
     let text = |name: &str| said.and_then(|said| said.get(name)).and_then(Value::as_str).map(str::to_owned);
-    let setup = match (text("circle"), text("file")) {
-        (Some(circle), _) => Setup { fov: Some(Quantity::Text(circle)), ..Setup::default() },
-        (None, Some(file)) => Setup { field: Some(FieldSetup::File(file.into())), ..Setup::default() },
+    let config = match (text("circle"), text("file")) {
+        (Some(circle), _) => Config { fov: Some(Quantity(circle)), ..Config::default() },
+        (None, Some(file)) => Config { field: Some(NameOrTable::Name(file.into())), ..Config::default() },
         (None, None) => return Ok(None),
     };
-    Ok(Some(setup.field_of_view()?))
+    Ok(Some(config.field_of_view()?))
 }
 
 fn picture(columns: &Columns, place: &Place, field: Option<&Field>, title: Option<&str>) -> anyhow::Result<Picture> {

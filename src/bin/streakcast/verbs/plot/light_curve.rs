@@ -2,6 +2,7 @@
 
 use anyhow::{anyhow, bail};
 use serde_json::json;
+use streakcast::config::Config;
 use streakcast::config::parse_duration_s;
 use streakcast::elements::NoradId;
 use streakcast::frames::{mjd_utc, seconds_after};
@@ -9,11 +10,11 @@ use streakcast::output::{Column, Kind, Table, Value};
 use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, TrackPoint};
 use streakcast::plot::{LightCurve, Picture, light_curve};
 
+use super::arguments::PlotLightCurveArguments;
 use crate::failure::Outcome;
-use crate::plot_arguments::PlotLightCurveArguments;
 use crate::verbs::judged::begin;
 use crate::verbs::map::site_of;
-use crate::verbs::passes::{Asked, ask};
+use crate::verbs::passes::{Prediction, predict};
 
 use super::clock::Clock;
 use super::columns::Columns;
@@ -40,11 +41,11 @@ const COLUMNS: [Column; 10] = [
 ];
 
 pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(typed.exposure.setup())?;
-    let site = site_of(&setup)?;
+    let config = Config { exposure: typed.exposure.clone(), ..typed.config.clone() }.with_file()?;
+    let site = site_of(&config)?;
     let title = typed.title.title.as_deref();
     if let Some(path) = &typed.from {
-        begin(&setup)?;
+        begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read_first(path, &[&["track"], SECTIONS].concat())?;
         let clock = Clock::new(typed.clock.utc_offset, site.or_else(|| columns.site()).as_ref());
@@ -65,7 +66,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
     if around_s > MOST_AROUND_S {
         bail!("around {}; allowed: at most 10min", typed.around);
     }
-    let mut asked = ask(&setup)?;
+    let mut asked = predict(&config)?;
     let pass = chosen(&asked, typed.norad)?;
     let track = track(&asked, &pass, around_s)?;
     let name = asked.prepared.sky.elements()[pass.element_index].name.clone();
@@ -102,7 +103,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
 }
 
 /// The satellite asked for, else the brightest.
-fn chosen(asked: &Asked, norad: Option<u32>) -> anyhow::Result<FieldPass> {
+fn chosen(asked: &Prediction, norad: Option<u32>) -> anyhow::Result<FieldPass> {
     // Near misses have no time in the field.
     let found: Vec<&FieldPass> = asked.found().iter().filter(|pass| pass.is_crossing()).collect();
     if let Some(id) = norad {
@@ -121,7 +122,7 @@ fn chosen(asked: &Asked, norad: Option<u32>) -> anyhow::Result<FieldPass> {
 }
 
 /// Points from `around_s` before the first entry to as much after the last exit, as far as it stands above the horizon, of that satellite alone.
-fn track(asked: &Asked, pass: &FieldPass, around_s: f64) -> anyhow::Result<Vec<TrackPoint>> {
+fn track(asked: &Prediction, pass: &FieldPass, around_s: f64) -> anyhow::Result<Vec<TrackPoint>> {
     let (first_s, last_s) = pass.chords.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), chord| {
         (low.min(chord.enter_s), high.max(chord.exit_s))
     });
@@ -193,7 +194,7 @@ fn picture(
     let span = |value: &serde_json::Value| -> Option<[f64; 2]> {
         let moment = |index: usize| {
             let text = value.get(index)?.as_str()?;
-            streakcast::config::parse_moment(text, None).ok().map(mjd_utc)
+            streakcast::frames::parse_moment(text, None).ok().map(mjd_utc)
         };
         Some([moment(0)?, moment(1)?])
     };

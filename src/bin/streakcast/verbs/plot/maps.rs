@@ -1,8 +1,8 @@
 //! `plot sky`, `plot body`: the pictures of `map`, with the map as a table beside.
 
+use super::arguments::{PictureArguments, PlotBodyArguments, PlotSkyArguments};
 use crate::failure::Outcome;
-use crate::map_arguments::{MapBodyArguments, MapOutputArguments, MapSkyArguments};
-use crate::plot_arguments::{PictureArguments, PlotBodyArguments, PlotSkyArguments};
+use crate::verbs::map::{MapBodyArguments, MapOutputArguments, MapSkyArguments};
 
 use super::target::{Target, name_beside, only};
 

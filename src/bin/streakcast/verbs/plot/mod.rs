@@ -3,6 +3,7 @@
 //! time it is where the telescope stands, `exposures` what the plots of nights share, `rates` what both maps of
 //! streaks an exposure do.
 
+mod arguments;
 mod clock;
 mod columns;
 #[cfg(feature = "fit")]
@@ -23,4 +24,5 @@ mod sky_rate;
 mod sun_altitude;
 mod target;
 
+pub use arguments::PlotArguments;
 pub use run::run;

@@ -1,10 +1,11 @@
 //! `plot night`: which exposures of a night are struck, and how brightly.
 
+use streakcast::config::Config;
 use streakcast::geometry::Observer;
 use streakcast::plot::{NightTimeline, Picture, night_timeline};
 
+use super::arguments::PlotNightArguments;
 use crate::failure::Outcome;
-use crate::plot_arguments::PlotNightArguments;
 use crate::verbs::judged::begin;
 use crate::verbs::map::site_of;
 
@@ -14,19 +15,19 @@ use super::exposures::{Nights, asked, of_flags};
 use super::target::Target;
 
 pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(typed.rules.setup())?;
-    let notices = begin(&setup)?;
+    let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
+    let notices = begin(&config)?;
     let target = match &typed.from {
         Some(_) if typed.schedule.is_none() => Target::of_table(&typed.picture)?,
         _ => Target::new(&typed.picture)?,
     };
-    let (mut site, eop) = (site_of(&setup)?, setup.eop_table()?);
+    let (mut site, eop) = (site_of(&config)?, config.eop_table()?);
     let (columns, table) = match (&typed.from, &typed.schedule) {
         (Some(from), Some(schedule)) => {
             let flags = Columns::read(from, "flags")?;
             site = site.or_else(|| flags.site());
             let observer = site.clone().map(Observer::new);
-            let table = of_flags(&flags, schedule, &setup, observer.as_ref(), &eop)?;
+            let table = of_flags(&flags, schedule, &config, observer.as_ref(), &eop)?;
             (Columns::of(&table, &flags.provenance()), Some((table, flags.provenance())))
         }
         (Some(from), None) => {
@@ -35,7 +36,7 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
             (columns, None)
         }
         (None, Some(schedule)) => {
-            let exposures = asked(&setup, schedule, site.as_ref(), &eop)?;
+            let exposures = asked(&config, schedule, site.as_ref(), &eop)?;
             (Columns::of(&exposures.table, &exposures.provenance), Some((exposures.table, exposures.provenance)))
         }
         (None, None) => anyhow::bail!("plot night needs --schedule, or --from"),
@@ -54,9 +55,9 @@ pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
             .say(&format!("warning: the schedule has {others} nights; drawn is the first, {night} (--night chooses)"));
     }
     let keep: Vec<bool> = nights.of_rows.iter().map(|of| of.as_deref() == Some(&night)).collect();
-    let said = setup.policy()?.limit_mag;
+    let said = config.policy()?.limit_mag;
     let limit = match &said {
-        Some(limit) => limit.of(setup.band.as_deref()),
+        Some(limit) => limit.of(config.light.band.as_deref()),
         None => columns.limit_mag(),
     };
     let place = site.as_ref().map(|site| format!(", {}", site.name)).unwrap_or_default();

@@ -1,7 +1,7 @@
 //! `plot residuals`, `histogram` and `phase-curve`: comparison of measured with computed magnitudes.
 
 use anyhow::anyhow;
-use streakcast::config::Setup;
+use streakcast::config::{Config, RunConfig};
 use streakcast::geometry::ViewingGeometry;
 use streakcast::maps::BodyView;
 use streakcast::output::{Column, Provenance, Table, Value};
@@ -9,9 +9,8 @@ use streakcast::plot::{
     PhaseCurve, Picture, ResidualHistogram, ResidualPanels, phase_curve, residual_histogram, residual_panels,
 };
 
+use super::arguments::PlotResidualsArguments;
 use crate::failure::Outcome;
-use crate::plot_arguments::PlotResidualsArguments;
-use crate::shared_arguments::setup_of;
 use crate::verbs::judged::begin;
 use crate::verbs::map::model_of;
 
@@ -50,11 +49,11 @@ struct Residuals {
 }
 
 pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Result<Outcome> {
-    let base = setup_of(typed.config.as_deref())?;
-    let setup = typed.magnitudes.setup().over(base);
-    let notices = begin(&setup)?;
+    let run = RunConfig { file: typed.config.clone(), ..RunConfig::default() };
+    let config = Config { light: typed.magnitudes.clone(), run, ..Config::default() }.with_file()?;
+    let notices = begin(&config)?;
     let target = Target::new(&typed.picture)?;
-    let found = residuals(&typed, &setup)?;
+    let found = residuals(&typed, &config)?;
     if found.dark > 0 {
         notices.say(&format!("warning: {} points left out, for which the model sees no light", found.dark));
     }
@@ -68,10 +67,10 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
     let mut provenance = Provenance::new();
     provenance.state("measurements", typed.from.display().to_string());
     provenance.state("model", typed.model.as_str());
-    let photometry = setup.photometry()?;
+    let photometry = config.photometry()?;
     provenance.state("band", photometry.band.name());
     provenance.state("mag_system", photometry.system.to_string());
-    if model_of(&setup.model_library()?, &typed.model)?.is_of_panels() {
+    if model_of(&config.model_library()?, &typed.model)?.is_of_panels() {
         provenance.state("earthshine", photometry.earthshine.name());
     }
     target.write(&picture, "residuals", &found.table(), &provenance)?;
@@ -79,9 +78,9 @@ pub fn residual_plot(typed: PlotResidualsArguments, chart: Chart) -> anyhow::Res
 }
 
 /// Points, or pixels that were kept.
-fn residuals(typed: &PlotResidualsArguments, setup: &Setup) -> anyhow::Result<Residuals> {
-    let model = model_of(&setup.model_library()?, &typed.model)?;
-    let photometry = setup.photometry()?;
+fn residuals(typed: &PlotResidualsArguments, config: &Config) -> anyhow::Result<Residuals> {
+    let model = model_of(&config.model_library()?, &typed.model)?;
+    let photometry = config.photometry()?;
     let pixels = Columns::read(&typed.from, "pixels");
     let columns = if pixels.is_ok() { pixels? } else { Columns::read(&typed.from, "measurements")? };
     let observed = columns.numbers(if columns.has("mode_mag") { "mode_mag" } else { "standard_magnitude" })?;

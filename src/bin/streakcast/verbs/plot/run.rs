@@ -1,7 +1,7 @@
 //! Which plot.
 
+use super::arguments::{PlotArguments, PlotVerb};
 use crate::failure::Outcome;
-use crate::plot_arguments::{PlotArguments, PlotVerb};
 
 use super::residuals::Chart;
 

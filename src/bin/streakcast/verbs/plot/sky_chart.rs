@@ -1,12 +1,12 @@
 //! `plot sky-chart`: passes of a forecast over the sky of their site.
 
 use serde_json::Value;
-use streakcast::config::Setup;
+use streakcast::config::Config;
 use streakcast::output::format_utc;
 use streakcast::plot::{Picture, SkyChart, SkyTrack, sky_chart};
 
+use super::arguments::PlotSkyChartArguments;
 use crate::failure::Outcome;
-use crate::plot_arguments::PlotSkyChartArguments;
 use crate::verbs::judged::begin;
 
 use super::clock::Clock;
@@ -15,7 +15,7 @@ use super::curves::{Curve, SECTIONS, curves, shells_caption};
 use super::target::Target;
 
 pub fn run(typed: PlotSkyChartArguments) -> anyhow::Result<Outcome> {
-    begin(&Setup::default())?;
+    begin(&Config::default())?;
     let target = Target::of_table(&typed.picture)?;
     let columns = Columns::read_first(&typed.from, SECTIONS)?;
     let found = curves(&columns, &typed.norad)?;

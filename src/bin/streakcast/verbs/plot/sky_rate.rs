@@ -3,16 +3,17 @@
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::{Value, json};
-use streakcast::config::{Prepared, Quantity, Setup, parse_duration_s, parse_moment};
+use streakcast::config::{Config, ExposureConfig, PreparedSky, parse_duration_s};
+use streakcast::frames::parse_moment;
 use streakcast::frames::{Direction, Horizontal, seconds_after};
 use streakcast::math::healpix::{cell_count, ring_centre_rad};
 use streakcast::output::{Column, Kind, Table, format_utc};
 use streakcast::passes::{CountRequest, Counts, StreakCount};
 use streakcast::plot::{Picture, SkyRate, sky_rate};
 
+use super::arguments::PlotSkyRateArguments;
 use crate::failure::Outcome;
-use crate::plot_arguments::PlotSkyRateArguments;
-use crate::verbs::judged::{begin, field_said};
+use crate::verbs::judged::{begin, given_field};
 
 use super::columns::Columns;
 use super::equatorial_rate;
@@ -39,10 +40,10 @@ const COLUMNS: [Column; 6] = [
 ];
 
 pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
-    let text = |value: &Option<String>| value.clone().map(Quantity::Text);
-    let setup =
-        typed.shared.setup(Setup { start: text(&typed.start), exposure: text(&typed.exposure), ..Setup::default() })?;
-    let notices = begin(&setup)?;
+    let exposure =
+        ExposureConfig { start: typed.start.clone(), duration: typed.exposure.clone(), ..ExposureConfig::default() };
+    let config = Config { exposure, ..typed.config.clone() }.with_file()?;
+    let notices = begin(&config)?;
     let title = typed.title.title.as_deref();
     if let Some(path) = &typed.from {
         let target = Target::of_table(&typed.picture)?;
@@ -63,7 +64,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     }
     let directions = cells_above(typed.nside, typed.min_altitude)?;
     if typed.equatorial {
-        let (table, provenance) = equatorial_rate::asked(&typed, &setup, &directions, &notices)?;
+        let (table, provenance) = equatorial_rate::asked(&typed, &config, &directions, &notices)?;
         let drawn = equatorial_rate::picture(&Columns::of(&table, &provenance), title)?;
         target.write(&drawn, "directions", &table, &provenance)?;
         return Ok(Outcome::Done);
@@ -72,9 +73,9 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     if over_s > LONGEST_S {
         bail!("over {}; allowed: at most 6h", typed.over);
     }
-    let (start, duration_s) = start_and_length(&setup)?;
-    let field = setup.field_of_view()?;
-    let prepared = setup.prepare(start, seconds_after(start, 86_400.0))?;
+    let (start, duration_s) = start_and_length(&config)?;
+    let field = config.field_of_view()?;
+    let prepared = config.prepare(start, seconds_after(start, 86_400.0))?;
     let moment = match typed.sun_altitude_deg {
         None => start,
         Some(altitude) => sun_at(&prepared, altitude, start)?,
@@ -83,7 +84,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     let middle = |index: usize| ((index as f64 + 0.5) / typed.repeats as f64 - 0.5) * over_s;
     let moments: Vec<Epoch> = (0..typed.repeats).map(|index| seconds_after(moment, middle(index))).collect();
     let places: Vec<_> = directions.iter().map(|(_, direction)| *direction).collect();
-    let photometry = setup.photometry()?;
+    let photometry = config.photometry()?;
     let request = CountRequest {
         directions: &places,
         moments: &moments,
@@ -97,13 +98,13 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
     let table = table(&directions, &counts, typed.limit_mag.is_some());
     let sun = prepared.sky.sun_altaz(moment)?;
     let mut provenance = prepared.provenance;
-    crate::verbs::judged::state_scales(&mut provenance, "utc", &photometry);
+    streakcast::config::state_scales(&mut provenance, "utc", &photometry);
     provenance.state(
         "options",
         json!({
             "moment_utc": format_utc(moment, 3),
             "exposure_s": duration_s,
-            "field": field_said(&setup),
+            "field": given_field(&config),
             "nside": typed.nside,
             "repeats": typed.repeats,
             "over_s": over_s,
@@ -119,15 +120,13 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
 }
 
 /// Opening and length of the exposures that a grid is of.
-pub fn start_and_length(setup: &Setup) -> anyhow::Result<(Epoch, f64)> {
-    let said = |value: &Option<Quantity>, what: &str| {
-        value
-            .as_ref()
-            .map(Quantity::text)
-            .ok_or_else(|| anyhow!("{what} is missing; allowed: --start 2024-08-14T00:30:00Z --exposure 30s"))
-    };
-    let start = parse_moment(&said(&setup.start, "the moment")?, setup.time_scale()?)?;
-    Ok((start, parse_duration_s("exposure", &said(&setup.exposure, "the length of an exposure")?)?))
+pub fn start_and_length(config: &Config) -> anyhow::Result<(Epoch, f64)> {
+    let missing = |what: &str| anyhow!("{what} is missing; allowed: --start 2024-08-14T00:30:00Z --exposure 30s");
+    let ExposureConfig { start, duration, .. } = &config.exposure;
+    let start = start.as_ref().ok_or_else(|| missing("the moment"))?;
+    let start = parse_moment(start.as_str(), config.time_scale()?)?;
+    let duration = duration.as_ref().ok_or_else(|| missing("the length of an exposure"))?;
+    Ok((start, parse_duration_s("exposure", duration.as_str())?))
 }
 
 /// Cells whose centres stand so high or higher, degrees.
@@ -147,7 +146,7 @@ pub fn cells_above(nside: u32, least_deg: f64) -> anyhow::Result<Vec<(u64, Direc
     Ok(cells)
 }
 
-fn sun_at(prepared: &Prepared, altitude_deg: f64, start: Epoch) -> anyhow::Result<Epoch> {
+fn sun_at(prepared: &PreparedSky, altitude_deg: f64, start: Epoch) -> anyhow::Result<Epoch> {
     if !(-90.0..=90.0).contains(&altitude_deg) {
         bail!("sun-altitude-deg {altitude_deg}; allowed: -90 to 90 deg");
     }

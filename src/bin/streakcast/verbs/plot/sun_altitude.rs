@@ -3,15 +3,15 @@
 use anyhow::{anyhow, bail};
 use hifitime::Epoch;
 use serde_json::json;
-use streakcast::config::{Quantity, Setup, parse_duration_s};
+use streakcast::config::{Config, ExposureConfig, parse_duration_s, state_scales};
 use streakcast::frames::seconds_after;
 use streakcast::output::{Column, Kind, Provenance, Table};
 use streakcast::passes::CountRequest;
 use streakcast::plot::{Picture, SunAltitude, sun_altitude};
 
+use super::arguments::PlotSunAltitudeArguments;
 use crate::failure::Outcome;
-use crate::plot_arguments::PlotSunAltitudeArguments;
-use crate::verbs::judged::{begin, field_said, state_scales};
+use crate::verbs::judged::{begin, given_field};
 use crate::verbs::map::site_of;
 
 use super::columns::Columns;
@@ -34,13 +34,13 @@ const COLUMNS: [Column; 6] = [
 ];
 
 pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
-    let text = |value: &Option<String>| value.clone().map(Quantity::Text);
-    let of_grid = Setup { start: text(&typed.start), exposure: text(&typed.exposure), ..typed.rules.setup() };
-    let setup = typed.shared.setup(of_grid)?;
+    let exposure =
+        ExposureConfig { start: typed.start.clone(), duration: typed.exposure.clone(), ..ExposureConfig::default() };
+    let config = Config { exposure, rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
     let title = typed.title.title.as_deref();
-    let limit = setup.limit_mag.as_ref().and_then(|limit| limit.of(setup.band.as_deref()));
+    let limit = config.rules.limit_mag.as_ref().and_then(|limit| limit.of(config.light.band.as_deref()));
     if let Some(path) = &typed.from {
-        begin(&setup)?;
+        begin(&config)?;
         let target = Target::of_table(&typed.picture)?;
         let columns = Columns::read(path, "exposures")?;
         let caption = columns.site().map(|site| format!("Site: {}.", site.name)).unwrap_or_default();
@@ -51,12 +51,12 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
     let target = Target::new(&typed.picture)?;
     let (table, provenance, caption) = match &typed.schedule {
         Some(schedule) => {
-            let site = site_of(&setup)?
+            let site = site_of(&config)?
                 .ok_or_else(|| anyhow!("plot sun-altitude needs a site: --site, --mpc or --lat and --lon"))?;
-            let exposures = asked(&setup, schedule, Some(&site), &setup.eop_table()?)?;
+            let exposures = asked(&config, schedule, Some(&site), &config.eop_table()?)?;
             (exposures.table, exposures.provenance, format!("Site: {}.", site.name))
         }
-        None => grid(&typed, &setup, limit)?,
+        None => grid(&typed, &config, limit)?,
     };
     let picture = picture(&Columns::of(&table, &provenance), limit, typed.bin, title, &caption)?;
     target.write(&picture, "exposures", &table, &provenance)?;
@@ -66,17 +66,17 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
 /// Exposures evenly over the sky, again and again through a day, while the Sun is low.
 fn grid(
     typed: &PlotSunAltitudeArguments,
-    setup: &Setup,
+    config: &Config,
     limit: Option<f64>,
 ) -> anyhow::Result<(Table, Provenance, String)> {
-    let notices = begin(setup)?;
-    let (start, duration_s) = start_and_length(setup)?;
+    let notices = begin(config)?;
+    let (start, duration_s) = start_and_length(config)?;
     let step_s = parse_duration_s("step", &typed.step)?;
     if !(SHORTEST_STEP_S..=DAY_S).contains(&step_s) {
         bail!("step {}; allowed: 30s to 24h", typed.step);
     }
-    let field = setup.field_of_view()?;
-    let prepared = setup.prepare(start, seconds_after(start, DAY_S))?;
+    let field = config.field_of_view()?;
+    let prepared = config.prepare(start, seconds_after(start, DAY_S))?;
     notices.warn(&prepared.warnings);
     let mut moments: Vec<Epoch> = Vec::new();
     for step in 0..(DAY_S / step_s).ceil() as usize {
@@ -94,7 +94,7 @@ fn grid(
     }
     let cells = cells_above(NSIDE, typed.min_altitude)?;
     let directions: Vec<_> = cells.iter().map(|(_, direction)| *direction).collect();
-    let photometry = setup.photometry()?;
+    let photometry = config.photometry()?;
     let request = CountRequest {
         directions: &directions,
         moments: &moments,
@@ -130,7 +130,7 @@ fn grid(
         "options",
         json!({
             "exposure_s": duration_s,
-            "field": field_said(setup),
+            "field": given_field(config),
             "nside": NSIDE,
             "step_s": step_s,
             "min_altitude_deg": typed.min_altitude,

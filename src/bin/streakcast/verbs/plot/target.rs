@@ -7,8 +7,8 @@ use anyhow::{anyhow, bail};
 use streakcast::output::{Provenance, Section, Table};
 use streakcast::plot::{Picture, PictureFormat};
 
+use super::arguments::PictureArguments;
 use crate::output::{Answer, Output, check, write_bytes};
-use crate::plot_arguments::PictureArguments;
 use crate::screen::Style;
 
 /// Looked at before any work.

@@ -5,6 +5,7 @@
 //! responses on the threads of `workers`; `problem` holds error responses; `openapi` describes the API; `page` holds the page's files.
 
 mod answers;
+mod arguments;
 mod filter;
 mod malformed;
 mod openapi;
@@ -19,4 +20,5 @@ mod state;
 mod token;
 mod workers;
 
+pub use arguments::ServeArguments;
 pub use run::run;

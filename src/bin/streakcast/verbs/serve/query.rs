@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use hifitime::Epoch;
 use serde_json::{Value, json};
-use streakcast::schedule::{is_covered, parse_instant};
+use streakcast::frames::{is_covered, parse_instant};
 
 use super::problem::Problem;
 

@@ -5,11 +5,13 @@ use std::sync::Arc;
 
 use anyhow::anyhow;
 use serde_json::json;
+use streakcast::config::{Config, state_scales};
 use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::Viewpoint;
 use streakcast::schedule::Schedule;
 
-use super::super::judged::{self, Asked};
+use super::super::judged;
+use super::arguments::ServeArguments;
 use super::filter::RequestFilter;
 use super::rate_limit::RateLimiter;
 use super::router::{App, router};
@@ -18,22 +20,21 @@ use super::state::{Caveats, ServerState, nights_of, zone_h};
 use super::token::Token;
 use super::workers::WorkerPool;
 use crate::failure::Outcome;
-use crate::serve_arguments::ServeArguments;
 
 /// Most exposures that the page can show.
 const MAX_EXPOSURES: usize = 100_000;
 
 pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
-    let setup = typed.shared.setup(typed.rules.setup())?;
+    let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
     let token = Token::of(&typed)?;
-    let notices = judged::begin(&setup)?;
-    let asked = Asked::of(&setup)?;
+    let notices = judged::begin(&config)?;
+    let asked = config.observation()?;
     // Before the computation, so that an address in use is reported at once.
     let listener =
         std::net::TcpListener::bind(typed.bind).map_err(|error| anyhow!("cannot listen at {}: {error}", typed.bind))?;
     let address = listener.local_addr()?;
 
-    let schedule = Schedule::read(&typed.schedule, &setup.schedule_options()?)?;
+    let schedule = Schedule::read(&typed.schedule, &config.schedule_options()?)?;
     let rows = schedule.exposures.len();
     if rows > MAX_EXPOSURES {
         return Err(anyhow!(
@@ -43,7 +44,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     }
     let (first, last) =
         judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &typed.schedule)))?;
-    let prepared = setup.prepare(first, last)?;
+    let prepared = config.prepare(first, last)?;
     let site = match prepared.sky.viewpoint() {
         Viewpoint::Site(observer) => observer.site().clone(),
         Viewpoint::Orbit(observer) => {
@@ -62,7 +63,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     judged::summary(&notices, &report);
 
     let mut provenance = without_lists(&prepared.provenance);
-    judged::state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), &asked.photometry);
+    state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), &asked.photometry);
     let file = typed.schedule.file_name().unwrap_or_default().to_string_lossy().into_owned();
     provenance.state(
         "schedule",
@@ -75,14 +76,14 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         }),
     );
     let telescope = asked.telescope.as_ref().map(|telescope| telescope.name.clone());
-    provenance.state("options", judged::options_json(&setup, &asked.policy, telescope.as_deref()));
+    provenance.state("options", judged::options_json(&config, &asked.policy, telescope.as_deref()));
     let state = ServerState {
-        library: setup.model_library()?,
+        library: config.model_library()?,
         caveats: Caveats { warnings, left_out_count: report.left_out.len() },
         nights: nights_of(&schedule, &site),
         utc_offset_h: typed.utc_offset.unwrap_or_else(|| zone_h(&site)),
         flags: report.flags,
-        setup,
+        config,
         prepared,
         site,
         asked,

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use hifitime::Epoch;
-use streakcast::config::{Prepared, Setup};
+use streakcast::config::{Config, ObservationPlan, PreparedSky};
 use streakcast::geometry::Site;
 use streakcast::orbit::LeftOut;
 use streakcast::output::{Provenance, format_utc};
@@ -11,16 +11,15 @@ use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
 use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
 
-use super::super::judged::Asked;
 use super::problem::Problem;
 
 /// The schedule, its verdicts, and the satellites.
 pub struct ServerState {
-    pub setup: Setup,
-    pub prepared: Prepared,
+    pub config: Config,
+    pub prepared: PreparedSky,
     /// The site of all answers except those of SatChecker's paths.
     pub site: Site,
-    pub asked: Asked,
+    pub asked: ObservationPlan,
     pub schedule: Schedule,
     /// One for each row.
     pub flags: Vec<ExposureFlag>,
@@ -61,13 +60,7 @@ impl ServerState {
 
     /// The request for verdicts by this policy.
     pub fn request<'a>(&'a self, policy: &'a Policy) -> FlagRequest<'a> {
-        FlagRequest {
-            sky: self.sky(),
-            field: &self.asked.field,
-            policy,
-            telescope: self.asked.telescope.as_ref(),
-            photometry: &self.asked.photometry,
-        }
+        FlagRequest { policy, ..self.asked.request(self.sky()) }
     }
 
     /// The options of `passes`.

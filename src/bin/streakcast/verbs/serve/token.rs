@@ -5,7 +5,7 @@ use std::net::SocketAddr;
 use anyhow::anyhow;
 use subtle::ConstantTimeEq;
 
-use crate::serve_arguments::ServeArguments;
+use super::arguments::ServeArguments;
 
 /// Shorter tokens can be guessed.
 const SHORTEST: usize = 16;

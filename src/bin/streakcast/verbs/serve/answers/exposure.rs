@@ -48,7 +48,7 @@ const ID: &str = "1";
 pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let number = |name: &str| query.number(name).unwrap_or_default();
     let start = query.moment("start_utc").ok_or_else(|| Problem::missing("start_utc", "UTC"))?;
-    let rotation_deg = query.number("rotation_deg").or(state.setup.rotation).unwrap_or_default();
+    let rotation_deg = query.number("rotation_deg").or(state.config.rotation).unwrap_or_default();
     let exposure = Exposure {
         id: ID.to_owned(),
         start,

@@ -1,0 +1,104 @@
+//! `sites` and `shells`: observatories by name and MPC code, and synthetic constellations that need no download.
+
+use clap::Args;
+use streakcast::elements::Constellation;
+use streakcast::geometry::Site;
+use streakcast::output::{Column, Kind, Provenance, Section, Table, Value};
+
+use crate::arguments::OutputArguments;
+use crate::failure::Outcome;
+use crate::output::{Answer, Output};
+use crate::screen::{Shown, Style, rounded, shown};
+
+#[derive(Args)]
+pub struct ListArguments {
+    /// Only those whose name or code contains this
+    pub search: Option<String>,
+    #[command(flatten)]
+    pub output: OutputArguments,
+}
+
+const SITES_ON_SCREEN: &[Shown] = &[
+    shown("mpc_code", "MPC"),
+    shown("name", "name"),
+    rounded("latitude_deg", "latitude deg", 4),
+    rounded("longitude_deg", "longitude deg", 4),
+    rounded("height_m", "height m", 0),
+];
+
+const SHELLS_ON_SCREEN: &[Shown] =
+    &[shown("name", "name"), shown("satellites", "satellites"), shown("shells", "shells"), shown("source", "source")];
+
+pub fn sites(typed: &ListArguments) -> anyhow::Result<Outcome> {
+    let wanted = typed.search.as_deref().unwrap_or("").to_lowercase();
+    let holds = |site: &&Site| {
+        let code = site.mpc_code.as_deref().unwrap_or("").to_lowercase();
+        site.name.to_lowercase().contains(&wanted) || code.contains(&wanted)
+    };
+    let table = Table {
+        columns: vec![
+            Column::new("mpc_code", Kind::Text, "Code of the Minor Planet Center."),
+            Column::new("name", Kind::Text, "Name."),
+            Column::real("latitude_deg", "deg", 6, "Geodetic latitude (WGS84)."),
+            Column::real("longitude_deg", "deg", 6, "Longitude, east positive."),
+            Column::real("height_m", "m", 1, "Height above the ellipsoid."),
+        ],
+        rows: Site::all()
+            .filter(holds)
+            .map(|site| {
+                vec![
+                    site.mpc_code.as_deref().into(),
+                    site.name.as_str().into(),
+                    site.latitude_rad.to_degrees().into(),
+                    site.longitude_rad.to_degrees().into(),
+                    site.height_m.into(),
+                ]
+            })
+            .collect(),
+    };
+    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(&Answer {
+        sections: vec![Section { name: "sites", table: &table }],
+        main: &table,
+        provenance: &Provenance::new(),
+        style: Style { columns: SITES_ON_SCREEN, bold_row: None },
+    })?;
+    Ok(Outcome::Done)
+}
+
+pub fn shells(typed: &ListArguments) -> anyhow::Result<Outcome> {
+    let wanted = typed.search.as_deref().unwrap_or("").to_lowercase();
+    let all = Constellation::embedded();
+    let table = Table {
+        columns: vec![
+            Column::new("name", Kind::Text, "What --shells takes."),
+            Column::new("satellites", Kind::Integer, "How many satellites."),
+            Column::new(
+                "shells",
+                Kind::List { separator: " " },
+                "Altitude in km and inclination in degrees of each shell.",
+            ),
+            Column::new("source", Kind::Text, "Where the numbers come from."),
+        ],
+        rows: all
+            .iter()
+            .filter(|constellation| constellation.name.contains(&wanted))
+            .map(|constellation| {
+                let shells = constellation.shells.iter();
+                let shells = shells.map(|shell| format!("{}/{}", shell.altitude_km, shell.inclination_deg)).collect();
+                vec![
+                    constellation.name.as_str().into(),
+                    constellation.satellites().into(),
+                    Value::List(shells),
+                    constellation.source.as_str().into(),
+                ]
+            })
+            .collect(),
+    };
+    Output::new(typed.output.format.as_deref(), typed.output.output.clone())?.write(&Answer {
+        sections: vec![Section { name: "shells", table: &table }],
+        main: &table,
+        provenance: &Provenance::new(),
+        style: Style { columns: SHELLS_ON_SCREEN, bold_row: None },
+    })?;
+    Ok(Outcome::Done)
+}

@@ -1,0 +1,171 @@
+//! `map`: magnitudes over a satellite's own sky and over that of a site, as tables, FITS and pictures.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use anyhow::{anyhow, bail};
+use streakcast::config::{Config, SiteConfig};
+use streakcast::geometry::Site;
+use streakcast::maps::{BodyView, Earth, Fact, SkyView};
+use streakcast::output::{Provenance, Section, Table};
+use streakcast::photometry::{BrightnessModel, ModelLibrary};
+
+use crate::failure::Outcome;
+#[cfg(feature = "fits")]
+use crate::output::write_bytes;
+use crate::output::{Answer, Output};
+use crate::screen::{Shown, Style, rounded};
+
+use super::arguments::{MapArguments, MapBodyArguments, MapSkyArguments, MapVerb};
+#[cfg(feature = "plot")]
+use super::pictures;
+use super::target::Target;
+#[cfg(feature = "fits")]
+use super::target::fits_bytes;
+use crate::verbs::judged::begin;
+
+const BODY_ON_SCREEN: &[Shown] = &[
+    rounded("observer_longitude_deg", "longitude deg", 2),
+    rounded("observer_latitude_deg", "latitude deg", 2),
+    rounded("standard_magnitude", "mag at 1000 km", 2),
+];
+
+const SKY_ON_SCREEN: &[Shown] = &[
+    rounded("azimuth_deg", "azimuth deg", 2),
+    rounded("altitude_deg", "altitude deg", 2),
+    rounded("range_km", "range km", 0),
+    rounded("magnitude", "mag", 2),
+];
+
+pub fn run(typed: MapArguments) -> anyhow::Result<Outcome> {
+    match typed.verb {
+        MapVerb::Body(typed) => body(*typed),
+        MapVerb::Sky(typed) => sky(*typed),
+        #[cfg(feature = "plot")]
+        MapVerb::Paper(typed) => pictures::paper(*typed),
+    }
+}
+
+/// A map of a satellite's own sky: numbers, picture or both.
+pub fn body(MapBodyArguments { view: typed, output: to }: MapBodyArguments) -> anyhow::Result<Outcome> {
+    let config = typed.light.config(SiteConfig::default())?;
+    let notices = begin(&config)?;
+    let model = model_of(&config.model_library()?, &typed.model)?;
+    let view = BodyView::new(&model, typed.sun_latitude_deg.to_radians(), typed.height_km, config.photometry()?)?;
+    let target = Target::new(&to, config.format.as_deref())?;
+    notices.warn(&provisional(&model));
+    let of_a_site = [("extinction", config.extinction.is_some()), ("shadow", config.shadow.is_some())];
+    notices.warn(&without_part(&config, &of_a_site, "a map of a satellite's own sky"));
+    if view.sun_latitude_rad() < view.limb_latitude_rad() {
+        notices.say(&format!(
+            "warning: at {} km the Sun is below the Earth's limb ({:.1} deg); magnitudes are those of full sunlight all the same",
+            typed.height_km,
+            view.limb_latitude_rad().to_degrees()
+        ));
+    }
+    #[cfg(feature = "plot")]
+    let picture = pictures::made(to.picture.as_deref(), || streakcast::plot::body_picture(&view))?;
+    match &target {
+        #[cfg(feature = "plot")]
+        Target::Nothing => {}
+        Target::Table(output, grid) => {
+            let map = view.map(*grid);
+            write_table(output, &map.table(), &provenance_of(&map.facts), BODY_ON_SCREEN)?;
+        }
+        #[cfg(feature = "fits")]
+        Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
+    }
+    #[cfg(feature = "plot")]
+    pictures::write(to.picture.as_deref(), picture)?;
+    Ok(Outcome::Done)
+}
+
+/// A map of the sky: numbers, picture or both.
+pub fn sky(MapSkyArguments { view: typed, output: to }: MapSkyArguments) -> anyhow::Result<Outcome> {
+    let config = typed.light.config(typed.site.clone())?;
+    let notices = begin(&config)?;
+    let model = model_of(&config.model_library()?, &typed.model)?;
+    let config = Config {
+        extinction: typed.extinction.or(config.extinction),
+        shadow: typed.shadow.clone().or(config.shadow),
+        ..config
+    };
+    if config.is_in_orbit() {
+        bail!(
+            "the configuration's observer is in orbit, and a map needs one on the ground: say --site, --mpc or --lat"
+        );
+    }
+    let options = config.photometry()?;
+    let earth = site_of(&config)?.map_or(Earth::Sphere, Earth::Ellipsoid);
+    let (sun_azimuth, sun_altitude) = (typed.sun_azimuth_deg.to_radians(), typed.sun_altitude_deg.to_radians());
+    let view =
+        SkyView::new(&model, earth, typed.height_km, sun_azimuth, sun_altitude, options)?.with_shadow(config.shadow()?);
+    let target = Target::new(&to, config.format.as_deref())?;
+    notices.warn(&provisional(&model));
+    notices.warn(&without_part(&config, &[], "a map of the sky"));
+    #[cfg(feature = "plot")]
+    let picture = pictures::made(to.picture.as_deref(), || streakcast::plot::sky_picture(&view))?;
+    match &target {
+        #[cfg(feature = "plot")]
+        Target::Nothing => {}
+        Target::Table(output, grid) => {
+            let map = view.map(*grid);
+            write_table(output, &map.table(), &provenance_of(&map.facts), SKY_ON_SCREEN)?;
+        }
+        #[cfg(feature = "fits")]
+        Target::Fits(path, grid) => write_bytes(path, &fits_bytes(|scratch| view.map(*grid).to_fits(scratch))?)?,
+    }
+    #[cfg(feature = "plot")]
+    pictures::write(to.picture.as_deref(), picture)?;
+    Ok(Outcome::Done)
+}
+
+/// A model of the library, or of a file: what ends in .json or has a folder in it, and what is no model but a file.
+pub fn model_of(library: &ModelLibrary, name: &str) -> anyhow::Result<Arc<BrightnessModel>> {
+    let path = Path::new(name);
+    let is_path =
+        path.extension().is_some_and(|end| end.eq_ignore_ascii_case("json")) || name.contains(std::path::is_separator);
+    let known = library.get(name).filter(|_| !is_path);
+    if known.is_none() && (is_path || path.is_file()) {
+        let text = fs::read_to_string(name).map_err(|error| anyhow!("model {name}: {error}"))?;
+        return Ok(Arc::new(BrightnessModel::from_json(&text, name)?));
+    }
+    known.ok_or_else(|| {
+        let names = library.names().collect::<Vec<_>>().join(", ");
+        anyhow!("unknown model '{name}', and no file has that name; known are {names}")
+    })
+}
+
+/// A warning of what a configuration says about light and a map leaves out.
+pub fn without_part(config: &Config, more: &[(&str, bool)], map: &str) -> Option<String> {
+    let sun = ("sun_distance", config.sun_distance == Some(true));
+    let said: Vec<&str> = [sun].iter().chain(more).filter(|(_, is_said)| *is_said).map(|(key, _)| *key).collect();
+    let verb = if said.len() == 1 { "has" } else { "have" };
+    (!said.is_empty()).then(|| format!("the configuration's {} {verb} no part in {map}", said.join(", ")))
+}
+
+/// Returns the site, if one is given.
+pub fn site_of(config: &Config) -> anyhow::Result<Option<Site>> {
+    Ok(if config.site.is_given() { Some(config.site()?) } else { None })
+}
+
+pub fn provisional(model: &BrightnessModel) -> Option<String> {
+    let is_provisional = model.file().is_some_and(|file| file.provenance.provisional);
+    is_provisional.then(|| format!("model {} is provisional (streakcast model show tells why)", model.source()))
+}
+
+fn provenance_of(facts: &[Fact]) -> Provenance {
+    let mut provenance = Provenance::new();
+    facts.iter().for_each(|fact| fact.state(&mut provenance));
+    provenance
+}
+
+fn write_table(output: &Output, table: &Table, provenance: &Provenance, shown: &[Shown]) -> anyhow::Result<()> {
+    output.write(&Answer {
+        sections: vec![Section { name: "directions", table }],
+        main: table,
+        provenance,
+        style: Style { columns: shown, bold_row: None },
+    })
+}

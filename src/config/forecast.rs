@@ -1,0 +1,184 @@
+//! Configuration of a forecast.
+
+use hifitime::Epoch;
+use serde::Deserialize;
+
+use super::document::Config;
+#[cfg(feature = "cli")]
+use super::document::norad_id;
+use super::error::RequestError;
+use crate::constants::DAY_S;
+use crate::elements::Generation;
+use crate::forecast::{ForecastRequest, Selection};
+use crate::frames::{parse_instant, parse_moment, seconds_between};
+use crate::output::format_utc;
+use crate::schedule::night_of;
+
+/// Longest range of one request, days: a month.
+const LONGEST_DAYS: f64 = 31.0;
+
+/// Time range and filters of a forecast, beside a [`Config`]. Omitted keys have the defaults of the command line.
+///
+/// ```
+/// let forecast: streakcast::config::ForecastConfig = serde_json::from_str(r#"{"night": "2024-08-14", "max_mag": 5}"#)?;
+/// assert_eq!((forecast.min_altitude, forecast.sun_altitude_deg), (10.0, Some(-6.0)));
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct ForecastConfig {
+    /// The night that begins on this evening, local date of the site, as 2024-08-14
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"]))]
+    pub night: Option<String>,
+    /// First moment, as 2024-08-14T23:30:00Z
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "end"))]
+    pub start: Option<String>,
+    /// Last moment, at most 31 days later
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, requires = "start"))]
+    pub end: Option<String>,
+    /// Only passes whose peak is brighter than this, in the band asked for
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Filters"))]
+    pub max_mag: Option<f64>,
+    /// Altitude that counts as rise and set, degrees
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "DEG", default_value_t = 10.0, allow_hyphen_values = true, help_heading = "Filters")
+    )]
+    pub min_altitude: f64,
+    /// Only passes culminating at or above this altitude, degrees
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "DEG", default_value_t = 0.0, allow_hyphen_values = true, help_heading = "Filters")
+    )]
+    pub min_culmination: f64,
+    /// Highest altitude of the Sun at the site, degrees: dark enough to see satellites
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "DEG", default_value = "-6", allow_hyphen_values = true, help_heading = "Filters")
+    )]
+    pub sun_altitude_deg: Option<f64>,
+    /// Only satellites of these kinds, as starlink-v2mini, oneweb
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "KIND", num_args = 1.., value_delimiter = ',', help_heading = "Filters")
+    )]
+    pub generation: Vec<String>,
+    /// Only satellites whose names contain one of these, in any case
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TEXT", num_args = 1.., help_heading = "Filters"))]
+    pub name: Vec<String>,
+    /// Only satellites of these NORAD catalogue numbers
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "ID",
+            num_args = 1..,
+            value_delimiter = ',',
+            value_parser = norad_id,
+            help_heading = "Filters"
+        )
+    )]
+    pub norad: Vec<u32>,
+    /// Include passes in the Earth's shadow and by daylight
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Filters"))]
+    pub include_dark: bool,
+    /// Points along each pass from rise to set; 61 for light curves if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", help_heading = "Output"))]
+    pub samples: Option<usize>,
+}
+
+impl Default for ForecastConfig {
+    fn default() -> Self {
+        Self {
+            night: None,
+            start: None,
+            end: None,
+            max_mag: None,
+            min_altitude: 10.0,
+            min_culmination: 0.0,
+            sun_altitude_deg: Some(-6.0),
+            generation: Vec::new(),
+            name: Vec::new(),
+            norad: Vec::new(),
+            include_dark: false,
+            samples: None,
+        }
+    }
+}
+
+impl ForecastConfig {
+    /// Resolves the request and the satellites of it, with `default_samples` points along each pass if neither this nor
+    /// `config` gives their number.
+    ///
+    /// # Errors
+    /// An unknown kind of satellite; a number out of range; as [`time_range`].
+    pub fn resolve(
+        &self,
+        config: &Config,
+        default_samples: usize,
+    ) -> Result<(ForecastRequest, Selection), RequestError> {
+        let kind = |name: &String| {
+            Generation::by_name(name).ok_or_else(|| {
+                let known = Generation::ALL.map(Generation::name).join(", ");
+                RequestError::invalid(format!("generation '{name}' is not known; allowed: {known}"))
+            })
+        };
+        let selection = Selection {
+            generations: self.generation.iter().map(kind).collect::<Result<_, _>>()?,
+            names: self.name.clone(),
+            norad_ids: self.norad.clone(),
+        };
+        let (start, end) = time_range(self.night.as_deref(), self.start.as_deref(), self.end.as_deref(), config)?;
+        let request = ForecastRequest {
+            start,
+            end,
+            max_sun_altitude_rad: self.sun_altitude_deg.map(f64::to_radians),
+            min_altitude_rad: self.min_altitude.to_radians(),
+            min_culmination_rad: self.min_culmination.to_radians(),
+            max_magnitude: self.max_mag,
+            include_dark: self.include_dark,
+            samples: self.samples.or(config.samples).unwrap_or(default_samples),
+            photometry: config.photometry()?,
+        };
+        request.check()?;
+        Ok((request, selection))
+    }
+}
+
+/// Returns the first and the last moment of a night (local mean noon to noon at the site, by the evening's local date), or
+/// of the range between two moments.
+///
+/// # Errors
+/// A night that is no date; no time; more than 31 days, or an end before the start.
+pub fn time_range(
+    night: Option<&str>,
+    start: Option<&str>,
+    end: Option<&str>,
+    config: &Config,
+) -> Result<(Epoch, Epoch), RequestError> {
+    let (from, to) = match (night, start, end) {
+        (Some(night), None, None) => {
+            let evening = parse_instant(&format!("{night}T12:00:00Z"), None).map_err(|_| {
+                RequestError::invalid(format!(
+                    "night '{night}' is not a date; allowed: the evening's local date, as 2024-08-14"
+                ))
+            })?;
+            night_of(evening, config.site()?.longitude_rad)
+        }
+        (Some(_), ..) => return Err(RequestError::invalid("a night and two moments; allowed: one of them")),
+        (None, Some(start), Some(end)) => {
+            let scale = config.time_scale()?;
+            (parse_moment(start, scale)?, parse_moment(end, scale)?)
+        }
+        _ => return Err(RequestError::invalid("no time; say --night 2024-08-14, or --start and --end")),
+    };
+    let days = seconds_between(from, to) / DAY_S;
+    if !(0.0..=LONGEST_DAYS).contains(&days) {
+        let (from, to) = (format_utc(from, 0), format_utc(to, 0));
+        return Err(RequestError::invalid(format!(
+            "{from} to {to}: allowed 0 to 31 days, the end not before the start"
+        )));
+    }
+    Ok((from, to))
+}

@@ -1,0 +1,303 @@
+//! Configuration of an identification: where a measured streak lies, and when it was made.
+
+use std::path::{Path, PathBuf};
+
+use hifitime::Epoch;
+use serde::Deserialize;
+
+use super::document::Config;
+use super::error::RequestError;
+use super::values::{Quantity, parse_angle_deg, parse_duration_s};
+use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_moment, parse_right_ascension_deg, seconds_between};
+use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};
+use crate::passes::Exposure;
+
+/// Default sigma of the clock, s.
+const TIME_SIGMA_S: f64 = 0.5;
+/// Default sigma of a position angle, degrees.
+const ANGLE_SIGMA_DEG: f64 = 1.0;
+/// Default sigma of an end, arcsec.
+const PLACE_SIGMA_ARCSEC: f64 = 5.0;
+/// Default sigma of an end in a frame, found by eye, pixels.
+#[cfg(feature = "fits")]
+const PLACE_SIGMA_PIX: f64 = 3.0;
+
+const WAYS: &str =
+    "--end RA,DEC twice; --ra, --dec and --position-angle; --image with --from-pix and --to-pix; or --region FILE";
+
+/// A measured streak, beside a [`Config`]: by two ends, by a position and an angle, in a frame, or by regions.
+///
+/// ```
+/// let streak: streakcast::config::IdentifyConfig =
+///     serde_json::from_str(r#"{"end": ["325.4006,10.458", "325.4633,10.4838"], "exposure": "30s"}"#)?;
+/// assert!(!streak.whole_streak);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "cli", derive(clap::Args), command(next_help_heading = "Streak"))]
+pub struct IdentifyConfig {
+    /// One end of the streak (ICRS), given twice: 232.01,8.93 or 15h28m04s,8d55m42s
+    #[cfg_attr(feature = "cli", arg(long, value_name = "RA,DEC", allow_hyphen_values = true))]
+    pub end: Vec<String>,
+    /// Right ascension of the middle of the streak (ICRS): 188.5 (degrees) or 12h34m
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "position_angle")
+    )]
+    pub ra: Option<String>,
+    /// Declination of the middle of the streak (ICRS): -30.5 or -30d30m
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "position_angle")
+    )]
+    pub dec: Option<String>,
+    /// Position angle of the streak there, either direction, degrees from north through east
+    #[cfg_attr(feature = "cli", arg(long, value_name = "DEG", allow_hyphen_values = true, requires = "ra"))]
+    pub position_angle: Option<f64>,
+    /// Length of the streak with its unit, as 8arcmin
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "position_angle"))]
+    pub length: Option<String>,
+    /// A frame (FITS) with the streak: its coordinates and times
+    #[cfg_attr(all(feature = "cli", feature = "fits"), arg(long, value_name = "FILE"))]
+    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    pub image: Option<PathBuf>,
+    /// One end in the frame, pixels counted from 1 as FITS and DS9 count
+    #[cfg_attr(
+        all(feature = "cli", feature = "fits"),
+        arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["image", "to_pix"])
+    )]
+    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    pub from_pix: Option<String>,
+    /// The other end
+    #[cfg_attr(
+        all(feature = "cli", feature = "fits"),
+        arg(long, value_name = "X,Y", allow_hyphen_values = true, requires_all = ["image", "from_pix"])
+    )]
+    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    pub to_pix: Option<String>,
+    /// HDU of the frame, counted from 0; the only image if omitted
+    #[cfg_attr(all(feature = "cli", feature = "fits"), arg(long, value_name = "N", requires = "image"))]
+    #[cfg_attr(all(feature = "cli", not(feature = "fits")), arg(skip))]
+    pub hdu: Option<usize>,
+    /// Regions of DS9 drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE"))]
+    pub region: Option<PathBuf>,
+    /// One sigma of an end with its unit; if omitted 5arcsec, 3 pixels in a frame, half the half width of regions
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE"))]
+    pub place_sigma: Option<String>,
+    /// One sigma of --position-angle with its unit; 1deg if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", requires = "position_angle"))]
+    pub angle_sigma: Option<String>,
+    /// Times of the satellite at the first and at the second --end
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "TIME",
+            num_args = 2,
+            value_delimiter = ',',
+            requires = "end",
+            conflicts_with_all = ["start", "exposure", "whole_streak"]
+        )
+    )]
+    pub times: Vec<String>,
+    /// Shutter opening, as 2024-08-14T00:30:00.000Z; the frame's if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
+    pub start: Option<String>,
+    /// Length of the exposure with its unit, as 30s or 2min; the frame's if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true))]
+    pub exposure: Option<String>,
+    /// Both ends are those of the streak, not of the frame: positions of the satellite at shutter opening and closing
+    #[cfg_attr(feature = "cli", arg(long))]
+    pub whole_streak: bool,
+    /// One sigma of the clock with its unit; 0.5s if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME"))]
+    pub time_sigma: Option<String>,
+}
+
+/// A measured streak, checked.
+#[derive(Clone, Debug, PartialEq)]
+pub struct IdentifyPlan {
+    /// Streak.
+    pub streak: MeasuredStreak,
+    /// Option by which it was given: `--end`, `--position-angle`, `--from-pix` or `--region`.
+    pub source: &'static str,
+}
+
+impl IdentifyPlan {
+    /// Returns the exposure of the streak, pointed at its middle.
+    pub fn exposure(&self) -> Exposure {
+        Exposure {
+            id: String::new(),
+            start: self.streak.start(),
+            duration_s: self.streak.duration_s(),
+            pointing: self.streak.place(),
+            rotation_rad: 0.0,
+        }
+    }
+}
+
+/// Position of a streak on the sky: two ends, or a middle with an angle.
+enum Line {
+    Ends([Direction<Gcrs>; 2]),
+    Middle { place: Direction<Gcrs>, angle_deg: f64, length_deg: Option<f64> },
+}
+
+impl IdentifyConfig {
+    /// Resolves the streak; the files that it names are read.
+    ///
+    /// # Errors
+    /// No streak or several, no time, a file that cannot be read, a position outside of the frame, numbers out of range.
+    pub fn resolve(&self, config: &Config) -> Result<IdentifyPlan, RequestError> {
+        let has_middle = self.position_angle.is_some() || self.ra.is_some() || self.dec.is_some();
+        let mut ways = vec![
+            ("--end", !self.end.is_empty()),
+            ("--position-angle", has_middle),
+            ("--from-pix", self.from_pix.is_some() || self.to_pix.is_some()),
+            ("--region", self.region.is_some()),
+        ];
+        ways.retain(|(_, is_given)| *is_given);
+        let ways: Vec<&'static str> = ways.into_iter().map(|(way, _)| way).collect();
+        let (source, (line, sigma_arcsec)) = match (ways.as_slice(), &self.region) {
+            ([], _) => return Err(RequestError::invalid(format!("no streak; say {WAYS}"))),
+            (["--end"], _) => ("--end", (self.ends()?, PLACE_SIGMA_ARCSEC)),
+            (["--position-angle"], _) => ("--position-angle", (self.middle()?, PLACE_SIGMA_ARCSEC)),
+            (["--from-pix"], _) => ("--from-pix", self.in_frame()?),
+            (["--region"], Some(path)) => ("--region", in_regions(path)?),
+            (several, _) => {
+                let several = several.join(" and ");
+                return Err(RequestError::invalid(format!("{several} exclude each other; say {WAYS}")));
+            }
+        };
+        let (start, duration_s, timing) = self.timing(config)?;
+        let angle_deg = |what, given: &Option<String>, default_deg| {
+            given.as_deref().map_or(Ok(default_deg), |given| parse_angle_deg(what, given))
+        };
+        let place_sigma_rad = angle_deg("place-sigma", &self.place_sigma, sigma_arcsec / 3600.0)?.to_radians();
+        let time_sigma_s =
+            self.time_sigma.as_deref().map_or(Ok(TIME_SIGMA_S), |given| parse_duration_s("time-sigma", given))?;
+        let angle_sigma_rad = angle_deg("angle-sigma", &self.angle_sigma, ANGLE_SIGMA_DEG)?.to_radians();
+        let time = (start, duration_s);
+        let streak = match line {
+            Line::Ends(ends) => MeasuredStreak::from_ends(ends, time, timing, place_sigma_rad, time_sigma_s)?,
+            Line::Middle { place, angle_deg, length_deg } => MeasuredStreak::from_place(
+                place,
+                (angle_deg.to_radians(), angle_sigma_rad),
+                length_deg.map(f64::to_radians),
+                time,
+                timing,
+                place_sigma_rad,
+                time_sigma_s,
+            )?,
+        };
+        Ok(IdentifyPlan { streak, source })
+    }
+
+    fn ends(&self) -> Result<Line, RequestError> {
+        let [one, other] = self.end.as_slice() else {
+            let times = match self.end.len() {
+                1 => "once".to_owned(),
+                count => format!("{count} times"),
+            };
+            return Err(RequestError::invalid(format!("--end was said {times}; allowed: twice, both ends")));
+        };
+        let end = |text: &str| {
+            let (ra, dec) = text.split_once(',').ok_or_else(|| {
+                RequestError::invalid(format!(
+                    "end '{text}' is no place; allowed: RA,DEC as 188.5,-30.5 or 12h34m,-30d30m"
+                ))
+            })?;
+            direction(ra.trim(), dec.trim())
+        };
+        Ok(Line::Ends([end(one)?, end(other)?]))
+    }
+
+    fn middle(&self) -> Result<Line, RequestError> {
+        let (Some(ra), Some(dec), Some(angle_deg)) = (&self.ra, &self.dec, self.position_angle) else {
+            return Err(RequestError::invalid("no middle of the streak; say --ra, --dec and --position-angle"));
+        };
+        let length_deg = self.length.as_deref().map(|length| parse_angle_deg("length", length)).transpose()?;
+        Ok(Line::Middle { place: direction(ra, dec)?, angle_deg, length_deg })
+    }
+
+    #[cfg(not(feature = "fits"))]
+    fn in_frame(&self) -> Result<(Line, f64), RequestError> {
+        Err(RequestError::invalid("this build reads no frames (cargo feature fits)"))
+    }
+
+    #[cfg(feature = "fits")]
+    fn in_frame(&self) -> Result<(Line, f64), RequestError> {
+        use super::identify_frame::{ends, pixel};
+        let (Some(path), Some(from), Some(to)) = (&self.image, &self.from_pix, &self.to_pix) else {
+            return Err(RequestError::invalid("no streak in the frame; say --image, --from-pix and --to-pix"));
+        };
+        let (ends, pixel_arcsec) = ends(path, self.hdu, [pixel(from)?, pixel(to)?])?;
+        Ok((Line::Ends(ends), PLACE_SIGMA_PIX * pixel_arcsec))
+    }
+
+    /// Returns beginning, length and kind of the time.
+    fn timing(&self, config: &Config) -> Result<(Epoch, f64, Timing), RequestError> {
+        let scale = config.time_scale()?;
+        match self.times.as_slice() {
+            [] => {
+                let timing = if self.whole_streak { Timing::Whole } else { Timing::Within };
+                let (start, duration_s) = self.exposed(config)?;
+                Ok((start, duration_s, timing))
+            }
+            [first, second] => {
+                let (first, second) = (parse_moment(first, scale)?, parse_moment(second, scale)?);
+                let duration_s = seconds_between(first, second);
+                if duration_s <= 0.0 {
+                    return Err(RequestError::invalid(format!(
+                        "times: the second is {duration_s} s after the first; allowed: that of the first --end first, then that of the second, later"
+                    )));
+                }
+                Ok((first, duration_s, Timing::FirstToSecond))
+            }
+            other => Err(RequestError::invalid(format!("times: {}; allowed: two, one for each --end", other.len()))),
+        }
+    }
+
+    /// Returns shutter opening and length: those given, else those of the configuration or the frame.
+    fn exposed(&self, config: &Config) -> Result<(Epoch, f64), RequestError> {
+        let given = |given: &Option<String>, configured: &Option<Quantity>| {
+            given.clone().or(configured.as_ref().map(|value| value.as_str().to_owned()))
+        };
+        let scale = config.time_scale()?;
+        let start = given(&self.start, &config.exposure.start).map(|start| parse_moment(&start, scale)).transpose()?;
+        let duration_s = given(&self.exposure, &config.exposure.duration)
+            .map(|length| parse_duration_s("exposure", &length))
+            .transpose()?;
+        #[cfg(feature = "fits")]
+        if let Some(path) = &self.image {
+            return super::identify_frame::exposure(path, self.hdu, start, duration_s);
+        }
+        match (start, duration_s) {
+            (Some(start), Some(duration_s)) => Ok((start, duration_s)),
+            (None, _) => Err(RequestError::invalid(
+                "no start of the exposure; say --start 2024-08-14T00:30:00.000Z, or --times with both --end",
+            )),
+            (_, None) => Err(RequestError::invalid("no length of the exposure; say --exposure 30s")),
+        }
+    }
+}
+
+fn direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, RequestError> {
+    Ok(Direction::from_lon_lat_rad(
+        parse_right_ascension_deg(ra)?.to_radians(),
+        parse_declination_deg(dec)?.to_radians(),
+    ))
+}
+
+/// Returns the line through regions drawn around a streak, and one sigma of its ends, arcsec.
+fn in_regions(path: &Path) -> Result<(Line, f64), RequestError> {
+    let shown = path.display().to_string();
+    let fail = |error: &dyn std::fmt::Display| RequestError::invalid(format!("{shown}: {error}"));
+    let text = std::fs::read_to_string(path).map_err(|error| fail(&error))?;
+    let line = fit_line(&parse_regions(&shown, &text)?).map_err(|error| fail(&error))?;
+    // A box is drawn around a streak: its middle is better known than its sides.
+    let half_width_arcsec = line.half_width_rad.to_degrees() * 3600.0;
+    let sigma_arcsec = if half_width_arcsec > 0.0 { 0.5 * half_width_arcsec } else { PLACE_SIGMA_ARCSEC };
+    Ok((Line::Ends(line.ends), sigma_arcsec))
+}

@@ -1,0 +1,87 @@
+//! Coordinates and times of a streak from its frame.
+
+use std::path::Path;
+
+use hifitime::Epoch;
+
+use super::error::RequestError;
+use crate::frames::{Direction, Gcrs};
+use crate::images::{ExposureTime, FrameFile, Header, PixelPosition, Wcs};
+
+/// Reads a pixel `1024.5,2048`, counted from 1.
+pub(super) fn pixel(text: &str) -> Result<PixelPosition, RequestError> {
+    let numbers = text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)));
+    numbers
+        .filter(|(x, y): &(f64, f64)| x.is_finite() && y.is_finite())
+        .map(|(x, y)| PixelPosition::from_fits(x, y))
+        .ok_or_else(|| RequestError::invalid(format!("pixel '{text}'; allowed: X,Y counted from 1, as 1024.5,2048")))
+}
+
+/// Opens the image given, else the only one.
+fn image(path: &Path, hdu: Option<usize>) -> Result<(FrameFile, usize), RequestError> {
+    let file = FrameFile::open(path)?;
+    let images = file.images();
+    let shown = path.display();
+    let hdu = match (hdu, images.as_slice()) {
+        (Some(hdu), _) => hdu,
+        (None, [one]) => *one,
+        (None, []) => return Err(RequestError::invalid(format!("{shown}: holds no image of two axes"))),
+        (None, several) => {
+            let (count, first, last) = (several.len(), several[0], several[several.len() - 1]);
+            return Err(RequestError::invalid(format!(
+                "{shown}: holds {count} images; say which: --hdu {first} to {last}"
+            )));
+        }
+    };
+    file.image_size(hdu)?;
+    Ok((file, hdu))
+}
+
+/// Returns both ends on the sky, and the side of a pixel, arcsec.
+pub(super) fn ends(
+    path: &Path,
+    hdu: Option<usize>,
+    pixels: [PixelPosition; 2],
+) -> Result<([Direction<Gcrs>; 2], f64), RequestError> {
+    let (file, hdu) = image(path, hdu)?;
+    let fail = |error: String| RequestError::invalid(format!("{}: HDU {hdu}: {error}", path.display()));
+    let [rows, columns] = file.image_size(hdu)?;
+    let wcs = Wcs::from_header(file.header(hdu)?).map_err(|error| fail(error.to_string()))?;
+    let place = |pixel: PixelPosition| {
+        let [x, y] = pixel.fits();
+        // The middle of the first pixel is 1: the frame begins half a pixel before it.
+        let is_within = |at: f64, count: usize| (0.5..=count as f64 + 0.5).contains(&at);
+        if !(is_within(x, columns) && is_within(y, rows)) {
+            let (right, top) = (columns as f64 + 0.5, rows as f64 + 0.5);
+            return Err(fail(format!(
+                "pixel {x},{y} is outside of the frame; allowed: X from 0.5 to {right}, Y from 0.5 to {top}, counted from 1"
+            )));
+        }
+        wcs.to_sky(pixel).ok_or_else(|| fail(format!("pixel {x},{y} has no place on the sky")))
+    };
+    let [from, to] = pixels;
+    let ends = [place(from)?, place(to)?];
+    let length_pix = from.distance(to).max(1e-9);
+    Ok((ends, ends[0].separation_rad(&ends[1]).to_degrees() * 3600.0 / length_pix))
+}
+
+/// Returns shutter opening and length: the values given, else those of the header.
+pub(super) fn exposure(
+    path: &Path,
+    hdu: Option<usize>,
+    start: Option<Epoch>,
+    duration_s: Option<f64>,
+) -> Result<(Epoch, f64), RequestError> {
+    if let (Some(start), Some(duration_s)) = (start, duration_s) {
+        return Ok((start, duration_s));
+    }
+    let (file, hdu) = image(path, hdu)?;
+    let headers: [&Header; 2] = [file.header(hdu)?, file.header(0)?];
+    let fail = |error: &dyn std::fmt::Display| RequestError::invalid(format!("{}: {error}", path.display()));
+    let duration_s =
+        duration_s.map_or_else(|| ExposureTime::duration_from_headers(&headers), Ok).map_err(|error| fail(&error))?;
+    let start = start
+        .map_or_else(|| ExposureTime::start_from_headers(&headers, duration_s), Ok)
+        .map_err(|error| fail(&error))?;
+    Ok((start, duration_s))
+}

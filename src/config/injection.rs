@@ -1,0 +1,689 @@
+//! Configuration of an injection: frames, exposure, streaks, counts and truth.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+
+use hifitime::Epoch;
+use serde::Deserialize;
+
+use super::document::{Config, SiteConfig};
+use super::error::{ConfigError, RequestError};
+use super::prepared::PreparedSky;
+use super::values::{NameOrTable, Numbers, parse_angle_deg, parse_duration_s};
+use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_instant, parse_moment, parse_right_ascension_deg};
+use crate::images::{CountBasis, Detector, Header, ImageValues, Telescope};
+use crate::passes::Exposure;
+use crate::schedule::Schedule;
+use crate::streaks::{
+    ArrayFrame, ArrayInjected, FrameOverrides, Glint, Injection, InjectionError, InjectionPlan, InjectionSky,
+    Injections, LightCurve, MaskPreset, Modulation, Optics, RandomPlan, RandomStreaks, SeeingForm, StreakNumber,
+    SyntheticFrame, SyntheticPlan, Tumbling,
+};
+
+/// Default β of the Moffat profile, usual for telescopes.
+const USUAL_BETA: f64 = 3.5;
+/// Wide Gaussian of the double one: twice as wide, with a tenth of the light (Bosch & Armstrong 2013, for images of SDSS).
+const USUAL_WIDENING: f64 = 2.0;
+const USUAL_WIDE_SHARE: f64 = 0.1;
+/// Default rates of random streaks, deg/s: satellites of 550 km low in the sky and overhead.
+const USUAL_RATES_DEG_S: [f64; 2] = [0.2, 0.8];
+/// Largest number of points of truth along one streak.
+const MOST_TRUTH_POINTS: usize = 10_000;
+/// Default time of synthetic frames with random streaks: it changes nothing but the header.
+const SOME_DAY: &str = "2000-01-01T12:00:00Z";
+
+/// Frames, exposure, streaks, counts and truth of an injection, beside a [`Config`].
+///
+/// ```
+/// let injection: streakcast::config::InjectionConfig =
+///     serde_json::from_str(r#"{"image": ["frame.fits"], "random_streaks": 2, "magnitude": [5, 7], "seeing": "1.2arcsec"}"#)?;
+/// assert_eq!(injection.truth_points, 11);
+/// # Ok::<(), serde_json::Error>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+#[cfg_attr(feature = "cli", derive(clap::Args))]
+pub struct InjectionConfig {
+    /// Frames to inject into: FITS, also mosaics and tile-compressed .fz
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "synthetic"))]
+    pub image: Vec<PathBuf>,
+    /// A synthetic frame instead: a TOML file of size, scale, sky, stars and detector
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", conflicts_with = "image"))]
+    pub synthetic: Option<PathBuf>,
+    /// Number of synthetic frames, each from a seed of its own
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", requires = "synthetic"))]
+    pub frames: Option<usize>,
+    /// Shutter opening, as 2020-03-06T00:04:15.410Z; the header's if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, help_heading = "Exposure"))]
+    pub start: Option<String>,
+    /// Length of the exposure with its unit, as 30s or 2min; the header's if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "TIME", allow_hyphen_values = true, help_heading = "Exposure"))]
+    pub exposure: Option<String>,
+    /// Opening and length from a row of a schedule; a synthetic frame takes its pointing too
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "FILE",
+            requires = "row",
+            conflicts_with_all = ["start", "exposure"],
+            help_heading = "Exposure"
+        )
+    )]
+    pub schedule: Option<PathBuf>,
+    /// exposure_id of that row
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ID", requires = "schedule", help_heading = "Exposure"))]
+    pub row: Option<String>,
+    /// Right ascension of a synthetic frame's centre (ICRS): 188.5 or 12h34m
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "synthetic", help_heading = "Exposure")
+    )]
+    pub ra: Option<String>,
+    /// Declination of a synthetic frame's centre (ICRS)
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "ANGLE", allow_hyphen_values = true, requires = "synthetic", help_heading = "Exposure")
+    )]
+    pub dec: Option<String>,
+    /// Side of a pixel with its unit, for random streaks in a frame without world coordinates
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Exposure"))]
+    pub pixel_scale: Option<String>,
+    /// Only these HDUs, counted from 0; all images with world coordinates if omitted
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, value_name = "N", num_args = 1.., value_delimiter = ',', help_heading = "Exposure")
+    )]
+    pub hdu: Vec<usize>,
+    /// Rate of a moving target that the telescope follows: arcsec/s towards east and north on the sky; the frame's coordinates hold half way
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "EAST,NORTH",
+            value_parser = Numbers::parse::<2, 2>,
+            allow_hyphen_values = true,
+            help_heading = "Exposure"
+        )
+    )]
+    pub track_rate: Option<Numbers>,
+    /// Random streaks instead of satellites: number in each frame
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "N",
+            requires = "magnitude",
+            conflicts_with_all = ["elements", "shells", "streak_density"],
+            help_heading = "Streaks"
+        )
+    )]
+    pub random_streaks: Option<usize>,
+    /// Random streaks: mean number per square degree of the frame
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "N",
+            requires = "magnitude",
+            conflicts_with_all = ["elements", "shells"],
+            help_heading = "Streaks"
+        )
+    )]
+    pub streak_density: Option<f64>,
+    /// Magnitude of random streaks, as if they stood still: one, or from the brightest to the faintest, as 4,8
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "MAG[,MAG]",
+            value_parser = Numbers::parse::<1, 2>,
+            allow_hyphen_values = true,
+            help_heading = "Streaks"
+        )
+    )]
+    pub magnitude: Option<Numbers>,
+    /// Speed of random streaks over the frame, deg/s, the slower first; it sets their distance too. 0.2,0.8 if omitted: low satellites
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "RATE[,RATE]",
+            value_parser = Numbers::parse::<1, 2>,
+            allow_hyphen_values = true,
+            help_heading = "Streaks"
+        )
+    )]
+    pub streak_rate_deg_s: Option<Numbers>,
+    /// A tumbling body: period s, amplitude mag from faintest to brightest, and phase (turns) at shutter opening
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "S,MAG[,TURNS]",
+            value_parser = Numbers::parse::<2, 3>,
+            allow_hyphen_values = true,
+            help_heading = "Streaks"
+        )
+    )]
+    pub tumbling: Option<Numbers>,
+    /// A flash: its magnitude, seconds after the light passes nearest to the frame's middle, full width s; may be given several times
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "MAG,S,S",
+            value_parser = Numbers::parse::<3, 3>,
+            allow_hyphen_values = true,
+            help_heading = "Streaks"
+        )
+    )]
+    pub glint: Vec<Numbers>,
+    /// A light curve of your own: CSV of time_s after shutter opening and delta_mag
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Streaks"))]
+    pub light_curve: Option<PathBuf>,
+    /// Chassis and solar array as two lights side by side, if a model has them
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Streaks"))]
+    pub resolve_panels: bool,
+    /// Width of a star's image (FWHM) with its unit, as 1.2arcsec; the telescope's if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "ANGLE", help_heading = "Streaks"))]
+    pub seeing: Option<String>,
+    /// Form of a star's image: gaussian, moffat (β 3.5), moffat:BETA, double
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FORM", default_value = "moffat", help_heading = "Streaks"))]
+    pub psf: String,
+    /// Magnitude of a star whose image sums to 1 in the frame's unit; the header's if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "MAG", allow_hyphen_values = true, help_heading = "Counts"))]
+    pub zero_point: Option<f64>,
+    /// Magnitude of a star of 1 count per second, instead of --zero-point
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "MAG",
+            allow_hyphen_values = true,
+            conflicts_with = "zero_point",
+            help_heading = "Counts"
+        )
+    )]
+    pub zero_point_1s: Option<f64>,
+    /// Electrons per count; the header's if omitted
+    #[cfg_attr(feature = "cli", arg(long, value_name = "E", help_heading = "Counts"))]
+    pub gain: Option<f64>,
+    /// Detector (TOML): saturation with bleeding, crosstalk, vignetting, non-linearity and more
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", help_heading = "Counts"))]
+    pub detector: Option<PathBuf>,
+    /// Only light, without the noise of its own electrons
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Counts"))]
+    pub no_noise: bool,
+    /// Seed; the same seed gives the same frame
+    #[cfg_attr(
+        feature = "cli",
+        arg(
+            long,
+            value_name = "N",
+            default_value_t = 0,
+            value_parser = clap::value_parser!(u64).range(..=i64::MAX as u64),
+            help_heading = "Counts"
+        )
+    )]
+    pub seed: u64,
+    /// Points along each streak in the extension STREAK_POINTS
+    #[cfg_attr(feature = "cli", arg(long, value_name = "N", default_value_t = 11, help_heading = "Truth"))]
+    pub truth_points: usize,
+    /// Bits of the mask: lsst, desdm, last, ztf, hst
+    #[cfg_attr(feature = "cli", arg(long, value_name = "SURVEY", default_value = "lsst", help_heading = "Truth"))]
+    pub mask_bits: String,
+    /// No extensions of mask and truth in the frame
+    #[cfg_attr(feature = "cli", arg(long, help_heading = "Truth"))]
+    pub pixels_only: bool,
+}
+
+impl Default for InjectionConfig {
+    fn default() -> Self {
+        Self {
+            image: Vec::new(),
+            synthetic: None,
+            frames: None,
+            start: None,
+            exposure: None,
+            schedule: None,
+            row: None,
+            ra: None,
+            dec: None,
+            pixel_scale: None,
+            hdu: Vec::new(),
+            track_rate: None,
+            random_streaks: None,
+            streak_density: None,
+            magnitude: None,
+            streak_rate_deg_s: None,
+            tumbling: None,
+            glint: Vec::new(),
+            light_curve: None,
+            resolve_panels: false,
+            seeing: None,
+            psf: "moffat".to_owned(),
+            zero_point: None,
+            zero_point_1s: None,
+            gain: None,
+            detector: None,
+            no_noise: false,
+            seed: 0,
+            truth_points: 11,
+            mask_bits: "lsst".to_owned(),
+            pixels_only: false,
+        }
+    }
+}
+
+/// Source of skies: the sky of the night that contains a moment, of a caller that keeps skies.
+pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, ConfigError> + Sync);
+
+/// Puts streaks into frames: one output for each image, or for each synthetic frame.
+///
+/// The sky of the frames' night is that of `sky`, if given; else it is prepared from the configuration, with the observatory
+/// of the headers if the configuration has no site.
+///
+/// # Errors
+/// [`RequestError`]; each output is written whole or not at all.
+pub fn inject_frames(
+    injection: &InjectionConfig,
+    config: &Config,
+    sky: Option<SkyOf<'_>>,
+    outputs: &[PathBuf],
+) -> Result<Injections, RequestError> {
+    let plan = injection.resolve(config)?;
+    let opened = Injection::open(&plan, outputs)?;
+    let Some((first, last)) = opened.span().filter(|_| plan.random.is_none()) else { return Ok(opened.run(None)?) };
+    if let Some(sky) = sky {
+        return Ok(opened.run(Some(injection_sky(&*sky(first)?)))?);
+    }
+    let (config, remark) = with_observatory(config, &opened)?;
+    let prepared = config.prepare(first, last)?;
+    let mut injections = opened.run(Some(injection_sky(&prepared)))?;
+    injections.warnings.extend(prepared.warnings);
+    injections.remarks.splice(0..0, remark);
+    Ok(injections)
+}
+
+/// Puts streaks into an image in memory, by way of the folder `scratch`; `cards` are its header.
+///
+/// # Errors
+/// [`RequestError`].
+pub fn inject_into_array(
+    injection: &InjectionConfig,
+    config: &Config,
+    sky: Option<SkyOf<'_>>,
+    image: &ImageValues,
+    cards: &Header,
+    scratch: &Path,
+) -> Result<ArrayInjected, RequestError> {
+    let frame = ArrayFrame::new(image, cards, scratch)?;
+    let injection = InjectionConfig { image: vec![frame.input()], synthetic: None, ..injection.clone() };
+    let injections = inject_frames(&injection, config, sky, &[frame.output()])?;
+    Ok(frame.finish(injections)?)
+}
+
+fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {
+    InjectionSky { sky: &prepared.sky, eop: &prepared.eop, provenance: &prepared.provenance }
+}
+
+/// Completes a configuration without site by the observatory in the headers, with a remark.
+fn with_observatory(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), RequestError> {
+    let site = &config.site;
+    if site.named.is_some() || site.mpc.is_some() || site.lat.is_some() || config.observer_elements.is_some() {
+        return Ok((config.clone(), None));
+    }
+    match &opened.observatories()[..] {
+        [] => Ok((config.clone(), None)),
+        [site] => {
+            let code = site.mpc_code.as_deref().unwrap_or("no code");
+            let named = Some(NameOrTable::Name(site.name.clone()));
+            let config = Config { site: SiteConfig { named, ..config.site.clone() }, ..config.clone() };
+            Ok((config, Some(format!("site {} ({code}) from the header", site.name))))
+        }
+        [first, second, ..] => Err(RequestError::invalid(format!(
+            "frames of two observatories ({}, {}); inject into those of each apart",
+            first.name, second.name
+        ))),
+    }
+}
+
+impl InjectionConfig {
+    /// Returns the files that are read: no output may replace one of them.
+    pub fn files(&self) -> Vec<PathBuf> {
+        let one = [&self.synthetic, &self.schedule, &self.light_curve, &self.detector];
+        self.image.iter().chain(one.into_iter().flatten()).cloned().collect()
+    }
+
+    /// Returns true for random streaks, false for satellites.
+    pub fn is_random(&self) -> bool {
+        self.random_streaks.is_some() || self.streak_density.is_some()
+    }
+
+    /// Resolves the plan; detector, synthetic frame, light curve and schedule are read.
+    ///
+    /// # Errors
+    /// A request that is incomplete, contradicts itself, or is out of range.
+    pub fn resolve(&self, config: &Config) -> Result<InjectionPlan, RequestError> {
+        self.check_counts()?;
+        let telescope = config.telescope()?;
+        let scheduled = self.scheduled(config)?;
+        let (start, duration_s) = self.times(config, scheduled.as_ref())?;
+        let modulation = self.modulation()?;
+        let random = self.random()?;
+        if random.is_none() && !config.has_satellites() {
+            return Err(RequestError::invalid(
+                "no streaks; say --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG",
+            ));
+        }
+        self.check_idle()?;
+        let (detector, own_gain) = match self.detector.as_deref().map(read_detector).transpose()? {
+            Some((detector, own_gain)) => (Some(detector), own_gain),
+            None => (None, None),
+        };
+        if own_gain.is_some() && self.gain.is_some() {
+            return Err(RequestError::invalid(
+                "--gain, and a gain_e_adu in the file of --detector; allowed: one of them",
+            ));
+        }
+        if self.synthetic.is_some() && detector.is_some() {
+            return Err(RequestError::invalid(
+                "--detector and --synthetic: the file of a synthetic frame has its own table [detector]",
+            ));
+        }
+        if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
+            return Err(RequestError::invalid(format!("gain {gain}; allowed: above 0")));
+        }
+        let pixel_scale_arcsec = self.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
+        if pixel_scale_arcsec.is_some() && random.is_none() {
+            return Err(RequestError::invalid(
+                "--pixel-scale is for random streaks in frames that say nothing of the sky; satellites need world coordinates",
+            ));
+        }
+        let photometry = config.photometry()?;
+        let zero_point = self.zero_point.map(|mag| (mag, CountBasis::Frame));
+        let synthetic = match &self.synthetic {
+            Some(path) => Some(self.synthetic_plan(path, (start, duration_s), scheduled.as_ref())?),
+            None => None,
+        };
+        Ok(InjectionPlan {
+            images: self.image.clone(),
+            overrides: FrameOverrides {
+                start,
+                duration_s,
+                hdus: self.hdu.clone(),
+                zero_point: zero_point.or(self.zero_point_1s.map(|mag| (mag, CountBasis::Second))),
+                gain_e_adu: self.gain.or(own_gain),
+                pixel_scale_arcsec,
+            },
+            tracking_arcsec_s: numbers(&self.track_rate).try_into().ok(),
+            random,
+            modulation,
+            resolve_panels: self.resolve_panels,
+            optics: self.optics(telescope.as_ref())?,
+            psf_name: self.psf.clone(),
+            telescope: telescope.map(|telescope| telescope.name),
+            detector: detector.or(synthetic.as_ref().map(|synthetic| synthetic.frame.detector.clone())),
+            synthetic,
+            photometry,
+            band_of_filter: config.light.band.is_none(),
+            mag_system: config.light.mag_system.is_some().then_some(photometry.system),
+            noise: !self.no_noise,
+            seed: self.seed,
+            truth_points: self.truth_points,
+            mask_preset: MaskPreset::by_name(&self.mask_bits).map_err(InjectionError::from)?,
+            pixels_only: self.pixels_only,
+        })
+    }
+
+    /// Checks the number of numbers in each option.
+    fn check_counts(&self) -> Result<(), RequestError> {
+        let lists = [
+            ("track-rate", &self.track_rate, 2..=2),
+            ("magnitude", &self.magnitude, 1..=2),
+            ("streak-rate-deg-s", &self.streak_rate_deg_s, 1..=2),
+            ("tumbling", &self.tumbling, 2..=3),
+        ];
+        let lists = lists.iter().map(|(what, list, allowed)| (*what, numbers(list), allowed));
+        let given = lists.filter(|(_, numbers, _)| !numbers.is_empty());
+        for (what, numbers, allowed) in given.chain(self.glint.iter().map(|glint| ("glint", &glint.0[..], &(3..=3)))) {
+            if !allowed.contains(&numbers.len()) {
+                let (least, most) = (allowed.start(), allowed.end());
+                let allowed = if least == most { least.to_string() } else { format!("{least} to {most}") };
+                return Err(RequestError::invalid(format!("{what}: {} numbers; allowed: {allowed}", numbers.len())));
+            }
+            if let Some(bad) = numbers.iter().find(|number| !number.is_finite()) {
+                return Err(RequestError::invalid(format!("{what} {bad}; allowed: finite numbers")));
+            }
+        }
+        Ok(())
+    }
+
+    /// Rejects options without effect.
+    fn check_idle(&self) -> Result<(), RequestError> {
+        let of_synthetic =
+            [("--frames", self.frames.is_some()), ("--ra", self.ra.is_some()), ("--dec", self.dec.is_some())];
+        if let Some((option, _)) = of_synthetic.iter().find(|(_, is_given)| *is_given && self.synthetic.is_none()) {
+            return Err(RequestError::invalid(format!(
+                "{option} is for --synthetic; a frame on file says where it is"
+            )));
+        }
+        if self.synthetic.is_some() && !self.hdu.is_empty() {
+            return Err(RequestError::invalid("--hdu is for frames on file; a synthetic one has one image"));
+        }
+        if self.resolve_panels && self.is_random() {
+            return Err(RequestError::invalid(
+                "--resolve-panels is for satellites; random streaks have neither chassis nor solar array",
+            ));
+        }
+        if !(2..=MOST_TRUTH_POINTS).contains(&self.truth_points) {
+            return Err(RequestError::invalid(format!(
+                "truth-points {}; allowed: 2 to {MOST_TRUTH_POINTS}",
+                self.truth_points
+            )));
+        }
+        Ok(())
+    }
+
+    fn scheduled(&self, config: &Config) -> Result<Option<Exposure>, RequestError> {
+        let (Some(path), Some(row)) = (&self.schedule, &self.row) else { return Ok(None) };
+        let schedule = Schedule::read(path, &config.schedule_options()?)?;
+        let found = schedule.exposures.iter().find(|exposure| exposure.id == *row);
+        let found =
+            found.ok_or_else(|| RequestError::invalid(format!("{}: no exposure_id {row:?}", path.display())))?;
+        match &found.exposure {
+            Ok(exposure) => Ok(Some(exposure.clone())),
+            Err(reason) => Err(RequestError::invalid(format!("{}: exposure {row}: {reason}", path.display()))),
+        }
+    }
+
+    fn times(
+        &self,
+        config: &Config,
+        scheduled: Option<&Exposure>,
+    ) -> Result<(Option<Epoch>, Option<f64>), RequestError> {
+        if let Some(exposure) = scheduled {
+            return Ok((Some(exposure.start), Some(exposure.duration_s)));
+        }
+        let scale = config.time_scale()?;
+        let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
+        let duration_s = self.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
+        if duration_s.is_some_and(|seconds| seconds <= 0.0) {
+            return Err(RequestError::invalid("exposure of 0 s; allowed: above 0 s"));
+        }
+        Ok((start, duration_s))
+    }
+
+    fn modulation(&self) -> Result<Modulation, RequestError> {
+        let tumbling = match *numbers(&self.tumbling) {
+            [period_s, amplitude_mag] => Some(Tumbling { period_s, amplitude_mag, phase: 0.0 }),
+            [period_s, amplitude_mag, phase] => Some(Tumbling { period_s, amplitude_mag, phase }),
+            _ => None,
+        };
+        let glint = |numbers: &Numbers| match numbers.0[..] {
+            [magnitude, offset_s, duration_s] => Some(Glint { magnitude, offset_s, duration_s }),
+            _ => None,
+        };
+        let modulation = Modulation {
+            tumbling,
+            glints: self.glint.iter().filter_map(glint).collect(),
+            curve: self.light_curve.as_deref().map(read_light_curve).transpose()?,
+        };
+        modulation.check().map_err(InjectionError::from)?;
+        Ok(modulation)
+    }
+
+    fn random(&self) -> Result<Option<RandomPlan>, RequestError> {
+        let number = match (self.random_streaks, self.streak_density) {
+            (Some(number), _) => StreakNumber::Exactly(number),
+            (None, Some(mean)) => StreakNumber::OnAverage(mean),
+            (None, None) if numbers(&self.magnitude).is_empty() && numbers(&self.streak_rate_deg_s).is_empty() => {
+                return Ok(None);
+            }
+            (None, None) => {
+                return Err(RequestError::invalid(
+                    "--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own",
+                ));
+            }
+        };
+        let range = |given: &Option<Numbers>, usual: [f64; 2]| match *numbers(given) {
+            [one] => [one, one],
+            [from, to] => [from, to],
+            _ => usual,
+        };
+        let streaks = RandomStreaks {
+            number,
+            magnitude: range(&self.magnitude, [f64::NAN; 2]),
+            rate_rad_s: range(&self.streak_rate_deg_s, USUAL_RATES_DEG_S).map(f64::to_radians),
+        };
+        streaks.check().map_err(InjectionError::from)?;
+        Ok(Some(RandomPlan { streaks, is_per_square_degree: self.streak_density.is_some() }))
+    }
+
+    fn optics(&self, telescope: Option<&Telescope>) -> Result<Optics, RequestError> {
+        let seeing_arcsec = match (&self.seeing, telescope) {
+            (Some(text), _) => arcsec("seeing", text)?,
+            (None, Some(telescope)) => telescope.seeing_arcsec,
+            (None, None) => {
+                return Err(RequestError::invalid(
+                    "no width of a star's image; say --seeing 1.2arcsec, or --telescope NAME, which brings the defocus too",
+                ));
+            }
+        };
+        Ok(Optics {
+            form: seeing_form(&self.psf)?,
+            seeing_arcsec,
+            outer_radius_m: telescope.map_or(0.0, |telescope| telescope.outer_radius_m),
+            inner_radius_m: telescope.map_or(0.0, |telescope| telescope.inner_radius_m),
+        })
+    }
+
+    fn synthetic_plan(
+        &self,
+        path: &Path,
+        (start, duration_s): (Option<Epoch>, Option<f64>),
+        scheduled: Option<&Exposure>,
+    ) -> Result<SyntheticPlan, RequestError> {
+        let text = text_of("synthetic frame", path)?;
+        let mut frame = SyntheticFrame::from_toml(&text, &path.display().to_string()).map_err(InjectionError::from)?;
+        // Paths in a file start from its folder.
+        let folder = path.parent().unwrap_or(Path::new(""));
+        frame.star_list = frame.star_list.map(|list| folder.join(list));
+        let opened = match start {
+            Some(start) => start,
+            None if self.is_random() => parse_instant(SOME_DAY, None)?,
+            None => {
+                return Err(RequestError::invalid(
+                    "no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID",
+                ));
+            }
+        };
+        let exposure_s = duration_s.ok_or_else(|| {
+            RequestError::invalid("no length of the exposure; say --exposure 30s or --schedule FILE --row ID")
+        })?;
+        Ok(SyntheticPlan { frame, path: path.to_owned(), opened, exposure_s, centre: self.centre(scheduled)? })
+    }
+
+    fn centre(&self, scheduled: Option<&Exposure>) -> Result<Direction<Gcrs>, RequestError> {
+        match (scheduled, &self.ra, &self.dec) {
+            (_, Some(ra), Some(dec)) => Ok(Direction::from_lon_lat_rad(
+                parse_right_ascension_deg(ra)?.to_radians(),
+                parse_declination_deg(dec)?.to_radians(),
+            )),
+            (Some(exposure), None, None) => Ok(exposure.pointing),
+            (None, None, None) if self.is_random() => Ok(Direction::from_lon_lat_rad(0.0, 0.0)),
+            _ => Err(RequestError::invalid(
+                "no centre of the frame; say --ra 188.5 --dec=-30.5 or --schedule FILE --row ID",
+            )),
+        }
+    }
+}
+
+fn numbers(given: &Option<Numbers>) -> &[f64] {
+    given.as_ref().map_or(&[], |numbers| &numbers.0)
+}
+
+fn arcsec(what: &'static str, text: &str) -> Result<f64, RequestError> {
+    Ok(parse_angle_deg(what, text)? * 3600.0)
+}
+
+fn text_of(what: &str, path: &Path) -> Result<String, RequestError> {
+    fs::read_to_string(path).map_err(|error| RequestError::invalid(format!("{what} {}: {error}", path.display())))
+}
+
+fn read_light_curve(path: &Path) -> Result<LightCurve, RequestError> {
+    let shown = path.display();
+    let mut reader = csv::ReaderBuilder::new()
+        .comment(Some(b'#'))
+        .trim(csv::Trim::All)
+        .from_path(path)
+        .map_err(|error| RequestError::invalid(format!("light curve {shown}: {error}")))?;
+    let headers =
+        reader.headers().map_err(|error| RequestError::invalid(format!("light curve {shown}: {error}")))?.clone();
+    let column = |name: &str| {
+        headers.iter().position(|header| header == name).ok_or_else(|| {
+            RequestError::invalid(format!("light curve {shown}: no column {name} (needed: time_s, delta_mag)"))
+        })
+    };
+    let (time, delta) = (column("time_s")?, column("delta_mag")?);
+    let mut points = Vec::new();
+    for record in reader.records() {
+        let record = record.map_err(|error| RequestError::invalid(format!("light curve {shown}: {error}")))?;
+        let line = record.position().map_or(0, csv::Position::line);
+        let number = |index: usize| {
+            let text = record.get(index).unwrap_or_default();
+            text.parse::<f64>()
+                .map_err(|_| RequestError::invalid(format!("light curve {shown}, line {line}: {text:?} is no number")))
+        };
+        points.push((number(time)?, number(delta)?));
+    }
+    LightCurve::new(points).map_err(|error| RequestError::invalid(format!("{shown}: {error}")))
+}
+
+fn seeing_form(text: &str) -> Result<SeeingForm, RequestError> {
+    let (name, number) = text.split_once(':').map_or((text, None), |(name, number)| (name, Some(number)));
+    match (name.to_ascii_lowercase().as_str(), number) {
+        ("gaussian", None) => Ok(SeeingForm::Gaussian),
+        ("moffat", None) => Ok(SeeingForm::Moffat { beta: USUAL_BETA }),
+        ("moffat", Some(number)) => match number.parse::<f64>() {
+            Ok(beta) if (2.0..=100.0).contains(&beta) => Ok(SeeingForm::Moffat { beta }),
+            _ => Err(RequestError::invalid(format!("psf {text:?}: β of a Moffat profile; allowed: 2 to 100"))),
+        },
+        ("double", None) => Ok(SeeingForm::DoubleGaussian { widening: USUAL_WIDENING, wide_share: USUAL_WIDE_SHARE }),
+        _ => Err(RequestError::invalid(format!(
+            "psf {text:?} is not known; allowed: gaussian, moffat, moffat:BETA, double"
+        ))),
+    }
+}
+
+/// Reads a detector, and its gain if the file has one.
+fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), RequestError> {
+    let text = text_of("detector", path)?;
+    let detector = Detector::from_toml(&text)
+        .map_err(|error| RequestError::invalid(format!("detector {}: {error}", path.display())))?;
+    let has_gain = toml::from_str::<toml::Table>(&text).is_ok_and(|table| table.contains_key("gain_e_adu"));
+    let own_gain = has_gain.then_some(detector.gain_e_adu);
+    Ok((detector, own_gain))
+}

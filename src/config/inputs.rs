@@ -1,0 +1,160 @@
+//! Input files of a configuration: element sets, synthetic constellations, Earth orientation and brightness models.
+
+use std::path::Path;
+
+use hifitime::Epoch;
+
+use crate::elements::{Catalogue, Constellation, Generation, Keep, ReadOptions, SourceFile};
+use crate::frames::EopTable;
+use crate::geometry::ShadowModel;
+use crate::passes::ModelChoice;
+use crate::photometry::{ModelLibrary, StandardMagnitudes};
+
+use super::document::Config;
+use super::error::ConfigError;
+use super::values::is_file_name;
+
+/// All inputs of a configuration, read once: skies for any time are made of them without reading a file again (except
+/// the elements of a telescope in orbit).
+#[derive(Clone, Debug)]
+pub struct LoadedInputs {
+    pub(super) config: Config,
+    pub(super) shadow: ShadowModel,
+    pub(super) eop: EopTable,
+    pub(super) catalogue: Option<Catalogue>,
+    pub(super) constellations: Vec<Constellation>,
+    pub(super) choice: ModelChoice,
+}
+
+impl LoadedInputs {
+    /// Returns the files of element sets as they were read; none if all satellites are synthetic.
+    pub fn sources(&self) -> &[SourceFile] {
+        self.catalogue.as_ref().map_or(&[], |catalogue| &catalogue.sources)
+    }
+}
+
+impl Config {
+    /// Reads all inputs, with every element set of every object, for skies of many nights.
+    ///
+    /// # Errors
+    /// Neither elements nor shells are given, or an input is invalid.
+    pub fn load(&self) -> Result<LoadedInputs, ConfigError> {
+        self.load_with(self.read_elements(Keep::All)?)
+    }
+
+    pub(super) fn load_with(&self, catalogue: Option<Catalogue>) -> Result<LoadedInputs, ConfigError> {
+        let (shadow, eop) = (self.shadow()?, self.eop_table()?);
+        let constellations = self.constellations()?;
+        if catalogue.is_none() && constellations.is_empty() {
+            let allowed = "--elements FILE..., or, without any download, --shells starlink-gen1 (synthetic; see streakcast shells)";
+            return Err(ConfigError::Missing { what: "satellites", allowed });
+        }
+        let choice = self.model_choice()?;
+        Ok(LoadedInputs { config: self.clone(), shadow, eop, catalogue, constellations, choice })
+    }
+
+    /// Returns the model of the Earth's shadow; the solid Earth if omitted.
+    ///
+    /// # Errors
+    /// An unknown model.
+    pub fn shadow(&self) -> Result<ShadowModel, ConfigError> {
+        let Some(name) = &self.shadow else { return Ok(ShadowModel::default()) };
+        ShadowModel::by_name(name).ok_or_else(|| ConfigError::Value {
+            what: "shadow",
+            given: name.clone(),
+            allowed: "geometric, atmosphere",
+        })
+    }
+
+    /// Returns the table of Earth orientation: that of the file, else UT1 of the bundled one.
+    ///
+    /// Without a file there is no polar motion, as in Skyfield. That moves an observer by 18 m at most, where an element set
+    /// errs by a kilometre. The provenance states it.
+    ///
+    /// # Errors
+    /// The file cannot be read or is invalid.
+    pub fn eop_table(&self) -> Result<EopTable, ConfigError> {
+        match &self.eop {
+            Some(path) => Ok(EopTable::from_finals2000a(&read_text("Earth orientation", path)?)?),
+            None => Ok(EopTable::embedded().without_polar_motion()),
+        }
+    }
+
+    /// Reads the files of element sets, of each object the set nearest to `moment`; `None` without a file.
+    ///
+    /// # Errors
+    /// A file that cannot be read or holds none.
+    pub fn catalogue(&self, moment: Epoch) -> Result<Option<Catalogue>, ConfigError> {
+        self.read_elements(Keep::Nearest(moment))
+    }
+
+    fn read_elements(&self, keep: Keep) -> Result<Option<Catalogue>, ConfigError> {
+        if self.elements.is_empty() {
+            return Ok(None);
+        }
+        Ok(Some(Catalogue::read(&self.elements, &self.read_options(keep))?))
+    }
+
+    pub(super) fn read_options(&self, keep: Keep) -> ReadOptions {
+        ReadOptions { accept_bad_checksums: self.accept_bad_checksums.unwrap_or(false), keep }
+    }
+
+    /// Returns the synthetic constellations.
+    ///
+    /// # Errors
+    /// An unknown name, or an invalid file.
+    pub fn constellations(&self) -> Result<Vec<Constellation>, ConfigError> {
+        let mut all = Vec::new();
+        for name in &self.shells {
+            if is_file_name(name) {
+                all.extend(Constellation::from_toml(&read_text("shells", Path::new(name))?)?);
+            } else {
+                all.push(Constellation::by_name(name)?);
+            }
+        }
+        Ok(all)
+    }
+
+    /// Returns the shipped models and those of the configuration's own files, by name.
+    ///
+    /// # Errors
+    /// A file that cannot be read or is invalid.
+    pub fn model_library(&self) -> Result<ModelLibrary, ConfigError> {
+        let mut library = ModelLibrary::embedded();
+        for path in self.models.iter().flat_map(|models| &models.files) {
+            library.add_json(&read_text("model", path)?, &path.display().to_string())?;
+        }
+        Ok(library)
+    }
+
+    /// Returns the choice of a model for each satellite.
+    ///
+    /// # Errors
+    /// As [`Config::model_library`]; an unknown generation or model; an invalid table of standard magnitudes.
+    pub fn model_choice(&self) -> Result<ModelChoice, ConfigError> {
+        let library = self.model_library()?;
+        let mut choice = ModelChoice::new(&library)?;
+        for (generation, model) in self.models.iter().flat_map(|models| &models.generations) {
+            let generation = Generation::by_name(generation).ok_or_else(|| ConfigError::UnknownGeneration {
+                given: generation.clone(),
+                known: Generation::ALL.map(Generation::name).join(", "),
+            })?;
+            choice = choice.with_model(generation, model, &library)?;
+        }
+        let qs_mag = self.qs_mag.as_deref().or(self.models.as_ref().and_then(|models| models.qs_mag.as_deref()));
+        if let Some(path) = qs_mag {
+            let magnitudes = StandardMagnitudes::from_qs_mag(&read_text("standard magnitudes", path)?)?;
+            choice = choice.with_standard_magnitudes(magnitudes);
+        }
+        Ok(choice)
+    }
+}
+
+/// Reads a text file; `what` is its purpose in errors.
+pub(super) fn read_text(what: &'static str, path: &Path) -> Result<String, ConfigError> {
+    let error = |source| ConfigError::Io { what, path: path.display().to_string(), source };
+    if path.is_dir() {
+        return Err(error(std::io::Error::new(std::io::ErrorKind::IsADirectory, "is a directory; a file is needed")));
+    }
+    std::fs::read_to_string(path).map_err(error)
+}

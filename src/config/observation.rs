@@ -1,0 +1,338 @@
+//! Field, telescope, policy, photometry and exposure of a configuration, checked.
+
+use std::path::Path;
+
+use hifitime::TimeScale;
+
+use crate::frames::{Direction, is_covered, parse_declination_deg, parse_moment, parse_right_ascension_deg};
+use crate::images::{FieldOfView, Telescope};
+use crate::passes::{Exposure, Field, Sky, SkyError};
+use crate::photometry::{Band, Earthshine, PhotometryOptions};
+use crate::schedule::{FlagRequest, Policy, PolicyError, ScheduleOptions};
+
+use super::document::Config;
+use super::error::ConfigError;
+use super::inputs::read_text;
+use super::values::{
+    NameOrTable, Quantity, in_range, is_file_name, parse_angle_deg, parse_duration_s, parse_time_scale,
+};
+
+/// Largest number of points along one track.
+pub const MOST_SAMPLES: usize = 100_000;
+
+const FIELDS: &str = "--fov 3.5deg, --field FILE, or a telescope with --telescope";
+
+/// Field, telescope, policy and photometry: what exposures are judged by.
+#[derive(Clone, Debug)]
+pub struct ObservationPlan {
+    /// Field of view.
+    pub field: Field,
+    /// Telescope, if one is given.
+    pub telescope: Option<Telescope>,
+    /// Policy, with the limits that are given apart from it.
+    pub policy: Policy,
+    /// Band, zero point and light of the magnitudes.
+    pub photometry: PhotometryOptions,
+    /// Position angle of the field of exposures that have none of their own, radians.
+    pub rotation_rad: f64,
+}
+
+impl ObservationPlan {
+    /// Returns the request for verdicts under a sky.
+    pub fn request<'a>(&'a self, sky: &'a Sky) -> FlagRequest<'a> {
+        FlagRequest {
+            sky,
+            field: &self.field,
+            policy: &self.policy,
+            telescope: self.telescope.as_ref(),
+            photometry: &self.photometry,
+        }
+    }
+}
+
+impl Config {
+    /// Resolves field, telescope, policy and photometry.
+    ///
+    /// # Errors
+    /// As [`Config::field_of_view`], [`Config::telescope`], [`Config::policy`] and [`Config::photometry`]; a rotation out of
+    /// range.
+    pub fn observation(&self) -> Result<ObservationPlan, ConfigError> {
+        Ok(ObservationPlan {
+            field: self.field_of_view()?,
+            telescope: self.telescope()?,
+            policy: self.policy()?,
+            photometry: self.photometry()?,
+            rotation_rad: self.rotation_rad()?,
+        })
+    }
+
+    /// Returns the field of view: the one given, else that of the telescope.
+    ///
+    /// # Errors
+    /// No field, two of them, or an invalid one.
+    pub fn field_of_view(&self) -> Result<Field, ConfigError> {
+        match (&self.fov, &self.field) {
+            (Some(_), Some(_)) => Err(ConfigError::Both { first: "--fov", second: "--field" }),
+            (Some(diameter), None) => Ok(Field::circle(parse_angle_deg("fov", diameter.as_str())?.to_radians())?),
+            (None, Some(NameOrTable::Name(path))) => Ok(Field::from_json(&read_text("field", path)?)?),
+            (None, Some(NameOrTable::Table(table))) => field_of_table(table),
+            (None, None) => match self.telescope()? {
+                Some(telescope) => field_of_telescope(&telescope),
+                None => Err(ConfigError::Missing { what: "field of view", allowed: FIELDS }),
+            },
+        }
+    }
+
+    /// Returns the telescope, if one is given.
+    ///
+    /// # Errors
+    /// An unknown name, or an invalid file.
+    pub fn telescope(&self) -> Result<Option<Telescope>, ConfigError> {
+        Ok(match &self.telescope {
+            None => None,
+            Some(NameOrTable::Name(name)) if is_file_name(name) => {
+                Some(Telescope::from_toml(&read_text("telescope", Path::new(name))?, name)?)
+            }
+            Some(NameOrTable::Name(name)) => Some(Telescope::by_name(name)?),
+            Some(NameOrTable::Table(telescope)) => Some(telescope.as_ref().clone()),
+        })
+    }
+
+    /// Returns the policy: a file or table, with the limits that are given apart from it.
+    ///
+    /// # Errors
+    /// An invalid file, a number out of range, or a policy that needs a telescope without one.
+    pub fn policy(&self) -> Result<Policy, ConfigError> {
+        let mut policy = match &self.rules.policy {
+            None => Policy::default(),
+            Some(NameOrTable::Name(path)) => policy_of_file(path)?,
+            Some(NameOrTable::Table(policy)) => policy.clone(),
+        };
+        if let Some(limit) = &self.rules.limit_mag {
+            for limit in limit.numbers() {
+                in_range("limit-mag", limit, "mag", "-30 to 40 mag", |limit| (-30.0..=40.0).contains(&limit))?;
+            }
+            policy.limit_mag = Some(limit.clone());
+        }
+        if let Some(probability) = self.min_probability {
+            in_range("min-probability", probability, "", "above 0, at most 1", |value| value > 0.0 && value <= 1.0)?;
+        }
+        policy.min_probability = self.min_probability.or(policy.min_probability);
+        if let Some(delay) = &self.rules.max_delay {
+            policy.max_delay_s = Some(parse_duration_s("max-delay", delay.as_str())?);
+        }
+        policy.validate()?;
+        if policy.max_lost_fraction.is_some() && self.telescope()?.is_none() {
+            let what = "telescope, without whose pixels nothing can be said of the policy's max_lost_fraction";
+            return Err(ConfigError::Missing { what, allowed: "--telescope NAME" });
+        }
+        if policy.limit_of_telescope().is_some() {
+            let what = "telescope, whose limits the policy asks for (saturation_mag or crosstalk_mag = \"telescope\")";
+            let telescope = self.telescope()?.ok_or(ConfigError::Missing { what, allowed: "--telescope NAME" })?;
+            let mut limits = policy.limits_of_telescope(&telescope).into_iter();
+            if let Some((key, _)) = limits.find(|(_, limit)| limit.numbers().is_empty()) {
+                return Err(ConfigError::NoCameraLimit { key, telescope: telescope.name });
+            }
+        }
+        Ok(policy)
+    }
+
+    /// Returns band and zero point of the magnitudes, V (Vega) if omitted, and the light that they are of.
+    ///
+    /// # Errors
+    /// An unknown band or system, an extinction out of range.
+    pub fn photometry(&self) -> Result<PhotometryOptions, ConfigError> {
+        let band: Band = self.light.band.as_deref().unwrap_or("V").parse()?;
+        let system = self.light.mag_system.as_deref().map(str::parse).transpose()?.unwrap_or(band.usual_system());
+        let earthshine = if self.light.earthshine.unwrap_or(true) { Earthshine::Computed } else { Earthshine::Off };
+        if let Some(extinction) = self.extinction {
+            in_range("extinction", extinction, "mag", "0 to 5 mag", |extinction| (0.0..=5.0).contains(&extinction))?;
+        }
+        Ok(PhotometryOptions {
+            earthshine,
+            extinction_mag_per_airmass: self.extinction,
+            sun_distance: self.sun_distance.unwrap_or(false),
+            ..PhotometryOptions::in_band(band, system)
+        })
+    }
+
+    /// Returns the number of points along each track, 0 if omitted.
+    ///
+    /// # Errors
+    /// More than [`MOST_SAMPLES`].
+    pub fn samples(&self) -> Result<usize, ConfigError> {
+        let samples = self.samples.unwrap_or(0);
+        let too_many =
+            || ConfigError::OutOfRange { what: "samples", given: samples.to_string(), allowed: "0 to 100000" };
+        if samples > MOST_SAMPLES { Err(too_many()) } else { Ok(samples) }
+    }
+
+    /// Returns the scale of times that name none.
+    ///
+    /// # Errors
+    /// An unknown scale.
+    pub fn time_scale(&self) -> Result<Option<TimeScale>, ConfigError> {
+        self.given_time_scale().map(parse_time_scale).transpose()
+    }
+
+    /// Returns the name of the scale as given: by a flag, else by the configuration file.
+    pub fn given_time_scale(&self) -> Option<&str> {
+        self.time_scale.as_deref().or(self.default_time_scale.as_deref())
+    }
+
+    fn rotation_rad(&self) -> Result<f64, ConfigError> {
+        let degrees = self.rotation.unwrap_or(0.0);
+        let degrees =
+            in_range("rotation", degrees, "deg", "-360 to 360 deg", |angle| (-360.0..=360.0).contains(&angle))?;
+        Ok(degrees.to_radians())
+    }
+
+    /// Returns the options for reading schedules.
+    ///
+    /// # Errors
+    /// An unknown scale, or a rotation out of range.
+    pub fn schedule_options(&self) -> Result<ScheduleOptions, ConfigError> {
+        Ok(ScheduleOptions {
+            time_scale: self.time_scale.as_deref().map(parse_time_scale).transpose()?,
+            default_time_scale: self.default_time_scale.as_deref().map(parse_time_scale).transpose()?,
+            default_rotation_rad: self.rotation_rad()?,
+        })
+    }
+
+    /// Returns the one exposure that is given, with the id `1`.
+    ///
+    /// # Errors
+    /// Start, length, right ascension, declination or rotation missing or out of range; a start beyond the ephemeris.
+    pub fn one_exposure(&self) -> Result<Exposure, ConfigError> {
+        fn given<'a>(
+            value: &'a Option<Quantity>,
+            what: &'static str,
+            allowed: &'static str,
+        ) -> Result<&'a str, ConfigError> {
+            value.as_ref().map(Quantity::as_str).ok_or(ConfigError::Missing { what, allowed })
+        }
+        let exposure = &self.exposure;
+        let start = given(&exposure.start, "start of the exposure", "--start 2024-08-14T00:30:00.000Z")?;
+        let duration = given(&exposure.duration, "length of the exposure", "--exposure 30s")?;
+        let right_ascension = given(&exposure.ra, "right ascension", "--ra 188.5 or --ra 12h34m")?;
+        let declination = given(&exposure.dec, "declination", "--dec -30.5 or --dec -30d30m")?;
+        let start = parse_moment(start, self.time_scale()?)?;
+        if !is_covered(start) {
+            return Err(SkyError::NoEphemeris { epoch: start.to_time_scale(TimeScale::UTC) }.into());
+        }
+        Ok(Exposure {
+            id: "1".to_owned(),
+            start,
+            duration_s: parse_duration_s("exposure", duration)?,
+            pointing: Direction::from_lon_lat_rad(
+                parse_right_ascension_deg(right_ascension)?.to_radians(),
+                parse_declination_deg(declination)?.to_radians(),
+            ),
+            rotation_rad: self.rotation_rad()?,
+        })
+    }
+}
+
+/// Reads a policy file. The parser's message on syntax lists the accepted keys.
+fn policy_of_file(path: &Path) -> Result<Policy, ConfigError> {
+    Policy::from_toml(&read_text("policy", path)?).map_err(|error| {
+        let message = match error {
+            PolicyError::Syntax(what) => what,
+            PolicyError::Limit { .. } | PolicyError::Twice { .. } => error.to_string(),
+            PolicyError::OutOfRange { field, value, allowed } => format!("{field} is {value}, allowed {allowed}"),
+        };
+        ConfigError::PolicyFile { path: path.display().to_string(), message }
+    })
+}
+
+/// Reads a table of one shape by its own key, of a `file`, or of shapes as in a field file.
+fn field_of_table(table: &toml::Table) -> Result<Field, ConfigError> {
+    let text = serde_json::to_string(table).unwrap_or_default();
+    if table.contains_key("shapes") {
+        return Ok(Field::from_json(&text)?);
+    }
+    if let Some(path) = table.get("file").and_then(toml::Value::as_str).filter(|_| table.len() == 1) {
+        return Ok(Field::from_json(&read_text("field", Path::new(path))?)?);
+    }
+    Ok(Field::from_json(&format!("{{\"shapes\": [{text}]}}"))?)
+}
+
+fn field_of_telescope(telescope: &Telescope) -> Result<Field, ConfigError> {
+    Ok(match &telescope.field {
+        FieldOfView::CircleDeg(diameter) => Field::circle(diameter.to_radians())?,
+        FieldOfView::RectangleDeg([width, height]) => Field::rectangle_deg(*width, *height)?,
+        FieldOfView::PolygonDeg(corners) => Field::polygon_deg(corners)?,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config(text: &str) -> Config {
+        Config::from_toml(text, "t.toml").unwrap()
+    }
+
+    fn message<T: std::fmt::Debug>(answer: Result<T, ConfigError>) -> String {
+        answer.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn limits_given_apart_override_the_policy() {
+        let policy =
+            config("limit_mag = 6\nmax_delay = '2min'\n[policy]\nlimit_mag = 7\nmargin_s = 3").policy().unwrap();
+        assert_eq!(
+            (policy.limit_mag.unwrap().of(None), policy.margin_s, policy.max_delay_s),
+            (Some(6.0), Some(3.0), Some(120.0))
+        );
+        assert!(message(config("min_probability = 2").policy()).contains("min-probability 2: allowed"));
+        let camera = "[policy]\ncrosstalk_mag = 'telescope'";
+        assert!(message(config(camera).policy()).contains("no telescope, whose limits"));
+        assert!(config(&format!("telescope = 'rubin'\n{camera}")).policy().is_ok());
+    }
+
+    #[test]
+    fn an_exposure_needs_all_its_parts() {
+        let all = ["start = '2024-08-14T00:30:00Z'", "exposure = '30s'", "ra = '12h34m'", "dec = -30.5"];
+        let exposure = config(&all.join("\n")).one_exposure().unwrap();
+        assert!((exposure.pointing.longitude_rad().to_degrees() - 188.5).abs() < 1e-9);
+        assert!((exposure.pointing.latitude_rad().to_degrees() + 30.5).abs() < 1e-9);
+        for missing in 0..4 {
+            let rest: Vec<&str> = (0..4).filter(|&index| index != missing).map(|index| all[index]).collect();
+            let message = message(config(&rest.join("\n")).one_exposure());
+            assert!(message.starts_with("no ") && message.contains("; say --"), "{message}");
+        }
+        let early = all.join("\n").replace("2024", "1924");
+        assert!(message(config(&early).one_exposure()).contains("1957 to 2099"));
+    }
+
+    #[test]
+    fn bands_come_with_their_usual_system() {
+        let system = |text: &str| config(text).photometry().unwrap().system.to_string();
+        assert_eq!(
+            (system("").as_str(), system("band = 'g'").as_str(), system("band = 'g'\nmag_system = 'vega'").as_str()),
+            ("Vega", "AB", "Vega")
+        );
+        assert!(config("band = 'q'").photometry().is_err());
+        let earthshine = |text: &str| config(text).photometry().unwrap().earthshine;
+        assert_eq!(
+            [earthshine(""), earthshine("earthshine = true"), earthshine("earthshine = false")],
+            [Earthshine::Computed, Earthshine::Computed, Earthshine::Off]
+        );
+    }
+
+    #[test]
+    fn fields_by_diameter_table_and_telescope() {
+        let area = |text: &str| config(text).field_of_view().unwrap().area_deg2();
+        assert!((area("fov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
+        assert!((area("[field]\nrectangle_deg = [2.0, 1.0]") - 2.0).abs() < 1e-9);
+        assert!(
+            (area("[field]\nshapes = [{circle_deg = 2.0}, {circle_deg = 2.0, center_deg = [3.0, 0.0]}]") - 6.282).abs()
+                < 2e-3
+        );
+        assert!((area("telescope = 'rubin'") - 9.62).abs() < 0.01);
+        assert!((area("telescope = 'rubin'\nfov = '2deg'") - std::f64::consts::PI).abs() < 1e-3);
+        assert!(message(config("").field_of_view()).contains("no field of view; say --fov 3.5deg"));
+        assert!(message(config("fov = 3.5").field_of_view()).contains("has no unit"));
+    }
+}

@@ -1,0 +1,161 @@
+//! Viewpoint of a configuration: a site by name, code or coordinates, or a telescope in orbit.
+
+use hifitime::Epoch;
+
+use crate::elements::{Catalogue, ElementSet, Keep};
+use crate::frames::Orientation;
+use crate::geometry::{EarthLimb, GeometryError, Observer, Site};
+use crate::orbit::Propagator;
+use crate::passes::{OrbitingObserver, Viewpoint};
+
+use super::document::{Config, SiteConfig};
+use super::error::ConfigError;
+use super::values::{NameOrTable, SiteTable, in_range};
+
+const SITES: &str = "--site NAME, --mpc CODE, or --lat, --lon and --height";
+
+impl Config {
+    /// Returns the site.
+    ///
+    /// # Errors
+    /// No site, two of them, an unknown one, or a coordinate out of range.
+    pub fn site(&self) -> Result<Site, ConfigError> {
+        let SiteConfig { named, mpc, lat, lon, height } = &self.site;
+        let flags =
+            SiteTable { name: None, mpc: mpc.clone(), latitude_deg: *lat, longitude_deg: *lon, height_m: *height };
+        for (what, value, unit, allowed, range) in [
+            ("lat", lat, "deg", "-90 to 90 deg", -90.0..=90.0),
+            ("lon", lon, "deg", "-180 to 360 deg", -180.0..=360.0),
+            ("height", height, "m", "-11000 to 100000 m", -11_000.0..=100_000.0),
+        ] {
+            if let Some(value) = value {
+                in_range(what, *value, unit, allowed, |value| range.contains(&value))?;
+            }
+        }
+        let has_flags = flags != SiteTable::default();
+        match named {
+            Some(_) if has_flags => Err(ConfigError::Both { first: "--site", second: "--mpc, --lat, --lon, --height" }),
+            Some(NameOrTable::Name(name)) => site_of_name(name),
+            Some(NameOrTable::Table(table)) => site_of(table),
+            None => site_of(&flags),
+        }
+    }
+
+    /// Returns the viewpoint at `moment`: a site, or a telescope in orbit.
+    ///
+    /// # Errors
+    /// As [`Config::site`]; a site and an orbit; a telescope below its limb height at `moment`; a file with no element set,
+    /// with several objects, or without the one of the number given.
+    pub fn viewpoint(&self, moment: Epoch) -> Result<Viewpoint, ConfigError> {
+        let limb = self.limb_height_km;
+        match (self.is_in_orbit(), self.site.is_given()) {
+            (true, true) => Err(ConfigError::Both {
+                first: "--observer-elements, --observer-norad",
+                second: "--site, --mpc, --lat, --lon, --height",
+            }),
+            (false, _) if limb.is_some() => Err(ConfigError::Missing {
+                what: "telescope in orbit for the limb-height-km",
+                allowed: "--observer-elements FILE or --observer-norad ID",
+            }),
+            (false, _) => Ok(Observer::new(self.site()?).into()),
+            (true, false) => {
+                let height_km = limb.unwrap_or(0.0);
+                in_range("limb-height-km", height_km, "km", "0 to 1000 km", |value| (0.0..=1000.0).contains(&value))?;
+                let elements = self.observer_set(moment)?;
+                let limb = EarthLimb { height_km };
+                let observer = OrbitingObserver::new(&elements, limb).map_err(ConfigError::Observer)?;
+                let orientation = Orientation::at(moment, &self.eop_table()?);
+                let place = Propagator::new(&elements).and_then(|orbit| orbit.state(moment, &orientation.teme_to_gcrs));
+                // An orbit without a position is reported with each exposure.
+                let at_km = place.map_or(f64::INFINITY, |state| limb.height_of_km(&state.position));
+                if at_km < height_km {
+                    return Err(ConfigError::BelowLimb { name: observer.name(), at_km, height_km });
+                }
+                Ok(observer.into())
+            }
+        }
+    }
+
+    /// Returns the longitude at whose noon nights begin, radians, east positive: that of the site; 0 for a telescope in
+    /// orbit, and without a moment.
+    ///
+    /// # Errors
+    /// As [`Config::viewpoint`].
+    pub fn viewpoint_longitude_rad(&self, moment: Option<Epoch>) -> Result<f64, ConfigError> {
+        let Some(moment) = moment else { return Ok(0.0) };
+        Ok(self.viewpoint(moment)?.site().map_or(0.0, |observer| observer.site().longitude_rad))
+    }
+
+    /// Returns the element set of the telescope in orbit nearest to a moment.
+    fn observer_set(&self, moment: Epoch) -> Result<ElementSet, ConfigError> {
+        let catalogue = match &self.observer_elements {
+            Some(path) => Some(Catalogue::read(std::slice::from_ref(path), &self.read_options(Keep::Nearest(moment)))?),
+            None => self.catalogue(moment)?,
+        };
+        let missing =
+            ConfigError::Missing { what: "elements of the telescope in orbit", allowed: "--observer-elements FILE" };
+        let mut sets = catalogue.ok_or(missing)?.element_sets;
+        if let Some(id) = self.observer_norad {
+            let count = sets.len();
+            sets.retain(|set| set.norad_id.0 == id);
+            if sets.is_empty() {
+                return Err(ConfigError::NoObserver { id, count });
+            }
+        }
+        let count = sets.len();
+        let first = sets.swap_remove(0);
+        if count > 1 { Err(ConfigError::SeveralObservers { count, first: first.norad_id.0 }) } else { Ok(first) }
+    }
+}
+
+/// Returns the site of a name; if no name is similar, the error lists other ways.
+fn site_of_name(name: &str) -> Result<Site, ConfigError> {
+    Site::by_name(name).map_err(|error| match error {
+        GeometryError::UnknownSite { name, nearest } if nearest.is_empty() => ConfigError::UnknownSite(name),
+        error => error.into(),
+    })
+}
+
+fn site_of(table: &SiteTable) -> Result<Site, ConfigError> {
+    match (&table.mpc, table.latitude_deg, table.longitude_deg) {
+        (Some(_), Some(_), _) | (Some(_), _, Some(_)) => {
+            Err(ConfigError::Both { first: "an MPC code", second: "coordinates" })
+        }
+        (Some(code), None, None) => Ok(Site::by_mpc_code(code)?),
+        (None, Some(latitude), Some(longitude)) => {
+            let name = table.name.as_deref().unwrap_or("site");
+            Ok(Site::new_deg(name, latitude, longitude, table.height_m.unwrap_or(0.0))?)
+        }
+        (None, None, None) => match &table.name {
+            Some(name) => site_of_name(name),
+            None => Err(ConfigError::Missing { what: "site", allowed: SITES }),
+        },
+        (None, _, _) => Err(ConfigError::Missing { what: "complete coordinates of the site", allowed: SITES }),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn config(text: &str) -> Config {
+        Config::from_toml(text, "t.toml").unwrap()
+    }
+
+    fn message<T: std::fmt::Debug>(answer: Result<T, ConfigError>) -> String {
+        answer.unwrap_err().to_string()
+    }
+
+    #[test]
+    fn sites_by_name_code_and_numbers() {
+        assert_eq!(config("site = 'Rubin Observatory'").site().unwrap().mpc_code.as_deref(), Some("X05"));
+        assert_eq!(config("[site]\nmpc = 'X05'").site().unwrap().mpc_code.as_deref(), Some("X05"));
+        assert!((config("lat = -30.5\nlon = -70\nheight = 2000").site().unwrap().height_m - 2000.0).abs() < 1e-9);
+        assert!(message(config("").site()).contains("say --site NAME, --mpc CODE"));
+        assert!(message(config("lat = 3").site()).contains("complete coordinates"));
+        assert!(message(config("mpc = 'X05'\nlat = 3").site()).contains("exclude each other"));
+        assert!(
+            message(config("site = 'Nowhere at all'").site()).contains("streakcast sites lists them, --lat, --lon and")
+        );
+    }
+}

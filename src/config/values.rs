@@ -1,0 +1,285 @@
+//! Values as they are written in a configuration: quantities with units, lists, and names that may be tables instead.
+
+use std::collections::BTreeMap;
+use std::ffi::OsString;
+use std::path::PathBuf;
+
+use hifitime::TimeScale;
+use serde::de::{DeserializeOwned, Deserializer, Error};
+use serde::{Deserialize, Serialize};
+use toml::Value;
+
+use super::error::ConfigError;
+use crate::images::Telescope;
+use crate::schedule::Policy;
+
+/// A quantity as text: a number with its unit, a time or an angle. A bare number in a file is read as its text.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Quantity(pub String);
+
+impl Quantity {
+    /// Returns the text.
+    pub fn as_str(&self) -> &str {
+        &self.0
+    }
+}
+
+impl From<String> for Quantity {
+    fn from(text: String) -> Self {
+        Self(text)
+    }
+}
+
+impl<'de> Deserialize<'de> for Quantity {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        #[derive(Deserialize)]
+        #[serde(untagged, expecting = "expected a number or a text")]
+        enum Written {
+            Text(String),
+            Number(f64),
+        }
+        Ok(Self(match Written::deserialize(deserializer)? {
+            Written::Text(text) => text,
+            Written::Number(number) => number.to_string(),
+        }))
+    }
+}
+
+/// Reads one value or a list of them.
+pub(super) fn one_or_many<'de, D: Deserializer<'de>, T: Deserialize<'de>>(deserializer: D) -> Result<Vec<T>, D::Error> {
+    #[derive(Deserialize)]
+    #[serde(untagged, expecting = "expected one value or a list of them")]
+    enum Written<T> {
+        One(T),
+        Many(Vec<T>),
+    }
+    Ok(match Option::deserialize(deserializer)? {
+        Some(Written::One(value)) => vec![value],
+        Some(Written::Many(values)) => values,
+        None => Vec::new(),
+    })
+}
+
+/// Something given by its name (or file), or in full by a table. A table whose only key is `preset` is a name too.
+#[derive(Clone, Debug, PartialEq)]
+pub enum NameOrTable<N, T> {
+    /// Name or file.
+    Name(N),
+    /// Table with the keys of such a file.
+    Table(T),
+}
+
+/// Site: a name of the bundled table, or a table `[site]`.
+pub type SiteChoice = NameOrTable<String, SiteTable>;
+/// Field of view: a JSON file, or a table `[field]` in the form of that file, or with one shape's own key.
+pub type FieldChoice = NameOrTable<PathBuf, toml::Table>;
+/// Telescope: a preset's name or a TOML file, or a table `[telescope]` with all keys of such a file.
+pub type TelescopeChoice = NameOrTable<String, Box<Telescope>>;
+/// Policy: a TOML file, or a table `[policy]`.
+pub type PolicyChoice = NameOrTable<PathBuf, Policy>;
+
+impl<'de, N: From<String>, T: DeserializeOwned> Deserialize<'de> for NameOrTable<N, T> {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        match Value::deserialize(deserializer)? {
+            Value::String(name) => Ok(Self::Name(name.into())),
+            Value::Table(keys) if keys.len() == 1 && keys.contains_key("preset") => {
+                let name = keys.get("preset").and_then(Value::as_str);
+                Ok(Self::Name(name.ok_or_else(|| D::Error::custom("preset needs a name"))?.to_owned().into()))
+            }
+            // With the table's own message: an untagged enum would only say that nothing matched.
+            value => match value.try_into() {
+                Ok(table) => Ok(Self::Table(table)),
+                Err(error) => Err(D::Error::custom(toml::de::Error::message(&error))),
+            },
+        }
+    }
+}
+
+impl<T> From<String> for NameOrTable<String, T> {
+    fn from(name: String) -> Self {
+        Self::Name(name)
+    }
+}
+
+impl<T> From<OsString> for NameOrTable<PathBuf, T> {
+    fn from(path: OsString) -> Self {
+        Self::Name(path.into())
+    }
+}
+
+/// Table `[site]`: a name of the bundled table, an MPC code, or coordinates (then the name is free).
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SiteTable {
+    /// Name.
+    pub name: Option<String>,
+    /// MPC code.
+    pub mpc: Option<String>,
+    /// Geodetic latitude, degrees.
+    pub latitude_deg: Option<f64>,
+    /// Longitude, degrees, east positive.
+    pub longitude_deg: Option<f64>,
+    /// Height, metres.
+    pub height_m: Option<f64>,
+}
+
+/// Table `[models]`.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct ModelsTable {
+    /// Model files; each replaces the shipped model of its name.
+    pub files: Vec<PathBuf>,
+    /// Table of standard magnitudes, as the flag `--qs-mag`.
+    pub qs_mag: Option<PathBuf>,
+    /// Model by generation of satellites (`starlink-v1.5`, `oneweb`, ...), instead of the usual one.
+    pub generations: BTreeMap<String, String>,
+}
+
+/// Numbers with commas between on the command line, a list in a document.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct Numbers(pub Vec<f64>);
+
+impl Numbers {
+    /// Reads `LEAST` to `MOST` finite numbers.
+    #[cfg(feature = "cli")]
+    pub(super) fn parse<const LEAST: usize, const MOST: usize>(text: &str) -> Result<Self, String> {
+        let numbers: Option<Vec<f64>> = text
+            .split(',')
+            .map(|number| number.trim().parse().ok().filter(|number: &f64| number.is_finite()))
+            .collect();
+        let count = if LEAST == MOST { LEAST.to_string() } else { format!("{LEAST} to {MOST}") };
+        match numbers {
+            Some(numbers) if (LEAST..=MOST).contains(&numbers.len()) => Ok(Self(numbers)),
+            _ => Err(format!("allowed: {count} numbers with commas between and no blanks")),
+        }
+    }
+}
+
+/// Returns true for the name of a TOML file, as opposed to the name of something known.
+pub(super) fn is_file_name(name: &str) -> bool {
+    name.ends_with(".toml")
+}
+
+const DURATION_UNITS: &[(&str, f64)] =
+    &[("ms", 1e-3), ("sec", 1.0), ("s", 1.0), ("min", 60.0), ("hours", 3600.0), ("hour", 3600.0), ("h", 3600.0)];
+const ANGLE_UNITS: &[(&str, f64)] = &[
+    ("degrees", 1.0),
+    ("degree", 1.0),
+    ("deg", 1.0),
+    ("°", 1.0),
+    ("arcmin", 1.0 / 60.0),
+    ("'", 1.0 / 60.0),
+    ("arcsec", 1.0 / 3600.0),
+    ("\"", 1.0 / 3600.0),
+];
+
+/// A length of time like `30s`, `30.0s`, `2.5min`, `1h`, seconds, 0 or more. A bare number is refused: it may be minutes.
+///
+/// # Errors
+/// Another form, a unit that is not known, a number that is negative or not finite.
+pub fn parse_duration_s(what: &'static str, text: &str) -> Result<f64, ConfigError> {
+    let allowed = "a number with its unit: 30s, 2.5min, 1h";
+    let seconds = with_unit(what, text, DURATION_UNITS, allowed)?;
+    in_range(what, seconds, "s", "0 s or more", |seconds| seconds >= 0.0)
+}
+
+/// An angle like `3.5deg`, `210arcmin`, `30arcsec`, degrees, above 0, at most 180. A bare number is refused: it may be a radius in other units.
+///
+/// # Errors
+/// Another form, a unit that is not known, a number out of range.
+pub fn parse_angle_deg(what: &'static str, text: &str) -> Result<f64, ConfigError> {
+    let allowed = "a number with its unit: 3.5deg, 210arcmin, 30arcsec";
+    let degrees = with_unit(what, text, ANGLE_UNITS, allowed)?;
+    in_range(what, degrees, "deg", "above 0 deg, at most 180 deg", |degrees| degrees > 0.0 && degrees <= 180.0)
+}
+
+fn with_unit(what: &'static str, text: &str, units: &[(&str, f64)], allowed: &'static str) -> Result<f64, ConfigError> {
+    let text = text.trim();
+    if text.parse::<f64>().is_ok() {
+        return Err(ConfigError::NoUnit { what, given: text.to_owned(), allowed });
+    }
+    let found = units.iter().find_map(|(unit, factor)| {
+        let number: f64 = text.strip_suffix(unit)?.trim_end().parse().ok()?;
+        Some(number * factor)
+    });
+    found.filter(|value| value.is_finite()).ok_or_else(|| bad(what, text, allowed))
+}
+
+/// A number that is allowed; what is not a number is refused by every range.
+pub(super) fn in_range(
+    what: &'static str,
+    value: f64,
+    unit: &str,
+    allowed: &'static str,
+    is_allowed: impl Fn(f64) -> bool,
+) -> Result<f64, ConfigError> {
+    if is_allowed(value) {
+        return Ok(value);
+    }
+    Err(ConfigError::OutOfRange { what, given: format!("{value} {unit}").trim_end().to_owned(), allowed })
+}
+
+fn bad(what: &'static str, given: &str, allowed: &'static str) -> ConfigError {
+    ConfigError::Value { what, given: given.to_owned(), allowed }
+}
+
+/// A time scale by name: `utc`, `tai` or `tt`, in any case.
+///
+/// # Errors
+/// Any other name.
+pub fn parse_time_scale(text: &str) -> Result<TimeScale, ConfigError> {
+    match text.trim().to_ascii_lowercase().as_str() {
+        "utc" => Ok(TimeScale::UTC),
+        "tai" => Ok(TimeScale::TAI),
+        "tt" => Ok(TimeScale::TT),
+        _ => Err(bad("time scale", text, "utc, tai, tt")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn durations_and_angles_carry_their_unit() {
+        for (text, seconds) in [
+            ("30s", 30.0),
+            ("30.0s", 30.0),
+            ("30 s", 30.0),
+            ("2.5min", 150.0),
+            ("1h", 3600.0),
+            ("500ms", 0.5),
+            ("0s", 0.0),
+        ] {
+            assert_eq!(parse_duration_s("exposure", text).unwrap(), seconds, "{text}");
+        }
+        for (text, degrees) in
+            [("3.5deg", 3.5), ("210arcmin", 3.5), ("3600arcsec", 1.0), ("3.5 deg", 3.5), ("3.5°", 3.5)]
+        {
+            assert!((parse_angle_deg("fov", text).unwrap() - degrees).abs() < 1e-12, "{text}");
+        }
+    }
+
+    #[test]
+    fn bare_numbers_are_told_what_they_lack() {
+        let message = parse_duration_s("exposure", "30").unwrap_err().to_string();
+        assert_eq!(message, "exposure 30 has no unit; allowed: a number with its unit: 30s, 2.5min, 1h");
+        for text in ["", "s", "30m", "30x", "-1s", "nan s", "infs", "1e400s"] {
+            assert!(parse_duration_s("exposure", text).is_err(), "{text}");
+        }
+        for text in ["3.5", "0deg", "-1deg", "3.5rad", "nandeg"] {
+            assert!(parse_angle_deg("fov", text).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn what_is_out_of_range_is_told_the_range() {
+        let message = |answer: Result<f64, ConfigError>| answer.unwrap_err().to_string();
+        assert_eq!(message(parse_duration_s("exposure", "-5s")), "exposure -5 s: allowed 0 s or more");
+        for (text, given) in [("0deg", "0"), ("-1deg", "-1"), ("181deg", "181")] {
+            let expected = format!("fov {given} deg: allowed above 0 deg, at most 180 deg");
+            assert_eq!(message(parse_angle_deg("fov", text)), expected);
+        }
+    }
+}

@@ -1,0 +1,286 @@
+//! Times from text. A time without `Z` needs a time scale, and so does a number.
+
+use hifitime::{Epoch, TimeScale, Unit, is_gregorian_valid};
+use thiserror::Error;
+
+use super::error::FramesError;
+use super::time::{epoch_from_jd, epoch_from_mjd};
+
+/// Errors of parsing a time.
+#[derive(Clone, Debug, Error, PartialEq)]
+pub enum InstantError {
+    /// The text is not ISO 8601.
+    #[error("'{0}' is not a time; allowed: ISO 8601 like 2024-08-14T00:30:00.000Z")]
+    NotATime(String),
+    /// A field is out of range.
+    #[error("'{text}': {field} {value} is out of range")]
+    OutOfRange {
+        /// Given text.
+        text: String,
+        /// `month`, `day`, `hour`, `minute` or `second`.
+        field: &'static str,
+        /// The value of the field.
+        value: u32,
+    },
+    /// A second 60 is given for a minute without a leap second.
+    #[error("'{0}': there was no leap second at that moment")]
+    NoLeapSecond(String),
+    /// The time has no scale.
+    #[error(
+        "'{0}' names no time scale: end it with Z (UTC) or say --time-scale utc, tai or tt \
+         (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)"
+    )]
+    NoScale(String),
+    /// A Julian date out of range.
+    #[error(transparent)]
+    Date(#[from] FramesError),
+}
+
+/// First supported year: that of the first satellite.
+pub const FIRST_YEAR: i32 = 1957;
+/// Last supported year (SOFA's Earth ephemeris `epv00` holds for 1900-2100).
+pub const LAST_YEAR: i32 = 2099;
+
+/// Below this a bare number is a modified Julian date, from it on a Julian date (MJD 10^6 is the year 4596, JD 10^6 1976 BC).
+const FIRST_JD: f64 = 1e6;
+
+/// Returns the time of an ISO 8601 text, or, with a scale, of a bare MJD or JD.
+///
+/// # Errors
+/// As [`parse_instant`]; a number out of the range of Julian dates.
+pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, InstantError> {
+    match (text.trim().parse::<f64>(), scale) {
+        (Ok(number), Some(scale)) if number < FIRST_JD => Ok(epoch_from_mjd(number, scale)?),
+        (Ok(number), Some(scale)) => Ok(epoch_from_jd(number, scale)?),
+        (Ok(_), None) => Err(InstantError::NoScale(text.to_owned())),
+        (Err(_), _) => parse_instant(text, scale),
+    }
+}
+
+/// Parses ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00` for the `Z`.
+///
+/// Without `Z` or offset the text is in `scale`. A second 60 is valid if UTC has one.
+///
+/// # Errors
+/// - The text has another form, or a field is out of range.
+/// - A second 60 is given without a leap second.
+/// - There is no `Z`, no offset and no `scale`.
+pub fn parse_instant(text: &str, scale: Option<TimeScale>) -> Result<Epoch, InstantError> {
+    let text = text.trim();
+    let (body, offset_minutes) = split_zone(text)?;
+    let scale = match (offset_minutes, scale) {
+        (Some(_), _) => TimeScale::UTC,
+        (None, Some(scale)) => scale,
+        (None, None) => {
+            // An invalid text is reported as such; only a valid time or a number lacks a scale.
+            if body.parse::<f64>().is_err() {
+                calendar(text, body)?;
+            }
+            return Err(InstantError::NoScale(text.to_owned()));
+        }
+    };
+    let fields = calendar(text, body)?;
+    let is_leap = fields.second == 60;
+    let nanoseconds = fields.nanoseconds_of_day - if is_leap { 1_000_000_000 } else { 0 };
+    let midnight = Epoch::from_gregorian_at_midnight(fields.year, fields.month, fields.day, scale);
+    let epoch = midnight + Unit::Nanosecond * nanoseconds - Unit::Minute * i64::from(offset_minutes.unwrap_or(0));
+    if is_leap { leap_second(epoch, text) } else { Ok(epoch) }
+}
+
+/// Returns the time one second after second 59 of a minute with a leap second.
+fn leap_second(second_59: Epoch, text: &str) -> Result<Epoch, InstantError> {
+    let missing = || InstantError::NoLeapSecond(text.to_owned());
+    if second_59.time_scale != TimeScale::UTC {
+        return Err(missing());
+    }
+    let one = Unit::Second * 1_i64;
+    let here = second_59.to_time_scale(TimeScale::TAI);
+    let next = (second_59 + one).to_time_scale(TimeScale::TAI);
+    if next - here > one { Ok(here + one) } else { Err(missing()) }
+}
+
+/// Returns the text without `Z` or offset, and the offset in minutes; `None` without a zone.
+fn split_zone(text: &str) -> Result<(&str, Option<i32>), InstantError> {
+    if let Some(body) = text.strip_suffix(['Z', 'z']) {
+        return Ok((body.trim_end(), Some(0)));
+    }
+    // The hyphens of the date are before the T.
+    let Some(time_at) = text.find(['T', 't', ' ']) else { return Ok((text, None)) };
+    let Some(sign_at) = text[time_at..].find(['+', '-']).map(|at| at + time_at) else { return Ok((text, None)) };
+    let digits: String = text[sign_at + 1..].chars().filter(|c| *c != ':').collect();
+    let not_a_time = || InstantError::NotATime(text.to_owned());
+    if !matches!(digits.len(), 2 | 4) || !digits.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Err(not_a_time());
+    }
+    let hours: i32 = digits[..2].parse().map_err(|_| not_a_time())?;
+    let minutes: i32 = if digits.len() == 4 { digits[2..].parse().map_err(|_| not_a_time())? } else { 0 };
+    let offset = hours * 60 + minutes;
+    Ok((&text[..sign_at], Some(if text.as_bytes()[sign_at] == b'-' { -offset } else { offset })))
+}
+
+struct Calendar {
+    year: i32,
+    month: u8,
+    day: u8,
+    nanoseconds_of_day: i64,
+    second: u32,
+}
+
+fn calendar(text: &str, body: &str) -> Result<Calendar, InstantError> {
+    let not_a_time = || InstantError::NotATime(text.to_owned());
+    let (date, time) = body.split_once(['T', 't', ' ']).unwrap_or((body, "00:00:00"));
+    let mut date_parts = date.split('-');
+    let year = number(date_parts.next(), 4).ok_or_else(not_a_time)?;
+    let month = number(date_parts.next(), 2).ok_or_else(not_a_time)?;
+    let day = number(date_parts.next(), 2).ok_or_else(not_a_time)?;
+    let (clock, fraction) = time.split_once('.').unwrap_or((time, ""));
+    let mut clock_parts = clock.split(':');
+    let hour = number(clock_parts.next(), 2).ok_or_else(not_a_time)?;
+    let minute = number(clock_parts.next(), 2).ok_or_else(not_a_time)?;
+    let second = match clock_parts.next() {
+        Some(text) => number(Some(text), 2).ok_or_else(not_a_time)?,
+        None if fraction.is_empty() => 0,
+        None => return Err(not_a_time()),
+    };
+    if date_parts.next().is_some() || clock_parts.next().is_some() {
+        return Err(not_a_time());
+    }
+    if !fraction.bytes().all(|byte| byte.is_ascii_digit()) {
+        return Err(not_a_time());
+    }
+    let out_of_range = |field, value| InstantError::OutOfRange { text: text.to_owned(), field, value };
+    if !(1..=12).contains(&month) {
+        return Err(out_of_range("month", month));
+    }
+    if !is_gregorian_valid(year as i32, month as u8, day as u8, 0, 0, 0, 0) {
+        return Err(out_of_range("day", day));
+    }
+    if hour > 23 {
+        return Err(out_of_range("hour", hour));
+    }
+    if minute > 59 {
+        return Err(out_of_range("minute", minute));
+    }
+    if second > 60 {
+        return Err(out_of_range("second", second));
+    }
+    // Nine digits are nanoseconds; further digits are ignored.
+    let digits: String = fraction.chars().chain("000000000".chars()).take(9).collect();
+    let nanoseconds: i64 = digits.parse().map_err(|_| not_a_time())?;
+    Ok(Calendar {
+        year: year as i32,
+        month: month as u8,
+        day: day as u8,
+        nanoseconds_of_day: i64::from(hour * 3600 + minute * 60 + second) * 1_000_000_000 + nanoseconds,
+        second,
+    })
+}
+
+/// Parses exactly `digits` decimal digits.
+fn number(text: Option<&str>, digits: usize) -> Option<u32> {
+    text.filter(|text| text.len() == digits && text.bytes().all(|byte| byte.is_ascii_digit()))?.parse().ok()
+}
+
+/// Returns true for the valid times: from 1957 to the end of 2099, UTC.
+pub fn is_covered(epoch: Epoch) -> bool {
+    let year_start = |year| Epoch::from_gregorian_utc_at_midnight(year, 1, 1);
+    (year_start(FIRST_YEAR)..year_start(LAST_YEAR + 1)).contains(&epoch)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn at(hour: u8, minute: u8, second: u8, nanoseconds: u32) -> Epoch {
+        Epoch::from_gregorian_utc(2024, 8, 14, hour, minute, second, nanoseconds)
+    }
+
+    #[test]
+    fn forms_of_one_moment() {
+        for text in [
+            "2024-08-14T00:30:00.000Z",
+            "2024-08-14T00:30:00Z",
+            "2024-08-14 00:30Z",
+            " 2024-08-14t00:30:00.000000000999z ",
+            "2024-08-14T02:30:00+02:00",
+            "2024-08-13T20:00:00-0430",
+            "2024-08-14T00:30:00+00",
+        ] {
+            assert_eq!(parse_instant(text, None).unwrap(), at(0, 30, 0, 0), "{text}");
+        }
+        assert_eq!(parse_instant("2024-08-14Z", None).unwrap(), at(0, 0, 0, 0));
+    }
+
+    #[test]
+    fn scales_differ_by_their_seconds() {
+        let in_scale = |scale| parse_instant("2024-08-14T00:30:00.000", Some(scale)).unwrap();
+        assert_eq!(in_scale(TimeScale::UTC), at(0, 30, 0, 0));
+        assert_eq!(in_scale(TimeScale::TAI), at(0, 29, 23, 0));
+        assert_eq!(in_scale(TimeScale::TT), at(0, 28, 50, 816_000_000));
+    }
+
+    #[test]
+    fn bare_dates_need_a_scale() {
+        for text in ["60536.25", "2460536.75"] {
+            assert!(matches!(parse_moment(text, None), Err(InstantError::NoScale(_))), "{text}");
+            let moment = parse_moment(text, Some(TimeScale::TAI)).unwrap();
+            assert!((moment - at(5, 59, 23, 0)).abs() < Unit::Microsecond * 1_i64, "{moment}");
+        }
+        assert!(parse_moment("nan", Some(TimeScale::UTC)).is_err());
+    }
+
+    #[test]
+    fn a_time_without_scale_is_refused_with_the_reason() {
+        for text in ["2024-08-14T00:30:00", "60536.02", "2460536.52"] {
+            let error = parse_instant(text, None).unwrap_err();
+            assert_eq!(error, InstantError::NoScale(text.to_owned()));
+            assert!(error.to_string().contains("37 s"), "{error}");
+        }
+    }
+
+    #[test]
+    fn leap_seconds_are_a_second_of_their_own() {
+        let sixty = parse_instant("2016-12-31T23:59:60.25Z", None).unwrap();
+        let before = parse_instant("2016-12-31T23:59:59.25Z", None).unwrap().to_time_scale(TimeScale::TAI);
+        let after = parse_instant("2017-01-01T00:00:00.25Z", None).unwrap().to_time_scale(TimeScale::TAI);
+        assert_eq!((sixty - before, after - sixty), (Unit::Second * 1_i64, Unit::Second * 1_i64));
+        for text in ["2024-08-14T23:59:60Z", "2016-12-31T22:59:60Z"] {
+            assert_eq!(parse_instant(text, None).unwrap_err(), InstantError::NoLeapSecond(text.to_owned()));
+        }
+        assert!(parse_instant("2016-12-31T23:59:60", Some(TimeScale::TAI)).is_err());
+    }
+
+    #[test]
+    fn nonsense_is_refused() {
+        for text in [
+            "",
+            "now",
+            "2024-08-14T",
+            "2024-8-14T00:00:00Z",
+            "2024-13-01T00:00:00Z",
+            "2023-02-29T00:00:00Z",
+            "2024-08-14T24:00:00Z",
+            "2024-08-14T00:60:00Z",
+            "2024-08-14T00:00:61Z",
+            "2024-08-14T00:00.5Z",
+            "2024-08-14T00:00:00.x5Z",
+            "2024-08-14T00:00:00+1",
+            "2024-08-14-01T00:00:00Z",
+            "ünï-08-14T00:00:00Z",
+        ] {
+            assert!(parse_instant(text, Some(TimeScale::UTC)).is_err(), "{text}");
+        }
+    }
+
+    #[test]
+    fn coverage_ends_with_the_ephemeris() {
+        for (text, covered) in [
+            ("1956-12-31T00:00:00Z", false),
+            ("1957-10-04T19:28:34Z", true),
+            ("2099-12-31T00:00:00Z", true),
+            ("2100-06-01T00:00:00Z", false),
+        ] {
+            assert_eq!(is_covered(parse_instant(text, None).unwrap()), covered, "{text}");
+        }
+    }
+}

@@ -1,0 +1,105 @@
+//! The frames of an injection: those on file, or synthetic ones, each made when its turn comes.
+
+use std::path::{Path, PathBuf};
+
+use super::super::frame::{FrameOverrides, SyntheticFrame, SyntheticShot, TargetFrame};
+use super::error::InjectionError;
+use super::plan::{InjectionPlan, SyntheticPlan};
+use crate::images::HduKind;
+use crate::output::ScratchFolder;
+
+pub struct Frames<'a> {
+    /// Frames on file; of synthetic ones the first, which has time and centre of all.
+    known: Vec<TargetFrame>,
+    maker: Option<Maker<'a>>,
+}
+
+/// Maker of synthetic frames.
+struct Maker<'a> {
+    synthetic: &'a SyntheticPlan,
+    plan: &'a InjectionPlan,
+    overrides: FrameOverrides,
+    scratch: ScratchFolder,
+}
+
+impl<'a> Frames<'a> {
+    pub fn open(plan: &'a InjectionPlan, outputs: &[PathBuf]) -> Result<Self, InjectionError> {
+        let Some(synthetic) = &plan.synthetic else {
+            let open = |path: &PathBuf| Ok(TargetFrame::open(path, &plan.overrides)?);
+            return Ok(Self {
+                known: plan.images.iter().map(open).collect::<Result<_, InjectionError>>()?,
+                maker: None,
+            });
+        };
+        let folder = outputs.first().and_then(|path| path.parent()).filter(|folder| !folder.as_os_str().is_empty());
+        let maker = Maker {
+            synthetic,
+            plan,
+            overrides: FrameOverrides { start: None, duration_s: None, ..plan.overrides.clone() },
+            scratch: ScratchFolder::new(folder.unwrap_or(Path::new(".")))?,
+        };
+        // Only its header is used: a sky without stars is made sooner.
+        let starless = SyntheticFrame { stars: None, star_list: None, ..synthetic.frame.clone() };
+        let first = maker.make(&starless, 0, 0)?;
+        Ok(Self { known: vec![first], maker: Some(maker) })
+    }
+
+    /// Returns the frames that are known before any is worked on.
+    pub fn known(&self) -> &[TargetFrame] {
+        &self.known
+    }
+
+    /// Rejects names ending in .fz for a frame without compressed tiles: its copy has none either.
+    pub fn reject_untiled(&self, outputs: &[PathBuf]) -> Result<(), InjectionError> {
+        let is_tiled =
+            |frame: &TargetFrame| frame.file.hdus().iter().any(|hdu| matches!(hdu.kind, HduKind::CompressedImage(_)));
+        for (index, output) in outputs.iter().enumerate() {
+            let frame = self.known.get(if self.maker.is_some() { 0 } else { index });
+            let promises = output.extension().is_some_and(|end| end.eq_ignore_ascii_case("fz"));
+            if promises && frame.is_some_and(|frame| !is_tiled(frame)) {
+                return Err(InjectionError::invalid(format!(
+                    "{}: the frame is not compressed in tiles, and its copy will not be; allowed: a name that ends in .fits",
+                    output.display()
+                )));
+            }
+        }
+        Ok(())
+    }
+
+    /// Works on one frame.
+    pub fn with<T>(
+        &self,
+        index: usize,
+        seed: u64,
+        work: impl FnOnce(&TargetFrame) -> Result<T, InjectionError>,
+    ) -> Result<T, InjectionError> {
+        match &self.maker {
+            None => work(self.known.get(index).ok_or_else(|| InjectionError::invalid(format!("no frame {index}")))?),
+            Some(maker) => {
+                let frame = maker.make(&maker.synthetic.frame, index + 1, seed)?;
+                let answer = work(&frame);
+                // The streaks are in a copy. A file that cannot be removed now is removed with the scratch folder.
+                let _ = std::fs::remove_file(frame.file.path());
+                answer
+            }
+        }
+    }
+}
+
+impl Maker<'_> {
+    fn make(&self, synthetic: &SyntheticFrame, number: usize, seed: u64) -> Result<TargetFrame, InjectionError> {
+        let path = self.scratch.path().join(format!("{number}.fits"));
+        let SyntheticPlan { opened, exposure_s, centre, .. } = *self.synthetic;
+        let shot = SyntheticShot {
+            opened,
+            exposure_s,
+            centre,
+            tracking: self.plan.tracking(exposure_s),
+            optics: &self.plan.optics,
+            filter: self.plan.photometry.band.name(),
+            seed,
+        };
+        synthetic.write(&shot, &path)?;
+        Ok(TargetFrame::open(&path, &self.overrides)?)
+    }
+}

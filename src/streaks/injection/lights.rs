@@ -1,0 +1,174 @@
+//! Moving lights of a frame: satellites of a sky, or random streaks.
+
+use std::path::Path;
+
+use serde_json::json;
+
+use super::super::chip::{Chip, direction_on};
+use super::super::drawn::DrawnStreak;
+use super::super::frame::TargetFrame;
+use super::super::light::{
+    RandomStreaks, SatelliteLight, SkyTrack, Source, SourceName, SourcePart, StreakNumber, satellites,
+};
+use super::error::InjectionError;
+use super::plan::{InjectionPlan, RandomPlan};
+use crate::frames::{Direction, EopTable, Gcrs};
+use crate::output::{Provenance, format_utc};
+use crate::passes::{Exposure, Sky};
+use crate::photometry::PhotometryOptions;
+
+/// Radius of random lights: that of a small satellite, m.
+const RANDOM_RADIUS_M: f64 = 1.0;
+
+/// Sky over the frames, with its provenance.
+#[derive(Copy, Clone, Debug)]
+pub struct InjectionSky<'a> {
+    /// Satellites over the site.
+    pub sky: &'a Sky,
+    /// Earth orientation.
+    pub eop: &'a EopTable,
+    /// Provenance of the satellites.
+    pub provenance: &'a Provenance,
+}
+
+/// Returns the sources of one frame.
+pub fn sources(
+    plan: &InjectionPlan,
+    sky: Option<InjectionSky<'_>>,
+    frame: &TargetFrame,
+    photometry: &PhotometryOptions,
+    seed: u64,
+) -> Result<Vec<Source>, InjectionError> {
+    let (centre, radius_rad) = frame.circle().ok_or_else(|| {
+        let shown = frame.file.path().display();
+        InjectionError::invalid(format!("{shown}: its world coordinates give its corners no place"))
+    })?;
+    if let Some(random) = &plan.random {
+        return Ok(random_sources(random, plan, frame, (centre, radius_rad), seed));
+    }
+    let Some(sky) = sky else { return Ok(Vec::new()) };
+    let exposure = Exposure {
+        id: frame.file.path().display().to_string(),
+        start: frame.opened,
+        duration_s: frame.exposure_s,
+        pointing: centre,
+        rotation_rad: 0.0,
+    };
+    let tracking = plan.tracking(frame.exposure_s);
+    let light = SatelliteLight {
+        photometry,
+        modulation: &plan.modulation,
+        resolve_panels: plan.resolve_panels,
+        tracking: &tracking,
+    };
+    Ok(satellites(sky.sky, sky.eop, &exposure, radius_rad, &light)?.sources)
+}
+
+fn random_sources(
+    random: &RandomPlan,
+    plan: &InjectionPlan,
+    frame: &TargetFrame,
+    (centre, radius_rad): (Direction<Gcrs>, f64),
+    seed: u64,
+) -> Vec<Source> {
+    let chips = || frame.chips.iter().map(|target| &target.chip);
+    let number = match random.streaks.number {
+        StreakNumber::OnAverage(mean) if random.is_per_square_degree => {
+            StreakNumber::OnAverage(mean * chips().map(area_deg2).sum::<f64>())
+        }
+        number => number,
+    };
+    let streaks = RandomStreaks { number, ..random.streaks };
+    // Drawn in the frame's own sky, so that streaks cross it whatever the tracking; tracks reach across the whole frame.
+    let tracks = streaks.tracks(seed, frame.exposure_s, 2.5 * radius_rad, |drawn, _| direction_on(chips(), drawn));
+    let tracking = plan.tracking(frame.exposure_s);
+    let source = |(number, mut track): (usize, SkyTrack)| {
+        let middle_s = track.closest_s(&centre, |point| point.direction).unwrap_or(0.0);
+        for point in &mut track.points {
+            point.direction = tracking.stood(&point.direction, point.time_s, &centre);
+        }
+        Source {
+            name: SourceName::Random(number),
+            mag_source: "random".to_owned(),
+            element_age_days: None,
+            parts: Source::parts(&track, &plan.modulation, middle_s, RANDOM_RADIUS_M, None),
+        }
+    };
+    (1..).zip(tracks).map(source).collect()
+}
+
+fn area_deg2(chip: &Chip) -> f64 {
+    let side_deg = chip.pixel_scale_arcsec() / 3600.0;
+    side_deg * side_deg * chip.light_area.pixels() as f64
+}
+
+/// Returns the lines of HISTORY: the sources and their provenance.
+pub fn history(
+    provenance: &Provenance,
+    plan: &InjectionPlan,
+    sources: &[&Source],
+    streaks: &[DrawnStreak<'_>],
+    seed: u64,
+) -> Vec<String> {
+    let version = env!("CARGO_PKG_VERSION");
+    let mut lines = vec![format!("streakcast {version} inject: {} sources, seed {seed}", sources.len())];
+    let (optics, psf) = (&plan.optics, &plan.psf_name);
+    let telescope = plan.telescope.as_ref().map_or_else(String::new, |name| format!(", {name}"));
+    lines.push(format!("streakcast image of a star: {psf}, FWHM {} arcsec{telescope}", optics.seeing_arcsec));
+    let magnitudes = span(streaks.iter().filter_map(|streak| streak.peak_magnitude));
+    let zero_points = span(streaks.iter().map(|streak| streak.zero_point_mag));
+    if let (Some(magnitudes), Some(zero_points)) = (magnitudes, zero_points) {
+        lines.push(format!("streakcast light: magnitude {magnitudes} where brightest, zero point {zero_points} mag"));
+    }
+    for key in ["elements", "shells", "site", "models", "earth_orientation"] {
+        if let Some(value) = provenance.get(key) {
+            lines.push(format!("streakcast {key}: {}", shortened(value)));
+        }
+    }
+    lines
+}
+
+/// Returns least and greatest number, to a thousandth.
+fn span(numbers: impl Iterator<Item = f64> + Clone) -> Option<String> {
+    let [least, greatest] = [numbers.clone().min_by(f64::total_cmp)?, numbers.max_by(f64::total_cmp)?];
+    let [least, greatest] = [least, greatest].map(|number| format!("{number:.3}"));
+    Some(if least == greatest { least } else { format!("{least} to {greatest}") })
+}
+
+/// Returns a statement, shortened to a few cards.
+fn shortened(value: &serde_json::Value) -> String {
+    const LONGEST: usize = 600;
+    let text = value.to_string();
+    if text.chars().count() <= LONGEST { text } else { text.chars().take(LONGEST).chain("...".chars()).collect() }
+}
+
+/// States frame, optics and photometry in the provenance of the truth.
+pub fn state(
+    provenance: &mut Provenance,
+    frame: &TargetFrame,
+    image: &Path,
+    plan: &InjectionPlan,
+    photometry: &PhotometryOptions,
+) {
+    provenance.state("time_scale", "utc");
+    provenance.state_all(photometry.statements());
+    provenance.state(
+        "options",
+        json!({
+            "image": image.display().to_string(),
+            "start_utc": format_utc(frame.opened, 6),
+            "exposure_s": frame.exposure_s,
+            "seeing_arcsec": plan.optics.seeing_arcsec,
+            "psf": format!("{:?}", plan.optics.form),
+            "outer_radius_m": plan.optics.outer_radius_m,
+            "inner_radius_m": plan.optics.inner_radius_m,
+            "telescope": plan.telescope,
+            "seed": plan.seed,
+        }),
+    );
+}
+
+/// Returns true for a part of a source that shines.
+pub fn is_seen(part: &SourcePart) -> bool {
+    part.track.points.iter().any(|point| point.magnitude.is_some())
+}

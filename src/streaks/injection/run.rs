@@ -1,0 +1,295 @@
+//! The run of an injection: frames opened, lights found, drawn and written.
+
+use std::ffi::OsStr;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
+
+use hifitime::Epoch;
+use rayon::prelude::*;
+
+use super::super::chip::Chip;
+use super::super::drawn::{DrawnStreak, Shot, draw_on_chip};
+use super::super::frame::{InjectOptions, Injected, TargetFrame, inject};
+use super::super::light::{Source, SourceName};
+use super::super::truth::{MaskPlanes, TruthRow, points_table, trail_table, truth_rows, truth_table};
+use super::error::InjectionError;
+use super::frames::Frames;
+use super::lights::{InjectionSky, history, is_seen, sources, state};
+use super::plan::InjectionPlan;
+use crate::frames::{Direction, seconds_after};
+use crate::geometry::Site;
+use crate::images::{FrameError, PixelPosition};
+use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
+
+/// Line of a streak on a chip, for pictures.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// The chip's HDU.
+    pub hdu: usize,
+    /// Points along it.
+    pub line: Vec<PixelPosition>,
+    /// Half width to mark, pixels.
+    pub half_width_pix: f64,
+    /// Length, pixels.
+    pub length_pix: f64,
+}
+
+/// One frame with streaks.
+#[derive(Clone, Debug)]
+pub struct InjectedFrame {
+    /// File written.
+    pub output: PathBuf,
+    /// Truth: one row for each streak and chip.
+    pub truth: Table,
+    /// Truth as rows for Rubin's `source_injection`.
+    pub trails: Table,
+    /// Points along the streaks.
+    pub points: Table,
+    /// Lines of the streaks.
+    pub marks: Vec<Mark>,
+    /// Bits of the masks.
+    pub planes: MaskPlanes,
+    /// Summary in one line.
+    pub summary: String,
+    /// Warnings.
+    pub warnings: Vec<String>,
+}
+
+/// Frames with streaks.
+#[derive(Clone, Debug)]
+pub struct Injections {
+    /// Frames in the order of the outputs.
+    pub frames: Vec<InjectedFrame>,
+    /// Remarks about values from headers.
+    pub remarks: Vec<String>,
+    /// Warnings about all frames.
+    pub warnings: Vec<String>,
+    /// Provenance.
+    pub provenance: Provenance,
+}
+
+/// An injection with its frames opened.
+pub struct Injection<'a> {
+    plan: &'a InjectionPlan,
+    outputs: &'a [PathBuf],
+    frames: Frames<'a>,
+}
+
+impl<'a> Injection<'a> {
+    /// Checks the outputs, one for each frame on file or synthetic frame, and opens the frames.
+    ///
+    /// # Errors
+    /// An output that cannot be written whole (no folder, a pipe, a device, a packed file): then no frame is read. A frame
+    /// that cannot be opened or made.
+    pub fn open(plan: &'a InjectionPlan, outputs: &'a [PathBuf]) -> Result<Self, InjectionError> {
+        for output in outputs {
+            reject_packed(output)?;
+            AtomicFile::check(output).map_err(|source| FrameError::Io { path: output.clone(), source })?;
+        }
+        let frames = Frames::open(plan, outputs)?;
+        frames.reject_untiled(outputs)?;
+        Ok(Self { plan, outputs, frames })
+    }
+
+    /// Returns the first shutter opening and the last closing; `None` without a frame.
+    pub fn span(&self) -> Option<(Epoch, Epoch)> {
+        let frames = self.frames.known();
+        let first = frames.iter().map(|frame| frame.opened).min();
+        first.zip(frames.iter().map(|frame| seconds_after(frame.opened, frame.exposure_s)).max())
+    }
+
+    /// Returns the sites of the observatories in the headers, each once.
+    pub fn observatories(&self) -> Vec<Site> {
+        let mut sites: Vec<Site> = Vec::new();
+        for frame in self.frames.known() {
+            if let Some(site) = frame.observatory.iter().find_map(|named| Site::by_name(named).ok())
+                && !sites.iter().any(|known| known.name == site.name)
+            {
+                sites.push(site);
+            }
+        }
+        sites
+    }
+
+    /// Puts streaks into all frames, on all threads of the current pool: satellites of the sky, or random streaks.
+    ///
+    /// # Errors
+    /// [`InjectionError`]; each output is written whole or not at all. If one frame of several fails, others may be written
+    /// already, and the error has their number.
+    pub fn run(&self, sky: Option<InjectionSky<'_>>) -> Result<Injections, InjectionError> {
+        let (plan, known) = (self.plan, self.frames.known());
+        let left_out = known.iter().flat_map(|frame| {
+            let shown = frame.file.path().display();
+            frame.left_out.iter().map(move |(hdu, error)| format!("{shown}: HDU {hdu} is left out: {error}"))
+        });
+        let warnings: Vec<String> = left_out.collect();
+        let count = self.outputs.len();
+        let written = AtomicUsize::new(0);
+        let frames: Result<Vec<InjectedFrame>, InjectionError> = self
+            .outputs
+            .par_iter()
+            .enumerate()
+            .map(|(index, output)| {
+                let seed = seed_of(plan.seed, index, count);
+                let done = self.frames.with(index, seed, |frame| one(plan, sky, frame, output, seed));
+                written.fetch_add(usize::from(done.is_ok()), Ordering::Relaxed);
+                done.map_err(|error| error.of_file(plan.images.get(index).unwrap_or(output)))
+            })
+            .collect();
+        let frames = frames.map_err(|error| error.of_batch(written.into_inner(), count))?;
+
+        let mut provenance = sky.map_or_else(Provenance::new, |sky| sky.provenance.clone());
+        let synthetic = plan.synthetic.as_ref().map(|synthetic| &synthetic.path);
+        if let (Some(first), Some(image)) = (known.first(), plan.images.first().or(synthetic)) {
+            let (photometry, _) = plan.photometry_of(first);
+            state(&mut provenance, first, image, plan, &photometry);
+        }
+        Ok(Injections { frames, remarks: known.iter().filter_map(overscan).collect(), warnings, provenance })
+    }
+}
+
+/// Rejects names of packed files: frames are never packed as a whole.
+fn reject_packed(output: &Path) -> Result<(), InjectionError> {
+    let end = output.extension().and_then(OsStr::to_str).unwrap_or_default().to_ascii_lowercase();
+    if ["gz", "bz2", "xz", "zip", "z"].contains(&end.as_str()) {
+        let shown = output.display();
+        return Err(InjectionError::invalid(format!(
+            "{shown}: packed frames are not written; allowed: a name without .{end}, as .fits"
+        )));
+    }
+    Ok(())
+}
+
+/// Returns a remark about the pixels of a frame that get no light.
+fn overscan(frame: &TargetFrame) -> Option<String> {
+    let is_cut = |chip: &&Chip| chip.light_area.pixels() < chip.rows * chip.columns;
+    let cut: Vec<&Chip> = frame.chips.iter().map(|target| &target.chip).filter(is_cut).collect();
+    let (first, area) = cut.first().map(|chip| (chip.hdu, chip.light_area.section()))?;
+    let others = if cut.len() > 1 { format!(", {} others likewise", cut.len() - 1) } else { String::new() };
+    let shown = frame.file.path().display();
+    Some(format!("{shown}: HDU {first}: light falls on {area} alone, as the header says; overscan gets none{others}"))
+}
+
+fn one(
+    plan: &InjectionPlan,
+    sky: Option<InjectionSky<'_>>,
+    frame: &TargetFrame,
+    output: &Path,
+    seed: u64,
+) -> Result<InjectedFrame, InjectionError> {
+    let (photometry, unknown_filter) = plan.photometry_of(frame);
+    let sources = sources(plan, sky, frame, &photometry, seed)?;
+    let tracking = plan.tracking(frame.exposure_s);
+    let (centre, _) = frame.circle().unwrap_or((Direction::from_lon_lat_rad(0.0, 0.0), 0.0));
+    let shot = Shot {
+        opened: frame.opened,
+        exposure_s: frame.exposure_s,
+        centre,
+        tracking: &tracking,
+        optics: &plan.optics,
+        truth_points: plan.truth_points,
+    };
+    let seen: Vec<&Source> = sources.iter().filter(|source| source.parts.iter().any(is_seen)).collect();
+    let streaks: Vec<DrawnStreak<'_>> = frame
+        .chips
+        .par_iter()
+        .map(|target| {
+            let drawn = seen.par_iter().map(|source| draw_on_chip(source, &target.chip, &shot));
+            Ok(drawn.collect::<Result<Vec<_>, _>>()?.into_iter().flatten().collect())
+        })
+        .collect::<Result<Vec<Vec<_>>, InjectionError>>()?
+        .into_iter()
+        .flatten()
+        .collect();
+    let drawn = drawn_sources(&streaks);
+    let planes = plan.mask_preset.planes(&frame.mask_planes)?;
+    let options = InjectOptions {
+        noise: plan.noise,
+        detector: plan.detector.clone(),
+        seed,
+        planes,
+        tell: !plan.pixels_only,
+        history: history(sky.map_or(&Provenance::new(), |sky| sky.provenance), plan, &drawn, &streaks, seed),
+    };
+    let injected = inject(frame, &streaks, &options, output)?;
+    let rows: Vec<TruthRow<'_>> = truth_rows(&streaks, frame.exposure_s, seed);
+    let mark = |streak: &DrawnStreak<'_>| Mark {
+        hdu: streak.hdu,
+        line: streak.points.iter().map(|point| point.at).collect(),
+        half_width_pix: 2.0 * streak.width_pix,
+        length_pix: streak.length_pix,
+    };
+    Ok(InjectedFrame {
+        output: output.to_owned(),
+        truth: named(truth_table(&rows), output),
+        trails: trail_table(&rows),
+        points: points_table(&rows),
+        marks: streaks.iter().map(mark).collect(),
+        planes,
+        summary: summary(&streaks, &drawn, &injected),
+        warnings: unknown_filter.into_iter().chain(warnings(frame, &injected)).collect(),
+    })
+}
+
+/// Returns the truth of one frame with the name of its file in each row.
+fn named(mut truth: Table, frame: &Path) -> Table {
+    let name = frame.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    truth.columns.insert(0, Column::new("image", Kind::Text, "File of the frame."));
+    truth.rows.iter_mut().for_each(|row| row.insert(0, Value::Text(name.clone())));
+    truth
+}
+
+/// Returns the sources of the streaks, each once.
+fn drawn_sources<'a>(streaks: &[DrawnStreak<'a>]) -> Vec<&'a Source> {
+    let mut sources: Vec<&Source> = Vec::new();
+    for streak in streaks {
+        if !sources.iter().any(|source| std::ptr::eq(*source, streak.source)) {
+            sources.push(streak.source);
+        }
+    }
+    sources
+}
+
+fn summary(streaks: &[DrawnStreak<'_>], sources: &[&Source], injected: &Injected) -> String {
+    let brightest = streaks.iter().filter_map(|streak| streak.peak_magnitude).min_by(f64::total_cmp);
+    let of = match sources {
+        [] => return "no streak: nothing that shines crosses the frame; the output is a copy".to_owned(),
+        [Source { name: SourceName::Random(_), .. }, ..] => "random lights".to_owned(),
+        [one] => format!("{}", one.name),
+        _ => format!("{} satellites", sources.len()),
+    };
+    let number = match streaks.len() {
+        1 => "1 streak".to_owned(),
+        number => format!("{number} streaks"),
+    };
+    let brightest = brightest.map_or_else(String::new, |magnitude| format!(", brightest {magnitude:.1} mag"));
+    let clipped = match injected.changed.clipped {
+        0 => String::new(),
+        clipped => format!(", {clipped} of them at the end of their type's range"),
+    };
+    format!("{number} of {of}{brightest}; {} pixels changed{clipped}", injected.changed.pixels)
+}
+
+fn warnings(frame: &TargetFrame, injected: &Injected) -> Vec<String> {
+    let hdus: Vec<String> = injected.without_gain.iter().map(usize::to_string).collect();
+    let without_gain = format!(
+        "{}: the gain of HDU {} is not known: light was added without the noise of its electrons; say --gain",
+        frame.file.path().display(),
+        hdus.join(", ")
+    );
+    if hdus.is_empty() { Vec::new() } else { vec![without_gain] }
+}
+
+/// Returns the seed of one frame: the seed itself if there is one frame, else mixed with the frame's number, so that
+/// neighbouring seeds share no frame.
+fn seed_of(seed: u64, index: usize, count: usize) -> u64 {
+    if count == 1 {
+        return seed;
+    }
+    // SplitMix64's finalizer; below 2^53, which tables of any kind can hold.
+    let mut z =
+        seed.wrapping_mul(0xd1b5_4a32_d192_ed03).wrapping_add((index as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+    z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+    (z ^ (z >> 31)) >> 11
+}
