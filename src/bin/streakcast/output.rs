@@ -6,11 +6,11 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use streakcast::output::{
-    AtomicFile, Provenance, Section, Table, check_target, write_atomically, write_csv, write_ecsv, write_json,
-    write_json_lines, write_votable,
+    Provenance, Section, Table, check_target, write_atomically, write_csv, write_ecsv, write_json, write_json_lines,
+    write_votable,
 };
 
-use crate::screen::{Shown, Style, render};
+use crate::screen::{Style, render};
 
 /// Written for a path, as other programs have it.
 const STANDARD_OUTPUT: &str = "-";
@@ -157,7 +157,10 @@ impl Output {
 
     /// Several tables for eyes, one below the other.
     #[cfg(feature = "fit")]
-    pub fn write_tables<'a>(&self, tables: impl Iterator<Item = (&'a Table, &'a [Shown])>) -> anyhow::Result<()> {
+    pub fn write_tables<'a>(
+        &self,
+        tables: impl Iterator<Item = (&'a Table, &'a [crate::screen::Shown])>,
+    ) -> anyhow::Result<()> {
         let styled = self.is_styled();
         let texts: Vec<String> =
             tables.map(|(table, columns)| render(table, &Style { columns, bold_row: None }, styled)).collect();
@@ -191,10 +194,11 @@ pub fn check(path: &Path) -> anyhow::Result<()> {
     check_target(path).map_err(|error| cannot_write(path, &error))
 }
 
-/// The same of a file that only takes its place whole: no pipe and no device.
+/// Checks a file that is only replaced as a whole: not a pipe, not a device.
+#[cfg(feature = "fits")]
 pub fn check_whole(path: &Path) -> anyhow::Result<()> {
     named(path)?;
-    AtomicFile::check(path).map_err(|error| cannot_write(path, &error))
+    streakcast::output::AtomicFile::check(path).map_err(|error| cannot_write(path, &error))
 }
 
 fn named(path: &Path) -> anyhow::Result<()> {
@@ -207,6 +211,7 @@ fn named(path: &Path) -> anyhow::Result<()> {
 }
 
 /// Writes a file of bytes, whole or not at all.
+#[cfg(any(feature = "fit", feature = "fits", feature = "plot"))]
 pub fn write_bytes(path: &Path, bytes: &[u8]) -> anyhow::Result<()> {
     write_atomically(path, |out| out.write_all(bytes)).map_err(|error| cannot_write(path, &error))
 }

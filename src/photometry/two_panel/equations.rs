@@ -145,6 +145,7 @@ impl ChassisAndSail {
     }
 
     /// Sail of which nothing is shaded or hidden.
+    #[cfg(feature = "fit")]
     pub(crate) fn whole_sail<const N: usize>(&self) -> OpenSail<N> {
         OpenSail { lit_m2: [self.sail_m2; N], lit_and_seen_m2: [self.sail_m2; N] }
     }

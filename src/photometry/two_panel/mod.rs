@@ -7,6 +7,8 @@ mod satellite;
 pub use columns::{BodyAngles, SatellitePositions};
 pub(super) use columns::{Columns, standard_magnitudes};
 pub use equations::{Blocked, ChassisAndSail};
+#[cfg(feature = "fit")]
 pub(crate) use equations::{Directions, LitPanels, magnitudes, slope_of_lobe, weighted_sum};
+#[cfg(feature = "fit")]
 pub(crate) use satellite::chassis_earthshine;
 pub use satellite::{SatelliteModel, Terms};

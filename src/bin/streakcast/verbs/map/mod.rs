@@ -6,7 +6,11 @@ mod pictures;
 mod run;
 mod target;
 
-pub use arguments::{
-    BodyViewArguments, MapArguments, MapBodyArguments, MapOutputArguments, MapSkyArguments, SkyViewArguments,
-};
-pub use run::{body, model_of, run, site_of, sky};
+pub use arguments::MapArguments;
+#[cfg(feature = "plot")]
+pub use arguments::{BodyViewArguments, MapBodyArguments, MapOutputArguments, MapSkyArguments, SkyViewArguments};
+pub use run::run;
+#[cfg(feature = "plot")]
+pub use run::{body, sky};
+#[cfg(any(feature = "fit", feature = "plot"))]
+pub use run::{model_of, site_of};
