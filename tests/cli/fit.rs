@@ -202,7 +202,7 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
         (FIT.replace("mmt.csv", "missing.csv") + " -o m.json", vec!["missing.csv"]),
         (FIT.replace("mmt.csv", "empty.csv") + " -o m.json", vec!["empty.csv has no rows"]),
         (FIT.replace("mmt.csv", "unknown.csv") + " -o m.json", vec!["unknown.csv"]),
-        (FIT.replace("mmt.csv", "few.csv") + " -o m.json", vec!["5 points cannot fix 7 parameters"]),
+        (FIT.replace("mmt.csv", "few.csv") + " -o m.json", vec!["5 points cannot constrain 7 parameters"]),
         (FIT.replace("--height-km 550", "--on-station") + " -o m.json", vec!["--elements"]),
     ] {
         let (code, out, said) = run(folder.path(), &arguments);

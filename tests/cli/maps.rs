@@ -319,19 +319,23 @@ fn verif_a_model_is_a_name_or_a_path() {
 #[test]
 fn verif_a_bad_scratch_folder_is_told_once_with_its_remedy() {
     let folder = tempdir().unwrap();
+    let output = folder.path().join("a.fits");
+    let map_with = |scratch: &std::path::Path| {
+        Command::new(STREAKCAST)
+            .args([SKY, &["--nside", "4", "-o", &output.display().to_string()]].concat())
+            .env("TMPDIR", scratch)
+            .output()
+            .unwrap()
+    };
+    let scratch = folder.path().join("missing");
+    let stderr = String::from_utf8(map_with(&scratch).stderr).unwrap();
+    let error = stderr.lines().find(|line| line.starts_with("error: ")).unwrap();
+    assert!(error.contains("No such file") && error.contains("TMPDIR can name another folder"), "{error}");
+    assert_eq!(error.matches(&scratch.display().to_string()).count(), 1, "{error}");
+    assert!(!output.exists());
+    // CFITSIO reads brackets in a name as a filter, but a scratch folder may have them.
     let bracket = folder.path().join("a[b]");
     fs::create_dir(&bracket).unwrap();
-    let output = folder.path().join("a.fits");
-    for (scratch, why) in [(folder.path().join("missing"), "No such file"), (bracket, "its name holds one of")] {
-        let command = Command::new(STREAKCAST)
-            .args([SKY, &["--nside", "4", "-o", &output.display().to_string()]].concat())
-            .env("TMPDIR", &scratch)
-            .output()
-            .unwrap();
-        let stderr = String::from_utf8(command.stderr).unwrap();
-        let error = stderr.lines().find(|line| line.starts_with("error: ")).unwrap();
-        assert!(error.contains(why) && error.contains("TMPDIR can name another folder"), "{error}");
-        assert_eq!(error.matches(&scratch.display().to_string()).count(), 1, "{error}");
-        assert!(!output.exists());
-    }
+    assert!(map_with(&bracket).status.success());
+    assert!(output.exists());
 }

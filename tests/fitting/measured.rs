@@ -79,7 +79,7 @@ fn verif_each_reason_is_counted_with_its_first_row() {
     let row = |from: &str, to: &str| GOOD.replace(from, to).replace("7.18581", "7.18582");
     let at_550 = Placement::recorded(Some(550.0));
     for (reason, bad, told) in [
-        (DropReason::Unparsable, row("2021-01-01 15:18:04.795000", "yesterday"), "Date 'yesterday', expected a moment"),
+        (DropReason::Unparsable, row("2021-01-01 15:18:04.795000", "yesterday"), "Date 'yesterday', expected a time"),
         (DropReason::Unparsable, row("2021-01-01", "2191-01-01"), "1957 to 2100"),
         (DropReason::Unparsable, row(",0,", ",2,"), "Penumbra '2', expected 0 or 1"),
         (DropReason::Unparsable, row("697.324", "-697"), "Distance '-697'"),
