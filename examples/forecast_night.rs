@@ -1,6 +1,6 @@
 //! The visible passes of a night under a synthetic constellation, by the library alone: `cargo run --example forecast_night`.
 //!
-//! With real element sets, the line that makes `elements` becomes `Catalogue::read(&paths, &ReadOptions::default())?.element_sets`.
+//! With real element sets, the line that makes `elements` becomes `Satellites::read(&paths, &ReadOptions::default())?.element_sets`.
 
 use std::error::Error;
 
@@ -18,10 +18,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     // 1. Who is up there, who looks, and which night: from noon to noon at the site.
     let noon = parse_instant("2026-08-14T12:00:00Z", None)?;
     let elements = Constellation::by_name("starlink-gen1")?.element_sets(noon);
-    let site = Site::by_mpc_code("X05")?;
+    let site = Site::from_mpc("X05")?;
     let (from, to) = night_of(noon, site.longitude_rad);
-    let sky =
-        Sky::new(elements, Observer::new(site), EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
+    let sky = Sky::with_models(
+        elements,
+        Observer::new(site),
+        EopTable::embedded(),
+        &ModelChoice::new(&ModelLibrary::embedded())?,
+    );
 
     // 2. What is asked: passes brighter than magnitude 4.5 that reach 40 degrees, with five points along each.
     let request = ForecastRequest {

@@ -1,7 +1,7 @@
 //! Whose streak it is, by the library alone: `cargo run --example identify_streak`.
 //!
 //! A synthetic constellation makes the streak here, so nothing is downloaded. With a real one, the line that makes `elements` becomes
-//! `Catalogue::read(&paths, &ReadOptions::default())?.element_sets`, and `ends` come from a plate-solved picture.
+//! `Satellites::read(&paths, &ReadOptions::default())?.element_sets`, and `ends` come from a plate-solved picture.
 
 use std::error::Error;
 
@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     // 1. Who is up there, and who looks.
     let start = parse_instant("2026-08-14T23:29:05Z", None)?;
     let elements = Constellation::by_name("starlink-gen1")?.element_sets(parse_instant("2026-08-14T00:00:00Z", None)?);
-    let observer = Observer::new(Site::by_mpc_code("X05")?);
-    let sky = Sky::new(elements, observer, EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
+    let observer = Observer::new(Site::from_mpc("X05")?);
+    let sky = Sky::with_models(elements, observer, EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
 
     // 2. What was measured: two ends in an exposure of 30 s, good to 5 arcsec, by a clock good to half a second. Here they are those of a crossing.
     let exposure = Exposure {

@@ -1,7 +1,7 @@
 //! The brightest passes of a night over the sky, and the light curve of one: `cargo run --example plot_pass -- FOLDER` writes both as PNG and SVG.
 //!
 //! The satellites are synthetic; with real element sets, the line that makes `elements` becomes
-//! `Catalogue::read(&paths, &ReadOptions::default())?.element_sets`.
+//! `Satellites::read(&paths, &ReadOptions::default())?.element_sets`.
 
 use std::error::Error;
 use std::path::PathBuf;
@@ -22,10 +22,14 @@ fn main() -> Result<(), Box<dyn Error>> {
     // 1. The passes of a night that get brighter than magnitude 4.9 and stand near the zenith, with points along each.
     let noon = parse_instant("2026-08-14T12:00:00Z", None)?;
     let elements = Constellation::by_name("starlink-gen1")?.element_sets(noon);
-    let site = Site::by_mpc_code("X05")?;
+    let site = Site::from_mpc("X05")?;
     let (from, to) = night_of(noon, site.longitude_rad);
-    let sky =
-        Sky::new(elements, Observer::new(site), EopTable::embedded(), &ModelChoice::new(&ModelLibrary::embedded())?);
+    let sky = Sky::with_models(
+        elements,
+        Observer::new(site),
+        EopTable::embedded(),
+        &ModelChoice::new(&ModelLibrary::embedded())?,
+    );
     let request = ForecastRequest {
         max_magnitude: Some(4.9),
         min_culmination_rad: 86.0_f64.to_radians(),

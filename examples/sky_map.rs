@@ -10,7 +10,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // 1. What is up there: a model of brightness, 550 km high.
     let library = ModelLibrary::embedded();
     let model = library.get("starlink-v1.5").ok_or("no such model")?;
-    let site = Site::by_mpc_code("X05")?;
+    let site = Site::from_mpc("X05")?;
     println!("{}: {} at 550 km, Sun in the west", site.name, model.source());
 
     // 2. Equal areas: with HEALPix cells a share of cells is a share of the sky.

@@ -1,23 +1,38 @@
 //! Satellites crossing astronomers' exposures: which, when, where and how bright.
 //!
-//! Data flows one way, and so do the imports:
+//! Satellites and a site make a [`Sky`]; an exposure, a field of view and a policy make a [`Verdict`]:
 //!
-//! ```text
-//! ElementSet ─ Propagator ─ Position<Gcrs> ─ ViewingGeometry ─ SatelliteModel ─ Magnitude
-//! catalogue    orbit         frames          geometry          photometry
-//!                                                                   │
-//!                   Exposure ── Sky::field_passes ── FieldPass { TrackPoint … }
-//!                   passes       passes                    │
-//!                                                  schedule: ExposureFlag
+//! ```
+//! use streakcast::frames::parse_instant;
+//! use streakcast::{Exposure, Field, Policy, Satellites, Site, Sky};
+//!
+//! fn main() -> Result<(), streakcast::Error> {
+//!     // Real element sets: Satellites::from_files(["gp.csv"])?
+//!     let satellites = Satellites::synthetic("starlink-gen1", parse_instant("2026-08-14T00:00:00Z", None)?)?;
+//!     let sky = Sky::new(satellites, Site::from_mpc("X05")?);
+//!     let exposure = Exposure::new("2026-08-14T23:36:25Z", 30.0, "14h53m36s", "-08d54m")?;
+//!     let verdict = sky.judge(&exposure, &Field::circle_deg(3.5)?, &Policy::limit_mag(7.0))?;
+//!     println!("{verdict}");
+//!     for pass in &verdict.passes {
+//!         println!("{} {} {:.1}", pass.norad_id, pass.enter.epoch, pass.peak_magnitude());
+//!     }
+//!     Ok(())
+//! }
 //! ```
 //!
-//! Radians and kilometres inside, degrees at the faces and in files. Every right ascension and declination is
-//! ICRS astrometric topocentric unless it says otherwise: the place a satellite takes among catalogue stars on a
-//! calibrated image. The library never prints, and never asks the environment, the clock or the network.
+//! The names at the root use embedded brightness models and Earth orientation; [`Sky::with_models`] takes others. Modules below the root are
+//! for programs that need more: [`schedule`] judges whole schedules and finds clear windows, [`forecast`] lists the visible passes of a
+//! night, [`identify`] names the satellite of a measured streak, [`streaks`] draws streaks into frames, [`photometry`] computes magnitudes.
+//!
+//! Radians and kilometres inside, degrees at interfaces and in files. Every right ascension and declination is ICRS astrometric
+//! topocentric unless its documentation says otherwise: the position among catalogue stars on a calibrated image. The library never
+//! prints, and never reads the environment, the clock or the network.
 
+#[doc(hidden)]
 pub mod config;
 pub mod constants;
 pub mod elements;
+mod error;
 #[cfg(feature = "fit")]
 pub mod fit;
 pub mod forecast;
@@ -29,6 +44,7 @@ pub mod maps;
 #[doc(hidden)]
 pub mod math;
 pub mod orbit;
+#[doc(hidden)]
 pub mod output;
 pub mod passes;
 pub mod photometry;
@@ -36,3 +52,9 @@ pub mod photometry;
 pub mod plot;
 pub mod schedule;
 pub mod streaks;
+
+pub use elements::Satellites;
+pub use error::Error;
+pub use geometry::Site;
+pub use passes::{Exposure, Field, Pass, Sky};
+pub use schedule::{Policy, Verdict};

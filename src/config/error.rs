@@ -169,7 +169,7 @@ pub enum ConfigError {
     UnknownModel(#[from] UnknownModel),
     /// Elements.
     #[error(transparent)]
-    Catalogue(#[from] CatalogueError),
+    Satellites(#[from] CatalogueError),
     /// Synthetic shells.
     #[error(transparent)]
     Shell(#[from] ShellError),

@@ -4,7 +4,7 @@ use std::path::Path;
 
 use hifitime::Epoch;
 
-use crate::elements::{Catalogue, Constellation, Generation, Keep, ReadOptions, SourceFile};
+use crate::elements::{Constellation, Generation, Keep, ReadOptions, Satellites, SourceFile};
 use crate::frames::EopTable;
 use crate::geometry::ShadowModel;
 use crate::passes::ModelChoice;
@@ -21,7 +21,7 @@ pub struct LoadedInputs {
     pub(super) config: Config,
     pub(super) shadow: ShadowModel,
     pub(super) eop: EopTable,
-    pub(super) catalogue: Option<Catalogue>,
+    pub(super) catalogue: Option<Satellites>,
     pub(super) constellations: Vec<Constellation>,
     pub(super) choice: ModelChoice,
 }
@@ -42,7 +42,7 @@ impl Config {
         self.load_with(self.read_elements(Keep::All)?)
     }
 
-    pub(super) fn load_with(&self, catalogue: Option<Catalogue>) -> Result<LoadedInputs, ConfigError> {
+    pub(super) fn load_with(&self, catalogue: Option<Satellites>) -> Result<LoadedInputs, ConfigError> {
         let (shadow, eop) = (self.shadow()?, self.eop_table()?);
         let constellations = self.constellations()?;
         if catalogue.is_none() && constellations.is_empty() {
@@ -84,15 +84,15 @@ impl Config {
     ///
     /// # Errors
     /// A file that cannot be read or holds none.
-    pub fn catalogue(&self, moment: Epoch) -> Result<Option<Catalogue>, ConfigError> {
+    pub fn catalogue(&self, moment: Epoch) -> Result<Option<Satellites>, ConfigError> {
         self.read_elements(Keep::Nearest(moment))
     }
 
-    fn read_elements(&self, keep: Keep) -> Result<Option<Catalogue>, ConfigError> {
+    fn read_elements(&self, keep: Keep) -> Result<Option<Satellites>, ConfigError> {
         if self.elements.is_empty() {
             return Ok(None);
         }
-        Ok(Some(Catalogue::read(&self.elements, &self.read_options(keep))?))
+        Ok(Some(Satellites::read(&self.elements, &self.read_options(keep))?))
     }
 
     pub(super) fn read_options(&self, keep: Keep) -> ReadOptions {

@@ -106,7 +106,7 @@ impl LoadedInputs {
         provenance.state("shadow", self.shadow.name());
 
         let eop = self.eop.clone();
-        let sky = Sky::new(elements, viewpoint, eop.clone(), &self.choice).with_shadow(self.shadow);
+        let sky = Sky::with_models(elements, viewpoint, eop.clone(), &self.choice).with_shadow(self.shadow);
         if sky.left_out().len() == sky.elements().len() {
             return Err(nothing_propagates(&sky, sky.left_out(), middle));
         }

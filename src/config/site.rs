@@ -2,7 +2,7 @@
 
 use hifitime::Epoch;
 
-use crate::elements::{Catalogue, ElementSet, Keep};
+use crate::elements::{ElementSet, Keep, Satellites};
 use crate::frames::Orientation;
 use crate::geometry::{EarthLimb, GeometryError, Observer, Site};
 use crate::orbit::Propagator;
@@ -89,7 +89,9 @@ impl Config {
     /// Returns the element set of the telescope in orbit nearest to a moment.
     fn observer_set(&self, moment: Epoch) -> Result<ElementSet, ConfigError> {
         let catalogue = match &self.observer_elements {
-            Some(path) => Some(Catalogue::read(std::slice::from_ref(path), &self.read_options(Keep::Nearest(moment)))?),
+            Some(path) => {
+                Some(Satellites::read(std::slice::from_ref(path), &self.read_options(Keep::Nearest(moment)))?)
+            }
             None => self.catalogue(moment)?,
         };
         let missing =
@@ -121,7 +123,7 @@ fn site_of(table: &SiteTable) -> Result<Site, ConfigError> {
         (Some(_), Some(_), _) | (Some(_), _, Some(_)) => {
             Err(ConfigError::Both { first: "an MPC code", second: "coordinates" })
         }
-        (Some(code), None, None) => Ok(Site::by_mpc_code(code)?),
+        (Some(code), None, None) => Ok(Site::from_mpc(code)?),
         (None, Some(latitude), Some(longitude)) => {
             let name = table.name.as_deref().unwrap_or("site");
             Ok(Site::new_deg(name, latitude, longitude, table.height_m.unwrap_or(0.0))?)

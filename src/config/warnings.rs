@@ -2,7 +2,7 @@
 
 use hifitime::{Epoch, TimeScale, Unit};
 
-use crate::elements::{Catalogue, ElementSet, RecordError, Rejected};
+use crate::elements::{ElementSet, RecordError, Rejected, Satellites};
 use crate::frames::{EopStatus, EopTable, seconds_between};
 use crate::orbit::LeftOut;
 use crate::output::{counted, format_utc};
@@ -30,7 +30,7 @@ pub(super) fn of_left_out(left_out: &[LeftOut], first: &LeftOut, satellites: usi
 }
 
 /// Records rejected, files cut short, and records accepted in spite of a wrong checksum.
-pub(super) fn of_catalogue(catalogue: &Catalogue) -> Vec<String> {
+pub(super) fn of_catalogue(catalogue: &Satellites) -> Vec<String> {
     let mut warnings = Vec::new();
     let rejected = catalogue.rejected.len();
     if rejected > 0 {
@@ -112,7 +112,7 @@ pub(super) fn of_orientation(eop: &EopTable, first: Epoch, last: Epoch) -> Optio
 }
 
 /// Files that end with a broken record.
-pub(super) fn cut_short(catalogue: &Catalogue) -> impl Iterator<Item = &str> {
+pub(super) fn cut_short(catalogue: &Satellites) -> impl Iterator<Item = &str> {
     catalogue.sources.iter().filter(|source| source.cut_short).map(|source| source.name.as_ref())
 }
 

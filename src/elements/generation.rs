@@ -139,14 +139,14 @@ impl Launch {
 /// Which launch carried which kind.
 ///
 /// ```
-/// use streakcast::elements::{Catalogue, Generation, GenerationTable, ReadOptions};
+/// use streakcast::elements::{Satellites, Generation, GenerationTable, ReadOptions};
 ///
 /// let text = "\
 /// STARLINK-3042
 /// 1 49131U 21082A   22336.47699629  .00001505  00000+0  11993-3 0  999
 /// 2 49131  70.0000 143.1715 0001798  75.7035 284.4154 14.99000000    1
 /// ";
-/// let catalogue = Catalogue::from_bytes("v15.tle", text.as_bytes(), &ReadOptions::default())?;
+/// let catalogue = Satellites::from_bytes("v15.tle", text.as_bytes(), &ReadOptions::default())?;
 /// assert_eq!(GenerationTable::embedded().of(&catalogue.element_sets[0]), Generation::StarlinkV15);
 /// # Ok::<(), streakcast::elements::CatalogueError>(())
 /// ```

@@ -1,7 +1,5 @@
 //! Element sets in all formats in use, their history, simulated shells, and kinds of satellites.
 
-#[allow(clippy::module_inception)]
-mod catalogue;
 mod element_set;
 mod epoch;
 mod generation;
@@ -13,13 +11,13 @@ mod omm_kvn;
 mod omm_xml;
 mod on_station;
 mod record;
+mod satellites;
 mod shell;
 mod source;
 mod tle;
 mod tle_fields;
 mod tle_file;
 
-pub use catalogue::{Catalogue, Keep, ReadOptions};
 pub use element_set::{ElementSet, NoradId, Origin, share_of_stale};
 #[cfg(feature = "fit")]
 pub(crate) use epoch::parse_iso;
@@ -27,6 +25,7 @@ pub use generation::{Certainty, Generation, GenerationTable};
 pub use history::History;
 pub use on_station::{OrbitPhase, StationRule, orbit_phases, semi_major_axis_km};
 pub use record::{RecordError, Rejected};
+pub use satellites::{Keep, ReadOptions, Satellites};
 pub use shell::{Constellation, FIRST_SYNTHETIC_ID, Shell, ShellError};
 pub use source::{CatalogueError, ElementFormat, SourceFile};
 pub use tle_file::{TleFormatError, format_tle};

@@ -230,14 +230,14 @@ fn format_exponential(value: f64) -> Option<String> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::elements::{Catalogue, ReadOptions};
+    use crate::elements::{ReadOptions, Satellites};
 
     const TEXT: &str = "1 25544U 98067A   26189.73419088  .00005258  00000+0  10370-3 0  9999\n\
                         2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097";
 
     #[test]
     fn verif_what_was_read_is_written() {
-        let catalogue = Catalogue::from_bytes("iss", TEXT.as_bytes(), &ReadOptions::default()).unwrap();
+        let catalogue = Satellites::from_bytes("iss", TEXT.as_bytes(), &ReadOptions::default()).unwrap();
         assert_eq!(format_tle(&catalogue.element_sets[0]).unwrap().join("\n"), TEXT);
     }
 
@@ -252,7 +252,7 @@ mod tests {
 
     #[test]
     fn verif_what_does_not_fit_is_an_error() {
-        let catalogue = Catalogue::from_bytes("iss", TEXT.as_bytes(), &ReadOptions::default()).unwrap();
+        let catalogue = Satellites::from_bytes("iss", TEXT.as_bytes(), &ReadOptions::default()).unwrap();
         let good = &catalogue.element_sets[0];
         let cases = [
             ElementSet { mean_motion_dot_rev_day2: 1.5, ..good.clone() },

@@ -69,7 +69,7 @@ impl Site {
         if let Some(entry) = table().iter().find(|entry| entry.keys.contains(&key)) {
             return Ok(entry.site.clone());
         }
-        if let Ok(site) = Self::by_mpc_code(name) {
+        if let Ok(site) = Self::from_mpc(name) {
             return Ok(site);
         }
         Err(GeometryError::UnknownSite { name: name.to_owned(), nearest: nearest_names(&key) })
@@ -79,7 +79,7 @@ impl Site {
     ///
     /// # Errors
     /// An unknown code.
-    pub fn by_mpc_code(code: &str) -> Result<Self, GeometryError> {
+    pub fn from_mpc(code: &str) -> Result<Self, GeometryError> {
         let wanted = code.trim();
         let matches =
             |entry: &&Entry| entry.site.mpc_code.as_ref().is_some_and(|known| known.eq_ignore_ascii_case(wanted));
@@ -223,10 +223,10 @@ mod tests {
         for name in ["rubin", "Rubin Observatory", "vera c rubin observatory", "CERRO-PACHON", "lsst", "X05", "x05"] {
             assert_eq!(Site::by_name(name).expect(name).mpc_code.as_deref(), Some("X05"), "{name}");
         }
-        assert_eq!(Site::by_mpc_code(" i41 ").expect("ZTF").name, "Palomar ZTF");
+        assert_eq!(Site::from_mpc(" i41 ").expect("ZTF").name, "Palomar ZTF");
         assert_eq!(Site::by_name("ZTF/Palomar").expect("ZTF").name, "Palomar ZTF");
         for code in ["X05", "W84", "I41", "F51", "F52", "T05", "T08", "M22", "W68", "658", "568", "950"] {
-            assert_eq!(Site::by_mpc_code(code).expect(code).mpc_code.as_deref(), Some(code));
+            assert_eq!(Site::from_mpc(code).expect(code).mpc_code.as_deref(), Some(code));
         }
     }
 
@@ -245,7 +245,7 @@ mod tests {
             assert!(nearest.is_empty(), "{name}: {nearest:?}");
         }
         assert!(matches!(Site::by_name(""), Err(GeometryError::UnknownSite { .. })));
-        assert!(matches!(Site::by_mpc_code("ZZ9"), Err(GeometryError::UnknownMpcCode { .. })));
+        assert!(matches!(Site::from_mpc("ZZ9"), Err(GeometryError::UnknownMpcCode { .. })));
     }
 
     #[test]

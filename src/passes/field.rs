@@ -104,6 +104,14 @@ impl Field {
         Ok(Self { shapes: vec![NamedShape { name: "field".to_owned(), shape }] })
     }
 
+    /// A circle of this full diameter, degrees, about the pointing.
+    ///
+    /// # Errors
+    /// As [`Field::circle`].
+    pub fn circle_deg(diameter_deg: f64) -> Result<Self, FieldError> {
+        Self::circle(diameter_deg.to_radians())
+    }
+
     /// A rectangle of this full width (x) and height (y) on the tangent plane, degrees.
     ///
     /// # Errors

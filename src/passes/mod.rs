@@ -27,7 +27,7 @@ mod visible;
 pub use altaz::AltAz;
 pub use delayed_track::{DelayedTrack, ExposureInterval, Sighting};
 pub use error::SkyError;
-pub use exposure::Exposure;
+pub use exposure::{Exposure, ExposureTextError};
 pub use field::{Field, FieldError, FieldOnSky};
 pub use field_passes::{
     CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
@@ -35,6 +35,6 @@ pub use field_passes::{
 pub use models::{ModelChoice, UnknownModel};
 pub use sky::Sky;
 pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
-pub use track::{Chord, FieldPass, TrackPoint};
+pub use track::{Chord, Pass, TrackPoint};
 pub use viewpoint::{OrbitingObserver, Viewpoint};
 pub use visible::{NotShown, Visibility, VisiblePass, VisiblePasses, VisibleRequest, intervals_where};

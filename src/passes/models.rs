@@ -45,6 +45,13 @@ fn default_model(generation: Generation) -> Option<&'static str> {
     }
 }
 
+impl Default for ModelChoice {
+    /// The embedded models.
+    fn default() -> Self {
+        Self::new(&ModelLibrary::embedded()).expect("the embedded library has every default model, by a test below")
+    }
+}
+
 impl ModelChoice {
     /// The default models of a library.
     ///

@@ -12,7 +12,7 @@ use super::scene::{Almanac, Scene, SearchScope, WindowCache};
 use super::track::ObserverMotion;
 use super::viewpoint::{OrbitingObserver, Viewpoint};
 use crate::constants::DAY_S;
-use crate::elements::ElementSet;
+use crate::elements::{ElementSet, Satellites};
 use crate::frames::{EopTable, Orientation, OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, ShadowModel};
 use crate::orbit::{LeftOut, OrbitArc, OrbitClass, OrbitUncertainty, Reach, SatelliteIndex, uncertainty};
@@ -33,9 +33,15 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// Prepares a catalogue for a site or a telescope in orbit. Takes about 2 µs a satellite and core. The shadow is
-    /// geometric.
-    pub fn new(
+    /// Prepares satellites for an observer, with the embedded brightness models and Earth orientation.
+    ///
+    /// Takes about 2 µs a satellite and core. The shadow is geometric.
+    pub fn new(satellites: Satellites, viewpoint: impl Into<Viewpoint>) -> Self {
+        Self::with_models(satellites.element_sets, viewpoint, EopTable::embedded(), &ModelChoice::default())
+    }
+
+    /// As [`Sky::new`], with other models and another table of the Earth's orientation.
+    pub fn with_models(
         elements: Vec<ElementSet>,
         viewpoint: impl Into<Viewpoint>,
         eop: EopTable,
@@ -67,7 +73,7 @@ impl Sky {
         Self { shadow, ..self }
     }
 
-    /// The element sets, in the order of [`FieldPass::element_index`](super::FieldPass::element_index).
+    /// The element sets, in the order of [`Pass::element_index`](super::Pass::element_index).
     pub fn elements(&self) -> &[ElementSet] {
         &self.elements
     }

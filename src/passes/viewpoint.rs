@@ -4,7 +4,7 @@ use hifitime::Epoch;
 
 use crate::elements::{ElementSet, NoradId};
 use crate::frames::{Direction, Gcrs, Orientation};
-use crate::geometry::{EarthLimb, Observer};
+use crate::geometry::{EarthLimb, Observer, Site};
 use crate::orbit::{OrbitError, Propagator};
 
 /// A telescope in orbit, given by an element set. It has no horizon; the Earth's limb hides what is behind it.
@@ -59,6 +59,12 @@ pub enum Viewpoint {
     Site(Observer),
     /// An orbit.
     Orbit(Box<OrbitingObserver>),
+}
+
+impl From<Site> for Viewpoint {
+    fn from(site: Site) -> Self {
+        Self::Site(Observer::new(site))
+    }
 }
 
 impl From<Observer> for Viewpoint {

@@ -1,9 +1,9 @@
-//! Verdict on one exposure from its passes.
+//! VerdictKind on one exposure from its passes.
 
-use crate::passes::{CrossingProbability, Exposure, FieldPass};
+use crate::passes::{CrossingProbability, Exposure, Pass};
 
-use super::exposure_flag::{ExposureFlag, Verdict};
 use super::policy::{LimitKind, MagnitudeLimit, Policy};
+use super::verdict::{Verdict, VerdictKind};
 
 /// Most satellites listed in the reasons; there may be dozens.
 const NAMED_REASONS: usize = 5;
@@ -22,7 +22,7 @@ pub(super) trait CameraLimits {
     fn limit_mag(&self, kind: LimitKind, band: Option<&str>) -> Option<f64>;
     /// Returns the magnitude, in the band of the limit, of a satellite at 550 km that leaves as much light in each pixel of its
     /// streak as a pass of this magnitude.
-    fn as_at_550_km_mag(&self, pass: &FieldPass, magnitude: f64, band: Option<&str>) -> f64;
+    fn as_at_550_km_mag(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64;
 }
 
 /// Expectation values for all satellites together, near misses included.
@@ -60,13 +60,13 @@ impl Expected {
 pub(super) fn flag(
     exposure: &Exposure,
     band: Option<&str>,
-    passes: &[FieldPass],
+    passes: &[Pass],
     expected: &Expected,
     rules: &Rules<'_>,
-) -> ExposureFlag {
+) -> Verdict {
     let policy = rules.policy;
     let lit = || passes.iter().filter(|pass| pass.lit);
-    let counted: Vec<&FieldPass> = lit().filter(|pass| counts(pass, policy)).collect();
+    let counted: Vec<&Pass> = lit().filter(|pass| counts(pass, policy)).collect();
     let nominal = || counted.iter().filter(|pass| pass.is_crossing());
 
     let mut reasons = Vec::new();
@@ -97,17 +97,17 @@ pub(super) fn flag(
         reasons.push(format!("{} of the pixels expected lost, more than {most}", share_above(lost, most)));
     }
     let verdict = match (avoid, counted.is_empty()) {
-        (true, _) => Verdict::Avoid,
-        (false, false) => Verdict::Streaked,
-        (false, true) => Verdict::Clear,
+        (true, _) => VerdictKind::Avoid,
+        (false, false) => VerdictKind::Streaked,
+        (false, true) => VerdictKind::Clear,
     };
-    if verdict == Verdict::Streaked {
+    if verdict == VerdictKind::Streaked {
         reasons.push(streaked_reason(nominal().count(), counted.len()));
     }
-    let clear = verdict == Verdict::Clear;
-    ExposureFlag {
+    let clear = verdict == VerdictKind::Clear;
+    Verdict {
         exposure_id: exposure.id.clone(),
-        verdict,
+        kind: verdict,
         n_streaks: nominal().count(),
         brightest_mag: counted.iter().filter_map(|pass| peak_magnitude(pass)).min_by(f64::total_cmp),
         expected_lost_pixel_fraction: lost,
@@ -118,6 +118,8 @@ pub(super) fn flag(
         next_clear_start: clear.then_some(exposure.start),
         delay_s: clear.then_some(0.0),
         norad_ids: counted.iter().map(|pass| pass.norad_id).collect(),
+        // Filled with the report.
+        passes: Vec::new(),
     }
 }
 
@@ -132,7 +134,7 @@ fn share_above(share: f64, most: f64) -> String {
 }
 
 /// Returns the text of each limit that a pass of this magnitude exceeds.
-fn broken_limits(pass: &FieldPass, magnitude: f64, band: Option<&str>, rules: &Rules<'_>) -> Vec<String> {
+fn broken_limits(pass: &Pass, magnitude: f64, band: Option<&str>, rules: &Rules<'_>) -> Vec<String> {
     let policy = rules.policy;
     let limits = [
         ("limit", None, policy.limit_mag.as_ref()),
@@ -154,21 +156,21 @@ fn broken_limits(pass: &FieldPass, magnitude: f64, band: Option<&str>, rules: &R
 }
 
 /// Returns true for a pass that makes an exposure one to avoid: probable enough, and brighter than a limit.
-pub(super) fn is_to_avoid(pass: &FieldPass, band: Option<&str>, rules: &Rules<'_>) -> bool {
+pub(super) fn is_to_avoid(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     counts(pass, rules.policy)
         && pass.probability >= rules.policy.avoid_probability()
         && peak_magnitude(pass).is_some_and(|magnitude| !broken_limits(pass, magnitude, band, rules).is_empty())
 }
 
 /// Returns true for a lit crossing, and for a lit near miss at least as probable as the `min_probability` of the policy.
-pub(super) fn counts(pass: &FieldPass, policy: &Policy) -> bool {
+pub(super) fn counts(pass: &Pass, policy: &Policy) -> bool {
     pass.lit && (pass.is_crossing() || policy.min_probability.is_some_and(|least| pass.probability >= least))
 }
 
 /// Returns true for a pass to be dodged: it counts, and is brighter than a limit of the policy, if one applies to the band.
 ///
 /// With a `min_probability`, less probable passes are not dodged; without one, every nominal crossing is, however old its elements.
-pub(super) fn is_dodged(pass: &FieldPass, band: Option<&str>, rules: &Rules<'_>) -> bool {
+pub(super) fn is_dodged(pass: &Pass, band: Option<&str>, rules: &Rules<'_>) -> bool {
     let policy = rules.policy;
     if !counts(pass, policy) || policy.min_probability.is_some_and(|least| pass.probability < least) {
         return false;
@@ -189,7 +191,7 @@ pub(super) fn is_dodged(pass: &FieldPass, band: Option<&str>, rules: &Rules<'_>)
     peak_magnitude(pass).is_some_and(|magnitude| !broken_limits(pass, magnitude, band, rules).is_empty())
 }
 
-fn peak_magnitude(pass: &FieldPass) -> Option<f64> {
+fn peak_magnitude(pass: &Pass) -> Option<f64> {
     pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0)
 }
 
@@ -228,7 +230,7 @@ mod tests {
     }
 
     /// Pass for tests: only the quantities that a verdict uses are meaningful.
-    fn pass(norad_id: u32, peak_mag: Option<f64>, probability: f64) -> FieldPass {
+    fn pass(norad_id: u32, peak_mag: Option<f64>, probability: f64) -> Pass {
         let observer = Position::new(6378.0, 0.0, 0.0);
         let geometry =
             ViewingGeometry::new(&Position::new(6928.0, 100.0, 0.0), &observer, &Position::new(0.0, 1.5e8, 0.0));
@@ -248,7 +250,7 @@ mod tests {
                 grey_reflectance: false,
             }),
         };
-        FieldPass {
+        Pass {
             norad_id: NoradId(norad_id),
             element_index: 0,
             chords: vec![Chord { enter_s: 3.0, exit_s: 8.0 }],
@@ -269,7 +271,7 @@ mod tests {
         }
     }
 
-    fn probabilities(passes: &[FieldPass]) -> Vec<CrossingProbability> {
+    fn probabilities(passes: &[Pass]) -> Vec<CrossingProbability> {
         let lit = passes.iter().filter(|pass| pass.lit);
         lit.map(|pass| CrossingProbability {
             element_index: pass.element_index,
@@ -281,7 +283,7 @@ mod tests {
         .collect()
     }
 
-    fn judge(passes: &[FieldPass], policy: &str) -> ExposureFlag {
+    fn judge(passes: &[Pass], policy: &str) -> Verdict {
         let policy = Policy::from_toml(policy).unwrap();
         // As near misses and crossings would add up.
         let lost = |one: &CrossingProbability| 0.01 * one.probability;
@@ -289,22 +291,22 @@ mod tests {
         flag(&exposure(), Some("r"), passes, &expected, &Rules { policy: &policy, camera: None })
     }
 
-    fn verdict(passes: &[FieldPass], policy: &str) -> Verdict {
-        judge(passes, policy).verdict
+    fn verdict(passes: &[Pass], policy: &str) -> VerdictKind {
+        judge(passes, policy).kind
     }
 
     #[test]
     fn verdicts_without_a_policy_are_those_of_the_limit() {
-        assert_eq!(verdict(&[], "limit_mag = 7"), Verdict::Clear);
-        assert_eq!(verdict(&[pass(1, Some(6.9), 0.5)], "limit_mag = 7"), Verdict::Avoid);
+        assert_eq!(verdict(&[], "limit_mag = 7"), VerdictKind::Clear);
+        assert_eq!(verdict(&[pass(1, Some(6.9), 0.5)], "limit_mag = 7"), VerdictKind::Avoid);
         // As faint as the limit, less probable than a half, of no known light, or without a limit: streaked.
-        assert_eq!(verdict(&[pass(1, Some(7.0), 1.0)], "limit_mag = 7"), Verdict::Streaked);
-        assert_eq!(verdict(&[pass(1, Some(2.0), 0.49)], "limit_mag = 7"), Verdict::Streaked);
-        assert_eq!(verdict(&[pass(1, None, 1.0)], "limit_mag = 7"), Verdict::Streaked);
-        assert_eq!(verdict(&[pass(1, Some(2.0), 1.0)], ""), Verdict::Streaked);
-        let dark = FieldPass { lit: false, ..pass(1, None, 1.0) };
+        assert_eq!(verdict(&[pass(1, Some(7.0), 1.0)], "limit_mag = 7"), VerdictKind::Streaked);
+        assert_eq!(verdict(&[pass(1, Some(2.0), 0.49)], "limit_mag = 7"), VerdictKind::Streaked);
+        assert_eq!(verdict(&[pass(1, None, 1.0)], "limit_mag = 7"), VerdictKind::Streaked);
+        assert_eq!(verdict(&[pass(1, Some(2.0), 1.0)], ""), VerdictKind::Streaked);
+        let dark = Pass { lit: false, ..pass(1, None, 1.0) };
         let flag = judge(&[dark], "limit_mag = 7");
-        assert_eq!((flag.verdict, flag.n_streaks, flag.p_any, flag.norad_ids.len()), (Verdict::Clear, 0, 0.0, 0));
+        assert_eq!((flag.kind, flag.n_streaks, flag.p_any, flag.norad_ids.len()), (VerdictKind::Clear, 0, 0.0, 0));
     }
 
     #[test]
@@ -325,15 +327,15 @@ mod tests {
 
     #[test]
     fn near_misses_count_where_the_policy_names_a_probability() {
-        let near = FieldPass { chords: Vec::new(), streak_length_rad: 0.0, ..pass(1, Some(5.0), 0.3) };
+        let near = Pass { chords: Vec::new(), streak_length_rad: 0.0, ..pass(1, Some(5.0), 0.3) };
         let free = judge(std::slice::from_ref(&near), "limit_mag = 7");
-        assert_eq!((free.verdict, free.n_streaks), (Verdict::Clear, 0));
+        assert_eq!((free.kind, free.n_streaks), (VerdictKind::Clear, 0));
         // What a clear exposure may still be hit by stands in its probability.
         assert!((free.p_any - 0.3).abs() < 1e-12);
         let counted = judge(std::slice::from_ref(&near), "limit_mag = 7\nmin_probability = 0.2");
-        assert_eq!((counted.verdict, counted.n_streaks, counted.norad_ids.len()), (Verdict::Avoid, 0, 1));
-        assert_eq!(verdict(std::slice::from_ref(&near), "min_probability = 0.2"), Verdict::Streaked);
-        assert_eq!(verdict(&[near], "limit_mag = 7\nmin_probability = 0.4"), Verdict::Clear);
+        assert_eq!((counted.kind, counted.n_streaks, counted.norad_ids.len()), (VerdictKind::Avoid, 0, 1));
+        assert_eq!(verdict(std::slice::from_ref(&near), "min_probability = 0.2"), VerdictKind::Streaked);
+        assert_eq!(verdict(&[near], "limit_mag = 7\nmin_probability = 0.4"), VerdictKind::Clear);
     }
 
     #[test]
@@ -353,24 +355,24 @@ mod tests {
     fn every_rule_of_a_policy_can_forbid() {
         let passes = [pass(1, Some(5.0), 1.0)];
         for (policy, expected, word) in [
-            ("saturation_mag = 5.1", Verdict::Avoid, "saturation limit 5.1"),
-            ("crosstalk_mag = 5.1", Verdict::Avoid, "crosstalk limit 5.1"),
-            ("saturation_mag = 4.9", Verdict::Streaked, "crosses"),
-            ("limit_mag = {r = 5.1, g = 0}", Verdict::Avoid, "limit 5.1"),
-            ("limit_mag = {g = 9}", Verdict::Streaked, "crosses"),
-            ("limit_mag = {g = 0, default = 9}", Verdict::Avoid, "limit 9"),
-            ("max_lost_fraction = 0.009", Verdict::Avoid, "0.0100 of the pixels expected lost"),
-            ("max_lost_fraction = 0.011", Verdict::Streaked, "crosses"),
+            ("saturation_mag = 5.1", VerdictKind::Avoid, "saturation limit 5.1"),
+            ("crosstalk_mag = 5.1", VerdictKind::Avoid, "crosstalk limit 5.1"),
+            ("saturation_mag = 4.9", VerdictKind::Streaked, "crosses"),
+            ("limit_mag = {r = 5.1, g = 0}", VerdictKind::Avoid, "limit 5.1"),
+            ("limit_mag = {g = 9}", VerdictKind::Streaked, "crosses"),
+            ("limit_mag = {g = 0, default = 9}", VerdictKind::Avoid, "limit 9"),
+            ("max_lost_fraction = 0.009", VerdictKind::Avoid, "0.0100 of the pixels expected lost"),
+            ("max_lost_fraction = 0.011", VerdictKind::Streaked, "crosses"),
         ] {
             let flag = judge(&passes, policy);
-            assert_eq!(flag.verdict, expected, "{policy}");
+            assert_eq!(flag.kind, expected, "{policy}");
             assert!(flag.reasons[0].contains(word), "{policy}: {:?}", flag.reasons);
         }
     }
 
     #[test]
     fn what_is_dodged_is_brighter_than_a_limit_or_anything_where_there_is_none() {
-        let dodged = |pass: &FieldPass, policy: &str| {
+        let dodged = |pass: &Pass, policy: &str| {
             let policy = Policy::from_toml(policy).unwrap();
             is_dodged(pass, Some("r"), &Rules { policy: &policy, camera: None })
         };
@@ -378,12 +380,12 @@ mod tests {
         assert!(dodged(&bright, "limit_mag = 7") && dodged(&bright, "") && dodged(&bright, "limit_mag = {g = 0}"));
         assert!(!dodged(&bright, "limit_mag = 5") && !dodged(&bright, "limit_mag = 7\nmin_probability = 0.2"));
         assert!(dodged(&bright, "limit_mag = 4\ncrosstalk_mag = 5.1"));
-        let dark = FieldPass { lit: false, ..bright.clone() };
+        let dark = Pass { lit: false, ..bright.clone() };
         assert!(!dodged(&dark, "limit_mag = 7"));
         // Lit, but of no known light: a streak to a policy without limits alone.
         let unseen = pass(1, None, 1.0);
         assert!(dodged(&unseen, "") && !dodged(&unseen, "limit_mag = 7"));
-        let near = FieldPass { chords: Vec::new(), ..pass(1, Some(5.0), 0.3) };
+        let near = Pass { chords: Vec::new(), ..pass(1, Some(5.0), 0.3) };
         assert!(!dodged(&near, "limit_mag = 7") && dodged(&near, "limit_mag = 7\nmin_probability = 0.2"));
     }
 
@@ -395,7 +397,7 @@ mod tests {
             (kind == LimitKind::Saturation && band == Some("g")).then_some(3.2)
         }
 
-        fn as_at_550_km_mag(&self, _: &FieldPass, magnitude: f64, _: Option<&str>) -> f64 {
+        fn as_at_550_km_mag(&self, _: &Pass, magnitude: f64, _: Option<&str>) -> f64 {
             magnitude - 0.5
         }
     }
@@ -410,24 +412,24 @@ mod tests {
         };
         let both = "saturation_mag = 'telescope'\ncrosstalk_mag = 'telescope'";
         let avoided = verdict("g", 3.6, both);
-        assert_eq!(avoided.verdict, Verdict::Avoid);
+        assert_eq!(avoided.kind, VerdictKind::Avoid);
         assert_eq!(
             avoided.reasons,
             [
                 "1 reaches mag 3.60, to the camera as g 3.10 at 550 km, brighter than its saturation limit 3.2 (probability 1.00)"
             ]
         );
-        assert_eq!(verdict("g", 3.8, both).verdict, Verdict::Streaked);
+        assert_eq!(verdict("g", 3.8, both).kind, VerdictKind::Streaked);
         // No limit in this band, and a policy that says nothing: nothing to break.
-        assert_eq!(verdict("r", 0.0, both).verdict, Verdict::Streaked);
-        assert_eq!(verdict("g", 0.0, "limit_mag = -1").verdict, Verdict::Streaked);
+        assert_eq!(verdict("r", 0.0, both).kind, VerdictKind::Streaked);
+        assert_eq!(verdict("g", 0.0, "limit_mag = -1").kind, VerdictKind::Streaked);
         // A number of the policy is compared with the magnitude itself.
-        assert_eq!(verdict("g", 3.6, "saturation_mag = 3.2").verdict, Verdict::Streaked);
+        assert_eq!(verdict("g", 3.6, "saturation_mag = 3.2").kind, VerdictKind::Streaked);
     }
 
     #[test]
     fn a_crowd_is_counted_and_the_first_are_named() {
-        let crowd: Vec<FieldPass> = (1..=9).map(|id| pass(id, Some(4.0), 1.0)).collect();
+        let crowd: Vec<Pass> = (1..=9).map(|id| pass(id, Some(4.0), 1.0)).collect();
         let flag = judge(&crowd, "limit_mag = 7");
         assert_eq!((flag.reasons.len(), flag.reasons[5].as_str(), flag.norad_ids.len()), (6, "and 4 more", 9));
     }

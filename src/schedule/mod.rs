@@ -7,7 +7,6 @@
 
 mod annotate;
 mod error;
-mod exposure_flag;
 mod formats;
 mod horizon;
 mod judge;
@@ -18,12 +17,12 @@ mod scheduled;
 mod shift;
 mod tables;
 mod targets;
+mod verdict;
 mod window_table;
 mod windows;
 
 pub use annotate::{Annotation, annotate};
 pub use error::{AnnotateError, ScheduleError};
-pub use exposure_flag::{ExposureFlag, Verdict};
 pub use formats::ScheduleFormat;
 pub use horizon::lowest_altitudes_rad;
 pub use nights::{Shard, ShardError, evening_mjd, night_of};
@@ -33,6 +32,7 @@ pub use report::{FlagReport, FlagRequest, flag_exposures, judge_exposures};
 pub use scheduled::{Schedule, ScheduleOptions, ScheduledExposure};
 pub use tables::{StreakRow, exposure_table, flag_table, streak_table};
 pub use targets::{ListedTarget, read_targets};
+pub use verdict::{Verdict, VerdictKind};
 pub use window_table::{FoundWindows, WindowShape, window_table, window_target_table};
 pub use windows::{
     Blocking, ClearWindow, TargetWindows, WindowReport, WindowRequest, WindowTarget, clear_windows,

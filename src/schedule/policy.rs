@@ -165,6 +165,11 @@ impl Policy {
     /// Longest delay allowed in a policy, seconds.
     pub const LONGEST_DELAY_S: f64 = 86_400.0;
 
+    /// A policy that avoids lit crossings brighter than this apparent magnitude, and has no other rule.
+    pub fn limit_mag(limit_mag: f64) -> Self {
+        Self { limit_mag: Some(MagnitudeLimit::All(limit_mag)), ..Self::default() }
+    }
+
     /// Reads a policy from TOML.
     ///
     /// # Errors

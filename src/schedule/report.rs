@@ -5,15 +5,15 @@ use std::collections::HashMap;
 use crate::frames::{seconds_after, seconds_between};
 use crate::images::{ARCSEC_PER_RAD, Telescope};
 use crate::orbit::LeftOut;
-use crate::passes::{CrossingProbability, Exposure, Field, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
+use crate::passes::{CrossingProbability, Exposure, Field, Pass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::{Band, PhotometryOptions};
 
-use super::exposure_flag::{ExposureFlag, Verdict};
 use super::horizon::{last_starts_s, lowest_altitudes_over};
 use super::judge::{CameraLimits, Expected, Rules, counts, flag};
 use super::policy::{LimitKind, Policy};
 use super::scheduled::ScheduledExposure;
 use super::shift::{Interval, next_clear_start};
+use super::verdict::{Verdict, VerdictKind};
 
 /// Distance of a clear start from entries and exits, which are accurate to a millisecond, seconds.
 pub(super) const GUARD_S: f64 = 0.002;
@@ -43,9 +43,7 @@ pub struct FlagRequest<'a> {
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FlagReport {
     /// One flag for each row, in order.
-    pub flags: Vec<ExposureFlag>,
-    /// The passes that count, by row: lit crossings, and near misses if the policy has a probability.
-    pub passes: Vec<Vec<FieldPass>>,
+    pub flags: Vec<Verdict>,
     /// Satellites without a position for at least one exposure.
     pub left_out: Vec<LeftOut>,
 }
@@ -54,7 +52,6 @@ impl FlagReport {
     /// Appends the report of the rows that follow.
     pub fn append(&mut self, next: FlagReport) {
         self.flags.extend(next.flags);
-        self.passes.extend(next.passes);
         self.left_out.extend(next.left_out);
         self.sort_left_out();
     }
@@ -84,12 +81,12 @@ impl FlagReport {
 /// # Errors
 /// [`SkyError`] if passes cannot be computed at all.
 pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
-    let Judged { mut report, mut flags, above } = judge(rows, request)?;
-    let waits = shift(&above, request, &mut flags, &mut report)?;
+    let Judged { mut report, mut flags, above, counted } = judge(rows, request)?;
+    let waits = shift(&above, request, &counted, &mut flags, &mut report)?;
     if request.policy.min_probability.is_some() || request.policy.max_lost_fraction.is_some() {
         confirm(&above, waits, request, &mut flags)?;
     }
-    Ok(finished(report, flags))
+    Ok(finished(report, flags, counted))
 }
 
 /// As [`flag_exposures`], without margins and without next clear starts of exposures that are not clear. Takes less than half the
@@ -98,22 +95,42 @@ pub fn flag_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) ->
 /// # Errors
 /// As [`flag_exposures`].
 pub fn judge_exposures(rows: &[&ScheduledExposure], request: &FlagRequest<'_>) -> Result<FlagReport, SkyError> {
-    let Judged { report, flags, .. } = judge(rows, request)?;
-    Ok(finished(report, flags))
+    let Judged { report, flags, counted, .. } = judge(rows, request)?;
+    Ok(finished(report, flags, counted))
+}
+
+impl Sky {
+    /// Judges one exposure by a policy, with the usual photometry (V band) and no telescope.
+    ///
+    /// [`flag_exposures`] judges whole schedules, with a telescope and other bands.
+    ///
+    /// # Errors
+    /// [`SkyError`] if the exposure has no finite direction or length, or lies outside the years of the Sun's ephemeris. A pointing
+    /// below the horizon is no error: its verdict is [`VerdictKind::Invalid`], with the reason.
+    pub fn judge(&self, exposure: &Exposure, field: &Field, policy: &Policy) -> Result<Verdict, SkyError> {
+        let row = ScheduledExposure { id: exposure.id.clone(), row: 0, band: None, exposure: Ok(exposure.clone()) };
+        let photometry = PhotometryOptions::default();
+        let request = FlagRequest { sky: self, field, policy, telescope: None, photometry: &photometry };
+        let mut report = flag_exposures(&[&row], &request)?;
+        Ok(report.flags.pop().unwrap_or_else(|| Verdict::invalid(&exposure.id, "not judged".to_owned())))
+    }
 }
 
 /// Verdicts of the exposures as scheduled.
 struct Judged<'a> {
     report: FlagReport,
     /// Flags by row.
-    flags: Vec<Option<ExposureFlag>>,
+    flags: Vec<Option<Verdict>>,
     /// The rows above the horizon.
     above: Vec<(usize, &'a Exposure)>,
+    /// The passes that count, by row: lit crossings, and near misses if the policy has a probability.
+    counted: Vec<Vec<Pass>>,
 }
 
 fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Result<Judged<'a>, SkyError> {
-    let mut report = FlagReport { passes: vec![Vec::new(); rows.len()], ..FlagReport::default() };
-    let mut flags: Vec<Option<ExposureFlag>> = vec![None; rows.len()];
+    let mut report = FlagReport::default();
+    let mut counted: Vec<Vec<Pass>> = vec![Vec::new(); rows.len()];
+    let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
     let above: Vec<(usize, &Exposure)> = above_the_horizon(rows, request, &mut flags);
 
     let exposures: Vec<Exposure> = above.iter().map(|(_, exposure)| (*exposure).clone()).collect();
@@ -129,15 +146,16 @@ fn judge<'a>(rows: &[&'a ScheduledExposure], request: &FlagRequest<'_>) -> Resul
     for (((row, exposure), passes), satellites) in above.iter().zip(answer.by_exposure).zip(probabilities) {
         let expected = expected_of(&satellites, request);
         flags[*row] = Some(flag(exposure, rows[*row].band.as_deref(), &passes, &expected, &rules));
-        report.passes[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
+        counted[*row] = passes.into_iter().filter(|pass| counts(pass, request.policy)).collect();
     }
-    Ok(Judged { report, flags, above })
+    Ok(Judged { report, flags, above, counted })
 }
 
-fn finished(mut report: FlagReport, flags: Vec<Option<ExposureFlag>>) -> FlagReport {
+fn finished(mut report: FlagReport, flags: Vec<Option<Verdict>>, counted: Vec<Vec<Pass>>) -> FlagReport {
     report.sort_left_out();
     // Every row has a flag: those above the horizon were judged, the others are invalid.
-    report.flags = flags.into_iter().flatten().collect();
+    let with_passes = |(flag, passes): (Option<Verdict>, Vec<Pass>)| flag.map(|flag| Verdict { passes, ..flag });
+    report.flags = flags.into_iter().zip(counted).filter_map(with_passes).collect();
     report
 }
 
@@ -154,13 +172,13 @@ pub(super) fn pass_options(request: &FlagRequest<'_>) -> PassOptions {
 fn above_the_horizon<'a>(
     rows: &[&'a ScheduledExposure],
     request: &FlagRequest<'_>,
-    flags: &mut [Option<ExposureFlag>],
+    flags: &mut [Option<Verdict>],
 ) -> Vec<(usize, &'a Exposure)> {
     let mut judged: Vec<(usize, &Exposure)> = Vec::with_capacity(rows.len());
     for (row, scheduled) in rows.iter().enumerate() {
         match &scheduled.exposure {
             Ok(exposure) => judged.push((row, exposure)),
-            Err(reason) => flags[row] = Some(ExposureFlag::invalid(&scheduled.id, reason.clone())),
+            Err(reason) => flags[row] = Some(Verdict::invalid(&scheduled.id, reason.clone())),
         }
     }
     let exposures: Vec<&Exposure> = judged.iter().map(|(_, exposure)| *exposure).collect();
@@ -171,7 +189,7 @@ fn above_the_horizon<'a>(
         let altitude_rad = altitudes.next().unwrap_or(f64::NAN);
         if altitude_rad.is_nan() || altitude_rad < 0.0 {
             let reason = below(request.sky.viewpoint(), altitude_rad);
-            flags[*row] = Some(ExposureFlag::invalid(&exposure.id, reason));
+            flags[*row] = Some(Verdict::invalid(&exposure.id, reason));
         }
         altitude_rad >= 0.0
     });
@@ -218,7 +236,7 @@ impl CameraLimits for Camera<'_> {
         kind.limit_mag(self.telescope, band?)
     }
 
-    fn as_at_550_km_mag(&self, pass: &FieldPass, magnitude: f64, band: Option<&str>) -> f64 {
+    fn as_at_550_km_mag(&self, pass: &Pass, magnitude: f64, band: Option<&str>) -> f64 {
         // Satellites are grey: the colour is that of the Sun.
         let colour = band.and_then(|band| band.parse::<Band>().ok()).map_or(0.0, |band| {
             band.sun_magnitude(band.usual_system()) - self.photometry.band.sun_magnitude(self.photometry.system)
@@ -236,7 +254,8 @@ impl CameraLimits for Camera<'_> {
 fn shift(
     judged: &[(usize, &Exposure)],
     request: &FlagRequest<'_>,
-    flags: &mut [Option<ExposureFlag>],
+    counted: &[Vec<Pass>],
+    flags: &mut [Option<Verdict>],
     report: &mut FlagReport,
 ) -> Result<Vec<Wait>, SkyError> {
     let policy = request.policy;
@@ -244,7 +263,7 @@ fn shift(
     let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
     let waiting: Vec<(usize, &Exposure)> = judged
         .iter()
-        .filter(|(row, _)| margin_s > 0.0 || flags[*row].as_ref().is_some_and(|flag| flag.verdict != Verdict::Clear))
+        .filter(|(row, _)| margin_s > 0.0 || flags[*row].as_ref().is_some_and(|flag| flag.kind != VerdictKind::Clear))
         .copied()
         .collect();
     let long: Vec<Exposure> = waiting
@@ -263,26 +282,26 @@ fn shift(
     let last_starts = last_starts_s(&waiting_exposures, request.sky.viewpoint(), &earth, max_delay_s);
     for (((row, exposure), passes), last_start_s) in waiting.iter().zip(&answer.by_exposure).zip(last_starts) {
         let Some(flag) = flags[*row].as_mut() else { continue };
-        let blocked = |late: &dyn Fn(&FieldPass) -> f64| -> Vec<Interval> {
+        let blocked = |late: &dyn Fn(&Pass) -> f64| -> Vec<Interval> {
             let ahead = passes
                 .iter()
                 .filter(|pass| counts(pass, policy))
                 .flat_map(|pass| intervals(pass, exposure, margin_s, late(pass)));
             // The passes of the verdict block the scheduled start too; at its ends the longer interval may miss them.
-            let now = report.passes[*row].iter().flat_map(|pass| intervals(pass, exposure, 0.0, late(pass)));
+            let now = counted[*row].iter().flat_map(|pass| intervals(pass, exposure, 0.0, late(pass)));
             ahead.chain(now).collect()
         };
-        if flag.verdict == Verdict::Clear {
+        if flag.kind == VerdictKind::Clear {
             // Margins apply to nominal crossings, without the allowance for delays.
             let nominal = blocked(&|_| 0.0);
             let touched = next_clear_start(&nominal, exposure.duration_s, margin_s, 0.0, 0.0, 0.0).is_none();
             if !touched {
                 continue;
             }
-            flag.verdict = Verdict::Streaked;
+            flag.kind = VerdictKind::Streaked;
             flag.reasons.push(format!("a lit satellite crosses within {margin_s} s of the exposure"));
         }
-        let late_s = |pass: &FieldPass| late_s(pass, policy).min(max_delay_s);
+        let late_s = |pass: &Pass| late_s(pass, policy).min(max_delay_s);
         let wait = Wait { row: *row, blocked: blocked(&late_s), last_start_s };
         wait.find(exposure, policy, 0.0, flag);
         if flag.delay_s == Some(0.0) {
@@ -305,7 +324,7 @@ struct Wait {
 
 impl Wait {
     /// Sets the next clear start that is not before a delay, or adds the reason why there is none.
-    fn find(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut ExposureFlag) {
+    fn find(&self, exposure: &Exposure, policy: &Policy, from_s: f64, flag: &mut Verdict) {
         // The guard includes the rounding to the millisecond.
         let guard_s = GUARD_S + TICK_S;
         let (margin_s, max_delay_s) = (policy.margin_or_default_s(), policy.max_delay_or_default_s());
@@ -336,7 +355,7 @@ fn confirm(
     judged: &[(usize, &Exposure)],
     mut waits: Vec<Wait>,
     request: &FlagRequest<'_>,
-    flags: &mut [Option<ExposureFlag>],
+    flags: &mut [Option<Verdict>],
 ) -> Result<(), SkyError> {
     let policy = request.policy;
     let options = PassOptions { without_light: true, ..pass_options(request) };
@@ -383,7 +402,7 @@ fn confirm(
 }
 
 /// Returns the allowance for an early or late satellite, seconds; 0 without a probability in the policy.
-pub(super) fn late_s(pass: &FieldPass, policy: &Policy) -> f64 {
+pub(super) fn late_s(pass: &Pass, policy: &Policy) -> f64 {
     policy.min_probability.map_or(0.0, |_| LATE_SIGMAS * pass.along_track_sigma_s)
 }
 
@@ -392,7 +411,7 @@ pub(super) fn late_s(pass: &FieldPass, policy: &Policy) -> f64 {
 ///
 /// These are the chords of a crossing and the closest approach of a near miss, extended at both ends by the allowance `late_s`.
 /// With a delay of sigma σ, a chord that ended z σ before an exposure opens reaches it with a probability below 1 - Φ(z).
-pub(super) fn intervals(pass: &FieldPass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
+pub(super) fn intervals(pass: &Pass, exposure: &Exposure, lead_s: f64, late_s: f64) -> Vec<Interval> {
     let widened = |start_s: f64, end_s: f64| Interval { start_s: start_s - late_s, end_s: end_s + late_s };
     if pass.is_crossing() {
         pass.chords.iter().map(|chord| widened(chord.enter_s - lead_s, chord.exit_s - lead_s)).collect()

@@ -4,10 +4,10 @@ use crate::elements::ElementSet;
 use crate::frames::seconds_after;
 use crate::images::{Telescope, effective_magnitude, surface_brightness_mag_arcsec2};
 use crate::output::{Column, Kind, Table, TableField, Value};
-use crate::passes::{Chord, Exposure, FieldPass, TrackPoint};
+use crate::passes::{Chord, Exposure, Pass, TrackPoint};
 use crate::photometry::{Brightness, PhotometryOptions};
 
-use super::exposure_flag::ExposureFlag;
+use super::verdict::Verdict;
 
 /// Returns exposures as a table, in their order: `id, start_utc, duration_s, ra_deg, dec_deg, rotation_deg`.
 pub fn exposure_table<'a>(exposures: impl IntoIterator<Item = &'a Exposure>) -> Table {
@@ -35,19 +35,19 @@ pub fn exposure_table<'a>(exposures: impl IntoIterator<Item = &'a Exposure>) -> 
 }
 
 /// Returns flags as a table, in their order.
-pub fn flag_table(flags: &[ExposureFlag]) -> Table {
+pub fn flag_table(flags: &[Verdict]) -> Table {
     Table::from_records(&flag_fields(), flags)
 }
 
-fn flag_fields() -> Vec<TableField<ExposureFlag>> {
-    let field = TableField::<ExposureFlag>::new;
+fn flag_fields() -> Vec<TableField<Verdict>> {
+    let field = TableField::<Verdict>::new;
     vec![
         field(Column::new("exposure_id", Kind::Text, "The schedule's name of the exposure."), |flag| {
             flag.exposure_id.as_str().into()
         }),
         field(
             Column::new("verdict", Kind::Text, "clear, streaked, avoid, or invalid where it cannot be judged."),
-            |flag| flag.verdict.name().into(),
+            |flag| flag.kind.name().into(),
         ),
         field(
             Column::new("n_streaks", Kind::Integer, "Lit satellites whose nominal tracks cross the field."),
@@ -104,7 +104,7 @@ pub struct StreakRow<'a> {
     /// The exposure it crosses.
     pub exposure: &'a Exposure,
     /// The pass.
-    pub pass: &'a FieldPass,
+    pub pass: &'a Pass,
     /// Its element set.
     pub elements: &'a ElementSet,
     /// Largest extent of the satellite, metres.

@@ -5,7 +5,7 @@ use hifitime::Epoch;
 use crate::frames::{OrientationTable, seconds_after, seconds_between};
 use crate::geometry::{Observer, SunTable};
 use crate::orbit::LeftOut;
-use crate::passes::{Chord, Exposure, FieldCrossing, FieldPass, SkyError, Viewpoint};
+use crate::passes::{Chord, Exposure, FieldCrossing, Pass, SkyError, Viewpoint};
 
 use super::horizon::{altitude_rad, sampling_interval_s};
 use super::judge::{CameraLimits, Rules, counts, is_dodged, is_to_avoid};
@@ -65,7 +65,7 @@ pub struct TargetWindows {
     /// Openings allowed by the altitudes of target and Sun, regardless of satellites.
     pub observable: Vec<ClearWindow>,
     /// Passes between the windows, in order of entry.
-    pub dodged: Vec<FieldPass>,
+    pub dodged: Vec<Pass>,
 }
 
 /// Windows of all targets.
@@ -173,7 +173,7 @@ fn windows_of(
 /// Intervals in which satellites block one target, seconds after the start of the range, and their passes.
 struct Blocked {
     intervals: Vec<Interval>,
-    dodged: Vec<FieldPass>,
+    dodged: Vec<Pass>,
 }
 
 /// Returns what blocks each target, from passes with their magnitudes.
@@ -188,13 +188,13 @@ fn passes(
     let answer = sky.field_passes(exposures, field, &pass_options(&request.against))?;
     let camera = telescope.map(|telescope| Camera { telescope, sky, photometry });
     let rules = Rules { policy, camera: camera.as_ref().map(|camera| camera as &dyn CameraLimits) };
-    let blocks = |pass: &FieldPass, band: Option<&str>| match request.blocking {
+    let blocks = |pass: &Pass, band: Option<&str>| match request.blocking {
         Blocking::Any => counts(pass, policy),
         Blocking::Avoided => is_to_avoid(pass, band, &rules),
         Blocking::Limits => is_dodged(pass, band, &rules),
     };
-    let of = |(target, passes): (&WindowTarget, Vec<FieldPass>)| {
-        let dodged: Vec<FieldPass> = passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref())).collect();
+    let of = |(target, passes): (&WindowTarget, Vec<Pass>)| {
+        let dodged: Vec<Pass> = passes.into_iter().filter(|pass| blocks(pass, target.band.as_deref())).collect();
         let shifted = Exposure { start: from, ..target.exposure.clone() };
         let intervals =
             dodged.iter().flat_map(|pass| intervals(pass, &shifted, margin_s, late_s(pass, policy))).collect();

@@ -37,7 +37,8 @@ pub use injection::{
 };
 pub use light::{
     Glint, LightCurve, Modulation, ModulationError, RandomStreakError, RandomStreaks, ResolvedPanels, SatelliteError,
-    SatelliteLight, Satellites, SkyPoint, SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling, satellites,
+    SatelliteExposure, SatelliteLight, SkyPoint, SkyTrack, Source, SourceName, SourcePart, StreakNumber, Tumbling,
+    satellites,
 };
 pub use optics::{Optics, OpticsError, SeeingForm};
 pub use psf::{Blur, BlurError, EdgeTable, Lanes, Lattice, Parts, ProfileTables, RadialProfile, Seeing, draw_point};

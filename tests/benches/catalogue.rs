@@ -5,7 +5,7 @@ use std::fmt::Write;
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use hifitime::Epoch;
-use streakcast::elements::{Catalogue, Constellation, ElementSet, NoradId, ReadOptions, format_tle};
+use streakcast::elements::{Constellation, ElementSet, NoradId, ReadOptions, Satellites, format_tle};
 
 const COUNT: usize = 25_000;
 
@@ -95,7 +95,7 @@ fn text(format: &str) -> String {
 fn read_25000(bencher: Bencher, format: &str) {
     let text = text(format);
     bencher.counter(ItemsCount::new(COUNT)).bench_local(|| {
-        let catalogue = Catalogue::from_bytes("bench", text.as_bytes(), &ReadOptions::default()).expect("good");
+        let catalogue = Satellites::from_bytes("bench", text.as_bytes(), &ReadOptions::default()).expect("good");
         assert_eq!(catalogue.element_sets.len(), COUNT);
         catalogue
     });
@@ -109,5 +109,5 @@ fn read_25000_tle_from_disk(bencher: Bencher) {
     std::fs::write(&path, text("tle")).expect("space");
     bencher
         .counter(ItemsCount::new(COUNT))
-        .bench_local(|| Catalogue::read(&[&path], &ReadOptions::default()).expect("good"));
+        .bench_local(|| Satellites::read(&[&path], &ReadOptions::default()).expect("good"));
 }

@@ -14,7 +14,7 @@ use std::path::PathBuf;
 use std::time::Instant;
 
 use hifitime::{Epoch, Unit};
-use streakcast::elements::{Catalogue, Constellation, ElementSet, ReadOptions};
+use streakcast::elements::{Constellation, ElementSet, ReadOptions, Satellites};
 use streakcast::frames::{Direction, EopTable, Horizontal, OrientationTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Passes, Sky};
@@ -48,7 +48,7 @@ fn cerro_pachon() -> Observer {
 
 fn sky(elements: Vec<ElementSet>) -> Sky {
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    Sky::new(elements, cerro_pachon(), EopTable::embedded(), &choice)
+    Sky::with_models(elements, cerro_pachon(), EopTable::embedded(), &choice)
 }
 
 fn exposures(schedule: &str) -> Vec<Exposure> {
@@ -67,7 +67,7 @@ fn ask(sky: &Sky, exposures: &[Exposure], fov_deg: f64) -> Passes {
 /// Seconds for reading, making ready, and the crossings.
 fn cold(elements: &str, exposures: &[Exposure], fov_deg: f64) -> [f64; 3] {
     let start = Instant::now();
-    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
+    let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let read_s = start.elapsed().as_secs_f64();
     let sky = sky(catalogue.element_sets);
     let ready_s = start.elapsed().as_secs_f64() - read_s;
@@ -79,7 +79,7 @@ fn cold(elements: &str, exposures: &[Exposure], fov_deg: f64) -> [f64; 3] {
 fn medians(elements: &str, schedule: &str, fov_deg: f64) {
     let exposures = exposures(schedule);
     let runs: Vec<[f64; 3]> = (0..9).map(|_| cold(elements, &exposures, fov_deg)).collect();
-    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
+    let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let satellites = catalogue.element_sets.len();
     let sky = sky(catalogue.element_sets);
     let mut found = 0;
@@ -114,7 +114,7 @@ fn medians(elements: &str, schedule: &str, fov_deg: f64) {
 
 /// A dozen visits of an evening: the probability of every satellite in each, warm.
 fn old_elements(elements: &str, date: &str, fov_deg: f64) {
-    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
+    let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let sky = sky(catalogue.element_sets);
     let start: Epoch = format!("{date}T23:40:00 UTC").parse().expect("a date");
     let visits = random_exposures(start, 12);
@@ -148,7 +148,7 @@ fn old_elements(elements: &str, date: &str, fov_deg: f64) {
 
 /// Forty targets that are up in an evening, asked for their clear windows together.
 fn clear(elements: &str, date: &str, fov_deg: f64) {
-    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
+    let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default()).expect("the elements read");
     let sky = sky(catalogue.element_sets);
     let from: Epoch = format!("{date}T22:50:00 UTC").parse().expect("a date");
     let exposures = random_exposures(from, 40);

@@ -4,7 +4,7 @@ use std::io::Write;
 
 use flate2::Compression;
 use flate2::write::GzEncoder;
-use streakcast::elements::{Catalogue, CatalogueError, Keep, NoradId, ReadOptions, format_tle};
+use streakcast::elements::{CatalogueError, Keep, NoradId, ReadOptions, Satellites, format_tle};
 
 /// The invented satellite in one syntax.
 pub fn sample(name: &str) -> Vec<u8> {
@@ -13,18 +13,18 @@ pub fn sample(name: &str) -> Vec<u8> {
 }
 
 /// The text as one file.
-pub fn read(bytes: &[u8]) -> Result<Catalogue, CatalogueError> {
-    Catalogue::from_bytes("test", bytes, &ReadOptions::default())
+pub fn read(bytes: &[u8]) -> Result<Satellites, CatalogueError> {
+    Satellites::from_bytes("test", bytes, &ReadOptions::default())
 }
 
 /// The same, every element set kept.
-pub fn read_all(bytes: &[u8]) -> Catalogue {
+pub fn read_all(bytes: &[u8]) -> Satellites {
     let options = ReadOptions { keep: Keep::All, ..Default::default() };
-    Catalogue::from_bytes("test", bytes, &options).expect("readable")
+    Satellites::from_bytes("test", bytes, &options).expect("readable")
 }
 
 /// Line and reason of each rejected record.
-pub fn reasons(catalogue: &Catalogue) -> Vec<(usize, String)> {
+pub fn reasons(catalogue: &Satellites) -> Vec<(usize, String)> {
     catalogue.rejected.iter().map(|rejected| (rejected.line, rejected.reason.to_string())).collect()
 }
 

@@ -5,7 +5,7 @@
 use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
-use streakcast::elements::{Catalogue, History, Keep, NoradId, OrbitPhase, ReadOptions as Elements, StationRule};
+use streakcast::elements::{History, Keep, NoradId, OrbitPhase, ReadOptions as Elements, Satellites, StationRule};
 use streakcast::fit::measurements::{
     AssociationOptions, Candidate, DropReason, Format, OrbitRadius, PhotometryOptions, Place, Placement, Placer,
     RecordReader, RecordSource, Records, ReduceOptions, Selection, StationInterval, Stations, associate, measure,
@@ -22,7 +22,7 @@ fn files_in(folder: &Path) -> Vec<PathBuf> {
 
 fn history(files: &[PathBuf]) -> History {
     let options = Elements { keep: Keep::All, ..Elements::default() };
-    Catalogue::read(files, &options).unwrap().into_history()
+    Satellites::read(files, &options).unwrap().into_history()
 }
 
 fn visorsat(data: &Path) -> Records {

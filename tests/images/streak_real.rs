@@ -2,7 +2,7 @@
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
-use streakcast::elements::{Catalogue, ElementSet, ReadOptions};
+use streakcast::elements::{ElementSet, ReadOptions, Satellites};
 use streakcast::frames::{Direction, EopTable, Gcrs, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::images::{CountBasis, FrameFile, PixelPosition, Wcs};
@@ -21,11 +21,11 @@ const NORAD: u32 = 44920;
 const SEEN: [PixelPosition; 2] = [PixelPosition { x: 0.0, y: 67.5 }, PixelPosition { x: 70.0, y: -3.0 }];
 
 fn track(elements: &ElementSet, exposure: &Exposure, radius_deg: f64) -> Option<SkyTrack> {
-    let site = Site::by_mpc_code("W84").unwrap();
+    let site = Site::from_mpc("W84").unwrap();
     let choice = ModelChoice::new(&ModelLibrary::embedded()).unwrap();
     // As the command has it where no table is named: with the pole's motion, 12 m there, the streak lies 3" nearer.
     let eop = EopTable::embedded().without_polar_motion();
-    let sky = Sky::new(vec![elements.clone()], Observer::new(site), eop.clone(), &choice);
+    let sky = Sky::with_models(vec![elements.clone()], Observer::new(site), eop.clone(), &choice);
     let light = SatelliteLight {
         photometry: &PhotometryOptions::default(),
         modulation: &Modulation::default(),
@@ -61,7 +61,7 @@ fn valid_starlink_1102_crosses_the_decam_exposure_as_it_was_seen() {
         ("supgp/starlink_supgp_2020-02-23.tle", 11.48, 0.50, 0.03),
         ("supgp/starlink_supgp_2020-02-25.tle", 9.48, 27.09, 0.47),
     ] {
-        let catalogue = Catalogue::read(&[folder.join("tle").join(file)], &ReadOptions::default()).unwrap();
+        let catalogue = Satellites::read(&[folder.join("tle").join(file)], &ReadOptions::default()).unwrap();
         let elements = catalogue.element_sets.iter().find(|one| one.norad_id.0 == NORAD).unwrap();
         assert!((seconds_between(elements.epoch, exposure.start) / 86_400.0 - age_days).abs() < 0.01, "{file}");
         let track = track(elements, &exposure, radius_deg).expect("the satellite crosses the field");

@@ -3,7 +3,7 @@
 use crate::common::elements::{gzip, read, reasons, sample};
 use hifitime::Epoch;
 use proptest::prelude::*;
-use streakcast::elements::{Catalogue, ElementFormat, ElementSet, NoradId, ReadOptions, format_tle};
+use streakcast::elements::{ElementFormat, ElementSet, NoradId, ReadOptions, Satellites, format_tle};
 use streakcast::orbit::Propagator;
 
 const LINE1: &str = "1 90001U 26001A   26079.52426840 -.00001234  12345-7  10370-3 0  9991";
@@ -132,7 +132,7 @@ fn verif_mixed_files_in_one_run() {
         path
     })
     .collect();
-    let catalogue = Catalogue::read(&paths, &ReadOptions::default()).unwrap();
+    let catalogue = Satellites::read(&paths, &ReadOptions::default()).unwrap();
     let ids: Vec<_> = catalogue.element_sets.iter().map(|set| set.norad_id.0).collect();
     assert_eq!((ids, catalogue.duplicates), (vec![90001, 900_010], 1));
     // The two-line file had no name; the duplicate lends it.

@@ -4,7 +4,7 @@ use crate::common::elements::{pair, read, read_all, sample};
 use hifitime::{Epoch, Unit};
 use proptest::prelude::*;
 use streakcast::elements::{
-    Catalogue, ElementSet, History, Keep, NoradId, ReadOptions, StationRule, orbit_phases, semi_major_axis_km,
+    ElementSet, History, Keep, NoradId, ReadOptions, Satellites, StationRule, orbit_phases, semi_major_axis_km,
 };
 
 #[test]
@@ -35,7 +35,7 @@ fn verif_history_and_selection() {
 
     let kept = |keep| {
         let options = ReadOptions { keep, ..Default::default() };
-        let catalogue = Catalogue::from_bytes("test", text.as_bytes(), &options).unwrap();
+        let catalogue = Satellites::from_bytes("test", text.as_bytes(), &options).unwrap();
         assert_eq!((catalogue.duplicates, catalogue.superseded), (1, 2));
         catalogue.element_sets
     };

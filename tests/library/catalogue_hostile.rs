@@ -4,7 +4,7 @@ use std::path::Path;
 
 use crate::common::elements::{gzip, pair, read, reasons, sample};
 use proptest::prelude::*;
-use streakcast::elements::{Catalogue, CatalogueError, NoradId, ReadOptions};
+use streakcast::elements::{CatalogueError, NoradId, ReadOptions, Satellites};
 
 const LINE1: &str = "1 90001U 26001A   26079.52426840 -.00001234  12345-7  10370-3 0  9991";
 const LINE2: &str = "2 90001  53.0541 193.4497 0006669 272.1743  87.8481 15.06394766123458";
@@ -46,7 +46,7 @@ fn verif_a_bad_record_is_named_and_the_rest_goes_on() {
     assert_eq!((catalogue.sources[0].records, catalogue.sources[0].rejected), (2, 7));
 
     let options = ReadOptions { accept_bad_checksums: true, ..Default::default() };
-    let lenient = Catalogue::from_bytes("test", text.as_bytes(), &options).unwrap();
+    let lenient = Satellites::from_bytes("test", text.as_bytes(), &options).unwrap();
     assert_eq!(lenient.rejected.len(), 6);
     assert_eq!(lenient.sources[0].bad_checksums_accepted, 1);
     assert_eq!(lenient.duplicates, 1);
@@ -197,12 +197,12 @@ fn verif_a_whole_file_fails_with_one_clear_error() {
     assert!(error.starts_with("test is a broken gzip file ("), "{error}");
 
     let folder = tempfile::tempdir().unwrap();
-    let error = Catalogue::read(&[folder.path()], &ReadOptions::default()).unwrap_err();
+    let error = Satellites::read(&[folder.path()], &ReadOptions::default()).unwrap_err();
     assert!(matches!(error, CatalogueError::Directory { .. }), "{error}");
     let missing = folder.path().join("missing.tle");
-    let error = Catalogue::read(&[&missing], &ReadOptions::default()).unwrap_err();
+    let error = Satellites::read(&[&missing], &ReadOptions::default()).unwrap_err();
     assert!(error.to_string().starts_with(&format!("cannot read {}: ", missing.display())), "{error}");
-    assert!(matches!(Catalogue::read::<&Path>(&[], &ReadOptions::default()), Err(CatalogueError::NoFiles)));
+    assert!(matches!(Satellites::read::<&Path>(&[], &ReadOptions::default()), Err(CatalogueError::NoFiles)));
 }
 
 proptest! {

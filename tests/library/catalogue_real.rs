@@ -5,12 +5,12 @@ use std::path::PathBuf;
 
 use serde_json::Value;
 use streakcast::elements::{
-    Catalogue, Certainty, Constellation, ElementFormat, ElementSet, Generation, GenerationTable, History, Keep,
-    NoradId, OrbitPhase, ReadOptions, StationRule, format_tle, orbit_phases, semi_major_axis_km,
+    Certainty, Constellation, ElementFormat, ElementSet, Generation, GenerationTable, History, Keep, NoradId,
+    OrbitPhase, ReadOptions, Satellites, StationRule, format_tle, orbit_phases, semi_major_axis_km,
 };
 
-fn read(path: PathBuf, keep: Keep) -> Catalogue {
-    Catalogue::read(&[&path], &ReadOptions { keep, ..Default::default() })
+fn read(path: PathBuf, keep: Keep) -> Satellites {
+    Satellites::read(&[&path], &ReadOptions { keep, ..Default::default() })
         .unwrap_or_else(|error| panic!("{}: {error}", path.display()))
 }
 
@@ -66,7 +66,7 @@ fn valid_every_real_file_reads() {
     for (name, accepted, objects) in
         [("messy/keeptrack_alpha5_excerpt.txt", 397, 400), ("fullcat/tle_2020-05-17.txt", 255, 20_150)]
     {
-        let catalogue = Catalogue::read(&[data.join("tle").join(name)], &options).unwrap();
+        let catalogue = Satellites::read(&[data.join("tle").join(name)], &options).unwrap();
         assert_eq!((catalogue.sources[0].bad_checksums_accepted, catalogue.element_sets.len()), (accepted, objects));
     }
 }
@@ -75,7 +75,7 @@ fn valid_every_real_file_reads() {
 fn valid_what_is_no_element_file_is_refused_by_name() {
     let Some(data) = crate::common::data_dir() else { return };
     for name in ["omm/sample_starlink_ephemeris.txt", "history/manoeuvres_Sentinel-6A.yaml", "omm/ccsds_ndm/LICENSE"] {
-        let error = Catalogue::read(&[data.join("tle").join(name)], &ReadOptions::default()).unwrap_err().to_string();
+        let error = Satellites::read(&[data.join("tle").join(name)], &ReadOptions::default()).unwrap_err().to_string();
         assert!(error.contains(name) && error.contains("holds no element sets"), "{error}");
     }
 }
@@ -113,7 +113,7 @@ fn valid_a_real_catalogue_survives_being_written() {
             let [line1, line2] = format_tle(&set).unwrap();
             let text = format!("{}\n{line1}\n{line2}\n", set.name);
             let mut back =
-                Catalogue::from_bytes("written", text.as_bytes(), &ReadOptions::default()).unwrap().element_sets;
+                Satellites::from_bytes("written", text.as_bytes(), &ReadOptions::default()).unwrap().element_sets;
             let mut back = back.remove(0);
             // Designators of other forms are not written; a zero's sign and an exponent's spelling are free.
             back.international_designator = set.international_designator.clone();
@@ -179,7 +179,7 @@ fn starlinks(data: &std::path::Path) -> Vec<ElementSet> {
     ];
     let paths: Vec<_> = files.iter().map(|name| data.join("tle").join(name)).collect();
     let options = ReadOptions { keep: Keep::All, ..Default::default() };
-    let history: History = Catalogue::read(&paths, &options).unwrap().into_history();
+    let history: History = Satellites::read(&paths, &options).unwrap().into_history();
     history.newest()
 }
 

@@ -7,7 +7,7 @@ use streakcast::geometry::{EarthLimb, Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, OrbitingObserver, Sky, SkyError};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
 use streakcast::schedule::{
-    Blocking, ClearWindow, FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, Verdict, WindowRequest,
+    Blocking, ClearWindow, FlagRequest, MagnitudeLimit, Policy, ScheduledExposure, VerdictKind, WindowRequest,
     WindowTarget, clear_windows, clear_windows_alone, flag_exposures, lowest_altitudes_rad,
 };
 
@@ -25,7 +25,7 @@ fn sky() -> Sky {
     let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
     let elements = Constellation::by_name("starlink-gen1").expect("shells").element_sets(dusk());
-    Sky::new(elements, Observer::new(site), EopTable::embedded(), &choice)
+    Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice)
 }
 
 fn exposure(start: Epoch, duration_s: f64, number: usize) -> Exposure {
@@ -35,7 +35,7 @@ fn exposure(start: Epoch, duration_s: f64, number: usize) -> Exposure {
 }
 
 /// Verdicts of one target's exposures that start so long after dusk.
-fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<Verdict> {
+fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<VerdictKind> {
     let rows: Vec<ScheduledExposure> = starts_s
         .iter()
         .enumerate()
@@ -47,7 +47,7 @@ fn verdicts(starts_s: &[f64], number: usize, request: &FlagRequest<'_>) -> Vec<V
         })
         .collect();
     let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), request).expect("flags");
-    report.flags.iter().map(|flag| flag.verdict).collect()
+    report.flags.iter().map(|flag| flag.kind).collect()
 }
 
 /// Windows of four targets within an hour of dusk, exposures included.
@@ -78,9 +78,9 @@ fn verif_starts_within_are_clear_and_between_are_not() {
     let asked = [(&patient, Blocking::Any), (&bright, Blocking::Avoided), (&bright, Blocking::Limits)];
     for (policy, blocking) in asked {
         let request = FlagRequest { sky: &sky, field: &field, policy, telescope: None, photometry: &photometry };
-        let is_good = |verdict: &Verdict| match blocking {
-            Blocking::Any => *verdict == Verdict::Clear,
-            Blocking::Avoided | Blocking::Limits => matches!(verdict, Verdict::Clear | Verdict::Streaked),
+        let is_good = |verdict: &VerdictKind| match blocking {
+            Blocking::Any => *verdict == VerdictKind::Clear,
+            Blocking::Avoided | Blocking::Limits => matches!(verdict, VerdictKind::Clear | VerdictKind::Streaked),
         };
         let answer = windows(0.0, blocking, &request);
         let (mut inside, mut outside) = (0, 0);
@@ -136,7 +136,7 @@ fn windows_from_an_orbit_end_at_the_limb() {
     let elements = Constellation::by_name("starlink-gen1").expect("shells").element_sets(dusk());
     let observer = OrbitingObserver::new(&elements[0], EarthLimb::default()).expect("an orbit");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    let (sky, eop) = (Sky::new(elements, observer, EopTable::embedded(), &choice), EopTable::embedded());
+    let (sky, eop) = (Sky::with_models(elements, observer, EopTable::embedded(), &choice), EopTable::embedded());
     let field = Field::circle(0.5f64.to_radians()).expect("a field");
     let (photometry, policy) = (PhotometryOptions::default(), Policy::default());
     let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };

@@ -15,7 +15,7 @@ use streakcast::photometry::ModelLibrary;
 fn sky(elements: Vec<ElementSet>) -> Sky {
     let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    Sky::new(elements, Observer::new(site), EopTable::embedded(), &choice)
+    Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice)
 }
 
 /// Satellites of a shell as if their elements were published, `age_days` before the exposures.

@@ -8,11 +8,11 @@ use std::sync::LazyLock;
 use hifitime::{Epoch, TimeScale, Unit};
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestCaseError, TestRng, TestRunner};
-use streakcast::elements::{Catalogue, Constellation, ElementSet, NoradId, Origin, ReadOptions};
+use streakcast::elements::{Constellation, ElementSet, NoradId, Origin, ReadOptions, Satellites};
 use streakcast::frames::{Direction, EopTable, Horizontal, OrientationTable};
 use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::LeftOut;
-use streakcast::passes::{Exposure, Field, FieldPass, ModelChoice, PassOptions, Sky};
+use streakcast::passes::{Exposure, Field, ModelChoice, Pass, PassOptions, Sky};
 
 /// Cerro Pachón as the golden numbers have it.
 fn cerro_pachon() -> Observer {
@@ -20,7 +20,7 @@ fn cerro_pachon() -> Observer {
 }
 
 fn sky(elements: Vec<ElementSet>) -> Sky {
-    Sky::new(
+    Sky::with_models(
         elements,
         cerro_pachon(),
         EopTable::embedded(),
@@ -71,7 +71,7 @@ const ANGLE_TOLERANCE_DEG: f64 = 0.2 / 3600.0;
 #[test]
 fn valid_crossings_against_python_sgp4_and_erfa() {
     let Some(data) = crate::common::data_dir() else { return };
-    let catalogue = Catalogue::read(&[data.join("tle/active/active_2026-04-25.txt")], &ReadOptions::default())
+    let catalogue = Satellites::read(&[data.join("tle/active/active_2026-04-25.txt")], &ReadOptions::default())
         .expect("the catalogue reads");
     let sky = sky(catalogue.element_sets);
     let golden = golden();
@@ -170,7 +170,7 @@ static SKY: LazyLock<(Epoch, Sky)> = LazyLock::new(|| {
     match crate::common::data_dir() {
         Some(data) => {
             let path = data.join("tle/active/active_2026-04-25.txt");
-            sets.extend(Catalogue::read(&[path], &ReadOptions::default()).expect("the catalogue reads").element_sets);
+            sets.extend(Satellites::read(&[path], &ReadOptions::default()).expect("the catalogue reads").element_sets);
         }
         None => {
             for name in ["starlink-gen1", "oneweb", "kuiper"] {
@@ -261,7 +261,7 @@ fn same_answer(question: &Question, min_probability: Option<f64>) -> Result<usiz
     // Whoever is dark all along is left out before SGP4 is asked, and nobody else.
     let lit = PassOptions { include_dark: false, ..options };
     let lit = sky.field_passes(&exposures, &field, &lit).expect("an answer");
-    let of_all: Vec<&FieldPass> = culled.by_exposure[0].iter().filter(|pass| pass.lit).collect();
+    let of_all: Vec<&Pass> = culled.by_exposure[0].iter().filter(|pass| pass.lit).collect();
     prop_assert_eq!(lit.by_exposure[0].iter().collect::<Vec<_>>(), of_all);
     let (culled, brute) = (by_id(&culled.by_exposure[0]), by_id(&brute[0]));
     for (one, other, what) in [(&culled, &brute, "added"), (&brute, &culled, "lost")] {
@@ -285,7 +285,7 @@ fn same_answer(question: &Question, min_probability: Option<f64>) -> Result<usiz
     Ok(sky.elements().len())
 }
 
-fn by_id(passes: &[FieldPass]) -> BTreeMap<NoradId, &FieldPass> {
+fn by_id(passes: &[Pass]) -> BTreeMap<NoradId, &Pass> {
     passes.iter().map(|pass| (pass.norad_id, pass)).collect()
 }
 
@@ -373,8 +373,8 @@ fn verif_what_was_asked_before_changes_nothing() {
         sky.field_passes(std::slice::from_ref(exposure), &field, options).expect("an answer").by_exposure.remove(0)
     };
     let fresh = self::sky(sky.elements().to_vec());
-    let fresh: Vec<Vec<FieldPass>> = exposures.iter().map(|exposure| alone(&fresh, exposure, &nominal)).collect();
-    let who = |passes: &[FieldPass]| passes.iter().map(|pass| pass.norad_id).collect::<Vec<_>>();
+    let fresh: Vec<Vec<Pass>> = exposures.iter().map(|exposure| alone(&fresh, exposure, &nominal)).collect();
+    let who = |passes: &[Pass]| passes.iter().map(|pass| pass.norad_id).collect::<Vec<_>>();
     for ((exposure, at_once), fresh) in exposures.iter().zip(&at_once).zip(&fresh).rev() {
         alone(sky, exposure, &near);
         let kept = alone(sky, exposure, &nominal);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use hifitime::{Epoch, Unit};
-use streakcast::elements::{Catalogue, ElementSet, NoradId, ReadOptions};
+use streakcast::elements::{ElementSet, NoradId, ReadOptions, Satellites};
 use streakcast::forecast::{Forecast, ForecastRequest, PassRow, Selection, compass, forecast};
 use streakcast::frames::{EopTable, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, Site};
@@ -38,13 +38,13 @@ fn elements(path: &Path, id: u32) -> ElementSet {
         .filter(|line| line.starts_with(['1', '2']) && line.len() == 69)
         .collect();
     let catalogue =
-        Catalogue::from_bytes("elements", lines.join("\n").as_bytes(), &ReadOptions::default()).expect("elements");
+        Satellites::from_bytes("elements", lines.join("\n").as_bytes(), &ReadOptions::default()).expect("elements");
     catalogue.element_sets.into_iter().find(|set| set.norad_id == NoradId(id)).expect("the satellite")
 }
 
 fn sky(elements: Vec<ElementSet>, site: Site) -> Sky {
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    Sky::new(elements, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice)
+    Sky::with_models(elements, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice)
 }
 
 fn moment(date: &str, clock: &str) -> Epoch {
@@ -170,7 +170,7 @@ fn golden() -> BTreeMap<u32, Vec<Event>> {
 fn valid_passes_and_shadow_against_skyfield() {
     let Some(data) = crate::common::data_dir() else { return };
     let path = data.join("tle").join("active").join("active_2026-04-25.txt");
-    let catalogue = Catalogue::read(&[path], &ReadOptions::default()).expect("the catalogue");
+    let catalogue = Satellites::read(&[path], &ReadOptions::default()).expect("the catalogue");
     let golden = golden();
     let wanted: Vec<ElementSet> =
         catalogue.element_sets.into_iter().filter(|set| golden.contains_key(&set.norad_id.0)).collect();

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use hifitime::{Epoch, TimeScale};
 use streakcast::constants::{AU_KM, DAY_S};
-use streakcast::elements::{Catalogue, ReadOptions};
+use streakcast::elements::{ReadOptions, Satellites};
 use streakcast::frames::{
     Direction, EarthOrientationParameters, EopStatus, EopTable, Gcrs, Itrs, Orientation, OrientationTable, Position,
     Teme, Velocity, annual_aberration, epoch_from_mjd, gcrs_to_of_date, mjd_utc, seconds_after, ut1_jd,
@@ -262,7 +262,7 @@ fn valid_iss_state_against_horizons() {
     let remarks = text.lines().filter_map(|line| line.strip_prefix("# "));
     let elements: Vec<&str> = remarks.filter(|line| line.starts_with(['1', '2'])).collect();
     let catalogue =
-        Catalogue::from_bytes("iss", elements.join("\n").as_bytes(), &ReadOptions::default()).expect("elements");
+        Satellites::from_bytes("iss", elements.join("\n").as_bytes(), &ReadOptions::default()).expect("elements");
     let propagator = Propagator::new(&catalogue.element_sets[0]).expect("an orbit");
     let mut place = Agreement::new("Place of the ISS", "JPL Horizons", HORIZONS_ISS_KM, "km");
     let mut speed = Agreement::new("Velocity of the ISS", "JPL Horizons", HORIZONS_ISS_KM_S, "km/s");

@@ -6,7 +6,7 @@ use std::f64::consts::PI;
 
 use hifitime::Epoch;
 use streakcast::constants::{AU_KM, SPEED_OF_LIGHT_KM_S};
-use streakcast::elements::{Catalogue, ElementSet, ReadOptions};
+use streakcast::elements::{ElementSet, ReadOptions, Satellites};
 use streakcast::frames::{
     Direction, EopTable, Gcrs, OrientationTable, Position, Velocity, annual_aberration, parse_declination_deg,
     parse_right_ascension_deg, seconds_after, seconds_between,
@@ -85,7 +85,7 @@ struct Sight {
 fn setting(site: Site, eop: &EopTable) -> Option<Setting> {
     let folder = crate::common::data_dir()?.join("photometry").join("boley2021_plaskett");
     let text = std::fs::read_to_string(folder.join("dat")).expect("dat");
-    let catalogue = Catalogue::read(&[folder.join("starlink.15JUL2021")], &ReadOptions::default()).expect("elements");
+    let catalogue = Satellites::read(&[folder.join("starlink.15JUL2021")], &ReadOptions::default()).expect("elements");
     let elements: HashMap<String, ElementSet> =
         catalogue.element_sets.into_iter().map(|set| (set.name.to_string(), set)).collect();
     // A few rows are OneWeb's, whose elements are not in the file.
@@ -131,7 +131,7 @@ fn summary(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 /// The bundled place of MPC 658, and the Earth's orientation whole.
 fn whole() -> Option<Setting> {
-    setting(Site::by_mpc_code("658").expect("the Dominion Astrophysical Observatory"), &EopTable::embedded())
+    setting(Site::from_mpc("658").expect("the Dominion Astrophysical Observatory"), &EopTable::embedded())
 }
 
 #[test]

@@ -3,7 +3,7 @@
 use std::path::Path;
 
 use hifitime::Epoch;
-use streakcast::elements::{Catalogue, Keep, ReadOptions};
+use streakcast::elements::{Keep, ReadOptions, Satellites};
 use streakcast::frames::{Direction, EopTable, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::identify::{
@@ -15,10 +15,10 @@ use streakcast::photometry::ModelLibrary;
 fn sky(files: &[&Path], site: &str, moment: Epoch) -> Sky {
     let paths: Vec<_> = files.iter().map(|file| file.to_path_buf()).collect();
     let options = ReadOptions { keep: Keep::Nearest(moment), ..Default::default() };
-    let catalogue = Catalogue::read(&paths, &options).unwrap();
+    let catalogue = Satellites::read(&paths, &options).unwrap();
     let choice = ModelChoice::new(&ModelLibrary::embedded()).unwrap();
-    let observer = Observer::new(Site::by_mpc_code(site).unwrap());
-    Sky::new(catalogue.at(moment), observer, EopTable::embedded().without_polar_motion(), &choice)
+    let observer = Observer::new(Site::from_mpc(site).unwrap());
+    Sky::with_models(catalogue.at(moment), observer, EopTable::embedded().without_polar_motion(), &choice)
 }
 
 fn arcsec(arcsec: f64) -> f64 {

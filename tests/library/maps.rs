@@ -67,7 +67,7 @@ fn verif_cells_steps_and_single_directions_agree() {
     const MAGNITUDE: f64 = 1e-9;
     const RANGE_KM: f64 = 1e-9;
     let model = v15();
-    let earths = [Earth::Sphere, Earth::Ellipsoid(Site::by_mpc_code("X05").unwrap())];
+    let earths = [Earth::Sphere, Earth::Ellipsoid(Site::from_mpc("X05").unwrap())];
     let ways = [Earthshine::Off, Earthshine::Computed].into_iter().flat_map(|way| [None, Some(0.2)].map(|k| (way, k)));
     for (earth, (earthshine, k)) in earths.iter().flat_map(|earth| ways.clone().map(move |way| (earth, way))) {
         let options = PhotometryOptions { earthshine, extinction_mag_per_airmass: k, ..options() };
@@ -105,7 +105,7 @@ fn verif_maps_agree_with_single_predictions() {
     /// The map's place of a satellite and this one are some nanometres apart.
     const LIT_FRACTION: f64 = 1e-9;
     let library = ModelLibrary::embedded();
-    let site = Site::by_mpc_code("X05").unwrap();
+    let site = Site::from_mpc("X05").unwrap();
     let in_g = PhotometryOptions::in_band("g".parse().unwrap(), "AB".parse().unwrap());
     let (sun_azimuth, sun_altitude) = (4.0, -0.3);
     let horizontal = |azimuth: f64, altitude: f64| {

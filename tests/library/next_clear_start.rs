@@ -7,7 +7,7 @@ use streakcast::geometry::{Observer, Site};
 use streakcast::images::Telescope;
 use streakcast::passes::{Exposure, Field, ModelChoice, Sky};
 use streakcast::photometry::{ModelLibrary, PhotometryOptions};
-use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, ScheduledExposure, Verdict, flag_exposures};
+use streakcast::schedule::{FlagRequest, Policy, ScheduledExposure, Verdict, VerdictKind, flag_exposures};
 
 const LIMIT: f64 = 1e-5;
 
@@ -28,7 +28,7 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
     let start = Epoch::from_gregorian_utc_hms(2024, 8, 13, 23, 0, 0);
     let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    let sky = Sky::new(old_elements(start), Observer::new(site), EopTable::embedded(), &choice);
+    let sky = Sky::with_models(old_elements(start), Observer::new(site), EopTable::embedded(), &choice);
     let field = Field::circle(3.5f64.to_radians()).expect("a field");
     let telescope = Telescope::by_name("rubin").expect("a preset");
     let policy = Policy { max_lost_fraction: Some(LIMIT), ..Policy::default() };
@@ -50,7 +50,7 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
             rotation_rad: 0.0,
         }),
     };
-    let flags_of = |rows: &[ScheduledExposure]| -> Vec<ExposureFlag> {
+    let flags_of = |rows: &[ScheduledExposure]| -> Vec<Verdict> {
         flag_exposures(&rows.iter().collect::<Vec<_>>(), &request).expect("flags").flags
     };
 
@@ -58,10 +58,10 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
         (0..80).map(|number| row(number, seconds_after(start, 34.0 * number as f64))).collect();
     let flags = flags_of(&rows);
     // Some are avoided though nothing is predicted to cross: those once had their own start as their next clear one.
-    let by_loss_alone = || flags.iter().filter(|flag| flag.verdict == Verdict::Avoid && flag.n_streaks == 0);
+    let by_loss_alone = || flags.iter().filter(|flag| flag.kind == VerdictKind::Avoid && flag.n_streaks == 0);
     assert!(by_loss_alone().count() > 4, "{} avoided by their loss alone", by_loss_alone().count());
     assert!(by_loss_alone().any(|flag| flag.delay_s.is_some()));
-    for flag in flags.iter().filter(|flag| flag.verdict == Verdict::Avoid) {
+    for flag in flags.iter().filter(|flag| flag.kind == VerdictKind::Avoid) {
         assert!(flag.delay_s.is_none_or(|delay_s| delay_s > 0.0), "{flag:?}");
         assert!(flag.expected_lost_pixel_fraction.is_some_and(|lost| lost > LIMIT));
     }
@@ -69,18 +69,18 @@ fn verif_a_shifted_row_is_not_avoided_for_its_loss() {
     let shifted: Vec<ScheduledExposure> = flags
         .iter()
         .enumerate()
-        .filter(|(_, flag)| flag.verdict != Verdict::Clear)
+        .filter(|(_, flag)| flag.kind != VerdictKind::Clear)
         .filter_map(|(number, flag)| Some(row(number, flag.next_clear_start?)))
         .collect();
     assert!(shifted.len() > 4, "{} shifted", shifted.len());
     for flag in flags_of(&shifted) {
-        assert_eq!(flag.verdict, Verdict::Clear, "{flag:?}");
+        assert_eq!(flag.kind, VerdictKind::Clear, "{flag:?}");
     }
 
     // Without patience nothing is found, and nothing is said to be clear.
     let hurried = Policy { max_delay_s: Some(0.0), ..policy.clone() };
     let report = flag_exposures(&rows.iter().collect::<Vec<_>>(), &FlagRequest { policy: &hurried, ..request });
-    for flag in report.expect("flags").flags.iter().filter(|flag| flag.verdict == Verdict::Avoid) {
+    for flag in report.expect("flags").flags.iter().filter(|flag| flag.kind == VerdictKind::Avoid) {
         assert_eq!((flag.delay_s, flag.next_clear_start), (None, None));
     }
 }

@@ -4,7 +4,7 @@ use crate::common::agreement::Agreement;
 use std::path::Path;
 
 use hifitime::{Epoch, Unit};
-use streakcast::elements::{Catalogue, ElementSet, NoradId, ReadOptions};
+use streakcast::elements::{ElementSet, NoradId, ReadOptions, Satellites};
 use streakcast::frames::{EopTable, OrientationTable, seconds_after, seconds_between};
 use streakcast::geometry::{Illumination, Observer, Site, SunTable, illumination};
 use streakcast::orbit::Propagator;
@@ -31,13 +31,13 @@ fn elements(path: &Path, id: u32) -> ElementSet {
         .filter(|line| line.starts_with(['1', '2']) && line.len() == 69)
         .collect();
     let catalogue =
-        Catalogue::from_bytes("elements", lines.join("\n").as_bytes(), &ReadOptions::default()).expect("elements");
+        Satellites::from_bytes("elements", lines.join("\n").as_bytes(), &ReadOptions::default()).expect("elements");
     catalogue.element_sets.into_iter().find(|set| set.norad_id == NoradId(id)).expect("the satellite")
 }
 
 fn passes(elements: ElementSet, site: Site, start: Epoch, days: f64, min_altitude_deg: f64) -> Vec<VisiblePass> {
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    let sky = Sky::new(vec![elements], Observer::new(site), EopTable::embedded(), &choice);
+    let sky = Sky::with_models(vec![elements], Observer::new(site), EopTable::embedded(), &choice);
     let request = VisibleRequest {
         start,
         end: seconds_after(start, days * 86_400.0),

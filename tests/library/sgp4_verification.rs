@@ -1,7 +1,7 @@
 //! Vallado's verification set: every state that the reference code printed, and every failure where it fails.
 
 use crate::common::agreement::Agreement;
-use streakcast::elements::{Catalogue, ElementSet, ReadOptions};
+use streakcast::elements::{ElementSet, ReadOptions, Satellites};
 use streakcast::orbit::{OrbitError, Propagator};
 
 /// The reference prints 10 µm and 1 µm/s; another compiler's last bits grow to a few of them over months of deep-space resonance.
@@ -47,7 +47,7 @@ fn cases() -> Option<Vec<Case>> {
     let cases = lines.chunks(2).zip(printed).map(|(pair, states)| {
         let text = format!("{}\n{}\n", pair[0].get(..69).unwrap_or(pair[0]), &pair[1][..69]);
         let options = ReadOptions { accept_bad_checksums: true, ..ReadOptions::default() };
-        let catalogue = Catalogue::from_bytes("SGP4-VER.TLE", text.as_bytes(), &options).expect(&text);
+        let catalogue = Satellites::from_bytes("SGP4-VER.TLE", text.as_bytes(), &options).expect(&text);
         let times: Vec<f64> = pair[1][69..].split_whitespace().map(|field| field.parse().expect("minutes")).collect();
         let elements =
             catalogue.element_sets.into_iter().next().unwrap_or_else(|| panic!("{text}{:?}", catalogue.rejected));

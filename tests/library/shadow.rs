@@ -4,7 +4,7 @@ use crate::common::agreement::Agreement;
 use std::collections::BTreeSet;
 
 use hifitime::Epoch;
-use streakcast::elements::{Catalogue, NoradId, ReadOptions};
+use streakcast::elements::{NoradId, ReadOptions, Satellites};
 use streakcast::frames::{EopTable, Gcrs, OrientationTable, Position, seconds_after};
 use streakcast::geometry::{Illumination, SunTable, illumination};
 use streakcast::orbit::Propagator;
@@ -25,7 +25,7 @@ fn cone(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> [f64; 2] {
 fn valid_shadow_moments_against_skyfield() {
     let Some(data) = crate::common::data_dir() else { return };
     let path = data.join("tle/active/active_2026-04-25.txt");
-    let sets = Catalogue::read(&[path], &ReadOptions::default()).expect("the catalogue reads").element_sets;
+    let sets = Satellites::read(&[path], &ReadOptions::default()).expect("the catalogue reads").element_sets;
     let eop = EopTable::embedded();
     let (mut satellites, mut rows) = (BTreeSet::new(), 0);
     let mut kinds_apart_s = 0.0_f64;

@@ -3,7 +3,7 @@
 use crate::common::agreement::Agreement;
 use crate::common::random::Random;
 use hifitime::{Epoch, TimeScale, Unit};
-use streakcast::elements::{Catalogue, ElementSet, NoradId, Origin, ReadOptions};
+use streakcast::elements::{ElementSet, NoradId, Origin, ReadOptions, Satellites};
 use streakcast::frames::{Direction, EopTable, Gcrs, OrientationTable, seconds_after, seconds_between};
 use streakcast::geometry::{EarthLimb, SunTable, aspect};
 use streakcast::orbit::Propagator;
@@ -12,7 +12,7 @@ use streakcast::photometry::ModelLibrary;
 
 fn active(data: &std::path::Path) -> Vec<ElementSet> {
     let path = data.join("tle/active/active_2026-04-25.txt");
-    Catalogue::read(&[path], &ReadOptions::default()).expect("the catalogue reads").element_sets
+    Satellites::read(&[path], &ReadOptions::default()).expect("the catalogue reads").element_sets
 }
 
 fn by_id(sets: &[ElementSet], id: u32) -> &ElementSet {
@@ -26,7 +26,7 @@ fn midnight() -> Epoch {
 fn sky(elements: Vec<ElementSet>, observer: &ElementSet) -> Sky {
     let observer = OrbitingObserver::new(observer, EarthLimb::default()).expect("an orbit");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    Sky::new(elements, observer, EopTable::embedded(), &choice)
+    Sky::with_models(elements, observer, EopTable::embedded(), &choice)
 }
 
 /// Skyfield's UT1 is a table of its own; of it only TEME's turn by 10⁻⁴ s remains here. Its Sun and Earth are DE421: 0.01". All else is SGP4 alike.

@@ -20,7 +20,7 @@ const DENSITY: f64 = 0.05;
 
 fn sky(constellation: &Constellation, site: Site, epoch: Epoch) -> Sky {
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    Sky::new(constellation.element_sets(epoch), Observer::new(site), EopTable::embedded(), &choice)
+    Sky::with_models(constellation.element_sets(epoch), Observer::new(site), EopTable::embedded(), &choice)
 }
 
 fn request(site: &Site, date: &str) -> StatisticsRequest {
@@ -41,7 +41,7 @@ fn request(site: &Site, date: &str) -> StatisticsRequest {
 /// The expectation of Bassa et al. against what crosses fields pointed anywhere above 30°.
 #[test]
 fn verif_expected_trails_are_those_that_cross() {
-    let site = Site::by_mpc_code("X05").unwrap();
+    let site = Site::from_mpc("X05").unwrap();
     let request = request(&site, "2024-12-21");
     let sky = sky(&Constellation::by_name("starlink-gen1").unwrap(), site, request.start);
     let (counts, missed, left_out) = sky_counts(&sky, &request).unwrap();
@@ -78,7 +78,7 @@ fn verif_expected_trails_are_those_that_cross() {
 
 #[test]
 fn verif_counts_fall_with_the_sun_and_grow_with_the_limits() {
-    let site = Site::by_mpc_code("X05").unwrap();
+    let site = Site::from_mpc("X05").unwrap();
     let request = StatisticsRequest { moments: 5, spread_s: 600.0, ..request(&site, "2024-06-21") };
     let sky = sky(&Constellation::by_name("starlink-gen1").unwrap(), site, request.start);
     let (counts, ..) = sky_counts(&sky, &request).unwrap();

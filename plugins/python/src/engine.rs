@@ -11,10 +11,10 @@ use streakcast::config::{ConfigError, PreparedSky};
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
 use streakcast::output::{Column, Table};
-use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, SatelliteTrack, SnapshotOptions};
+use streakcast::passes::{Exposure, Field, Pass, PassOptions, SatelliteTrack, SnapshotOptions};
 use streakcast::photometry::PhotometryOptions;
 use streakcast::schedule::{
-    Blocking, ClearWindow, ExposureFlag, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, Verdict,
+    Blocking, ClearWindow, Verdict, FlagReport, FlagRequest, Policy, ScheduledExposure, StreakRow, VerdictKind,
     WindowRequest, WindowTarget, clear_windows_alone, flag_exposures, flag_table, judge_exposures, streak_table,
 };
 
@@ -81,9 +81,9 @@ impl Engine {
         &self,
         rows: &[ScheduledExposure],
         ask: impl Fn(&[&ScheduledExposure], &FlagRequest<'_>) -> Result<FlagReport, streakcast::passes::SkyError>,
-    ) -> PyResult<WithWarnings<Vec<ExposureFlag>>> {
+    ) -> PyResult<WithWarnings<Vec<Verdict>>> {
         let field = self.field()?;
-        let mut flags: Vec<Option<ExposureFlag>> = vec![None; rows.len()];
+        let mut flags: Vec<Option<Verdict>> = vec![None; rows.len()];
         let mut warnings = Vec::new();
         let starts: Vec<Epoch> =
             rows.iter().filter_map(|row| row.exposure.as_ref().ok()).map(|one| one.start).collect();
@@ -163,8 +163,8 @@ impl Engine {
         let rows = rows(asked.exposures()?, &bands)?;
         let (flags, warnings) = failure::without_lock(py, || self.report(&rows, judge_exposures))?;
         let answer = PyDict::new(py);
-        let reals = |value: fn(&ExposureFlag) -> f64| flags.iter().map(value).collect::<Vec<f64>>().into_pyarray(py);
-        let verdicts: Vec<u8> = flags.iter().map(|flag| code(flag.verdict)).collect();
+        let reals = |value: fn(&Verdict) -> f64| flags.iter().map(value).collect::<Vec<f64>>().into_pyarray(py);
+        let verdicts: Vec<u8> = flags.iter().map(|flag| code(flag.kind)).collect();
         let streaks: Vec<i64> = flags.iter().map(|flag| flag.n_streaks as i64).collect();
         answer.set_item("verdict", verdicts.into_pyarray(py))?;
         answer.set_item("n_streaks", streaks.into_pyarray(py))?;
@@ -343,7 +343,7 @@ impl Engine {
             photometry: self.photometry,
             ..PassOptions::default()
         };
-        let mut found: Vec<(usize, Arc<PreparedSky>, Vec<FieldPass>)> = Vec::new();
+        let mut found: Vec<(usize, Arc<PreparedSky>, Vec<Pass>)> = Vec::new();
         let mut warnings = Vec::new();
         for Night { prepared, places } in self.nights(exposures.iter().map(|exposure| exposure.start))? {
             let asked: Vec<Exposure> = places.iter().map(|place| exposures[*place].clone()).collect();
@@ -429,11 +429,11 @@ const LOST: Column = Column::real(
 );
 
 /// The order of the words in Python's `VERDICTS`.
-fn code(verdict: Verdict) -> u8 {
+fn code(verdict: VerdictKind) -> u8 {
     match verdict {
-        Verdict::Clear => 0,
-        Verdict::Streaked => 1,
-        Verdict::Avoid => 2,
-        Verdict::Invalid => 3,
+        VerdictKind::Clear => 0,
+        VerdictKind::Streaked => 1,
+        VerdictKind::Avoid => 2,
+        VerdictKind::Invalid => 3,
     }
 }

@@ -7,7 +7,7 @@ use hifitime::Epoch;
 use super::check::MomentSource;
 use super::finding::{Finding, Severity};
 use crate::constants::DAY_S;
-use crate::elements::{Catalogue, ElementSet, Generation, GenerationTable};
+use crate::elements::{ElementSet, Generation, GenerationTable, Satellites};
 use crate::frames::seconds_between;
 use crate::orbit::{OrbitClass, uncertainty};
 use crate::output::format_utc;
@@ -67,7 +67,7 @@ pub struct ElementState {
 
 impl ElementState {
     /// Of a catalogue, with the models that its satellites would get.
-    pub fn of(catalogue: &Catalogue, choice: &ModelChoice, now: Epoch) -> Self {
+    pub fn of(catalogue: &Satellites, choice: &ModelChoice, now: Epoch) -> Self {
         let sets = &catalogue.element_sets;
         let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
         let ages: Vec<f64> = sets.iter().map(age_days).collect();
@@ -105,7 +105,7 @@ impl ElementState {
     }
 
     /// What is to be said of it.
-    pub fn findings(&self, catalogue: &Catalogue, now: Epoch, source: MomentSource) -> Vec<Finding> {
+    pub fn findings(&self, catalogue: &Satellites, now: Epoch, source: MomentSource) -> Vec<Finding> {
         // Elements of now do not help where the question is of another time.
         let nearer = match source {
             MomentSource::Clock => "fetch newer elements (streakcast fetch)",

@@ -3,7 +3,7 @@
 use super::super::candidates::CandidateInterval;
 use super::super::crossing::cross;
 use super::super::probability::{Delays, Lateness, REACH_SIGMAS, crossing_odds, crossing_probability_in_flight};
-use super::super::track::{Chord, FieldPass, SightLine};
+use super::super::track::{Chord, Pass, SightLine};
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::frames::seconds_after;
@@ -11,7 +11,7 @@ use crate::orbit::{OrbitError, OrbitUncertainty};
 
 impl ExposedField<'_> {
     /// The pass of one satellite; `None` where it does not cross, or the options exclude it.
-    pub fn pass(&self, interval: &CandidateInterval, options: &PassOptions) -> Result<Option<FieldPass>, OrbitError> {
+    pub fn pass(&self, interval: &CandidateInterval, options: &PassOptions) -> Result<Option<Pass>, OrbitError> {
         let &CandidateInterval { element_index, start_s, end_s, .. } = interval;
         let (field, is_in_flight) = (&self.field, self.flight.is_some());
         let Some(satellite) = self.satellite(element_index, 0.5 * (start_s + end_s)) else { return Ok(None) };
@@ -69,7 +69,7 @@ impl ExposedField<'_> {
             return Ok(None);
         }
         let (position_angle_rad, angular_rate_rad_s) = evaluator.motion(middle_s);
-        Ok(Some(FieldPass {
+        Ok(Some(Pass {
             norad_id: satellite.propagator.norad_id(),
             element_index,
             peak: evaluator.peak(enter_s, exit_s),

@@ -23,7 +23,7 @@ use super::super::field::Field;
 use super::super::probability::{Delays, Lateness, REACH_SIGMAS, crossing_odds};
 use super::super::scene::SearchScope;
 use super::super::sky::Sky;
-use super::super::track::{FieldPass, ObserverMotion, SightLine};
+use super::super::track::{ObserverMotion, Pass, SightLine};
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::frames::{Orientation, seconds_after};
@@ -105,14 +105,14 @@ impl Sky {
         let passes = self.field_passes(exposures, field, &options)?.by_exposure;
         // The mean chord of a circle is π/2 of its radius.
         let mean_chord_rad = std::f64::consts::FRAC_PI_2 * field.bounding_radius_rad();
-        let length_rad = |pass: &FieldPass, exposure: &Exposure| {
+        let length_rad = |pass: &Pass, exposure: &Exposure| {
             if pass.is_crossing() {
                 pass.streak_length_rad
             } else {
                 mean_chord_rad.min(pass.angular_rate_rad_s * exposure.duration_s)
             }
         };
-        let of = |(passes, exposure): (Vec<FieldPass>, &Exposure)| {
+        let of = |(passes, exposure): (Vec<Pass>, &Exposure)| {
             let mut found: Vec<CrossingProbability> = passes
                 .iter()
                 .filter(|pass| pass.lit && pass.probability > 0.0)

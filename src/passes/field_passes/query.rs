@@ -8,7 +8,7 @@ use super::super::exposure::{Exposure, groups};
 use super::super::field::Field;
 use super::super::scene::{Scene, SearchScope};
 use super::super::sky::Sky;
-use super::super::track::FieldPass;
+use super::super::track::Pass;
 use super::exposed_field::ExposedField;
 use super::options::PassOptions;
 use crate::orbit::{Candidate, LeftOut};
@@ -17,7 +17,7 @@ use crate::orbit::{Candidate, LeftOut};
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Passes {
     /// For each exposure, in its place, the passes in order of entry.
-    pub by_exposure: Vec<Vec<FieldPass>>,
+    pub by_exposure: Vec<Vec<Pass>>,
     /// Satellites without a position for at least one of the exposures, each once, in catalogue order. None is computed
     /// while the field is below the ground.
     pub left_out: Vec<LeftOut>,
@@ -61,14 +61,14 @@ impl Sky {
         exposures: &[Exposure],
         field: &Field,
         options: &PassOptions,
-    ) -> Result<Vec<Vec<FieldPass>>, SkyError> {
+    ) -> Result<Vec<Vec<Pass>>, SkyError> {
         exposures.iter().try_for_each(Exposure::check)?;
         exposures
             .par_iter()
             .map(|exposure| {
                 let scene = self.scene_without_windows(exposure.start, exposure.duration_s);
                 let exposed = ExposedField::new(self, &scene, exposure, field)?;
-                let mut passes: Vec<FieldPass> = (0..self.elements().len())
+                let mut passes: Vec<Pass> = (0..self.elements().len())
                     .filter(|&element_index| !self.is_observer(element_index))
                     .filter_map(|element_index| {
                         let interval = CandidateInterval::over(element_index, 0.0, exposure.duration_s);

@@ -7,7 +7,7 @@ use super::super::error::SkyError;
 use super::super::exposure::Exposure;
 use super::super::field::Field;
 use super::super::sky::Sky;
-use super::super::track::FieldPass;
+use super::super::track::Pass;
 use super::options::PassOptions;
 use crate::frames::{Direction, Horizontal, seconds_after};
 use crate::orbit::LeftOut;
@@ -74,13 +74,12 @@ impl Sky {
         }
         // All in one query, so that exposures near in time share their preparation.
         let passes = self.field_passes(&exposures, request.field, &options)?;
-        let peak = |pass: &FieldPass| {
+        let peak = |pass: &Pass| {
             pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref()).map(|brightness| brightness.magnitude.0)
         };
-        let count = |passes: &Vec<FieldPass>| {
+        let count = |passes: &Vec<Pass>| {
             let lit = || passes.iter().filter(|pass| pass.lit && pass.is_crossing());
-            let is_bright =
-                |pass: &&FieldPass| peak(pass).zip(request.limit_mag).is_some_and(|(mag, limit)| mag < limit);
+            let is_bright = |pass: &&Pass| peak(pass).zip(request.limit_mag).is_some_and(|(mag, limit)| mag < limit);
             StreakCount { streaks: lit().count(), bright: lit().filter(is_bright).count() }
         };
         counts.by_moment = match request.directions.len() {

@@ -4,4 +4,4 @@ mod sight_line;
 mod track_point;
 
 pub(super) use sight_line::{ObserverMotion, Sight, SightLine};
-pub use track_point::{Chord, FieldPass, TrackPoint};
+pub use track_point::{Chord, Pass, TrackPoint};

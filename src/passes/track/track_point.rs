@@ -40,7 +40,7 @@ pub struct Chord {
 
 /// One satellite crossing one exposure's field, or passing near it.
 #[derive(Clone, Debug, PartialEq)]
-pub struct FieldPass {
+pub struct Pass {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
     /// Position of its element set in the sky's catalogue.
@@ -77,9 +77,15 @@ pub struct FieldPass {
     pub samples: Vec<TrackPoint>,
 }
 
-impl FieldPass {
+impl Pass {
     /// True where the nominal track enters the field.
     pub fn is_crossing(&self) -> bool {
         !self.chords.is_empty()
+    }
+
+    /// Brightest apparent magnitude between entry and exit; NaN where no light of the satellite is seen.
+    pub fn peak_magnitude(&self) -> f64 {
+        let brightness = self.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
+        brightness.map_or(f64::NAN, |brightness| brightness.magnitude.0)
     }
 }

@@ -11,6 +11,6 @@ mod source;
 pub use modulation::{Glint, LightCurve, Modulation, ModulationError, Tumbling};
 pub use random_streaks::{RandomStreakError, RandomStreaks, StreakNumber};
 pub use resolved::ResolvedPanels;
-pub use satellites::{SatelliteError, SatelliteLight, Satellites, satellites};
+pub use satellites::{SatelliteError, SatelliteExposure, SatelliteLight, satellites};
 pub use sky_track::{SkyPoint, SkyTrack};
 pub use source::{Source, SourceName, SourcePart};

@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::sky_track::{SkyPoint, SkyTrack};
 use crate::frames::{Direction, Gcrs, Position, seconds_between};
-use crate::passes::{Exposure, FieldPass};
+use crate::passes::{Exposure, Pass};
 use crate::photometry::{BrightnessModel, Earthshine};
 
 /// The two panels of a satellite along one pass.
@@ -35,7 +35,7 @@ impl ResolvedPanels {
     ///
     /// `None` where the model is not of two panels, or the pass has no samples that shine.
     pub fn of_pass(
-        pass: &FieldPass,
+        pass: &Pass,
         exposure: &Exposure,
         model: &BrightnessModel,
         earthshine: Earthshine,

@@ -6,7 +6,7 @@ use super::sky_track::{SkyPoint, SkyTrack};
 use super::source::{Source, SourceName};
 use crate::frames::{EopTable, Gcrs, Orientation, OrientationTable, Position, seconds_after};
 use crate::orbit::LeftOut;
-use crate::passes::{Exposure, Field, FieldError, FieldPass, PassOptions, Sky, SkyError, Viewpoint};
+use crate::passes::{Exposure, Field, FieldError, Pass, PassOptions, Sky, SkyError, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::streaks::tracking::Tracking;
 use thiserror::Error;
@@ -43,7 +43,7 @@ pub struct SatelliteLight<'a> {
 
 /// The satellites of one exposure.
 #[derive(Clone, Debug, Default)]
-pub struct Satellites {
+pub struct SatelliteExposure {
     /// Those that shine anywhere on their way through the field.
     pub sources: Vec<Source>,
     /// Satellites without a position.
@@ -61,17 +61,17 @@ pub fn satellites(
     exposure: &Exposure,
     radius_rad: f64,
     light: &SatelliteLight<'_>,
-) -> Result<Satellites, SatelliteError> {
+) -> Result<SatelliteExposure, SatelliteError> {
     let reach_rad = light.tracking.reach_rad(exposure.duration_s);
     let field = Field::circle(2.0 * (radius_rad + reach_rad + MARGIN_RAD))?;
     let options = PassOptions { samples: SAMPLES, photometry: *light.photometry, ..PassOptions::default() };
     let mut answer = sky.field_passes(std::slice::from_ref(exposure), &field, &options)?;
     let passes = answer.by_exposure.pop().unwrap_or_default();
     let sources = passes.iter().map(|pass| source(sky, eop, exposure, pass, light)).collect();
-    Ok(Satellites { sources, left_out: answer.left_out })
+    Ok(SatelliteExposure { sources, left_out: answer.left_out })
 }
 
-fn source(sky: &Sky, eop: &EopTable, exposure: &Exposure, pass: &FieldPass, light: &SatelliteLight<'_>) -> Source {
+fn source(sky: &Sky, eop: &EopTable, exposure: &Exposure, pass: &Pass, light: &SatelliteLight<'_>) -> Source {
     let model = sky.model(pass.element_index);
     let track = SkyTrack::of_pass(pass, exposure);
     let seen = |point: &SkyPoint| light.tracking.seen(&point.direction, point.time_s, &exposure.pointing);
@@ -90,7 +90,7 @@ fn panels(
     sky: &Sky,
     eop: &EopTable,
     exposure: &Exposure,
-    pass: &FieldPass,
+    pass: &Pass,
     light: &SatelliteLight<'_>,
 ) -> Option<ResolvedPanels> {
     let Viewpoint::Site(observer) = sky.viewpoint() else { return None };

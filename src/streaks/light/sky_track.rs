@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use crate::frames::{Direction, Gcrs, seconds_between};
-use crate::passes::{Exposure, FieldPass};
+use crate::passes::{Exposure, Pass};
 
 /// The light at one moment.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -30,7 +30,7 @@ impl SkyTrack {
     ///
     /// The pass must have been asked for with samples ([`crate::passes::PassOptions::samples`]), enough that the light changes little from one
     /// to the next; without them the track is empty.
-    pub fn of_pass(pass: &FieldPass, exposure: &Exposure) -> Self {
+    pub fn of_pass(pass: &Pass, exposure: &Exposure) -> Self {
         let points = pass.samples.iter().map(|sample| SkyPoint {
             time_s: seconds_between(exposure.start, sample.epoch),
             direction: sample.direction,

@@ -6,7 +6,7 @@
 use std::path::PathBuf;
 use std::time::Instant;
 
-use streakcast::elements::{Catalogue, ReadOptions};
+use streakcast::elements::{ReadOptions, Satellites};
 use streakcast::frames::EopTable;
 use streakcast::geometry::{Observer, Site};
 use streakcast::passes::{Exposure, Field, ModelChoice, PassOptions, Sky};
@@ -33,9 +33,9 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let eop = EopTable::embedded();
 
     let start = Instant::now();
-    let catalogue = Catalogue::read(&[PathBuf::from(elements)], &ReadOptions::default())?;
+    let catalogue = Satellites::read(&[PathBuf::from(elements)], &ReadOptions::default())?;
     let read = Instant::now();
-    let sky = Sky::new(catalogue.element_sets, observer, eop, &models);
+    let sky = Sky::with_models(catalogue.element_sets, observer, eop, &models);
     let ready = Instant::now();
     let passes = sky.field_passes(&exposures, &field, &options)?;
     let end = Instant::now();

@@ -70,8 +70,10 @@ class Questions(Sights):
         is_lower_limit = answer["p_any_is_lower_limit"]
         if shape == ():
             count = int(streaks[0])
-            reals = (float(one[0]) for one in numbers)
-            return Assessment(str(verdict[0]), count > 0, count, *reals, bool(is_lower_limit[0]))
+            brightest_mag, lost_fraction, p_any, length_deg = (float(one[0]) for one in numbers)
+            return Assessment(
+                str(verdict[0]), count > 0, count, brightest_mag, lost_fraction, p_any, length_deg, bool(is_lower_limit[0])
+            )
         arrays = (verdict, streaks > 0, streaks, *numbers, is_lower_limit)
         return Assessment(*(one.reshape(shape) for one in arrays))
 

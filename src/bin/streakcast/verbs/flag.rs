@@ -7,7 +7,7 @@ use clap::{Args, ValueEnum};
 use streakcast::config::{Config, RulesConfig};
 use streakcast::output::Section;
 use streakcast::schedule::Shard;
-use streakcast::schedule::{Verdict, flag_table};
+use streakcast::schedule::{VerdictKind, flag_table};
 
 use super::judged::judge;
 use super::passes::left_out_table;
@@ -66,9 +66,9 @@ pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     })?;
     let fails = |verdict| match typed.fail_on {
         None => false,
-        Some(FailOn::Streaked) => matches!(verdict, Verdict::Streaked | Verdict::Avoid),
-        Some(FailOn::Avoid) => verdict == Verdict::Avoid,
+        Some(FailOn::Streaked) => matches!(verdict, VerdictKind::Streaked | VerdictKind::Avoid),
+        Some(FailOn::Avoid) => verdict == VerdictKind::Avoid,
     };
-    let failed = judged.report.flags.iter().any(|flag| fails(flag.verdict));
+    let failed = judged.report.flags.iter().any(|flag| fails(flag.kind));
     Ok(if failed { Outcome::No } else { Outcome::Done })
 }

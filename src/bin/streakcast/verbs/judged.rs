@@ -11,7 +11,7 @@ use streakcast::images::Telescope;
 use streakcast::output::{Provenance, Table, format_utc};
 use streakcast::passes::Exposure;
 use streakcast::schedule::{
-    ExposureFlag, FlagReport, Policy, Schedule, Shard, StreakRow, Verdict, flag_exposures, streak_table,
+    FlagReport, Policy, Schedule, Shard, StreakRow, Verdict, VerdictKind, flag_exposures, streak_table,
 };
 
 use crate::notices::Notices;
@@ -98,8 +98,8 @@ pub fn judge(config: &Config, path: &Path, shard: Option<Shard>) -> anyhow::Resu
 /// Returns a report in which no row was judged.
 fn invalid_rows(schedule: &Schedule) -> FlagReport {
     let reasons = schedule.exposures.iter().filter_map(|row| Some((row, row.exposure.as_ref().err()?)));
-    let flags: Vec<_> = reasons.map(|(row, reason)| ExposureFlag::invalid(&row.id, reason.clone())).collect();
-    FlagReport { passes: vec![Vec::new(); flags.len()], flags, ..FlagReport::default() }
+    let flags: Vec<_> = reasons.map(|(row, reason)| Verdict::invalid(&row.id, reason.clone())).collect();
+    FlagReport { flags, ..FlagReport::default() }
 }
 
 /// Judges all rows between two moments; returns the report, the streaks and their provenance.
@@ -118,8 +118,8 @@ fn judge_rows(
     let judged: Vec<(&Exposure, &Vec<_>)> = schedule
         .exposures
         .iter()
-        .zip(&report.passes)
-        .filter_map(|(row, passes)| row.exposure.as_ref().ok().map(|exposure| (exposure, passes)))
+        .zip(&report.flags)
+        .filter_map(|(row, flag)| row.exposure.as_ref().ok().map(|exposure| (exposure, &flag.passes)))
         .collect();
     let streaks = streak_table(
         judged.iter().flat_map(|(exposure, passes)| {
@@ -224,8 +224,8 @@ pub fn given_field(config: &Config) -> Value {
 }
 
 pub fn summary(notices: &Notices, report: &FlagReport) {
-    let count = |verdict| report.flags.iter().filter(|flag| flag.verdict == verdict).count();
-    let words: Vec<String> = [Verdict::Clear, Verdict::Streaked, Verdict::Avoid, Verdict::Invalid]
+    let count = |verdict| report.flags.iter().filter(|flag| flag.kind == verdict).count();
+    let words: Vec<String> = [VerdictKind::Clear, VerdictKind::Streaked, VerdictKind::Avoid, VerdictKind::Invalid]
         .into_iter()
         .filter(|verdict| count(*verdict) > 0)
         .map(|verdict| format!("{} {verdict}", count(verdict)))

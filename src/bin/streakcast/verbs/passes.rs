@@ -8,7 +8,7 @@ use streakcast::frames::parse_moment;
 use streakcast::frames::seconds_after;
 use streakcast::images::Telescope;
 use streakcast::output::{Column, Kind, Section, Table, format_utc};
-use streakcast::passes::{Exposure, FieldPass, PassOptions, Passes};
+use streakcast::passes::{Exposure, Pass, PassOptions, Passes};
 use streakcast::schedule::MagnitudeLimit;
 use streakcast::schedule::{StreakRow, exposure_table, streak_table};
 
@@ -72,7 +72,7 @@ pub fn run(typed: PassesArguments) -> anyhow::Result<Outcome> {
     let left_out = left_out_table(&prediction.answer.left_out);
     let exposures = exposure_table([&prediction.exposure]);
     let found = prediction.found();
-    let brightest = |pass: &FieldPass| {
+    let brightest = |pass: &Pass| {
         pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref()).map(|brightness| brightness.magnitude.0)
     };
     let bold_row = (0..found.len())
@@ -127,7 +127,7 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
 
 impl Prediction {
     /// Returns the passes.
-    pub fn found(&self) -> &[FieldPass] {
+    pub fn found(&self) -> &[Pass] {
         self.answer.by_exposure.first().map_or(&[], Vec::as_slice)
     }
 

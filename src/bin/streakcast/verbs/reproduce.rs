@@ -179,12 +179,12 @@ fn of_hu(config: &Config, exposures: &[Exposure], notices: &Notices) -> anyhow::
 fn sky_of(constellations: &[Constellation], site: Site, epoch: Epoch) -> anyhow::Result<Sky> {
     let elements = constellations.iter().flat_map(|one| one.element_sets(epoch)).collect();
     let choice = ModelChoice::new(&ModelLibrary::embedded())?;
-    Ok(Sky::new(elements, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice))
+    Ok(Sky::with_models(elements, Observer::new(site), EopTable::embedded().without_polar_motion(), &choice))
 }
 
 fn of_lu() -> anyhow::Result<Vec<Reproduced>> {
     let constellations = lu2024b_constellations()?;
-    let site = Site::by_mpc_code("X05")?;
+    let site = Site::from_mpc("X05")?;
     let assumed = format!(
         "ours: Rubin Observatory, the 15th of each month of 2025 every {:.0} min with the Sun below {LU_SUN_DEG} deg, all lit satellites above the altitude \
          alike; our model of V1.5, fitted to other photometry than the paper's; the paper's abstract names neither altitude nor hours",

@@ -1,7 +1,7 @@
 //! Whether what came is element sets.
 
 use anyhow::anyhow;
-use streakcast::elements::{Catalogue, Keep, ReadOptions, SourceFile};
+use streakcast::elements::{Keep, ReadOptions, Satellites, SourceFile};
 
 /// Records that may be bad, as a share: more, and the file is damaged.
 const MOST_REJECTED: f64 = 0.01;
@@ -14,7 +14,7 @@ const LEAST_SHARE: f64 = 0.5;
 /// An error page, a sentence of the source, a file cut off within a record, or one that has lost more than half of its records.
 pub fn verify(name: &str, bytes: &[u8], before: Option<usize>, accept_fewer: bool) -> anyhow::Result<SourceFile> {
     let options = ReadOptions { keep: Keep::All, ..ReadOptions::default() };
-    let catalogue = Catalogue::from_bytes(name, bytes, &options)
+    let catalogue = Satellites::from_bytes(name, bytes, &options)
         .map_err(|error| anyhow!("what came is no element sets ({}); {error}", first_words(bytes)))?;
     let source = catalogue.sources.into_iter().next().ok_or_else(|| anyhow!("nothing came"))?;
     let all = source.records + source.rejected;

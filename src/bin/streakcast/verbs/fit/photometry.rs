@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::anyhow;
 use streakcast::config::{Config, RunConfig};
-use streakcast::elements::{Catalogue, History, Keep, NoradId, ReadOptions as CatalogueOptions, StationRule};
+use streakcast::elements::{History, Keep, NoradId, ReadOptions as CatalogueOptions, Satellites, StationRule};
 use streakcast::fit::measurements::{ColumnMap, Format, OrbitRadius, PhotometryOptions, Place, Placement, Selection};
 use streakcast::frames::EopTable;
 use streakcast::output::Provenance;
@@ -52,7 +52,7 @@ pub fn history(typed: &PhotometryArguments) -> anyhow::Result<Option<History>> {
 /// All element sets of these files.
 pub fn history_of(paths: &[PathBuf]) -> anyhow::Result<History> {
     let options = CatalogueOptions { keep: Keep::All, ..CatalogueOptions::default() };
-    Ok(Catalogue::read(paths, &options)?.into_history())
+    Ok(Satellites::read(paths, &options)?.into_history())
 }
 
 pub fn placement<'h>(typed: &PhotometryArguments, history: Option<&'h History>) -> anyhow::Result<Placement<'h>> {

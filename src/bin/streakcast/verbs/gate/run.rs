@@ -11,7 +11,7 @@ use streakcast::elements::share_of_stale;
 use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
 use streakcast::output::format_utc;
-use streakcast::passes::{Exposure, FieldPass};
+use streakcast::passes::{Exposure, Pass};
 use streakcast::schedule::{
     Blocking, ClearWindow, TargetWindows, WindowRequest, WindowTarget, clear_windows, wait_for,
 };
@@ -38,7 +38,7 @@ const CLOCK_STEP_S: f64 = 1.0;
 const NAMED: usize = 5;
 
 /// How it ended.
-enum Verdict {
+enum VerdictKind {
     /// The field is clear, after a wait or at once.
     Clear { waited_s: f64, until: Epoch },
     /// Not within the longest wait.
@@ -58,17 +58,17 @@ pub fn run(typed: GateArguments) -> anyhow::Result<Outcome> {
     let mut counters = before.counters;
     counters.runs += 1;
     let (verdict, outcome) = match &answer {
-        Ok(Verdict::Clear { waited_s, .. }) => {
+        Ok(VerdictKind::Clear { waited_s, .. }) => {
             let counter = if *waited_s > 0.0 { &mut counters.waited } else { &mut counters.clear };
             *counter += 1;
             counters.waited_s += waited_s;
             ("clear", Ok(Outcome::Done))
         }
-        Ok(Verdict::NotClear) => {
+        Ok(VerdictKind::NotClear) => {
             counters.not_clear += 1;
             ("not_clear", Ok(if request.strict { Outcome::No } else { Outcome::Done }))
         }
-        Ok(Verdict::Skipped(_)) => {
+        Ok(VerdictKind::Skipped(_)) => {
             counters.skipped += 1;
             ("skipped", Ok(Outcome::Done))
         }
@@ -112,14 +112,16 @@ fn state(said: &mut Map<String, Value>, name: &str, value: impl Into<Value>) {
 }
 
 /// One line of log.
-fn line(answer: &Result<Verdict, Fault>, max_wait_s: f64) -> String {
+fn line(answer: &Result<VerdictKind, Fault>, max_wait_s: f64) -> String {
     match answer {
-        Ok(Verdict::Clear { waited_s, until }) if *waited_s > 0.0 => {
+        Ok(VerdictKind::Clear { waited_s, until }) if *waited_s > 0.0 => {
             format!("gate: clear after {waited_s:.1} s, starts until {}", format_utc(*until, 0))
         }
-        Ok(Verdict::Clear { until, .. }) => format!("gate: clear now, starts until {}", format_utc(*until, 0)),
-        Ok(Verdict::NotClear) => format!("warning: gate: no clear start within {max_wait_s} s; go on and be streaked"),
-        Ok(Verdict::Skipped(why)) => format!("gate: {why}: nothing to wait for"),
+        Ok(VerdictKind::Clear { until, .. }) => format!("gate: clear now, starts until {}", format_utc(*until, 0)),
+        Ok(VerdictKind::NotClear) => {
+            format!("warning: gate: no clear start within {max_wait_s} s; go on and be streaked")
+        }
+        Ok(VerdictKind::Skipped(why)) => format!("gate: {why}: nothing to wait for"),
         Err(fault) => format!("warning: gate: {fault}; nothing was checked, go on"),
     }
 }
@@ -129,13 +131,13 @@ fn answer(
     satellites_before: Option<usize>,
     said: &mut Map<String, Value>,
     notices: &Notices,
-) -> Result<Verdict, Fault> {
+) -> Result<VerdictKind, Fault> {
     let job = match request.stdin {
         Some(_) => ekos::read_job(request.timeout)?,
         None => None,
     };
     if let Some(job) = job.as_ref().filter(|job| !job.is_light()) {
-        return Ok(Verdict::Skipped(format!("a {} frame", job.kind.as_deref().unwrap_or_default().trim())));
+        return Ok(VerdictKind::Skipped(format!("a {} frame", job.kind.as_deref().unwrap_or_default().trim())));
     }
     let band = job.as_ref().and_then(ekos::Job::band);
     let name = job.as_ref().and_then(|job| job.target_name.clone()).or_else(|| request.target.clone());
@@ -184,7 +186,7 @@ fn answer(
     let last = seconds_after(now, request.max_wait_s);
     name_passes(&found, &prepared, now, seconds_after(last, duration_s), said);
     let Some(ClearWindow { first, last: until }) = wait_for(&found.windows, now, last) else {
-        return Ok(Verdict::NotClear);
+        return Ok(VerdictKind::NotClear);
     };
     let waited_s = seconds_between(now, first).max(0.0);
     state(said, "waited_s", (waited_s * 1e3).round() / 1e3);
@@ -202,7 +204,7 @@ fn answer(
             return Err(Fault::new(FaultKind::Clock, message));
         }
     }
-    Ok(Verdict::Clear { waited_s, until })
+    Ok(VerdictKind::Clear { waited_s, until })
 }
 
 /// Where the field lies and where the telescope stands: typed, by the target's name, or by asking the mount.
@@ -316,7 +318,7 @@ fn prepare(
 }
 
 fn is_of_elements(error: &ConfigError) -> bool {
-    matches!(error, ConfigError::Catalogue(_) | ConfigError::NothingPropagates { .. })
+    matches!(error, ConfigError::Satellites(_) | ConfigError::NothingPropagates { .. })
 }
 
 fn rejected(prepared: &PreparedSky) -> usize {
@@ -337,7 +339,7 @@ fn age(path: &Path) -> Option<Duration> {
 
 /// The passes that are waited for, in the status file.
 fn name_passes(found: &TargetWindows, prepared: &PreparedSky, from: Epoch, to: Epoch, said: &mut Map<String, Value>) {
-    let ahead: Vec<&FieldPass> =
+    let ahead: Vec<&Pass> =
         found.dodged.iter().filter(|pass| pass.exit.epoch >= from && pass.enter.epoch <= to).collect();
     let named: Vec<Value> = ahead
         .iter()

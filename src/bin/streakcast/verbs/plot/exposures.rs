@@ -7,8 +7,7 @@ use streakcast::config::Config;
 use streakcast::frames::{EopTable, mjd_utc};
 use streakcast::geometry::{Observer, Site};
 use streakcast::output::{Column, Kind, Provenance, Table, Value};
-use streakcast::passes::FieldPass;
-use streakcast::schedule::{ExposureFlag, Schedule, ScheduledExposure};
+use streakcast::schedule::{Schedule, ScheduledExposure, Verdict};
 
 use crate::verbs::judged::judge;
 
@@ -42,13 +41,13 @@ pub fn asked(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopTab
     let judged = judge(config, schedule, None)?;
     let observer = site.map(|site| Observer::new(site.clone()));
     let limit = config.policy()?.limit_mag;
-    let rows = judged.schedule.exposures.iter().zip(judged.report.flags.iter().zip(&judged.report.passes));
-    let row = |(row, (flag, passes)): (&ScheduledExposure, (&ExposureFlag, &Vec<FieldPass>))| {
+    let rows = judged.schedule.exposures.iter().zip(&judged.report.flags);
+    let row = |(row, flag): (&ScheduledExposure, &Verdict)| {
         let exposure = row.exposure.as_ref().ok();
         // A telescope's own limits depend on each streak: they are no one number.
         let limit = limit.as_ref().and_then(|limit| limit.of(row.band.as_deref()));
         let bright = limit.map(|limit| {
-            let crossings = passes.iter().filter(|pass| pass.lit && pass.is_crossing());
+            let crossings = flag.passes.iter().filter(|pass| pass.lit && pass.is_crossing());
             let peaks = crossings.filter_map(|pass| pass.peak.as_ref()?.brightness.as_ref());
             peaks.filter(|brightness| brightness.magnitude.0 < limit).count()
         });
@@ -58,7 +57,7 @@ pub fn asked(config: &Config, schedule: &Path, site: Option<&Site>, eop: &EopTab
             exposure.map(|exposure| exposure.start).into(),
             exposure.map(|exposure| exposure.duration_s).into(),
             row.band.clone().into(),
-            flag.verdict.name().into(),
+            flag.kind.name().into(),
             exposure.map(|_| flag.n_streaks).into(),
             exposure.and(bright).into(),
             flag.brightest_mag.into(),

@@ -7,7 +7,7 @@ use streakcast::config::parse_duration_s;
 use streakcast::elements::NoradId;
 use streakcast::frames::{mjd_utc, seconds_after};
 use streakcast::output::{Column, Kind, Table, Value};
-use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, TrackPoint};
+use streakcast::passes::{Exposure, Field, Pass, PassOptions, TrackPoint};
 use streakcast::plot::{LightCurve, Picture, light_curve};
 
 use super::arguments::PlotLightCurveArguments;
@@ -103,9 +103,9 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
 }
 
 /// The satellite asked for, else the brightest.
-fn chosen(asked: &Prediction, norad: Option<u32>) -> anyhow::Result<FieldPass> {
+fn chosen(asked: &Prediction, norad: Option<u32>) -> anyhow::Result<Pass> {
     // Near misses have no time in the field.
-    let found: Vec<&FieldPass> = asked.found().iter().filter(|pass| pass.is_crossing()).collect();
+    let found: Vec<&Pass> = asked.found().iter().filter(|pass| pass.is_crossing()).collect();
     if let Some(id) = norad {
         let pass = found.iter().find(|pass| pass.norad_id == NoradId(id));
         let ids: Vec<String> = found.iter().map(|pass| pass.norad_id.0.to_string()).collect();
@@ -115,14 +115,14 @@ fn chosen(asked: &Prediction, norad: Option<u32>) -> anyhow::Result<FieldPass> {
             .cloned()
             .ok_or_else(|| anyhow!("norad {id}: it does not cross this exposure; allowed: {allowed}"));
     }
-    let magnitude = |pass: &FieldPass| pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0);
+    let magnitude = |pass: &Pass| pass.peak.as_ref()?.brightness.as_ref().map(|brightness| brightness.magnitude.0);
     let bright = found.into_iter().filter_map(|pass| Some((magnitude(pass)?, pass)));
     let brightest = bright.min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, pass)| pass.clone());
     brightest.ok_or_else(|| anyhow!("there is no light curve: no satellite that can be seen crosses this exposure"))
 }
 
 /// Points from `around_s` before the first entry to as much after the last exit, as far as it stands above the horizon, of that satellite alone.
-fn track(asked: &Prediction, pass: &FieldPass, around_s: f64) -> anyhow::Result<Vec<TrackPoint>> {
+fn track(asked: &Prediction, pass: &Pass, around_s: f64) -> anyhow::Result<Vec<TrackPoint>> {
     let (first_s, last_s) = pass.chords.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), chord| {
         (low.min(chord.enter_s), high.max(chord.exit_s))
     });
@@ -136,7 +136,7 @@ fn track(asked: &Prediction, pass: &FieldPass, around_s: f64) -> anyhow::Result<
     let answer = asked.prepared.sky.field_passes(&[exposure], &wide, &options)?;
     let tracks = answer.by_exposure.into_iter().flatten();
     let found = tracks.filter(|found| found.element_index == pass.element_index && found.samples.len() > 1);
-    let holds = |found: &FieldPass| {
+    let holds = |found: &Pass| {
         found.samples[0].epoch <= pass.mid.epoch && pass.mid.epoch <= found.samples[found.samples.len() - 1].epoch
     };
     found.into_iter().find(holds).map(|found| found.samples).ok_or_else(|| {

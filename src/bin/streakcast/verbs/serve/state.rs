@@ -9,7 +9,7 @@ use streakcast::orbit::LeftOut;
 use streakcast::output::{Provenance, format_utc};
 use streakcast::passes::{PassOptions, Sky};
 use streakcast::photometry::ModelLibrary;
-use streakcast::schedule::{ExposureFlag, FlagRequest, Policy, Schedule, evening_mjd};
+use streakcast::schedule::{FlagRequest, Policy, Schedule, Verdict, evening_mjd};
 
 use super::problem::Problem;
 
@@ -22,7 +22,7 @@ pub struct ServerState {
     pub asked: ObservationPlan,
     pub schedule: Schedule,
     /// One for each row.
-    pub flags: Vec<ExposureFlag>,
+    pub flags: Vec<Verdict>,
     /// Those of the verdicts.
     pub caveats: Caveats,
     /// Without its lists (rejected records), which may be long.

@@ -3,9 +3,9 @@
 use serde_json::Value;
 use streakcast::frames::{Direction, seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell};
-use streakcast::passes::{Exposure, FieldPass, SkyError};
+use streakcast::passes::{Exposure, Pass, SkyError};
 use streakcast::schedule::{
-    MagnitudeLimit, ScheduledExposure, StreakRow, Verdict, exposure_table, flag_exposures, flag_table, streak_table,
+    MagnitudeLimit, ScheduledExposure, StreakRow, VerdictKind, exposure_table, flag_exposures, flag_table, streak_table,
 };
 
 use super::super::super::passes::left_out_table;
@@ -90,7 +90,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
     let (mut passes, mut before_and_after) = (passes.map_err(of_sky)?, before_and_after.map_err(of_sky)?);
     let mut caveats = state.caveats_at(start, seconds_after(start, exposure.duration_s), &report.left_out)?;
     caveats.warnings.extend(report.lower_limit_warning());
-    if report.flags.iter().any(|flag| flag.verdict == Verdict::Invalid) {
+    if report.flags.iter().any(|flag| flag.kind == VerdictKind::Invalid) {
         // A field below the horizon has no visible crossings.
         passes.clear();
         before_and_after.clear();
@@ -127,7 +127,7 @@ pub fn of_sky(error: &SkyError) -> Problem {
     Problem::new(400, error.to_string())
 }
 
-fn around_row(state: &ServerState, pass: &FieldPass, exposure: &Exposure) -> Vec<Cell> {
+fn around_row(state: &ServerState, pass: &Pass, exposure: &Exposure) -> Vec<Cell> {
     let after_s = |epoch| seconds_between(exposure.start, epoch);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     vec![

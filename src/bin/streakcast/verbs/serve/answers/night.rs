@@ -4,7 +4,7 @@ use serde_json::{Value, json};
 use streakcast::frames::{mjd_utc, seconds_after, seconds_between};
 use streakcast::output::{Table, Value as Cell, format_utc};
 use streakcast::passes::SkyError;
-use streakcast::schedule::{ExposureFlag, ScheduledExposure, flag_table, night_of};
+use streakcast::schedule::{ScheduledExposure, Verdict, flag_table, night_of};
 
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, optional};
@@ -53,7 +53,7 @@ pub fn answer(state: &ServerState, query: &Query) -> Result<String, Problem> {
         columns: SCHEDULED.to_vec(),
         rows: rows.iter().map(|&row| scheduled_row(&state.schedule.exposures[row])).collect(),
     };
-    let flags: Vec<ExposureFlag> = rows.iter().map(|&row| state.flags[row].clone()).collect();
+    let flags: Vec<Verdict> = rows.iter().map(|&row| state.flags[row].clone()).collect();
     let nights = Table {
         columns: NIGHTS.to_vec(),
         rows: state.nights.iter().map(|(night, rows)| vec![date_of(*night).into(), rows.len().into()]).collect(),

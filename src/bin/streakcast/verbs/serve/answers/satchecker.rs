@@ -8,7 +8,7 @@ use serde_json::{Value, json};
 use streakcast::frames::{Direction, epoch_from_jd, seconds_after, seconds_between};
 use streakcast::geometry::{Observer, Site};
 use streakcast::orbit::LeftOut;
-use streakcast::passes::{Exposure, Field, FieldPass, PassOptions, Sky, SnapshotOptions};
+use streakcast::passes::{Exposure, Field, Pass, PassOptions, Sky, SnapshotOptions};
 
 use super::super::problem::Problem;
 use super::super::query::{Kind, Parameter, Query, TRUTH, number, optional, required};
@@ -96,7 +96,7 @@ pub fn passes(state: &ServerState, query: &Query) -> Result<String, Problem> {
         let answer = answer.map_err(|error| of_sky(&error))?;
         let found = answer.by_exposure.into_iter().flatten();
         let wanted = found.filter(|pass| is_of_constellation(&sky, pass.element_index, query));
-        Ok::<(Vec<FieldPass>, Vec<LeftOut>), Problem>((wanted.collect(), answer.left_out))
+        Ok::<(Vec<Pass>, Vec<LeftOut>), Problem>((wanted.collect(), answer.left_out))
     };
     // First without points: their number is limited.
     let (found, left_out) = passes_of(0)?;
@@ -148,12 +148,12 @@ fn pass_options(state: &ServerState, query: &Query, samples: usize) -> PassOptio
     }
 }
 
-fn length_s(pass: &FieldPass) -> f64 {
+fn length_s(pass: &Pass) -> f64 {
     seconds_between(pass.enter.epoch, pass.exit.epoch)
 }
 
 /// The positions of a pass with their times, a second apart at most.
-fn positions(sky: &Sky, exposure: &Exposure, pass: &FieldPass) -> Vec<(Epoch, Value)> {
+fn positions(sky: &Sky, exposure: &Exposure, pass: &Pass) -> Vec<(Epoch, Value)> {
     let last = pass.samples.len().saturating_sub(1);
     // Keeps every `step`-th of the evenly spaced points.
     let step =
@@ -169,7 +169,7 @@ fn positions(sky: &Sky, exposure: &Exposure, pass: &FieldPass) -> Vec<(Epoch, Va
 }
 
 /// Positions and streaks of each satellite, by name.
-fn by_satellite(sky: &Sky, exposure: &Exposure, passes: &[FieldPass], with_elements: bool) -> Value {
+fn by_satellite(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: bool) -> Value {
     let mut satellites: BTreeMap<String, Value> = BTreeMap::new();
     let mut count = 0;
     for pass in passes {
@@ -198,7 +198,7 @@ fn by_satellite(sky: &Sky, exposure: &Exposure, passes: &[FieldPass], with_eleme
 }
 
 /// Positions of all satellites in order of time.
-fn by_time(sky: &Sky, exposure: &Exposure, passes: &[FieldPass], with_elements: bool) -> Value {
+fn by_time(sky: &Sky, exposure: &Exposure, passes: &[Pass], with_elements: bool) -> Value {
     let mut all = Vec::new();
     for pass in passes {
         let elements = &sky.elements()[pass.element_index];
@@ -296,7 +296,7 @@ fn orbital_data(sky: &Sky, element_index: usize) -> Value {
 }
 
 /// The streak as a whole, which SatChecker's points once a second do not give.
-fn streak(pass: &FieldPass) -> Value {
+fn streak(pass: &Pass) -> Value {
     let utc = |epoch| streakcast::output::format_utc(epoch, 3);
     let peak = pass.peak.as_ref().and_then(|peak| peak.brightness.as_ref());
     json!({

@@ -1,14 +1,16 @@
-//! Verdict on one exposure, with the numbers that it follows from.
+//! VerdictKind on one exposure, with the numbers that it follows from.
 
 use std::fmt;
 
 use hifitime::Epoch;
 
 use crate::elements::NoradId;
+use crate::output::format_utc;
+use crate::passes::Pass;
 
-/// Verdict on an exposure.
+/// VerdictKind on an exposure.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Verdict {
+pub enum VerdictKind {
     /// No lit satellite crosses it.
     Clear,
     /// A lit satellite crosses it, within the limits of the policy.
@@ -19,31 +21,33 @@ pub enum Verdict {
     Invalid,
 }
 
-impl Verdict {
+impl VerdictKind {
     /// Returns the word in tables: `clear`, `streaked`, `avoid`, `invalid`.
     pub fn name(self) -> &'static str {
         match self {
-            Verdict::Clear => "clear",
-            Verdict::Streaked => "streaked",
-            Verdict::Avoid => "avoid",
-            Verdict::Invalid => "invalid",
+            VerdictKind::Clear => "clear",
+            VerdictKind::Streaked => "streaked",
+            VerdictKind::Avoid => "avoid",
+            VerdictKind::Invalid => "invalid",
         }
     }
 }
 
-impl fmt::Display for Verdict {
+impl fmt::Display for VerdictKind {
     fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
         formatter.pad(self.name())
     }
 }
 
-/// Result for one exposure.
+/// The verdict on one exposure, with its reasons and the passes behind it.
+///
+/// Displayed as one line: the kind, the reasons, and the next clear start.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ExposureFlag {
+pub struct Verdict {
     /// Identifier of the exposure in the schedule.
     pub exposure_id: String,
-    /// The verdict.
-    pub verdict: Verdict,
+    /// Clear, streaked, avoid or invalid.
+    pub kind: VerdictKind,
     /// Lit satellites whose nominal tracks cross the field.
     pub n_streaks: usize,
     /// The brightest magnitude of all lit crossings in the field; `None` without crossings or magnitudes.
@@ -63,16 +67,18 @@ pub struct ExposureFlag {
     pub next_clear_start: Option<Epoch>,
     /// Its delay after the scheduled start, seconds.
     pub delay_s: Option<f64>,
-    /// Lit crossings in order of entry, with the near misses that count.
+    /// Catalogue numbers of `passes`.
     pub norad_ids: Vec<NoradId>,
+    /// Lit crossings in order of entry, and near misses if the policy has a probability.
+    pub passes: Vec<Pass>,
 }
 
-impl ExposureFlag {
+impl Verdict {
     /// Returns the flag of a row that cannot be judged.
     pub fn invalid(exposure_id: &str, reason: String) -> Self {
         Self {
             exposure_id: exposure_id.to_owned(),
-            verdict: Verdict::Invalid,
+            kind: VerdictKind::Invalid,
             n_streaks: 0,
             brightest_mag: None,
             expected_lost_pixel_fraction: None,
@@ -83,6 +89,22 @@ impl ExposureFlag {
             next_clear_start: None,
             delay_s: None,
             norad_ids: Vec::new(),
+            passes: Vec::new(),
+        }
+    }
+}
+
+impl fmt::Display for Verdict {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(formatter, "{}", self.kind)?;
+        if !self.reasons.is_empty() {
+            write!(formatter, ": {}", self.reasons.join("; "))?;
+        }
+        match (self.delay_s, self.next_clear_start) {
+            (Some(delay_s), Some(start)) if delay_s > 0.0 => {
+                write!(formatter, "; clear when started {delay_s:.1} s later, at {}", format_utc(start, 3))
+            }
+            _ => Ok(()),
         }
     }
 }

@@ -8,6 +8,7 @@ use rayon::prelude::*;
 use super::element_set::ElementSet;
 use super::history::{History, nearest_of_each};
 use super::record::Rejected;
+use super::shell::{Constellation, ShellError};
 use super::source::{CatalogueError, FileReading, SourceFile, read_bytes, read_file};
 use super::tle::Checksums;
 
@@ -36,7 +37,7 @@ pub enum Keep {
 /// Element sets with their provenance.
 ///
 /// ```
-/// use streakcast::elements::{Catalogue, NoradId, ReadOptions};
+/// use streakcast::elements::{Satellites, NoradId, ReadOptions};
 ///
 /// let text = "\
 /// ISS (ZARYA)
@@ -44,14 +45,14 @@ pub enum Keep {
 /// 2 25544  51.6304 193.4497 0006669 272.1743  87.8481 15.48947664575097
 /// a stray line
 /// ";
-/// let catalogue = Catalogue::from_bytes("iss.txt", text.as_bytes(), &ReadOptions::default())?;
+/// let catalogue = Satellites::from_bytes("iss.txt", text.as_bytes(), &ReadOptions::default())?;
 /// assert_eq!(catalogue.element_sets[0].norad_id, NoradId(25544));
 /// assert_eq!(catalogue.rejected[0].line, 4);
 /// # Ok::<(), streakcast::elements::CatalogueError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
-pub struct Catalogue {
+pub struct Satellites {
     /// In the order of their catalogue numbers, and of their epochs where several of one object were kept.
     pub element_sets: Vec<ElementSet>,
     /// Records that were left out, by file and line.
@@ -64,7 +65,7 @@ pub struct Catalogue {
     pub superseded: usize,
 }
 
-impl Catalogue {
+impl Satellites {
     /// Reads files, each in whichever format its content shows.
     ///
     /// A bad record is left out and named in [`rejected`](Self::rejected); the rest goes on.
@@ -80,6 +81,26 @@ impl Catalogue {
         let checksums = options.checksums();
         let readings: Result<Vec<_>, _> = paths.par_iter().map(|path| read_file(path.as_ref(), checksums)).collect();
         Ok(Self::assemble(readings?, options.keep))
+    }
+
+    /// Reads files with the default options: of several element sets of one object the newest stays, and records with a wrong
+    /// checksum are left out.
+    ///
+    /// # Errors
+    /// As for [`read`](Self::read).
+    pub fn from_files<P: AsRef<Path> + Sync>(paths: impl AsRef<[P]>) -> Result<Self, CatalogueError> {
+        Self::read(paths.as_ref(), &ReadOptions::default())
+    }
+
+    /// A synthetic constellation as filed, for example `starlink-gen1` at this epoch.
+    ///
+    /// Its positions do not correspond to real satellites.
+    ///
+    /// # Errors
+    /// An unknown name; the error lists the known ones.
+    pub fn synthetic(constellation: &str, epoch: Epoch) -> Result<Self, ShellError> {
+        let element_sets = Constellation::by_name(constellation)?.element_sets(epoch);
+        Ok(Self::from_element_sets(element_sets, Keep::All))
     }
 
     /// Reads the content of one file; `name` stands for it in messages and provenance.
