@@ -67,7 +67,7 @@ fn verif_a_fit_writes_a_model_that_works_and_a_report_with_pictures() {
     // Circles of 550 km stand for orbits: the geometry is off by degrees, and nothing more exact than this can come back.
     assert!((c.c5 / 0.09 - 1.0).abs() < 0.3 && (c.c3 / 0.006 - 1.0).abs() < 0.5, "{c:?}");
     let report = fs::read_to_string(at("fit.md")).expect("a report");
-    for part in ["# Fit of mine", "## VerdictKind", "| c5 |", "On unseen points", "diffuse sphere"] {
+    for part in ["# Fit of mine", "## Verdict", "| c5 |", "On unseen points", "diffuse sphere"] {
         assert!(report.contains(part), "{part} is not in {report}");
     }
     // Every picture that the report names is there.

@@ -27,7 +27,7 @@ STEP_S = 1.0
 SLOT_S = 180.0
 #: How much deeper than the horizon is looked then, radians: half a slot and half a minute of delay at 7.8 km/s are 0.14.
 BELOW_RAD = 0.15
-SHELLS = Path(__file__).resolve().parents[3] / "src" / "catalogue" / "shells.toml"
+SHELLS = Path(__file__).resolve().parents[3] / "src" / "elements" / "shells.toml"
 
 
 def write_walker(names: list[str], epoch: Time, path: Path) -> int:
