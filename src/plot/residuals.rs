@@ -26,7 +26,7 @@ pub struct ResidualHistogram<'a> {
     pub title: &'a str,
     /// Observed less computed magnitudes, finite, mag.
     pub residuals_mag: &'a [f64],
-    /// Standard deviation of the normal curve about 0 that the bars are held against, above 0: what the fit foretells, or its RMSE, mag.
+    /// Standard deviation of the normal curve drawn over the bars, mag, above 0: the sigma of the fit, or its RMSE.
     pub sigma_mag: f64,
 }
 
