@@ -17,7 +17,7 @@ use super::phase::{PhaseForm, SphereForm};
 use super::point::{FitPoint, points_of_pixels};
 use super::solve::{FitSettings, Problem};
 use super::statistics::{ResidualStatistics, aic_under, share_within, sigma_68_mag};
-use super::two_panel::TwoPanelForm;
+use super::two_panel_form::TwoPanelForm;
 
 /// A form with its free parameters.
 pub struct CompetingForm {

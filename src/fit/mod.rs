@@ -1,7 +1,8 @@
 //! Photometry to brightness models: readers, selection, reduction, fits, posteriors, and checks of models.
 //!
 //! `measurements` reads photometry and reduces it; `point` makes points of a fit from it. A `form` is a brightness law with free parameters:
-//! `two_panel` the paper's, `panels_form` any panels, `phase` the baselines. `objective` is the cost of a form under a loss function, `solve` its
+//! `two_panel_form` the paper's (evaluated by `two_panel_kernel`), `panels_form` any panels, `phase` the baselines. `objective` is the cost of a
+//! form under a loss function, `solve` its
 //! least squares from several starts (`linear_starts`), with the errors of `covariance` or, for pixels, `jackknife`. `soundness` lists the faults
 //! of a fit, `cross_validation` compares forms on unseen points, `paper_tests` repeats the paper's tests, `posterior` draws with walkers
 //! (`chain_file` stores them), `model_of_fit` makes the model file, `report` and `tables` the output. `inference` contains the numerical
@@ -31,7 +32,8 @@ mod solve;
 mod soundness;
 mod statistics;
 mod tables;
-mod two_panel;
+mod two_panel_form;
+mod two_panel_kernel;
 
 pub use chain_file::{ChainAbout, read_chain, write_chain};
 pub use covariance::{CovarianceKind, FitUncertainty};
@@ -52,4 +54,4 @@ pub use solve::{Fit, FitSettings, Problem};
 pub use soundness::{Fault, PoorAxis, faults, points_behind};
 pub use statistics::{PairedTest, ResidualStatistics, rms, sigma_68_mag};
 pub use tables::{form_score_table, marginal_table, offset_table, paired_model_table, parameter_table};
-pub use two_panel::TwoPanelForm;
+pub use two_panel_form::TwoPanelForm;

@@ -13,7 +13,7 @@ use super::form::{BLOCK, Evaluated, Form, LEAST_LIT_M2, LEAST_M2_SR, Parameter, 
 use super::linear_starts::{self, Basis};
 use super::panel_earth::PanelEarth;
 use super::point::FitPoint;
-use super::two_panel::TwoPanelForm;
+use super::two_panel_form::TwoPanelForm;
 
 /// Panels of a model file, of which laws and spheres are fitted and attitudes are not.
 #[derive(Clone, Debug, PartialEq)]

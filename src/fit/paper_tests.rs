@@ -8,7 +8,7 @@ use super::objective::Loss;
 use super::point::FitPoint;
 use super::solve::{Fit, FitSettings, Problem};
 use super::statistics::{PairedTest, aic_under, paired_t_test, rms};
-use super::two_panel::TwoPanelForm;
+use super::two_panel_form::TwoPanelForm;
 
 /// Names of the seven coefficients of the paper's form.
 pub const COEFFICIENTS: [&str; 7] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"];

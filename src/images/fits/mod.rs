@@ -1,8 +1,9 @@
 //! Frames in FITS files: reading, copies with changes, new files.
 //!
-//! `hdu` finds headers and data, `tile_table` checks compressed images, both before CFITSIO (`cfitsio`) sees a file. `frame_file` reads.
-//! `frame_copy` copies with changes: `deltas` holds the light to be added, `pixel_format` the meaning of stored numbers, `tiles` changes
-//! compressed images (`dither` their random numbers), `changed` counts. `new_hdu` makes images (`image_values`) and tables.
+//! `hdu` finds headers and data, `tile_header` and `tile_table` check compressed images, both before CFITSIO (`cfitsio`) sees a file.
+//! `frame_file` reads. `frame_copy` copies with changes: `deltas` holds the light to be added, `pixel_format` the meaning of stored numbers,
+//! `tiles` changes compressed images, `dither` holds the random numbers of rounding, `changed` counts. `new_hdu` makes images
+//! (`image_values`) and tables.
 
 mod cfitsio;
 mod changed;
@@ -15,6 +16,7 @@ mod hdu;
 mod image_values;
 mod new_hdu;
 mod pixel_format;
+mod tile_header;
 mod tile_table;
 mod tiles;
 

@@ -2,9 +2,9 @@
 
 use anyhow::anyhow;
 use streakcast::fit::{
-    Chain, CompetingForm, CovarianceKind, Fault, Fit, FitError, FitPoint, FormScore, ModelDescription, Posterior,
-    Problem, RawWeights, ResidualStatistics, baseline_forms, compare_forms, faults, jackknife, model_file,
-    points_of_measurements, predict, rms, sigma_68_mag,
+    CompetingForm, CovarianceKind, Fit, FitError, FitPoint, FormScore, ModelDescription, Problem, RawWeights,
+    ResidualStatistics, baseline_forms, compare_forms, faults, jackknife, model_file, points_of_measurements, predict,
+    rms, sigma_68_mag,
 };
 use streakcast::photometry::ModelFile;
 
@@ -12,7 +12,7 @@ use super::arguments::{FitArguments, FitRunArguments, FitVerb};
 use super::chains;
 use super::form::{Chosen, form};
 use super::points::{Placed, read, weights};
-use super::report;
+use super::report::{self, FitResults};
 use super::run_checks::{checked, this_month};
 use crate::failure::Outcome;
 
@@ -23,20 +23,6 @@ pub fn run(typed: FitArguments) -> anyhow::Result<Outcome> {
         FitVerb::Reduce(typed) => super::reduce::reduce(*typed),
         FitVerb::Identify(typed) => super::identify::identify(*typed),
     }
-}
-
-/// Everything that came out: what the model file and the report are made of.
-pub struct Told<'a> {
-    pub typed: &'a FitRunArguments,
-    pub chosen: &'a Chosen,
-    pub placed: &'a Placed,
-    pub problem: &'a Problem,
-    pub fit: &'a Fit,
-    pub faults: &'a [Fault],
-    pub standings: &'a [FormScore],
-    /// Single measurements: residuals about the model, mag.
-    pub single_mag: &'a [f64],
-    pub posterior: Option<(&'a Chain, &'a Posterior)>,
 }
 
 fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
@@ -61,7 +47,7 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
     let standings = standings(typed, &chosen, &placed)?;
     let single_mag = single(&chosen, &placed, &fit);
     let drawn = begun.map(|begun| chains::drawn(typed, &placed, &problem, &fit, begun)).transpose()?;
-    let told = Told {
+    let results = FitResults {
         typed,
         chosen: &chosen,
         placed: &placed,
@@ -72,10 +58,10 @@ fn fit(typed: &FitRunArguments) -> anyhow::Result<Outcome> {
         single_mag: &single_mag,
         posterior: drawn.as_ref().map(|(chain, posterior)| (chain, posterior)),
     };
-    let file = file(&told)?;
+    let file = file(&results)?;
     output.write_text(&(file.to_json() + "\n"))?;
     if let Some(path) = &typed.report {
-        report::write(path, &told, &file)?;
+        report::write(path, &results, &file)?;
     }
     for fault in &faults {
         notices.say(&format!("not sound: {fault}"));
@@ -149,16 +135,16 @@ fn single(chosen: &Chosen, placed: &Placed, fit: &Fit) -> Vec<f64> {
         .collect()
 }
 
-fn file(told: &Told) -> anyhow::Result<ModelFile> {
-    let Told { typed, chosen, placed, problem, fit, .. } = told;
+fn file(results: &FitResults) -> anyhow::Result<ModelFile> {
+    let FitResults { typed, chosen, placed, problem, fit, .. } = results;
     // What is announced is for single measurements that were not seen: held-out ones where there are any.
-    let held = told.standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
+    let held = results.standings.first().filter(|_| typed.reduction.raw_points).map(|own| own.held_out_mag.as_slice());
     let (sigma_mag, origin) = match held {
         Some(held) => (
             sigma_68_mag(held),
             format!("holds 68.3 % of single measurements on unseen tracks or nights ({} folds)", typed.form.folds),
         ),
-        None => (sigma_68_mag(told.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
+        None => (sigma_68_mag(results.single_mag), "holds 68.3 % of the single measurements, in sample".to_owned()),
     };
     let files: Vec<String> = typed.photometry.tables.photometry.iter().map(|path| path.display().to_string()).collect();
     let base = &chosen.file;
@@ -168,7 +154,7 @@ fn file(told: &Told) -> anyhow::Result<ModelFile> {
         source: format!("streakcast {} fit run, form of {}", env!("CARGO_PKG_VERSION"), base.name),
         data: typed.data.clone().unwrap_or_else(|| files.join(", ")),
         date: typed.date.clone().unwrap_or_else(this_month),
-        provisional: !told.faults.is_empty(),
+        provisional: !results.faults.is_empty(),
         notes: notes(typed, placed, chosen),
         sigma_origin: origin,
     };

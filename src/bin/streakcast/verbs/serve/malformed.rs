@@ -18,8 +18,12 @@ use tokio::time::timeout;
 use super::filter::MAX_TARGET_BYTES;
 use super::problem::{PROBLEM_JSON, Problem, title};
 use super::router::HEADERS;
-use super::server::{HEAD_TIMEOUT, MAX_HEAD_BYTES, MAX_HEADERS};
 
+/// Limit on the time in which a head arrives, also that of the next request on an open connection.
+pub const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
+/// Limits on the size of a head.
+pub const MAX_HEAD_BYTES: usize = 16 << 10;
+pub const MAX_HEADERS: usize = 64;
 /// Limit on the time that closing takes.
 const CLOSE_TIMEOUT: Duration = Duration::from_secs(4);
 

@@ -16,16 +16,11 @@ use tokio::sync::{OwnedSemaphorePermit, Semaphore, watch};
 use tokio::time::{sleep, timeout};
 use tower::ServiceExt;
 
-use super::malformed::{self, Wire};
+use super::malformed::{self, HEAD_TIMEOUT, MAX_HEAD_BYTES, MAX_HEADERS, Wire};
 use super::router::ClientAddress;
 
 /// Most open connections; further ones wait in the queue of the operating system.
 const MAX_CONNECTIONS: u32 = 512;
-/// Limit on the time in which a head arrives, also that of the next request on an open connection.
-pub const HEAD_TIMEOUT: Duration = Duration::from_secs(10);
-/// Limits on the size of a head.
-pub const MAX_HEAD_BYTES: usize = 16 << 10;
-pub const MAX_HEADERS: usize = 64;
 /// Age at which a connection closes, after the answer under way.
 const MAX_AGE: Duration = Duration::from_secs(600);
 /// Time in which open requests have to end after a stop.

@@ -1,22 +1,75 @@
-//! The geometry of the points in blocks: directions, projected areas, and earthshine on the chassis.
+//! The two-panel form of Lu (2024, section 2) as a fit: seven coefficients and the panel offset.
+//!
+//! The geometry of the points is prepared in blocks: directions, projected areas, and earthshine on the chassis. `two_panel_kernel`
+//! evaluates coefficients on them.
 
 use rayon::prelude::*;
 
-use crate::fit::form::{BLOCK, Evaluated, Form, LEAST_LIT_M2, Moved, Parameter, Prepared, Sloped};
-use crate::fit::linear_starts::{self, Basis};
-use crate::fit::log_nodes::LogNodes;
-use crate::fit::point::FitPoint;
+use super::form::{BLOCK, Evaluated, Form, LEAST_LIT_M2, Moved, Parameter, Prepared, Sloped};
+use super::linear_starts::{self, Basis};
+use super::log_nodes::LogNodes;
+use super::point::FitPoint;
+use super::two_panel_kernel::{EarthBlock, Evaluation, NODES, SLOPES, lit_panels};
 use crate::photometry::two_panel::{Directions, LitPanels, chassis_earthshine};
-use crate::photometry::{ChassisAndSail, Earthshine, SatelliteShape, StandardMagnitude};
+use crate::photometry::{ChassisAndSail, Coefficients, Earthshine, SatelliteShape, StandardMagnitude};
 
-use super::form::{EXPONENTS, OFFSET, TwoPanelForm};
-use super::kernel::{EarthBlock, Evaluation, NODES, SLOPES, lit_panels};
+/// Order of the coefficients, as in model files.
+const NAMES: [&str; 8] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base", "panel_offset_deg"];
+/// Index of the panel offset.
+const OFFSET: usize = 7;
+/// Exponents of the lobes: below, a lobe is a second diffuse law; above, it is narrower than attitudes are kept.
+const EXPONENTS: [f64; 2] = [0.5, 200.0];
+/// Panel offsets, degrees.
+const OFFSETS_DEG: [f64; 2] = [-30.0, 30.0];
+
+/// Step of panel offsets for derivatives, degrees.
+const OFFSET_STEP_DEG: f64 = 1e-4;
 
 /// Light is linear in the parameters before this one.
 const FIRST_EXPONENT: usize = 5;
 
+/// Chassis and sail of given sizes with eight parameters, of which any can be fitted.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TwoPanelForm {
+    /// Sizes, and the panel offset where it is not fitted.
+    pub shape: SatelliteShape,
+    /// Values of coefficients that are not fitted.
+    pub coefficients: Coefficients,
+    /// Earthshine on the chassis.
+    pub earthshine: Earthshine,
+    /// False ignores obstruction and shadow of the sail by the chassis, as in other published two-panel models.
+    pub blocking: bool,
+    /// Magnitude of the Sun, which sets the zero point.
+    pub sun_magnitude: f64,
+}
+
+impl Form for TwoPanelForm {
+    fn name(&self) -> String {
+        "two_panel".to_owned()
+    }
+
+    fn parameters(&self) -> Vec<Parameter> {
+        let c = &self.coefficients;
+        let values = [c.c1, c.c2, c.c3, c.c4, c.c5, c.n_sail, c.n_base, self.shape.panel_offset_deg];
+        let bounds = |i: usize| match i {
+            0..5 => [0.0, 1.0],
+            OFFSET => OFFSETS_DEG,
+            _ => EXPONENTS,
+        };
+        let parameter = |i: usize| {
+            let parameter = Parameter::new(NAMES[i], values[i], bounds(i)[0], bounds(i)[1]);
+            if i == OFFSET { Parameter { step: OFFSET_STEP_DEG, ..parameter } } else { parameter }
+        };
+        (0..NAMES.len()).map(parameter).collect()
+    }
+
+    fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared> {
+        Box::new(PreparedPoints::new(self, points))
+    }
+}
+
 /// All points. Lanes beyond the last one are dark.
-pub(super) struct PreparedPoints {
+struct PreparedPoints {
     form: TwoPanelForm,
     count: usize,
     directions: Vec<Directions<BLOCK>>,
@@ -28,7 +81,7 @@ pub(super) struct PreparedPoints {
 }
 
 impl PreparedPoints {
-    pub fn new(form: &TwoPanelForm, points: &[FitPoint]) -> Self {
+    fn new(form: &TwoPanelForm, points: &[FitPoint]) -> Self {
         let exponents = LogNodes::new(EXPONENTS);
         let earth = match form.earthshine {
             Earthshine::Computed => {

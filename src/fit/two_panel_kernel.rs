@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 use std::f64::consts::LN_10;
 
-use crate::fit::form::{BLOCK, Evaluated, LEAST_M2_SR};
+use super::form::{BLOCK, Evaluated, LEAST_M2_SR};
 use crate::math::elementary::fused;
 use crate::math::vectors::{Kernel, widest_fused};
 use crate::photometry::ChassisAndSail;
