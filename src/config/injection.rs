@@ -1,5 +1,6 @@
 //! Configuration of an injection: frames, exposure, streaks, counts and truth.
 
+use super::error::ConfigError;
 use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -8,10 +9,9 @@ use hifitime::Epoch;
 use serde::Deserialize;
 
 use super::document::{Config, SiteConfig};
-use super::error::{ConfigError, RequestError};
 use super::prepared::PreparedSky;
 use super::values::{NameOrTable, Numbers, parse_angle_deg, parse_duration_s};
-use crate::frames::{Direction, Gcrs, parse_declination_deg, parse_instant, parse_moment, parse_right_ascension_deg};
+use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, parse_moment};
 use crate::images::{CountBasis, Detector, Header, ImageValues, Telescope};
 use crate::passes::Exposure;
 use crate::schedule::Schedule;
@@ -286,13 +286,13 @@ pub type SkyOf<'a> = &'a (dyn Fn(Epoch) -> Result<Arc<PreparedSky>, ConfigError>
 /// of the headers if the configuration has no site.
 ///
 /// # Errors
-/// [`RequestError`]; each output is written whole or not at all.
+/// [`ConfigError`]; each output is written whole or not at all.
 pub fn inject_frames(
     injection: &InjectionConfig,
     config: &Config,
     sky: Option<SkyOf<'_>>,
     outputs: &[PathBuf],
-) -> Result<Injections, RequestError> {
+) -> Result<Injections, ConfigError> {
     let plan = injection.resolve(config)?;
     let opened = Injection::open(&plan, outputs)?;
     let Some((first, last)) = opened.span().filter(|_| plan.random.is_none()) else { return Ok(opened.run(None)?) };
@@ -310,7 +310,7 @@ pub fn inject_frames(
 /// Puts streaks into an image in memory, by way of the folder `scratch`; `cards` are its header.
 ///
 /// # Errors
-/// [`RequestError`].
+/// [`ConfigError`].
 pub fn inject_into_array(
     injection: &InjectionConfig,
     config: &Config,
@@ -318,7 +318,7 @@ pub fn inject_into_array(
     image: &ImageValues,
     cards: &Header,
     scratch: &Path,
-) -> Result<ArrayInjected, RequestError> {
+) -> Result<ArrayInjected, ConfigError> {
     let frame = ArrayFrame::new(image, cards, scratch)?;
     let injection = InjectionConfig { image: vec![frame.input()], synthetic: None, ..injection.clone() };
     let injections = inject_frames(&injection, config, sky, &[frame.output()])?;
@@ -330,7 +330,7 @@ fn injection_sky(prepared: &PreparedSky) -> InjectionSky<'_> {
 }
 
 /// Completes a configuration without site by the observatory in the headers, with a remark.
-fn with_observatory(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), RequestError> {
+fn with_observatory(config: &Config, opened: &Injection<'_>) -> Result<(Config, Option<String>), ConfigError> {
     let site = &config.site;
     if site.named.is_some() || site.mpc.is_some() || site.lat.is_some() || config.observer_elements.is_some() {
         return Ok((config.clone(), None));
@@ -343,7 +343,7 @@ fn with_observatory(config: &Config, opened: &Injection<'_>) -> Result<(Config, 
             let config = Config { site: SiteConfig { named, ..config.site.clone() }, ..config.clone() };
             Ok((config, Some(format!("site {} ({code}) from the header", site.name))))
         }
-        [first, second, ..] => Err(RequestError::invalid(format!(
+        [first, second, ..] => Err(ConfigError::invalid(format!(
             "frames of two observatories ({}, {}); inject into those of each apart",
             first.name, second.name
         ))),
@@ -366,7 +366,7 @@ impl InjectionConfig {
     ///
     /// # Errors
     /// A request that is incomplete, contradicts itself, or is out of range.
-    pub fn resolve(&self, config: &Config) -> Result<InjectionPlan, RequestError> {
+    pub fn resolve(&self, config: &Config) -> Result<InjectionPlan, ConfigError> {
         self.check_counts()?;
         let telescope = config.telescope()?;
         let scheduled = self.scheduled(config)?;
@@ -374,7 +374,7 @@ impl InjectionConfig {
         let modulation = self.modulation()?;
         let random = self.random()?;
         if random.is_none() && !config.has_satellites() {
-            return Err(RequestError::invalid(
+            return Err(ConfigError::invalid(
                 "no streaks; say --elements FILE..., --shells NAME, or --random-streaks N --magnitude MAG",
             ));
         }
@@ -384,21 +384,21 @@ impl InjectionConfig {
             None => (None, None),
         };
         if own_gain.is_some() && self.gain.is_some() {
-            return Err(RequestError::invalid(
+            return Err(ConfigError::invalid(
                 "--gain, and a gain_e_adu in the file of --detector; allowed: one of them",
             ));
         }
         if self.synthetic.is_some() && detector.is_some() {
-            return Err(RequestError::invalid(
+            return Err(ConfigError::invalid(
                 "--detector and --synthetic: the file of a synthetic frame has its own table [detector]",
             ));
         }
         if let Some(gain) = self.gain.filter(|gain| !(*gain > 0.0 && gain.is_finite())) {
-            return Err(RequestError::invalid(format!("gain {gain}; allowed: above 0")));
+            return Err(ConfigError::invalid(format!("gain {gain}; allowed: above 0")));
         }
         let pixel_scale_arcsec = self.pixel_scale.as_deref().map(|text| arcsec("pixel-scale", text)).transpose()?;
         if pixel_scale_arcsec.is_some() && random.is_none() {
-            return Err(RequestError::invalid(
+            return Err(ConfigError::invalid(
                 "--pixel-scale is for random streaks in frames that say nothing of the sky; satellites need world coordinates",
             ));
         }
@@ -439,7 +439,7 @@ impl InjectionConfig {
     }
 
     /// Checks the number of numbers in each option.
-    fn check_counts(&self) -> Result<(), RequestError> {
+    fn check_counts(&self) -> Result<(), ConfigError> {
         let lists = [
             ("track-rate", &self.track_rate, 2..=2),
             ("magnitude", &self.magnitude, 1..=2),
@@ -452,34 +452,32 @@ impl InjectionConfig {
             if !allowed.contains(&numbers.len()) {
                 let (least, most) = (allowed.start(), allowed.end());
                 let allowed = if least == most { least.to_string() } else { format!("{least} to {most}") };
-                return Err(RequestError::invalid(format!("{what}: {} numbers; allowed: {allowed}", numbers.len())));
+                return Err(ConfigError::invalid(format!("{what}: {} numbers; allowed: {allowed}", numbers.len())));
             }
             if let Some(bad) = numbers.iter().find(|number| !number.is_finite()) {
-                return Err(RequestError::invalid(format!("{what} {bad}; allowed: finite numbers")));
+                return Err(ConfigError::invalid(format!("{what} {bad}; allowed: finite numbers")));
             }
         }
         Ok(())
     }
 
     /// Rejects options without effect.
-    fn check_idle(&self) -> Result<(), RequestError> {
+    fn check_idle(&self) -> Result<(), ConfigError> {
         let of_synthetic =
             [("--frames", self.frames.is_some()), ("--ra", self.ra.is_some()), ("--dec", self.dec.is_some())];
         if let Some((option, _)) = of_synthetic.iter().find(|(_, is_given)| *is_given && self.synthetic.is_none()) {
-            return Err(RequestError::invalid(format!(
-                "{option} is for --synthetic; a frame on file says where it is"
-            )));
+            return Err(ConfigError::invalid(format!("{option} is for --synthetic; a frame on file says where it is")));
         }
         if self.synthetic.is_some() && !self.hdu.is_empty() {
-            return Err(RequestError::invalid("--hdu is for frames on file; a synthetic one has one image"));
+            return Err(ConfigError::invalid("--hdu is for frames on file; a synthetic one has one image"));
         }
         if self.resolve_panels && self.is_random() {
-            return Err(RequestError::invalid(
+            return Err(ConfigError::invalid(
                 "--resolve-panels is for satellites; random streaks have neither chassis nor solar array",
             ));
         }
         if !(2..=MOST_TRUTH_POINTS).contains(&self.truth_points) {
-            return Err(RequestError::invalid(format!(
+            return Err(ConfigError::invalid(format!(
                 "truth-points {}; allowed: 2 to {MOST_TRUTH_POINTS}",
                 self.truth_points
             )));
@@ -487,15 +485,14 @@ impl InjectionConfig {
         Ok(())
     }
 
-    fn scheduled(&self, config: &Config) -> Result<Option<Exposure>, RequestError> {
+    fn scheduled(&self, config: &Config) -> Result<Option<Exposure>, ConfigError> {
         let (Some(path), Some(row)) = (&self.schedule, &self.row) else { return Ok(None) };
         let schedule = Schedule::read(path, &config.schedule_options()?)?;
         let found = schedule.exposures.iter().find(|exposure| exposure.id == *row);
-        let found =
-            found.ok_or_else(|| RequestError::invalid(format!("{}: no exposure_id {row:?}", path.display())))?;
+        let found = found.ok_or_else(|| ConfigError::invalid(format!("{}: no exposure_id {row:?}", path.display())))?;
         match &found.exposure {
             Ok(exposure) => Ok(Some(exposure.clone())),
-            Err(reason) => Err(RequestError::invalid(format!("{}: exposure {row}: {reason}", path.display()))),
+            Err(reason) => Err(ConfigError::invalid(format!("{}: exposure {row}: {reason}", path.display()))),
         }
     }
 
@@ -503,7 +500,7 @@ impl InjectionConfig {
         &self,
         config: &Config,
         scheduled: Option<&Exposure>,
-    ) -> Result<(Option<Epoch>, Option<f64>), RequestError> {
+    ) -> Result<(Option<Epoch>, Option<f64>), ConfigError> {
         if let Some(exposure) = scheduled {
             return Ok((Some(exposure.start), Some(exposure.duration_s)));
         }
@@ -511,12 +508,12 @@ impl InjectionConfig {
         let start = self.start.as_deref().map(|start| parse_moment(start, scale)).transpose()?;
         let duration_s = self.exposure.as_deref().map(|text| parse_duration_s("exposure", text)).transpose()?;
         if duration_s.is_some_and(|seconds| seconds <= 0.0) {
-            return Err(RequestError::invalid("exposure of 0 s; allowed: above 0 s"));
+            return Err(ConfigError::invalid("exposure of 0 s; allowed: above 0 s"));
         }
         Ok((start, duration_s))
     }
 
-    fn modulation(&self) -> Result<Modulation, RequestError> {
+    fn modulation(&self) -> Result<Modulation, ConfigError> {
         let tumbling = match *numbers(&self.tumbling) {
             [period_s, amplitude_mag] => Some(Tumbling { period_s, amplitude_mag, phase: 0.0 }),
             [period_s, amplitude_mag, phase] => Some(Tumbling { period_s, amplitude_mag, phase }),
@@ -535,7 +532,7 @@ impl InjectionConfig {
         Ok(modulation)
     }
 
-    fn random(&self) -> Result<Option<RandomPlan>, RequestError> {
+    fn random(&self) -> Result<Option<RandomPlan>, ConfigError> {
         let number = match (self.random_streaks, self.streak_density) {
             (Some(number), _) => StreakNumber::Exactly(number),
             (None, Some(mean)) => StreakNumber::OnAverage(mean),
@@ -543,7 +540,7 @@ impl InjectionConfig {
                 return Ok(None);
             }
             (None, None) => {
-                return Err(RequestError::invalid(
+                return Err(ConfigError::invalid(
                     "--magnitude and --streak-rate-deg-s are for --random-streaks and --streak-density; satellites have their own",
                 ));
             }
@@ -562,12 +559,12 @@ impl InjectionConfig {
         Ok(Some(RandomPlan { streaks, is_per_square_degree: self.streak_density.is_some() }))
     }
 
-    fn optics(&self, telescope: Option<&Telescope>) -> Result<Optics, RequestError> {
+    fn optics(&self, telescope: Option<&Telescope>) -> Result<Optics, ConfigError> {
         let seeing_arcsec = match (&self.seeing, telescope) {
             (Some(text), _) => arcsec("seeing", text)?,
             (None, Some(telescope)) => telescope.seeing_arcsec,
             (None, None) => {
-                return Err(RequestError::invalid(
+                return Err(ConfigError::invalid(
                     "no width of a star's image; say --seeing 1.2arcsec, or --telescope NAME, which brings the defocus too",
                 ));
             }
@@ -585,7 +582,7 @@ impl InjectionConfig {
         path: &Path,
         (start, duration_s): (Option<Epoch>, Option<f64>),
         scheduled: Option<&Exposure>,
-    ) -> Result<SyntheticPlan, RequestError> {
+    ) -> Result<SyntheticPlan, ConfigError> {
         let text = text_of("synthetic frame", path)?;
         let mut frame = SyntheticFrame::from_toml(&text, &path.display().to_string()).map_err(InjectionError::from)?;
         // Paths in a file start from its folder.
@@ -595,26 +592,23 @@ impl InjectionConfig {
             Some(start) => start,
             None if self.is_random() => parse_instant(SOME_DAY, None)?,
             None => {
-                return Err(RequestError::invalid(
+                return Err(ConfigError::invalid(
                     "no start of the exposure; say --start 2024-08-14T00:30:00.000Z or --schedule FILE --row ID",
                 ));
             }
         };
         let exposure_s = duration_s.ok_or_else(|| {
-            RequestError::invalid("no length of the exposure; say --exposure 30s or --schedule FILE --row ID")
+            ConfigError::invalid("no length of the exposure; say --exposure 30s or --schedule FILE --row ID")
         })?;
         Ok(SyntheticPlan { frame, path: path.to_owned(), opened, exposure_s, centre: self.centre(scheduled)? })
     }
 
-    fn centre(&self, scheduled: Option<&Exposure>) -> Result<Direction<Gcrs>, RequestError> {
+    fn centre(&self, scheduled: Option<&Exposure>) -> Result<Direction<Gcrs>, ConfigError> {
         match (scheduled, &self.ra, &self.dec) {
-            (_, Some(ra), Some(dec)) => Ok(Direction::from_lon_lat_rad(
-                parse_right_ascension_deg(ra)?.to_radians(),
-                parse_declination_deg(dec)?.to_radians(),
-            )),
+            (_, Some(ra), Some(dec)) => parse_direction(ra, dec).map_err(ConfigError::Angle),
             (Some(exposure), None, None) => Ok(exposure.pointing),
             (None, None, None) if self.is_random() => Ok(Direction::from_lon_lat_rad(0.0, 0.0)),
-            _ => Err(RequestError::invalid(
+            _ => Err(ConfigError::invalid(
                 "no centre of the frame; say --ra 188.5 --dec=-30.5 or --schedule FILE --row ID",
             )),
         }
@@ -625,64 +619,64 @@ fn numbers(given: &Option<Numbers>) -> &[f64] {
     given.as_ref().map_or(&[], |numbers| &numbers.0)
 }
 
-fn arcsec(what: &'static str, text: &str) -> Result<f64, RequestError> {
+fn arcsec(what: &'static str, text: &str) -> Result<f64, ConfigError> {
     Ok(parse_angle_deg(what, text)? * 3600.0)
 }
 
-fn text_of(what: &str, path: &Path) -> Result<String, RequestError> {
-    fs::read_to_string(path).map_err(|error| RequestError::invalid(format!("{what} {}: {error}", path.display())))
+fn text_of(what: &str, path: &Path) -> Result<String, ConfigError> {
+    fs::read_to_string(path).map_err(|error| ConfigError::invalid(format!("{what} {}: {error}", path.display())))
 }
 
-fn read_light_curve(path: &Path) -> Result<LightCurve, RequestError> {
+fn read_light_curve(path: &Path) -> Result<LightCurve, ConfigError> {
     let shown = path.display();
     let mut reader = csv::ReaderBuilder::new()
         .comment(Some(b'#'))
         .trim(csv::Trim::All)
         .from_path(path)
-        .map_err(|error| RequestError::invalid(format!("light curve {shown}: {error}")))?;
+        .map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?;
     let headers =
-        reader.headers().map_err(|error| RequestError::invalid(format!("light curve {shown}: {error}")))?.clone();
+        reader.headers().map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?.clone();
     let column = |name: &str| {
         headers.iter().position(|header| header == name).ok_or_else(|| {
-            RequestError::invalid(format!("light curve {shown}: no column {name} (needed: time_s, delta_mag)"))
+            ConfigError::invalid(format!("light curve {shown}: no column {name} (needed: time_s, delta_mag)"))
         })
     };
     let (time, delta) = (column("time_s")?, column("delta_mag")?);
     let mut points = Vec::new();
     for record in reader.records() {
-        let record = record.map_err(|error| RequestError::invalid(format!("light curve {shown}: {error}")))?;
+        let record = record.map_err(|error| ConfigError::invalid(format!("light curve {shown}: {error}")))?;
         let line = record.position().map_or(0, csv::Position::line);
         let number = |index: usize| {
             let text = record.get(index).unwrap_or_default();
             text.parse::<f64>()
-                .map_err(|_| RequestError::invalid(format!("light curve {shown}, line {line}: {text:?} is no number")))
+                .map_err(|_| ConfigError::invalid(format!("light curve {shown}, line {line}: {text:?} is no number")))
         };
         points.push((number(time)?, number(delta)?));
     }
-    LightCurve::new(points).map_err(|error| RequestError::invalid(format!("{shown}: {error}")))
+    LightCurve::new(points).map_err(|error| ConfigError::invalid(format!("{shown}: {error}")))
 }
 
-fn seeing_form(text: &str) -> Result<SeeingForm, RequestError> {
+fn seeing_form(text: &str) -> Result<SeeingForm, ConfigError> {
     let (name, number) = text.split_once(':').map_or((text, None), |(name, number)| (name, Some(number)));
     match (name.to_ascii_lowercase().as_str(), number) {
         ("gaussian", None) => Ok(SeeingForm::Gaussian),
         ("moffat", None) => Ok(SeeingForm::Moffat { beta: USUAL_BETA }),
         ("moffat", Some(number)) => match number.parse::<f64>() {
             Ok(beta) if (2.0..=100.0).contains(&beta) => Ok(SeeingForm::Moffat { beta }),
-            _ => Err(RequestError::invalid(format!("psf {text:?}: β of a Moffat profile; allowed: 2 to 100"))),
+            _ => Err(ConfigError::invalid(format!("psf {text:?}: β of a Moffat profile; allowed: 2 to 100"))),
         },
         ("double", None) => Ok(SeeingForm::DoubleGaussian { widening: USUAL_WIDENING, wide_share: USUAL_WIDE_SHARE }),
-        _ => Err(RequestError::invalid(format!(
+        _ => Err(ConfigError::invalid(format!(
             "psf {text:?} is not known; allowed: gaussian, moffat, moffat:BETA, double"
         ))),
     }
 }
 
 /// Reads a detector, and its gain if the file has one.
-fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), RequestError> {
+fn read_detector(path: &Path) -> Result<(Detector, Option<f64>), ConfigError> {
     let text = text_of("detector", path)?;
     let detector = Detector::from_toml(&text)
-        .map_err(|error| RequestError::invalid(format!("detector {}: {error}", path.display())))?;
+        .map_err(|error| ConfigError::invalid(format!("detector {}: {error}", path.display())))?;
     let has_gain = toml::from_str::<toml::Table>(&text).is_ok_and(|table| table.contains_key("gain_e_adu"));
     let own_gain = has_gain.then_some(detector.gain_e_adu);
     Ok((detector, own_gain))

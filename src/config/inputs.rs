@@ -1,5 +1,6 @@
 //! Input files of a configuration: element sets, synthetic constellations, Earth orientation and brightness models.
 
+use super::error::ConfigError;
 use std::path::Path;
 
 use hifitime::Epoch;
@@ -11,7 +12,6 @@ use crate::passes::ModelChoice;
 use crate::photometry::{ModelLibrary, StandardMagnitudes};
 
 use super::document::Config;
-use super::error::ConfigError;
 use super::values::is_file_name;
 
 /// All inputs of a configuration, read once: skies for any time are made of them without reading a file again (except

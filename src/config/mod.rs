@@ -24,7 +24,7 @@ mod warnings;
 #[cfg(feature = "cli")]
 pub use document::norad_id;
 pub use document::{Config, ExposureConfig, LightConfig, RulesConfig, RunConfig, SiteConfig};
-pub use error::{ConfigError, RequestError};
+pub use error::ConfigError;
 pub use forecast::{ForecastConfig, time_range};
 pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
 pub use identify::{IdentifyConfig, IdentifyPlan};

@@ -1,5 +1,6 @@
 //! Skies prepared for the times of a question, with their provenance and warnings.
 
+use super::error::ConfigError;
 use std::collections::BTreeSet;
 
 use hifitime::Epoch;
@@ -15,7 +16,6 @@ use crate::photometry::PhotometryOptions;
 use crate::schedule::lowest_altitudes_rad;
 
 use super::document::Config;
-use super::error::{ConfigError, RequestError};
 use super::inputs::LoadedInputs;
 use super::warnings;
 
@@ -139,10 +139,10 @@ impl PreparedSky {
     ///
     /// # Errors
     /// An altitude below 0°.
-    pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), RequestError> {
+    pub fn check_altitude(&self, what: &str, exposure: &Exposure) -> Result<(), ConfigError> {
         let viewpoint = self.sky.viewpoint();
         match lowest_altitudes_rad(&[exposure], viewpoint, &self.eop).first() {
-            Some(altitude_rad) if *altitude_rad < 0.0 => Err(RequestError::invalid(format!(
+            Some(altitude_rad) if *altitude_rad < 0.0 => Err(ConfigError::invalid(format!(
                 "the {what} is below {} of {} at {} (altitude {:.1} deg); allowed: 0 deg or more",
                 viewpoint.border_name(),
                 viewpoint.name(),

@@ -148,7 +148,7 @@ impl Launch {
 /// ";
 /// let catalogue = Satellites::from_bytes("v15.tle", text.as_bytes(), &ReadOptions::default())?;
 /// assert_eq!(GenerationTable::embedded().of(&catalogue.element_sets[0]), Generation::StarlinkV15);
-/// # Ok::<(), streakcast::elements::CatalogueError>(())
+/// # Ok::<(), streakcast::elements::ElementsError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct GenerationTable {

@@ -3,6 +3,7 @@
 //! Arrays: `chain` (n_step, n_walker, n_param), `log_prob` (n_step, n_walker), `accepted` (n_walker), and `about`, the bytes of
 //! a JSON text that identifies the fit. `numpy.load(path)["chain"]` equals emcee's `get_chain()`.
 
+use super::error::FitError;
 use std::fs::File;
 use std::io::{Read, Write};
 use std::path::Path;
@@ -14,7 +15,6 @@ use zip::{ZipArchive, ZipWriter};
 
 use crate::output::AtomicFile;
 
-use super::error::FitError;
 use super::inference::Chain;
 
 /// Identification of the fit that a chain belongs to.

@@ -5,11 +5,11 @@
 //! compared with the pixels that this fold alone makes. A fold holds a share of 1/folds of the points, so thresholds on numbers of points and
 //! tracks are divided by the number of folds there (rounded up); the limit on the spread is unchanged.
 
+use super::error::FitError;
 use rayon::prelude::*;
 
 use crate::photometry::{Coefficients, Earthshine};
 
-use super::error::FitError;
 use super::form::{BLOCK, Form};
 use super::jackknife::TrackSets;
 use super::measurements::{Measurements, ReduceOptions};
@@ -58,7 +58,7 @@ pub struct FormScore {
 /// # Errors
 /// * those of [`Problem`];
 /// * [`FitError::Folds`] for fewer than two folds or fewer groups than folds;
-/// * [`FitError::Empty`] and [`FitError::NoneUnseen`] if no point is common to all forms.
+/// * [`FitError::NoPoints`] and [`FitError::NoneUnseen`] if no point is common to all forms.
 pub fn compare_forms(
     forms: &[CompetingForm],
     points: &[FitPoint],
@@ -82,7 +82,7 @@ pub fn compare_forms(
     let sigmas_mag: Vec<f64> = points.iter().map(|point| point.sigma_mag).collect();
     let score = |((one, (form, settings)), held_out): ((&CompetingForm, &(&dyn Form, FitSettings)), HeldOut)| {
         let fit = Problem::new(*form, &points, settings)?.solve()?;
-        let empty = || FitError::Empty { given: points.len(), unexplained: points.len(), form: one.name.clone() };
+        let empty = || FitError::NoPoints { given: points.len(), unexplained: points.len(), form: one.name.clone() };
         Ok(FormScore {
             name: one.name.clone(),
             parameters: one.free.len(),

@@ -1,9 +1,9 @@
 //! Three tests of Lu (2024, section 4) that precede the final model: dependence of the panel offset on the Sun, necessity of the sail's glossy lobe,
 //! necessity of earthshine.
 
+use super::error::FitError;
 use crate::photometry::{Earthshine, PANEL_OFFSET};
 
-use super::error::FitError;
 use super::objective::Loss;
 use super::point::FitPoint;
 use super::solve::{Fit, FitSettings, Problem};

@@ -1,11 +1,11 @@
 //! Posterior of the free parameters, drawn by walkers that start at a fit.
 
+use super::error::FitError;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 
 use crate::math::quantile::quantile;
 
-use super::error::FitError;
 use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_times};
 use super::objective::Objective;
 use super::solve::Fit;

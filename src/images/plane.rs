@@ -1,21 +1,6 @@
 //! One image in memory.
 
-use thiserror::Error;
-
-/// Why a plane cannot be made.
-#[derive(Debug, Error, PartialEq)]
-pub enum PlaneError {
-    /// The values do not fill it.
-    #[error("{given} values for an image of {rows} rows by {columns} columns ({} are needed)", rows * columns)]
-    Shape {
-        /// Rows asked for.
-        rows: usize,
-        /// Columns asked for.
-        columns: usize,
-        /// Values given.
-        given: usize,
-    },
-}
+use super::error::ImagesError;
 
 /// An image, shape (rows, columns), row after row, the row that FITS holds first at index 0.
 #[derive(Clone, Debug, PartialEq)]
@@ -34,10 +19,10 @@ impl Plane {
     /// From values row after row.
     ///
     /// # Errors
-    /// [`PlaneError::Shape`] where their number is not rows times columns.
-    pub fn from_values(rows: usize, columns: usize, values: Vec<f32>) -> Result<Self, PlaneError> {
+    /// [`ImagesError::PlaneShape`] where their number is not rows times columns.
+    pub fn from_values(rows: usize, columns: usize, values: Vec<f32>) -> Result<Self, ImagesError> {
         if values.len() != rows * columns {
-            return Err(PlaneError::Shape { rows, columns, given: values.len() });
+            return Err(ImagesError::PlaneShape { rows, columns, given: values.len() });
         }
         Ok(Self { rows, columns, values })
     }

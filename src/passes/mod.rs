@@ -27,12 +27,12 @@ mod visible;
 pub use altaz::AltAz;
 pub use delayed_track::{DelayedTrack, ExposureInterval, Sighting};
 pub use error::SkyError;
-pub use exposure::{Exposure, ExposureTextError};
+pub use exposure::Exposure;
 pub use field::{Field, FieldError, FieldOnSky};
 pub use field_passes::{
     CountRequest, Counts, CrossingProbability, FieldCrossing, FieldCrossings, PassOptions, Passes, StreakCount,
 };
-pub use models::{ModelChoice, UnknownModel};
+pub use models::ModelChoice;
 pub use sky::Sky;
 pub use snapshots::{SatelliteSnapshot, SatelliteTrack, SnapshotOptions};
 pub use track::{Chord, Pass, TrackPoint};

@@ -1,5 +1,6 @@
 //! A brightness model of any kind.
 
+use super::error::PhotometryError;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -10,7 +11,6 @@ use crate::geometry::ViewingGeometry;
 use super::band::{Band, MagSystem};
 use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
 use super::magnitude::{StandardMagnitude, airmass};
-use super::model_error::ModelFileError;
 use super::model_file::{GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, SatelliteShape};
 use super::panels::PanelAssembly;
 use super::parameter_sigma::ParameterSigmas;
@@ -107,7 +107,7 @@ impl BrightnessModel {
     ///
     /// # Errors
     /// As [`ModelFile::from_json`].
-    pub fn from_json(text: &str, origin: &str) -> Result<Self, ModelFileError> {
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, PhotometryError> {
         Self::from_file(ModelFile::from_json(text, origin)?, origin)
     }
 
@@ -115,10 +115,14 @@ impl BrightnessModel {
     ///
     /// # Errors
     /// As [`ModelFile::validate`].
-    pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, ModelFileError> {
+    pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, PhotometryError> {
         file.validate(origin)?;
-        let needs =
-            |key| ModelFileError::Key { origin: origin.to_owned(), kind: file.kind.name(), problem: "needs", key };
+        let needs = |key| PhotometryError::ModelKey {
+            origin: origin.to_owned(),
+            kind: file.kind.name(),
+            problem: "needs",
+            key,
+        };
         let (band, system) = file.band_and_system().ok_or_else(|| needs("band"))?;
         let name: Arc<str> = file.name.as_str().into();
         let sigmas = file.covariance.as_deref().map(ParameterSigmas::new);

@@ -1,5 +1,6 @@
 //! Schedules: exposures in the order of their rows, with the reasons of those that are invalid.
 
+use super::error::ScheduleError;
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
@@ -9,10 +10,9 @@ use crate::frames::{Direction, epoch_from_jd, epoch_from_mjd};
 use crate::output::format_utc;
 use crate::passes::Exposure;
 
-use super::error::ScheduleError;
 use super::formats::{Cell, ColumnMap, RawTable, ScheduleFormat, StartColumn, StartForm, display, read_raw};
 use super::policy::MagnitudeLimit;
-use crate::frames::{FIRST_YEAR, InstantError, LAST_YEAR, is_covered, parse_instant};
+use crate::frames::{FIRST_YEAR, FramesError, LAST_YEAR, is_covered, parse_instant};
 
 /// One row of a schedule.
 #[derive(Clone, Debug, PartialEq)]
@@ -142,7 +142,7 @@ fn start_scale(
                 .iter()
                 .flatten()
                 .filter_map(|cells| cells.get(start.index)?.text())
-                .all(|text| !matches!(parse_instant(&text, None), Err(InstantError::NoScale(_))))
+                .all(|text| !matches!(parse_instant(&text, None), Err(FramesError::NoScale(_))))
     };
     if let (Some(named), Some(said)) = (start.scale.or(of_header), options.time_scale)
         && named != said

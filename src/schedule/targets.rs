@@ -1,5 +1,6 @@
 //! Target lists: name, position and exposure time, in the formats of schedules.
 
+use super::error::ScheduleError;
 use std::path::Path;
 
 use hifitime::Epoch;
@@ -7,7 +8,6 @@ use hifitime::Epoch;
 use crate::frames::{Direction, parse_declination_deg, parse_right_ascension_deg};
 use crate::passes::Exposure;
 
-use super::error::ScheduleError;
 use super::formats::{Cell, display, read_raw};
 use super::scheduled::LONGEST_EXPOSURE_S;
 use super::windows::WindowTarget;

@@ -9,10 +9,11 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use proptest::prelude::*;
 use streakcast::elements::{Constellation, ElementSet, History, NoradId, StationRule};
+use streakcast::fit::FitError;
 use streakcast::fit::measurements::{
-    ColumnMap, DensityMode, DropReason, Format, Measurement, MeasurementError, Measurements, PhotometryOptions, Place,
-    Placement, RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode, kernel_mode,
-    kernel_sigma, measure, reduce,
+    ColumnMap, DensityMode, DropReason, Format, Measurement, Measurements, PhotometryOptions, Place, Placement,
+    RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode, kernel_mode, kernel_sigma,
+    measure, reduce,
 };
 use streakcast::frames::seconds_after;
 use streakcast::geometry::{Site, ViewingGeometry};
@@ -64,7 +65,7 @@ fn valid_cells_against_healpy() {
 const HEADER: &str = "Date,StdMag,Mag,Filter,Penumbra,Distance,Phase,Channel,Track,NORAD\n";
 const GOOD: &str = "2021-01-01 15:18:04.795000,8.167,7.18581,Clear,0,697.324,78.267,7,18903315,46056\n";
 
-fn read(text: &str, options: &PhotometryOptions) -> Result<Records, MeasurementError> {
+fn read(text: &str, options: &PhotometryOptions) -> Result<Records, FitError> {
     let mut reader = RecordReader::from_reader("t.csv", Box::new(Cursor::new(text.to_owned())), options)?;
     Records::collect(&mut reader)
 }
@@ -219,7 +220,7 @@ fn verif_questions_that_cannot_be_answered() {
     let history = History::new(Vec::new());
     let nobody = Placement { history: None, ..Placement::elements(&history) };
     let error = measure(&mut records.source(), &nobody, &Selection::default()).unwrap_err();
-    assert!(matches!(error, MeasurementError::NoHistory { .. }));
+    assert!(matches!(error, FitError::NoHistory { .. }));
     let station = Selection { station: Some(StationRule::default()), ..Selection::default() };
     assert!(measure(&mut records.source(), &Placement::recorded(Some(550.0)), &station).is_err());
     let negative = Selection { max_range_difference_km: Some(-1.0), ..Selection::default() };
@@ -232,7 +233,7 @@ fn verif_questions_that_cannot_be_answered() {
         ReduceOptions { layer_width_rad: 0.0, ..ReduceOptions::default() },
         ReduceOptions { most_iqr_mag: f64::NAN, ..ReduceOptions::default() },
     ] {
-        assert!(matches!(reduce(&[], options), Err(MeasurementError::Setting { .. })), "{options:?}");
+        assert!(matches!(reduce(&[], options), Err(FitError::Setting { .. })), "{options:?}");
     }
     assert!(reduce(&[], ReduceOptions::default()).unwrap().pixels.is_empty());
 }
@@ -251,7 +252,7 @@ fn verif_files_that_cannot_be_read() {
     assert_eq!(Format::by_name("MMT"), Ok(Format::Mmt));
     let missing = RecordReader::open(&["no such file"], &plain).unwrap().next_chunk().unwrap_err();
     assert!(missing.to_string().starts_with("cannot read no such file"));
-    assert_eq!(RecordReader::open::<&str>(&[], &plain).err(), Some(MeasurementError::NoFiles));
+    assert_eq!(RecordReader::open::<&str>(&[], &plain).err(), Some(FitError::NoFiles));
     // A gzip file cut short.
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
     packed.write_all(format!("{HEADER}{}", GOOD.repeat(1000)).as_bytes()).unwrap();
@@ -259,7 +260,7 @@ fn verif_files_that_cannot_be_read() {
     packed.truncate(packed.len() - 20);
     let reader = RecordReader::from_reader("cut.gz", Box::new(Cursor::new(packed)), &plain);
     let error = reader.and_then(|mut reader| Records::collect(&mut reader)).unwrap_err();
-    assert!(matches!(error, MeasurementError::Unreadable { .. }), "{error}");
+    assert!(matches!(error, FitError::Unreadable { .. }), "{error}");
 }
 
 #[test]

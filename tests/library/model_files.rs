@@ -1,7 +1,7 @@
 //! Shipped model files against their schema, and what is said of files that are wrong.
 
 use serde_json::{Value, json};
-use streakcast::photometry::{BrightnessModel, ModelFile, ModelFileError, ModelLibrary};
+use streakcast::photometry::{BrightnessModel, ModelFile, ModelLibrary, PhotometryError};
 
 const SCHEMA: &str = include_str!("../../src/photometry/models/model.schema.json");
 
@@ -217,7 +217,7 @@ fn verif_wrong_files_get_one_clear_error() {
     for text in
         ["", "{", "[1]", &spoiled(|_| {}).replace("0.0329233", "NaN"), &spoiled(|_| {}).replace("0.0329233", "1e999")]
     {
-        assert!(matches!(BrightnessModel::from_json(text, "x"), Err(ModelFileError::Json { .. })), "{text}");
+        assert!(matches!(BrightnessModel::from_json(text, "x"), Err(PhotometryError::ModelJson { .. })), "{text}");
     }
 }
 

@@ -1,9 +1,9 @@
 //! Published tables: recognition by the header, columns, site and usual filter.
 
+use super::super::error::FitError;
 use crate::geometry::{GeometryError, Site};
 
 use super::column_map::{ColumnMap, Field};
-use super::error::MeasurementError;
 
 /// Layout of a table of photometry.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -40,10 +40,10 @@ impl Format {
     /// Format of this name, in any case.
     ///
     /// # Errors
-    /// [`MeasurementError::UnknownFormatName`].
-    pub fn by_name(name: &str) -> Result<Self, MeasurementError> {
+    /// [`FitError::UnknownFormatName`].
+    pub fn by_name(name: &str) -> Result<Self, FitError> {
         let found = Self::ALL.into_iter().find(|format| format.name().eq_ignore_ascii_case(name.trim()));
-        found.ok_or_else(|| MeasurementError::UnknownFormatName { name: name.to_owned() })
+        found.ok_or_else(|| FitError::UnknownFormatName { name: name.to_owned() })
     }
 
     /// Format with these columns; never [`Csv`](Self::Csv).

@@ -25,7 +25,7 @@
 //! let dropped = measure_each(&mut reader, &placement, &Selection::default(), |points| reducer.add(points))?;
 //! assert_eq!(reducer.finish().kept().count(), 1);
 //! assert_eq!(dropped.total(), 1);
-//! # Ok::<(), streakcast::fit::measurements::MeasurementError>(())
+//! # Ok::<(), streakcast::fit::measurements::FitError>(())
 //! ```
 
 mod blocks;
@@ -33,7 +33,6 @@ mod column_map;
 mod density_mode;
 mod dropped;
 mod ephemeris;
-mod error;
 mod filters;
 mod format;
 mod identify;
@@ -50,7 +49,6 @@ mod triangle;
 pub use column_map::ColumnMap;
 pub use density_mode::{DensityMode, half_sample_mode, kernel_mode, kernel_sigma};
 pub use dropped::{DropCounts, DropExample, DropReason};
-pub use error::MeasurementError;
 pub use filters::{BandMismatch, FilterCounts};
 pub use format::Format;
 pub use identify::{

@@ -1,6 +1,6 @@
 //! Telescopes by name and from TOML files, each held to what is allowed.
 
-use thiserror::Error;
+use super::super::error::ImagesError;
 
 use super::aperture::{FieldOfView, Telescope};
 
@@ -12,49 +12,6 @@ macro_rules! presets {
 }
 presets!("atlas", "decam", "pan-starrs", "rubin", "small", "vst", "ztf");
 
-/// Why a telescope cannot be had.
-#[derive(Debug, Error)]
-pub enum TelescopeError {
-    /// No preset of this name.
-    #[error("unknown telescope {given:?}; known are {known}")]
-    Unknown {
-        /// As it was given.
-        given: String,
-        /// All presets.
-        known: String,
-    },
-    /// Not TOML, a key missing, unknown or of the wrong type; the message names key and line.
-    #[error("telescope file {origin}: {message}")]
-    Toml {
-        /// The file.
-        origin: String,
-        /// What and where.
-        message: String,
-    },
-    /// A number outside what is allowed, or not finite.
-    #[error("telescope file {origin}: {key} is {given}, allowed is {least} to {greatest}")]
-    OutOfRange {
-        /// The file.
-        origin: String,
-        /// The key.
-        key: String,
-        /// As it stands there.
-        given: f64,
-        /// Least allowed value.
-        least: f64,
-        /// Greatest allowed value.
-        greatest: f64,
-    },
-    /// A limit for a band that is not known.
-    #[error("telescope file {origin}: limits are given for band {given:?}; known are B V R I u g r i z y G")]
-    Band {
-        /// The file.
-        origin: String,
-        /// As it stands there.
-        given: String,
-    },
-}
-
 /// Names of the bands that limits may be given for. Kept here so that telescopes import nothing.
 const BANDS: [&str; 11] = ["B", "V", "R", "I", "u", "g", "r", "i", "z", "y", "G"];
 
@@ -62,17 +19,19 @@ impl Telescope {
     /// A preset by name, in any case; `lsst` is Rubin, `panstarrs` and `ps1` Pan-STARRS.
     ///
     /// # Errors
-    /// [`TelescopeError::Unknown`] with all known names.
-    pub fn by_name(name: &str) -> Result<Self, TelescopeError> {
+    /// [`ImagesError::UnknownTelescope`] with all known names.
+    pub fn by_name(name: &str) -> Result<Self, ImagesError> {
         let wanted = match name.trim().to_ascii_lowercase().as_str() {
             "lsst" | "simonyi" => "rubin".to_owned(),
             "panstarrs" | "ps1" => "pan-starrs".to_owned(),
             "blanco" => "decam".to_owned(),
             other => other.to_owned(),
         };
-        let (preset, text) = PRESETS.iter().find(|(preset, _)| *preset == wanted).ok_or_else(|| {
-            TelescopeError::Unknown { given: name.to_owned(), known: Self::names().collect::<Vec<_>>().join(", ") }
-        })?;
+        let (preset, text) =
+            PRESETS.iter().find(|(preset, _)| *preset == wanted).ok_or_else(|| ImagesError::UnknownTelescope {
+                given: name.to_owned(),
+                known: Self::names().collect::<Vec<_>>().join(", "),
+            })?;
         Self::from_toml(text, preset)
     }
 
@@ -84,10 +43,10 @@ impl Telescope {
     /// From the text of a TOML file with the keys of [`Telescope`]; `origin` (its name) is what errors call it.
     ///
     /// # Errors
-    /// [`TelescopeError`]: text that is not TOML, unknown or missing keys, values out of range, limits for unknown
+    /// [`ImagesError`]: text that is not TOML, unknown or missing keys, values out of range, limits for unknown
     /// bands.
-    pub fn from_toml(text: &str, origin: &str) -> Result<Self, TelescopeError> {
-        let telescope: Self = toml::from_str(text).map_err(|error| TelescopeError::Toml {
+    pub fn from_toml(text: &str, origin: &str) -> Result<Self, ImagesError> {
+        let telescope: Self = toml::from_str(text).map_err(|error| ImagesError::TelescopeToml {
             origin: origin.to_owned(),
             message: error.to_string().trim_end().to_owned(),
         })?;
@@ -95,13 +54,19 @@ impl Telescope {
         Ok(telescope)
     }
 
-    fn validate(&self, origin: &str) -> Result<(), TelescopeError> {
+    fn validate(&self, origin: &str) -> Result<(), ImagesError> {
         let range = |key: &str, given: f64, least: f64, greatest: f64| {
             // Not a number is in no range.
             if (least..=greatest).contains(&given) {
                 return Ok(());
             }
-            Err(TelescopeError::OutOfRange { origin: origin.to_owned(), key: key.to_owned(), given, least, greatest })
+            Err(ImagesError::TelescopeOutOfRange {
+                origin: origin.to_owned(),
+                key: key.to_owned(),
+                given,
+                least,
+                greatest,
+            })
         };
         range("outer_radius_m", self.outer_radius_m, 0.001, 100.0)?;
         range("inner_radius_m", self.inner_radius_m, 0.0, self.outer_radius_m)?;
@@ -120,7 +85,7 @@ impl Telescope {
         }
         for (band, limits) in &self.limits {
             if !BANDS.contains(&band.as_str()) {
-                return Err(TelescopeError::Band { origin: origin.to_owned(), given: band.clone() });
+                return Err(ImagesError::TelescopeBand { origin: origin.to_owned(), given: band.clone() });
             }
             for (key, limit) in
                 [("trail_saturation_mag", limits.trail_saturation_mag), ("crosstalk_mag", limits.crosstalk_mag)]

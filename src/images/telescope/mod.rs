@@ -9,7 +9,6 @@ mod file;
 mod streak;
 
 pub use aperture::{BandLimits, FieldOfView, Telescope};
-pub use file::TelescopeError;
 pub use streak::{
     ARCSEC_PER_RAD, effective_magnitude, expected_lost_pixel_fraction, satcon1_limit_mag,
     surface_brightness_mag_arcsec2, time_on_pixel_s,

@@ -4,11 +4,12 @@
 //! samples; the others are interpolated, the borders of light closed to a millisecond, and the brightest point is
 //! searched in steps of at most ten seconds and closed in on.
 
+use super::super::error::SkyError;
 use hifitime::Epoch;
 
 use rayon::prelude::*;
 
-use super::super::error::{SkyError, check_epoch};
+use super::super::error::check_epoch;
 use super::super::evaluator::PassEvaluator;
 use super::super::scene::Scene;
 use super::super::sky::Sky;

@@ -1,10 +1,10 @@
 //! Column names of schedules: those of this program, of Rubin's opsim and ConsDB, and of ObsLocTAP.
 
+use super::super::error::ScheduleError;
 use std::path::Path;
 
 use hifitime::TimeScale;
 
-use super::super::error::ScheduleError;
 use super::raw::display;
 
 /// Columns of the exposure identifier, in order of preference.

@@ -1,5 +1,6 @@
 //! JSON: an array of rows, or an object with that array as `exposures` (schedules) or `targets` (target lists).
 
+use super::super::error::ScheduleError;
 use std::fmt;
 use std::path::Path;
 
@@ -7,7 +8,6 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
-use super::super::error::ScheduleError;
 use super::raw::{Cell, RawTable, ScheduleFormat, display};
 
 /// Names of the array of rows in a document that is an object.

@@ -1,11 +1,11 @@
 //! Rubin opsim databases: SQLite with a table `observations`.
 
+use super::super::error::ScheduleError;
 use std::path::Path;
 
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags};
 
-use super::super::error::ScheduleError;
 use super::columns::ColumnMap;
 use super::raw::{Cell, RawTable, ScheduleFormat, display};
 

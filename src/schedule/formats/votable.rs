@@ -1,5 +1,6 @@
 //! VOTable: the first table of the document, its rows in TABLEDATA; units and time system from its header.
 
+use super::super::error::ScheduleError;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -8,7 +9,6 @@ use quick_xml::Reader;
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesStart, Event};
 
-use super::super::error::ScheduleError;
 use super::delimited::cells;
 use super::raw::{Cell, RawTable, ScheduleFormat, display};
 

@@ -1,8 +1,7 @@
 //! Which bit of a mask says what, in the manner of LSST and of other surveys.
 
+use super::super::error::StreaksError;
 use std::collections::BTreeMap;
-
-use thiserror::Error;
 
 /// Whose bits a mask follows.
 #[derive(Copy, Clone, Debug, Default, PartialEq, Eq)]
@@ -18,27 +17,6 @@ pub enum MaskPreset {
     Ztf,
     /// ACS on the HST: satellite trails are 16384, bit 14 (acstools.satdet writes it so).
     Hst,
-}
-
-/// Why a mask cannot be had.
-#[derive(Clone, Debug, Error, PartialEq)]
-pub enum MaskError {
-    /// No preset of this name.
-    #[error("mask preset {given:?} is not known (allowed: {allowed})")]
-    Preset {
-        /// As given.
-        given: String,
-        /// All of them.
-        allowed: String,
-    },
-    /// All bits of a 32-bit mask are taken.
-    #[error("the frame's own mask names planes in all bits up to {highest}: none is left for {plane}")]
-    NoBit {
-        /// The plane that found none.
-        plane: &'static str,
-        /// The highest usable bit.
-        highest: u32,
-    },
 }
 
 /// The bits of the two planes.
@@ -74,19 +52,18 @@ impl MaskPreset {
     /// By name, in any case.
     ///
     /// # Errors
-    /// [`MaskError::Preset`] with the names that are known.
-    pub fn by_name(name: &str) -> Result<Self, MaskError> {
-        Self::ALL
-            .into_iter()
-            .find(|preset| preset.name().eq_ignore_ascii_case(name.trim()))
-            .ok_or_else(|| MaskError::Preset { given: name.to_owned(), allowed: Self::ALL.map(Self::name).join(", ") })
+    /// [`StreaksError::MaskPreset`] with the names that are known.
+    pub fn by_name(name: &str) -> Result<Self, StreaksError> {
+        Self::ALL.into_iter().find(|preset| preset.name().eq_ignore_ascii_case(name.trim())).ok_or_else(|| {
+            StreaksError::MaskPreset { given: name.to_owned(), allowed: Self::ALL.map(Self::name).join(", ") }
+        })
     }
 
     /// The bits, given the planes that the frame's own mask names (without `MP_`).
     ///
     /// # Errors
-    /// [`MaskError::NoBit`] where the frame's own mask leaves none.
-    pub fn planes(self, own: &BTreeMap<String, u32>) -> Result<MaskPlanes, MaskError> {
+    /// [`StreaksError::MaskBits`] where the frame's own mask leaves none.
+    pub fn planes(self, own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
         let streak_bit = match self {
             Self::Lsst => return named(own),
             Self::Desdm => 10,
@@ -99,12 +76,12 @@ impl MaskPreset {
 }
 
 /// The planes of these names where the mask has them, else the lowest bits that it does not use.
-fn named(own: &BTreeMap<String, u32>) -> Result<MaskPlanes, MaskError> {
+fn named(own: &BTreeMap<String, u32>) -> Result<MaskPlanes, StreaksError> {
     let mut taken: Vec<u32> = own.values().copied().collect();
-    let mut bit = |plane: &'static str| {
+    let mut bit = |plane: &'static str| -> Result<u32, StreaksError> {
         let bit = own.get(plane).copied().filter(|&bit| bit <= HIGHEST_BIT);
         let free = || (0..=HIGHEST_BIT).find(|bit| !taken.contains(bit));
-        let bit = bit.or_else(free).ok_or(MaskError::NoBit { plane, highest: HIGHEST_BIT })?;
+        let bit = bit.or_else(free).ok_or(StreaksError::MaskBits { plane, highest: HIGHEST_BIT })?;
         taken.push(bit);
         Ok(bit)
     };

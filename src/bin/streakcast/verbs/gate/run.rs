@@ -7,7 +7,7 @@ use anyhow::anyhow;
 use hifitime::Epoch;
 use serde_json::{Map, Value, json};
 use streakcast::config::{Config, ConfigError, NameOrTable, OLD_ELEMENTS_DAYS, PreparedSky, SiteConfig, SiteTable};
-use streakcast::elements::share_of_stale;
+use streakcast::elements::{ElementsError, share_of_stale};
 use streakcast::frames::{Direction, Gcrs, seconds_after, seconds_between};
 use streakcast::geometry::Site;
 use streakcast::output::format_utc;
@@ -318,7 +318,13 @@ fn prepare(
 }
 
 fn is_of_elements(error: &ConfigError) -> bool {
-    matches!(error, ConfigError::Satellites(_) | ConfigError::NothingPropagates { .. })
+    use ElementsError::{ShellOutOfRange, ShellSyntax, ShellTotal, UnknownShells};
+    match error {
+        ConfigError::Elements(error) => {
+            !matches!(error, UnknownShells { .. } | ShellSyntax(_) | ShellOutOfRange { .. } | ShellTotal { .. })
+        }
+        error => matches!(error, ConfigError::NothingPropagates { .. }),
+    }
 }
 
 fn rejected(prepared: &PreparedSky) -> usize {
