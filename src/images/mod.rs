@@ -1,4 +1,4 @@
-//! The pixel plane: frames, their geometry on the sky, and what optics and detector make of light. It has never heard of satellites.
+//! Frames: files, headers, their geometry on the sky, detectors and telescopes. No satellites.
 
 mod card;
 mod detector;
@@ -9,11 +9,11 @@ mod fits;
 mod header;
 mod light_area;
 mod patch;
-mod pixel;
 mod plane;
 #[cfg(feature = "plot")]
 mod preview;
 mod telescope;
+mod telescope_streak;
 mod wcs;
 
 pub use card::{CARD_LENGTH, Card, CardValue};
@@ -31,8 +31,7 @@ pub use fits::{
 pub use header::Header;
 pub use light_area::LightArea;
 pub use patch::{Patch, PatchRows, PatchSpan};
-pub use pixel::PixelPosition;
-pub use plane::Plane;
+pub use plane::{PixelPosition, Plane};
 #[cfg(feature = "plot")]
 pub use preview::{Overlay, preview_png};
 pub use telescope::{

@@ -5,7 +5,7 @@ use std::ops::Range;
 use prefetch_index::prefetch_index;
 
 use super::light_area::LightArea;
-use super::pixel::PixelPosition;
+use super::plane::PixelPosition;
 use super::plane::Plane;
 use crate::math::vectors::{NullaryFnOnce, widest};
 

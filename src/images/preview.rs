@@ -3,7 +3,7 @@
 use super::error::ImagesError;
 use image::{ImageFormat, Rgb, RgbImage};
 
-use super::pixel::PixelPosition;
+use super::plane::PixelPosition;
 use super::plane::Plane;
 
 /// A line to be drawn over a preview.

@@ -8,7 +8,6 @@ mod error;
 mod library;
 mod magnitude;
 mod model;
-mod model_check;
 mod model_file;
 pub mod panels;
 mod parameter_sigma;

@@ -8,7 +8,7 @@ use super::error::{PhotometryError, SCHEMA_VERSION};
 use serde::{Deserialize, Serialize};
 
 use super::band::{Band, MagSystem};
-use super::model_check::Check;
+use super::error::Check;
 use super::panels::PanelsSpec;
 
 /// The panel offset of chassis and sail, which may be fitted beside the coefficients.

@@ -13,7 +13,7 @@ use crate::geometry::Site;
 use super::blocks::{Blocks, Head};
 use super::column_map::ColumnMap;
 use super::dropped::{DropCounts, DropExample, DropReason};
-use super::filters::FilterCounts;
+use super::format::FilterCounts;
 use super::format::Format;
 use super::record::{Record, RecordSource};
 use super::rows::{Layout, Parsed};

@@ -15,7 +15,7 @@ use crate::photometry::Magnitude;
 use super::blocks::{Delimiter, Head};
 use super::column_map::{ColumnMap, FIELDS, Field};
 use super::dropped::{DropCounts, DropExample, DropReason};
-use super::filters::FilterCounts;
+use super::format::FilterCounts;
 use super::record::{Record, Sighting};
 
 /// Layout of one file.

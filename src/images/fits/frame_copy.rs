@@ -16,14 +16,14 @@ use crate::output::{AtomicFile, ScratchFolder};
 use super::super::card::{Card, CardValue};
 use super::super::header::Header;
 use super::cfitsio::{Handle, Rice, checksum_text};
-use super::changed::{Changed, Outcome};
 use super::deltas::Deltas;
+use super::deltas::{Changed, Outcome};
 use super::dither::between_steps;
 use super::error::FrameError;
 use super::frame_file::FrameFile;
 use super::hdu::{BLOCK, HduInfo, HduKind, copy_range, header_bytes, padded};
-use super::image_values::ImageValues;
 use super::new_hdu::{NewHdu, TableColumn, create, folder_of};
+use super::pixel_format::ImageValues;
 use super::tiles::{Repacked, repack};
 
 /// Bytes that are changed and written at once: whole pixels of every type.

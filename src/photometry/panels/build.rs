@@ -8,12 +8,12 @@ use super::attitude::{Attitude, PanelOffset};
 use super::panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
-use super::polygon::MOST_BLOCKERS;
-use super::sphere::Sphere;
+use super::shapes::MOST_BLOCKERS;
+use super::shapes::Sphere;
 use crate::photometry::brdf::{
     Abg, Binomial, Facets, Gaussian, Lambert, Law, Phong, Retro, Straight, reflected_share, transmitted_share,
 };
-use crate::photometry::model_check::Check;
+use crate::photometry::error::Check;
 
 /// Cosines of incidence at which the energy of a face is checked.
 const HELD_AT_COSINES: [f64; 5] = [1.0, 0.8, 0.5, 0.2, 0.05];

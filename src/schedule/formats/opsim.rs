@@ -7,7 +7,7 @@ use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags};
 
 use super::columns::ColumnMap;
-use super::raw::{Cell, RawTable, ScheduleFormat, display};
+use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
 /// Opens a database read-only.
 ///

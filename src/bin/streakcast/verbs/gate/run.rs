@@ -17,8 +17,8 @@ use streakcast::schedule::{
 };
 
 use super::arguments::GateArguments;
-use super::fault::{Fault, FaultKind};
-use super::request::Request;
+use super::arguments::Request;
+use super::status::{Fault, FaultKind};
 use super::{ekos, indi, places, status};
 use crate::failure::Outcome;
 use crate::notices::Notices;

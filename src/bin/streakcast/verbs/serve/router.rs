@@ -13,12 +13,12 @@ use axum::routing::get;
 use axum::{Extension, Router};
 
 use super::answers::{dome, exposure, health, night, satchecker};
+use super::filter::Token;
 use super::filter::{RequestFilter, has_body};
 use super::openapi::{JSON, Route};
 use super::problem::Problem;
 use super::query::Query;
 use super::state::ServerState;
-use super::token::Token;
 use super::workers::WorkerPool;
 use super::{openapi, page};
 

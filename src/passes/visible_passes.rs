@@ -4,17 +4,15 @@
 //! samples; the others are interpolated, the borders of light closed to a millisecond, and the brightest point is
 //! searched in steps of at most ten seconds and closed in on.
 
-use super::super::error::SkyError;
 use hifitime::Epoch;
-
 use rayon::prelude::*;
 
-use super::super::error::check_epoch;
-use super::super::evaluator::PassEvaluator;
-use super::super::scene::Scene;
-use super::super::sky::Sky;
-use super::super::track::{ObserverMotion, SightLine, TrackPoint};
 use super::above_horizon::{AboveHorizon, HorizonSearch, Sample, Treatment};
+use super::error::{SkyError, check_epoch};
+use super::evaluator::PassEvaluator;
+use super::scene::Scene;
+use super::sky::Sky;
+use super::track::{ObserverMotion, SightLine, TrackPoint};
 use crate::elements::NoradId;
 use crate::frames::{seconds_after, seconds_between};
 use crate::geometry::{Illumination, Observer};

@@ -5,8 +5,8 @@
 //! is closed in on, and rise and set are rooted on both sides of it. Steps in which a satellite cannot come near are
 //! skipped: its angle to the site changes no faster than at its perigee.
 
-use super::super::crossing::root;
-use super::super::scene::Scene;
+use super::crossing::root;
+use super::scene::Scene;
 use crate::constants::{EARTH_EQUATORIAL_RADIUS_KM, EARTH_FLATTENING, WGS72_MU_KM3_S2};
 use crate::frames::{Gcrs, Position};
 use crate::geometry::Observer;

@@ -1,4 +1,34 @@
-//! The sunlit part of the Earth that a satellite sees, as nodes of a product rule, and its light on a panel.
+//! Earthshine: the sunlit part of the Earth that a satellite sees, and the product rule that sums its light.
+//!
+//! Every part of the Earth that the Sun lights and the satellite sees is a Lambertian source of albedo 0.3. The paper
+//! sums over HEALPix pixels (tests do too); here a product rule lays fewer and better nodes on the lit ground in view.
+//! The paper lights the chassis only, and so do models of two panels; lists of panels light any panel by any law.
+//! Light between satellite parts, refraction, the air's own glow in twilight, and the Sun's disk are left out.
+//!
+//! Convergence, as the worst error of diffuse light and of the magnitude of a chassis that only the Earth lights
+//! (c4 0.19, c5 0.09; printed by `cargo test --test library earthshine -- --nocapture`). HEALPix with its pole at the
+//! nadir, n = 22, 550 km, Sun -12° to 40°, against the rule:
+//!
+//! | nside | lit cells | diffuse | total, mag |
+//! |---|---|---|---|
+//! | 32 | 480 | 2.1e-2 | 0.15 |
+//! | 64 | 1,984 | 4.4e-3 | 0.032 |
+//! | 128 | 7,812 | 1.1e-3 | 0.0078 |
+//! | 256 | 31,000 | 2.7e-4 | 0.0019 |
+//! | 512 | 124,500 | 6.8e-5 | 0.0005 |
+//!
+//! The rule against a much finer one, 200 km to 36,000 km, all Suns:
+//!
+//! | exponent | nodes at 550 km, at most | total, mag |
+//! |---|---|---|
+//! | 1 | 1,260 | 0.0003 |
+//! | 2 | 270 | 0.0002 |
+//! | 5 | 170 | 0.0001 |
+//! | 22 | 358 | 0.0004 |
+//! | 60 | 724 | 0.0006 |
+//! | 200 | 2,056 | 0.0007 |
+//!
+//! Below exponent 1 the lobe ends in a step 90° off and the rule is good to some hundredths; above 200 it is not tested.
 //!
 //! Seen from the height h, a spherical Earth fills a cap about the nadir. A point of it at the nadir angle η (at the
 //! satellite), the angle γ (at the Earth's centre) and the longitude φ about the nadir from the Sun's sends an
@@ -24,14 +54,14 @@
 //! Nothing is lit below δ = -acos(R/(R+h)): -23.0° at 550 km.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
+use std::sync::LazyLock;
 
 use nalgebra::Vector3;
 
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::math::elementary::{exp, fused, greater, ln, sin_cos};
+use crate::math::quadrature::gauss_legendre;
 use crate::math::vectors::{Kernel, widest_fused};
-
-use super::rule::Rule;
 
 /// Albedo of the Earth, the same everywhere (Lu 2024, section 2.4).
 pub const EARTH_ALBEDO: f64 = 0.3;
@@ -273,6 +303,74 @@ impl Sink for Sources {
             for y in [group.y[lane], -group.y[lane]] {
                 self.0.push((Vector3::new(group.x[lane], y, group.z), group.irradiance[lane]));
             }
+        }
+    }
+}
+
+/// Longest single rule; longer ones are made of panels.
+const LONGEST: usize = 32;
+
+/// Gauss-Legendre rules of 0 to [`LONGEST`] points on (0, 1).
+static GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (0..=LONGEST).map(gauss_legendre).collect());
+
+/// The half with positive abscissae of Gauss-Legendre rules of 0, 2, 4 ... points on (-1, 1).
+static HALF_GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| {
+    let half = |n: usize| gauss_legendre(2 * n)[n..].iter().map(|(x, weight)| (2.0 * x - 1.0, 2.0 * weight)).collect();
+    (0..=LONGEST).map(half).collect()
+});
+
+/// Equal panels of one short rule.
+#[derive(Copy, Clone)]
+pub(super) struct Rule {
+    panels: usize,
+    points: &'static [(f64, f64)],
+}
+
+impl Rule {
+    /// Gauss-Legendre with about `n` points.
+    pub fn gauss(n: usize) -> Self {
+        let n = n.max(1);
+        let panels = n.div_ceil(LONGEST);
+        Self { panels, points: &GAUSS[n.div_ceil(panels)] }
+    }
+
+    /// About `n` points for the half (0, 1) of an integral over (-1, 1), each standing for its mirror image too.
+    pub fn half_gauss(n: usize) -> Self {
+        if n <= LONGEST { Self { panels: 1, points: &HALF_GAUSS[n.max(1)] } } else { Self::gauss(n) }
+    }
+
+    /// Middles of `n` equal steps, for periodic functions.
+    pub fn midpoints(n: usize) -> Self {
+        Self { panels: n.max(1), points: &GAUSS[1] }
+    }
+
+    /// Abscissae and weights; the weights add up to 1.
+    #[inline(always)]
+    pub fn points(self) -> impl Iterator<Item = (f64, f64)> {
+        let length = 1.0 / self.panels as f64;
+        let panel =
+            move |panel| self.points.iter().map(move |(x, weight)| ((panel as f64 + x) * length, weight * length));
+        (0..self.panels).flat_map(panel)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn verif_powers_are_integrated_exactly() {
+        for n in [1, 2, 5, 16, 32, 33, 70] {
+            for power in 0..2 * n.min(LONGEST / 2) as i32 {
+                let sum: f64 = Rule::gauss(n).points().map(|(x, weight)| weight * x.powi(power)).sum();
+                assert!((sum * f64::from(power + 1) - 1.0).abs() < 1e-12, "{n} {power} {sum}");
+                let even: f64 =
+                    Rule::half_gauss(n).points().map(|(x, weight)| weight * (x.powi(power) + (-x).powi(power))).sum();
+                let exact = if power % 2 == 0 { 2.0 } else { 0.0 };
+                assert!((even * f64::from(power + 1) - exact).abs() < 1e-12, "{n} {power} {even}");
+            }
+            let turn: f64 = Rule::midpoints(n).points().map(|(x, weight)| weight * (6.0 * x - 3.0)).sum();
+            assert!(turn.abs() < 1e-13);
         }
     }
 }

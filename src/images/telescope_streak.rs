@@ -1,4 +1,4 @@
-//! Streaks in numbers: how faint a moving satellite looks, and how many pixels it costs.
+//! Streaks in numbers: effective magnitude of a moving satellite, and number of lost pixels.
 
 /// Arcseconds in a radian.
 pub const ARCSEC_PER_RAD: f64 = 180.0 * 3600.0 / std::f64::consts::PI;
@@ -51,8 +51,8 @@ pub fn satcon1_limit_mag(height_km: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
-    use super::super::Telescope;
     use super::*;
+    use crate::images::telescope::Telescope;
 
     #[test]
     fn valid_effective_magnitudes_of_tyson_2020() {
