@@ -9,7 +9,7 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
     ("math", &[]),
     ("elements", &[]),
-    ("frames", &[]),
+    ("frames", &["math"]),
     ("output", &[]),
     ("geometry", &["frames", "math"]),
     ("images", &["frames", "math", "output"]),

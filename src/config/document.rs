@@ -1,10 +1,10 @@
 //! The configuration document: the one structure that flags, configuration files and plugins fill.
 
-use super::error::ConfigError;
 use std::path::{Path, PathBuf};
 
 use serde::Deserialize;
 
+use super::error::ConfigError;
 use super::values::{
     FieldChoice, ModelsTable, NameOrTable, PolicyChoice, Quantity, SiteChoice, TelescopeChoice, is_file_name,
     one_or_many,

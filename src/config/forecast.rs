@@ -1,12 +1,12 @@
 //! Configuration of a forecast.
 
-use super::error::ConfigError;
 use hifitime::Epoch;
 use serde::Deserialize;
 
 use super::document::Config;
 #[cfg(feature = "cli")]
 use super::document::norad_id;
+use super::error::ConfigError;
 use crate::constants::DAY_S;
 use crate::elements::Generation;
 use crate::forecast::{ForecastRequest, Selection};

@@ -1,12 +1,12 @@
 //! Configuration of an identification: where a measured streak lies, and when it was made.
 
-use super::error::ConfigError;
 use std::path::{Path, PathBuf};
 
 use hifitime::Epoch;
 use serde::Deserialize;
 
 use super::document::Config;
+use super::error::ConfigError;
 use super::values::{Quantity, parse_angle_deg, parse_duration_s};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_moment, seconds_between};
 use crate::identify::{MeasuredStreak, Timing, fit_line, parse_regions};

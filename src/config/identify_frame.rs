@@ -1,10 +1,10 @@
 //! Coordinates and times of a streak from its frame.
 
-use super::error::ConfigError;
 use std::path::Path;
 
 use hifitime::Epoch;
 
+use super::error::ConfigError;
 use crate::frames::{Direction, Gcrs};
 use crate::images::{ExposureTime, FrameFile, Header, PixelPosition, Wcs};
 

@@ -14,6 +14,8 @@ mod identify;
 mod identify_frame;
 #[cfg(feature = "fits")]
 mod injection;
+#[cfg(feature = "fits")]
+mod injection_plan;
 mod inputs;
 mod observation;
 mod prepared;
@@ -29,7 +31,9 @@ pub use forecast::{ForecastConfig, time_range};
 pub use health::{AgeBin, ElementState, Finding, Health, MomentSource, Severity, Unmatched, finding_table};
 pub use identify::{IdentifyConfig, IdentifyPlan};
 #[cfg(feature = "fits")]
-pub use injection::{InjectionConfig, SkyOf, inject_frames, inject_into_array};
+pub use injection::InjectionConfig;
+#[cfg(feature = "fits")]
+pub use injection_plan::{SkyOf, inject_frames, inject_into_array};
 pub use inputs::LoadedInputs;
 pub use observation::{MOST_SAMPLES, ObservationPlan};
 pub use prepared::{PreparedSky, state_scales};

@@ -1,21 +1,20 @@
 //! Field, telescope, policy, photometry and exposure of a configuration, checked.
 
-use super::error::ConfigError;
 use std::path::Path;
 
 use hifitime::TimeScale;
 
+use super::document::Config;
+use super::error::ConfigError;
+use super::inputs::read_text;
+use super::values::{
+    NameOrTable, Quantity, in_range, is_file_name, parse_angle_deg, parse_duration_s, parse_time_scale,
+};
 use crate::frames::{is_covered, parse_direction, parse_moment};
 use crate::images::{FieldOfView, Telescope};
 use crate::passes::{Exposure, Field, Sky, SkyError};
 use crate::photometry::{Band, Earthshine, PhotometryOptions};
 use crate::schedule::{FlagRequest, Policy, ScheduleError, ScheduleOptions};
-
-use super::document::Config;
-use super::inputs::read_text;
-use super::values::{
-    NameOrTable, Quantity, in_range, is_file_name, parse_angle_deg, parse_duration_s, parse_time_scale,
-};
 
 /// Largest number of points along one track.
 pub const MOST_SAMPLES: usize = 100_000;

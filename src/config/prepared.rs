@@ -1,11 +1,14 @@
 //! Skies prepared for the times of a question, with their provenance and warnings.
 
-use super::error::ConfigError;
 use std::collections::BTreeSet;
 
 use hifitime::Epoch;
 use serde_json::json;
 
+use super::document::Config;
+use super::error::ConfigError;
+use super::inputs::LoadedInputs;
+use super::warnings;
 use crate::elements::{Constellation, ElementSet, Rejected, SourceFile};
 use crate::frames::{EopTable, seconds_after, seconds_between};
 use crate::geometry::Site;
@@ -14,10 +17,6 @@ use crate::output::{Provenance, format_utc};
 use crate::passes::{Exposure, OrbitingObserver, Sky, Viewpoint};
 use crate::photometry::PhotometryOptions;
 use crate::schedule::lowest_altitudes_rad;
-
-use super::document::Config;
-use super::inputs::LoadedInputs;
-use super::warnings;
 
 /// Largest number of rejected records listed in JSON; the count beside them is of all.
 const LISTED: usize = 1000;

@@ -1,16 +1,15 @@
 //! Viewpoint of a configuration: a site by name, code or coordinates, or a telescope in orbit.
 
-use super::error::ConfigError;
 use hifitime::Epoch;
 
+use super::document::{Config, SiteConfig};
+use super::error::ConfigError;
+use super::values::{NameOrTable, SiteTable, in_range};
 use crate::elements::{ElementSet, Keep, Satellites};
 use crate::frames::Orientation;
 use crate::geometry::{EarthLimb, GeometryError, Observer, Site};
 use crate::orbit::Propagator;
 use crate::passes::{OrbitingObserver, Viewpoint};
-
-use super::document::{Config, SiteConfig};
-use super::values::{NameOrTable, SiteTable, in_range};
 
 const SITES: &str = "--site NAME, --mpc CODE, or --lat, --lon and --height";
 

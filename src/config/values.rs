@@ -1,6 +1,5 @@
 //! Values as they are written in a configuration: quantities with units, lists, and names that may be tables instead.
 
-use super::error::ConfigError;
 use std::collections::BTreeMap;
 use std::ffi::OsString;
 use std::path::PathBuf;
@@ -10,6 +9,7 @@ use serde::de::{DeserializeOwned, Deserializer, Error};
 use serde::{Deserialize, Serialize};
 use toml::Value;
 
+use super::error::ConfigError;
 use crate::images::Telescope;
 use crate::schedule::Policy;
 

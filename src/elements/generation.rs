@@ -98,11 +98,6 @@ impl Generation {
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|generation| generation.name() == name)
     }
-
-    /// Whether it is a Starlink of any kind.
-    pub fn is_starlink(self) -> bool {
-        self.name().starts_with("starlink-")
-    }
 }
 
 impl fmt::Display for Generation {

@@ -1,12 +1,12 @@
 //! A catalogue: element sets from any number of files in any mixture of formats, with their provenance.
 
-use super::error::ElementsError;
 use std::path::Path;
 
 use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::element_set::ElementSet;
+use super::error::ElementsError;
 use super::history::{History, nearest_of_each};
 use super::record::Rejected;
 use super::shell::Constellation;

@@ -15,7 +15,6 @@
 //!
 //! What this is not: a forecast of where anything is. Counts and statistics mean something, single crossings do not.
 
-use super::error::ElementsError;
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -24,6 +23,7 @@ use serde::Deserialize;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch::DAY_NS;
+use super::error::ElementsError;
 use super::on_station::{mean_motion_for_radius, secular_rates_rad_day};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 

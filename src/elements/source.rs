@@ -1,6 +1,5 @@
 //! One file of element sets: unpacked, its format sniffed from the content, every record read or named.
 
-use super::error::ElementsError;
 use std::borrow::Cow;
 use std::io::Read;
 use std::path::Path;
@@ -11,6 +10,7 @@ use hifitime::Epoch;
 use sha2::{Digest, Sha256};
 
 use super::element_set::ElementSet;
+use super::error::ElementsError;
 use super::record::{ElementFormat, Parsed, RejectReason, Rejected, excerpt};
 use super::tle::Checksums;
 use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};

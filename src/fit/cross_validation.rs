@@ -5,11 +5,9 @@
 //! compared with the pixels that this fold alone makes. A fold holds a share of 1/folds of the points, so thresholds on numbers of points and
 //! tracks are divided by the number of folds there (rounded up); the limit on the spread is unchanged.
 
-use super::error::FitError;
 use rayon::prelude::*;
 
-use crate::photometry::{Coefficients, Earthshine};
-
+use super::error::FitError;
 use super::form::{BLOCK, Form};
 use super::jackknife::TrackSets;
 use super::measurements::{Measurements, ReduceOptions};
@@ -18,6 +16,7 @@ use super::point::{FitPoint, points_of_pixels};
 use super::solve::{FitSettings, Problem};
 use super::statistics::{ResidualStatistics, aic_under, share_within, sigma_68_mag};
 use super::two_panel_form::TwoPanelForm;
+use crate::photometry::{Coefficients, Earthshine};
 
 /// A form with its free parameters.
 pub struct CompetingForm {

@@ -14,11 +14,11 @@
 //! of many points are left out. In pixels with points of many tracks the sigma is too large: in the tests below, with 70 points of as many
 //! tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample mode).
 
-use super::error::FitError;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
 use rayon::prelude::*;
 
+use super::error::FitError;
 use super::form::Form;
 use super::measurements::{Measurement, Measurements, ReduceOptions, Reducer, Reduction};
 use super::point::points_of_pixels;

@@ -1,10 +1,10 @@
 //! Least squares from several starting points.
 
-use super::error::FitError;
 use nalgebra::DMatrix;
 use sha2::{Digest, Sha256};
 
 use super::covariance::{CovarianceKind, FitUncertainty, uncertainty};
+use super::error::FitError;
 use super::form::{Form, Parameter, Prepared};
 use super::inference::{LeastSquares, Minimum, Stop, minimise};
 use super::objective::{Loss, Objective};

@@ -3,13 +3,13 @@
 //! Without them UT1 is taken as UTC: 0.1 s of UT1 turns the Earth by 46 m at the equator, and UT1 - UTC reaches 0.9 s; the pole moves by
 //! up to 0.6" (18 m). That is an error of the observer's place, not of the satellite's: at 550 km range 46 m are 17".
 
-use super::error::FramesError;
 use std::f64::consts::PI;
 use std::fmt;
 use std::sync::OnceLock;
 
 use hifitime::Epoch;
 
+use super::error::FramesError;
 use super::time::{epoch_from_utc_day, seconds_between, tai_minus_utc_s};
 use crate::constants::DAY_S;
 

@@ -1,8 +1,8 @@
 //! Times from text. A time without `Z` needs a time scale, and so does a number.
 
-use super::error::FramesError;
 use hifitime::{Epoch, TimeScale, Unit, is_gregorian_valid};
 
+use super::error::FramesError;
 use super::time::{epoch_from_jd, epoch_from_mjd};
 
 /// First supported year: that of the first satellite.

@@ -3,8 +3,9 @@
 //! An [`Epoch`] counts nanoseconds as an integer. A Julian date in one `f64` loses 40 µs, so dates leave this file in two parts: a whole
 //! number of days and a half, and the fraction of the day (resolution 10⁻¹¹ s).
 
-use super::error::FramesError;
 use hifitime::{Duration, Epoch, TimeScale};
+
+use super::error::FramesError;
 
 /// Julian date of 1900-01-01T00:00:00, the zero of `hifitime`'s TAI, TT and UTC counts.
 const JD_1900: f64 = 2_415_020.5;

@@ -1,10 +1,9 @@
 //! A frame as a picture, to look at.
 
-use super::error::ImagesError;
 use image::{ImageFormat, Rgb, RgbImage};
 
-use super::plane::PixelPosition;
-use super::plane::Plane;
+use super::error::ImagesError;
+use super::plane::{PixelPosition, Plane};
 
 /// A line to be drawn over a preview.
 #[derive(Clone, Debug, PartialEq)]

@@ -96,11 +96,6 @@ impl Telescope {
         2.0 * self.outer_radius_m / (range_km * 1000.0) * ARCSEC_PER_RAD
     }
 
-    /// Diameter of the hole in that disk, arcsec.
-    pub fn defocus_inner_arcsec(&self, range_km: f64) -> f64 {
-        2.0 * self.inner_radius_m / (range_km * 1000.0) * ARCSEC_PER_RAD
-    }
-
     /// Width of the streak of a satellite of `satellite_size_m` at `range_km`, arcsec.
     pub fn width_arcsec(&self, range_km: f64, satellite_size_m: f64) -> f64 {
         // θ² = θ_atm² + (D_sat² + D_mirror²) / d²                        Tyson et al. (2020), eq. 1

@@ -1,9 +1,8 @@
 //! Altitude and azimuth of the Sun and of a pointing.
 
-use super::error::SkyError;
 use hifitime::Epoch;
 
-use super::error::check_epoch;
+use super::error::{SkyError, check_epoch};
 use super::sky::Sky;
 use crate::frames::{Direction, Gcrs, seconds_after};
 

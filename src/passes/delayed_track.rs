@@ -4,9 +4,9 @@
 //! position at t, so that a late satellite takes a slightly different path among the stars, not the same one later
 //! (0.5° apart for 10 s at 550 km).
 
-use super::error::SkyError;
 use nalgebra::Vector3;
 
+use super::error::SkyError;
 use super::evaluator::PassEvaluator;
 use super::exposure::Exposure;
 use super::scene::Scene;

@@ -1,9 +1,8 @@
 //! One exposure: start, length and pointing.
 
-use super::error::SkyError;
 use hifitime::Epoch;
 
-use super::error::check_epoch;
+use super::error::{SkyError, check_epoch};
 use crate::frames::{Direction, Gcrs, parse_direction, parse_instant, seconds_between};
 use crate::orbit::MAX_WINDOW_S;
 

@@ -1,9 +1,9 @@
 //! Choice of the brightness model of each satellite.
 
-use super::error::SkyError;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::error::SkyError;
 use crate::elements::{ElementSet, Generation, GenerationTable};
 use crate::photometry::{BrightnessModel, ModelLibrary, StandardMagnitudes};
 

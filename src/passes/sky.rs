@@ -1,10 +1,10 @@
 //! A catalogue of satellites seen from one site, or from one telescope in orbit: the entry type of all queries.
 
-use super::error::SkyError;
 use std::sync::Arc;
 
 use hifitime::Epoch;
 
+use super::error::SkyError;
 use super::exposure::Exposure;
 use super::models::ModelChoice;
 use super::probability::{Lateness, REACH_SIGMAS};

@@ -1,11 +1,10 @@
 //! All satellites above a site, sampled at given times.
 
-use super::error::SkyError;
 use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::candidates::CandidateInterval;
-use super::error::check_epoch;
+use super::error::{SkyError, check_epoch};
 use super::evaluator::PassEvaluator;
 use super::exposure::Exposure;
 use super::field::Field;

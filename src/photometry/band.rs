@@ -3,9 +3,10 @@
 //! The reflectance of a satellite is measured in one band at best. Other bands follow from the Sun's colour as if the
 //! satellite were grey; such magnitudes are marked.
 
-use super::error::PhotometryError;
 use std::fmt;
 use std::str::FromStr;
+
+use super::error::PhotometryError;
 
 /// A passband.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]

@@ -1,9 +1,9 @@
 //! Models by name: the shipped ones and those of the user.
 
-use super::error::PhotometryError;
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::error::PhotometryError;
 use super::model::BrightnessModel;
 
 macro_rules! shipped {

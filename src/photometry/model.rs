@@ -1,21 +1,20 @@
 //! A brightness model of any kind.
 
-use super::error::PhotometryError;
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use crate::frames::{Body, Direction, Gcrs, Position};
-use crate::geometry::ViewingGeometry;
-
 use super::band::{Band, MagSystem};
 use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
+use super::error::PhotometryError;
 use super::magnitude::{StandardMagnitude, airmass};
 use super::model_file::{GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, SatelliteShape};
 use super::panels::PanelAssembly;
 use super::parameter_sigma::ParameterSigmas;
 use super::phase::{DiffuseSphere, PhaseFunction};
 use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, standard_magnitudes};
+use crate::frames::{Body, Direction, Gcrs, Position};
+use crate::geometry::ViewingGeometry;
 
 /// Added in quadrature where a magnitude crosses from the model's band to another with the Sun's colour, mag.
 /// Assumed: satellites are measured up to a few tenths redder or bluer than the Sun, and no survey by type is public.

@@ -4,11 +4,10 @@
 //! shipped ones (`models/model.schema.json`). Unknown keys are errors, so that a misspelt option is never silently
 //! ignored.
 
-use super::error::{PhotometryError, SCHEMA_VERSION};
 use serde::{Deserialize, Serialize};
 
 use super::band::{Band, MagSystem};
-use super::error::Check;
+use super::error::{Check, PhotometryError, SCHEMA_VERSION};
 use super::panels::PanelsSpec;
 
 /// The panel offset of chassis and sail, which may be fitted beside the coefficients.

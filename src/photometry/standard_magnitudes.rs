@@ -7,9 +7,9 @@
 //!
 //! Columns: 1-5 NORAD id, 34-37 magnitude; the rest are names, sizes and radar cross section.
 
-use super::error::PhotometryError;
 use std::collections::BTreeMap;
 
+use super::error::PhotometryError;
 use super::magnitude::StandardMagnitude;
 
 /// Full phase, brightest likely, to half phase, average: 2.5 log10 2 + 0.7 mag (McCants, "Intrinsic magnitude
@@ -43,11 +43,6 @@ impl StandardMagnitudes {
             return Err(PhotometryError::NoStandardMagnitudes { lines: text.lines().count() });
         }
         Ok(Self { half_lit })
-    }
-
-    /// Takes pairs of NORAD id and magnitude at 1000 km and phase angle 90°; the last of equal ids counts.
-    pub fn from_half_lit(pairs: impl IntoIterator<Item = (u32, StandardMagnitude)>) -> Self {
-        Self { half_lit: pairs.into_iter().collect() }
     }
 
     /// Magnitude at 1000 km and phase angle 90°, if the object is listed.

@@ -1,11 +1,11 @@
 //! Policy: limits on magnitude, lost pixels and probability, margin and longest delay.
 
-use super::error::ScheduleError;
 use std::collections::BTreeMap;
 use std::str::FromStr;
 
 use serde::{Deserialize, Serialize};
 
+use super::error::ScheduleError;
 use crate::images::Telescope;
 
 /// Magnitude limit: one for all bands, one for each band, or that of the telescope.

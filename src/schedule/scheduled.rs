@@ -1,18 +1,18 @@
 //! Schedules: exposures in the order of their rows, with the reasons of those that are invalid.
 
-use super::error::ScheduleError;
 use std::collections::{BTreeSet, HashSet};
 use std::path::Path;
 
 use hifitime::{Epoch, TimeScale};
 
-use crate::frames::{Direction, epoch_from_jd, epoch_from_mjd};
-use crate::output::format_utc;
-use crate::passes::Exposure;
-
+use super::error::ScheduleError;
 use super::formats::{Cell, ColumnMap, RawTable, ScheduleFormat, StartColumn, StartForm, display, read_raw};
 use super::policy::MagnitudeLimit;
-use crate::frames::{FIRST_YEAR, FramesError, LAST_YEAR, is_covered, parse_instant};
+use crate::frames::{
+    Direction, FIRST_YEAR, FramesError, LAST_YEAR, epoch_from_jd, epoch_from_mjd, is_covered, parse_instant,
+};
+use crate::output::format_utc;
+use crate::passes::Exposure;
 
 /// One row of a schedule.
 #[derive(Clone, Debug, PartialEq)]

@@ -1,9 +1,9 @@
 //! A source drawn on a chip: its light in pixels, and the truth about it.
 
-use super::error::StreaksError;
 use hifitime::Epoch;
 
 use super::chip::{Chip, ChipPath};
+use super::error::StreaksError;
 use super::light::{SkyPoint, Source, SourcePart};
 use super::optics::Optics;
 use super::render::draw;

@@ -18,9 +18,10 @@
 //! τ(M) = 1 + 2 Σ_{t=1..M} ρ(t),   M the least with M ≥ 5 τ(M)
 //! ```
 
-use super::super::error::FitError;
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
+
+use super::super::error::FitError;
 
 /// Logarithm of a probability density, up to a constant.
 pub trait LogProbability: Sync {

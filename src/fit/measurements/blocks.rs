@@ -1,12 +1,12 @@
 //! Files of any length, plain or gzipped, as a head and blocks of whole rows.
 
-use super::super::error::FitError;
 use std::fs::File;
 use std::io::{self, BufRead, BufReader, Read};
 use std::path::Path;
 
 use flate2::read::MultiGzDecoder;
 
+use super::super::error::FitError;
 use crate::elements::NoradId;
 
 /// Bytes per block.

@@ -20,10 +20,11 @@
 //!
 //! and settings: `time_scale` (utc, tai, tt), `angle_unit` (deg, rad), `distance_unit` and `height_unit` (km, m).
 
-use super::super::error::FitError;
 use std::collections::BTreeMap;
 
 use hifitime::TimeScale;
+
+use super::super::error::FitError;
 
 /// Content of a column.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]

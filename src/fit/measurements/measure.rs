@@ -1,18 +1,17 @@
 //! Conversion of records to measurements: geometry, selection, magnitude at 1000 km; at once or chunk by chunk.
 
-use super::super::error::FitError;
 use hifitime::Epoch;
 use rayon::prelude::*;
 
-use crate::elements::NoradId;
-use crate::geometry::ViewingGeometry;
-use crate::output::{Column, Kind, Table};
-use crate::photometry::StandardMagnitude;
-
+use super::super::error::FitError;
 use super::dropped::{DropCounts, DropExample, DropReason};
 use super::placement::{OrbitRadius, Place, Placement, Placer};
 use super::record::{Record, RecordSource};
 use super::selection::{Selection, Stations};
+use crate::elements::NoradId;
+use crate::geometry::ViewingGeometry;
+use crate::output::{Column, Kind, Table};
+use crate::photometry::StandardMagnitude;
 
 /// Measured magnitude with its viewing geometry.
 #[derive(Copy, Clone, Debug, PartialEq)]

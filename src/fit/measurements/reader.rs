@@ -1,6 +1,5 @@
 //! Reader of files of photometry: blocks are read and parsed in parallel in bounded memory.
 
-use super::super::error::FitError;
 use std::collections::{HashMap, HashSet, VecDeque};
 use std::hash::{BuildHasherDefault, Hasher};
 use std::io::Read;
@@ -8,15 +7,14 @@ use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 
-use crate::geometry::Site;
-
+use super::super::error::FitError;
 use super::blocks::{Blocks, Head};
 use super::column_map::ColumnMap;
 use super::dropped::{DropCounts, DropExample, DropReason};
-use super::format::FilterCounts;
-use super::format::Format;
+use super::format::{FilterCounts, Format};
 use super::record::{Record, RecordSource};
 use super::rows::{Layout, Parsed};
+use crate::geometry::Site;
 
 /// Options for reading photometry.
 #[derive(Clone, Debug, Default, PartialEq)]

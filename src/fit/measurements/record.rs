@@ -1,13 +1,12 @@
 //! Recorded rows of photometry, before their geometry is computed.
 
-use super::super::error::FitError;
 use hifitime::Epoch;
 
+use super::super::error::FitError;
+use super::dropped::DropCounts;
 use crate::elements::NoradId;
 use crate::geometry::Site;
 use crate::photometry::Magnitude;
-
-use super::dropped::DropCounts;
 
 /// Recorded position of the satellite. Angles in radians.
 #[derive(Copy, Clone, Debug, PartialEq)]

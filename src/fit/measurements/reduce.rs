@@ -1,19 +1,18 @@
 //! Reduction to pixels: layers of the Sun's latitude, HEALPix cells of the observer's direction, and the mode of the magnitudes in each
 //! (Lu 2024, section 3).
 
-use super::super::error::FitError;
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use super::super::error::FitError;
+use super::density_mode::{DensityMode, interquartile_range};
+use super::measure::{HEIGHT, LATITUDE, LONGITUDE, Measurement, SUN};
 use crate::math::healpix::{MOST_NSIDE, ring_cell};
 use crate::math::quantile::quantile;
 use crate::output::{Column, Kind, Table};
-
-use super::density_mode::{DensityMode, interquartile_range};
-use super::measure::{HEIGHT, LATITUDE, LONGITUDE, Measurement, SUN};
 
 const PIXELS: [Column; 12] = [
     Column::new("layer", Kind::Integer, "Layer of the Sun's latitude: latitude over width, rounded down."),

@@ -1,22 +1,21 @@
 //! Parser of rows: cells to records, or to the reason for dropping a row.
 
-use super::super::error::FitError;
 use std::collections::HashMap;
 use std::f64::consts::TAU;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
 use hifitime::{Epoch, TimeScale};
 
-use crate::elements::{NoradId, parse_iso};
-use crate::frames::{epoch_from_jd, epoch_from_mjd, mjd_utc};
-use crate::geometry::Site;
-use crate::photometry::Magnitude;
-
+use super::super::error::FitError;
 use super::blocks::{Delimiter, Head};
 use super::column_map::{ColumnMap, FIELDS, Field};
 use super::dropped::{DropCounts, DropExample, DropReason};
 use super::format::FilterCounts;
 use super::record::{Record, Sighting};
+use crate::elements::{NoradId, parse_iso};
+use crate::frames::{epoch_from_jd, epoch_from_mjd, mjd_utc};
+use crate::geometry::Site;
+use crate::photometry::Magnitude;
 
 /// Layout of one file.
 pub(super) struct Layout {

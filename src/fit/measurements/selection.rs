@@ -1,18 +1,17 @@
 //! Selection of placed records as in Lu (2024), section 3, with every threshold as an option, and on-station intervals of satellites.
 
-use super::super::error::FitError;
 use std::collections::HashMap;
 
 use hifitime::Epoch;
 
+use super::super::error::FitError;
+use super::dropped::DropReason;
+use super::placement::Placed;
+use super::record::Record;
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::elements::{ElementSet, History, NoradId, OrbitPhase, StationRule, orbit_phases};
 use crate::geometry::{KARMAN_LINE_KM, grazing_height_km};
 use crate::photometry::StandardMagnitude;
-
-use super::dropped::DropReason;
-use super::placement::Placed;
-use super::record::Record;
 
 /// Thresholds for the use of records. Filters are selected on reading ([`PhotometryOptions::filters`](super::PhotometryOptions::filters)).
 #[derive(Clone, Debug, PartialEq)]

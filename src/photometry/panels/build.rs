@@ -1,15 +1,14 @@
 //! Validation of the panels of a file, and the assembly made of them.
 
-use super::super::error::PhotometryError;
 use nalgebra::Vector3;
 
+use super::super::error::PhotometryError;
 use super::assembly::{AssembledPanel, PanelAssembly};
 use super::attitude::{Attitude, PanelOffset};
 use super::panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
-use super::shapes::MOST_BLOCKERS;
-use super::shapes::Sphere;
+use super::shapes::{MOST_BLOCKERS, Sphere};
 use crate::photometry::brdf::{
     Abg, Binomial, Facets, Gaussian, Lambert, Law, Phong, Retro, Straight, reflected_share, transmitted_share,
 };

@@ -1,10 +1,10 @@
 //! Annotation of a schedule: results to add, edits of the original text, and the files written.
 
-use super::super::error::ScheduleError;
 use std::io::{self, Write};
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use super::super::error::ScheduleError;
 use super::super::formats::{ID, display};
 use crate::output::{AtomicFile, Provenance, Table};
 
@@ -67,7 +67,7 @@ impl Annotation<'_> {
 
 /// Returns the text of a schedule.
 pub(super) fn read_text(input: &Path) -> Result<String, ScheduleError> {
-    Ok(std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })?)
+    std::fs::read_to_string(input).map_err(|source| ScheduleError::Io { path: display(input), source })
 }
 
 /// Insertions into a text and removals from it; all other bytes stay.

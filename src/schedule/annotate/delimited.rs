@@ -1,10 +1,10 @@
 //! Annotation of CSV and ECSV: flags appended to each line, streaks in a file beside it. All original bytes stay.
 
-use super::super::error::ScheduleError;
 use std::io;
 use std::ops::Range;
 use std::path::{Path, PathBuf};
 
+use super::super::error::ScheduleError;
 use super::super::formats::{csv_layout, display, ecsv_layout};
 use super::annotation::{Annotation, Edits, finish, read_text, streaks_path, write_new};
 use crate::output::{Table, ecsv_column, write_csv, write_ecsv};

@@ -1,9 +1,9 @@
 //! Annotation of JSON: flags as further members of each row, streaks as members of the document or in a file beside it. All
 //! original bytes stay.
 
-use super::super::error::ScheduleError;
 use std::path::{Path, PathBuf};
 
+use super::super::error::ScheduleError;
 use super::super::formats::{Members, display, json_layout};
 use super::annotation::{Annotation, Edits, finish, read_text, streaks_path, write_new};
 use crate::output::{Section, json_members, json_rows, write_json};

@@ -1,6 +1,5 @@
 //! Annotation of an opsim database: a copy with three more tables.
 
-use super::super::error::ScheduleError;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -8,10 +7,10 @@ use rusqlite::backup::Backup;
 use rusqlite::types::Value as SqlValue;
 use rusqlite::{Connection, params, params_from_iter};
 
-use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
-
+use super::super::error::ScheduleError;
 use super::super::formats::{ID, display, open_read_only};
 use super::annotation::Annotation;
+use crate::output::{AtomicFile, Column, Kind, Provenance, Table, Value};
 
 const STREAKS: &str = "streaks";
 const FLAGS: &str = "streak_flags";

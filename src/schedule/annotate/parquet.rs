@@ -1,6 +1,5 @@
 //! Annotation of Parquet: flags as further columns, streaks in a file beside it. All columns and metadata stay.
 
-use super::super::error::ScheduleError;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -12,6 +11,7 @@ use parquet::basic::Compression;
 use parquet::file::metadata::{KeyValue, ParquetMetaData};
 use parquet::file::properties::WriterProperties;
 
+use super::super::error::ScheduleError;
 use super::super::formats::{batches, display};
 use super::annotation::{Annotation, finish, streaks_path};
 use crate::output::{AtomicFile, parquet_columns, parquet_fields, write_parquet};

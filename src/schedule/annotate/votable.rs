@@ -1,8 +1,8 @@
 //! Annotation of VOTable: fields and cells added to its first table, streaks as a table after it. All original bytes stay.
 
-use super::super::error::ScheduleError;
 use std::path::{Path, PathBuf};
 
+use super::super::error::ScheduleError;
 use super::super::formats::{Span, display, votable_layout};
 use super::annotation::{Annotation, Edits, finish, read_text, write_new};
 use crate::output::{votable_cells, votable_fields, votable_table};
@@ -26,7 +26,7 @@ pub(super) fn annotate(
     if let Some(short) = layout.rows.iter().position(|row| row.cells.len() != layout.names.len()) {
         let (cells, fields) = (layout.rows[short].cells.len(), layout.names.len());
         let what = format!("row {} has {cells} cells, the header {fields}", short + 1);
-        return Err(ScheduleError::Format { path: display(input), what }.into());
+        return Err(ScheduleError::Format { path: display(input), what });
     }
 
     let mut edits = Edits::default();

@@ -1,8 +1,8 @@
 //! Annotation in the format of the schedule.
 
-use super::super::error::ScheduleError;
 use std::path::{Path, PathBuf};
 
+use super::super::error::ScheduleError;
 use super::super::formats::ScheduleFormat;
 #[cfg(not(all(feature = "sqlite", feature = "parquet")))]
 use super::super::formats::display;

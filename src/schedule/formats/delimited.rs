@@ -1,12 +1,12 @@
 //! CSV and ECSV: a header line, then one row for each exposure. Lines that begin with `#` are comments in CSV; in ECSV they hold
 //! a YAML header with units and, for astropy's `Time` columns, the time scale.
 
-use super::super::error::ScheduleError;
 use std::path::Path;
 
 use hifitime::TimeScale;
 use saphyr::{LoadableYamlNode, YamlOwned};
 
+use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
 /// Byte positions of the header and the rows of a CSV file.

@@ -1,6 +1,5 @@
 //! JSON: an array of rows, or an object with that array as `exposures` (schedules) or `targets` (target lists).
 
-use super::super::error::ScheduleError;
 use std::fmt;
 use std::path::Path;
 
@@ -8,6 +7,7 @@ use serde::de::{Deserializer, MapAccess, Visitor};
 use serde_json::Value;
 use serde_json::value::RawValue;
 
+use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
 /// Names of the array of rows in a document that is an object.

@@ -1,13 +1,12 @@
 //! Rubin opsim databases: SQLite with a table `observations`.
 
-use super::super::error::ScheduleError;
 use std::path::Path;
 
 use rusqlite::types::ValueRef;
 use rusqlite::{Connection, OpenFlags};
 
-use super::columns::ColumnMap;
-use super::columns::{Cell, RawTable, ScheduleFormat, display};
+use super::super::error::ScheduleError;
+use super::columns::{Cell, ColumnMap, RawTable, ScheduleFormat, display};
 
 /// Opens a database read-only.
 ///

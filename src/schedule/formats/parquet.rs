@@ -1,6 +1,5 @@
 //! Parquet: columns of numbers and texts; nested columns are not read.
 
-use super::super::error::ScheduleError;
 use std::fs::File;
 use std::path::Path;
 
@@ -12,6 +11,7 @@ use arrow_schema::DataType;
 use parquet::arrow::arrow_reader::{ParquetRecordBatchReader, ParquetRecordBatchReaderBuilder};
 use parquet::file::metadata::ParquetMetaData;
 
+use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 
 /// Returns the rows of a file in batches, with the metadata of its footer.

@@ -1,10 +1,10 @@
 //! Reading a schedule file in the format that its first bytes show.
 
-use super::super::error::ScheduleError;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
+use super::super::error::ScheduleError;
 use super::columns::{RawTable, display};
 use super::{delimited, json, votable};
 

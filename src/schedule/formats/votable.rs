@@ -1,6 +1,5 @@
 //! VOTable: the first table of the document, its rows in TABLEDATA; units and time system from its header.
 
-use super::super::error::ScheduleError;
 use std::collections::HashMap;
 use std::path::Path;
 
@@ -9,6 +8,7 @@ use quick_xml::Reader;
 use quick_xml::escape::resolve_predefined_entity;
 use quick_xml::events::{BytesStart, Event};
 
+use super::super::error::ScheduleError;
 use super::columns::{Cell, RawTable, ScheduleFormat, display};
 use super::delimited::cells;
 

@@ -1,8 +1,8 @@
 //! Streaks put into an image in memory, by way of a file in a scratch folder.
 
-use super::error::InjectionError;
 use std::path::{Path, PathBuf};
 
+use super::error::InjectionError;
 use super::run::Injections;
 use crate::images::{FrameFile, Header, ImageValues, NewImage, Pixels, write_frame};
 use crate::output::ScratchFolder;

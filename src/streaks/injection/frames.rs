@@ -1,9 +1,9 @@
 //! The frames of an injection: those on file, or synthetic ones, each made when its turn comes.
 
-use super::error::InjectionError;
 use std::path::{Path, PathBuf};
 
 use super::super::frame::{FrameOverrides, SyntheticFrame, SyntheticShot, TargetFrame};
+use super::error::InjectionError;
 use super::plan::{InjectionPlan, SyntheticPlan};
 use crate::images::HduKind;
 use crate::output::ScratchFolder;

@@ -1,6 +1,5 @@
 //! Moving lights of a frame: satellites of a sky, or random streaks.
 
-use super::error::InjectionError;
 use std::path::Path;
 
 use serde_json::json;
@@ -11,6 +10,7 @@ use super::super::frame::TargetFrame;
 use super::super::light::{
     RandomStreaks, SatelliteLight, SkyTrack, Source, SourceName, SourcePart, StreakNumber, satellites,
 };
+use super::error::InjectionError;
 use super::plan::{InjectionPlan, RandomPlan};
 use crate::frames::{Direction, EopTable, Gcrs};
 use crate::output::{Provenance, format_utc};

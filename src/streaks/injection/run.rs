@@ -1,6 +1,5 @@
 //! The run of an injection: frames opened, lights found, drawn and written.
 
-use super::error::InjectionError;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -13,6 +12,7 @@ use super::super::drawn::{DrawnStreak, Shot, draw_on_chip};
 use super::super::frame::{InjectOptions, Injected, TargetFrame, inject};
 use super::super::light::{Source, SourceName};
 use super::super::truth::{MaskPlanes, TruthRow, points_table, trail_table, truth_rows, truth_table};
+use super::error::InjectionError;
 use super::frames::Frames;
 use super::lights::{InjectionSky, history, is_seen, sources, state};
 use super::plan::InjectionPlan;

@@ -1,11 +1,11 @@
 //! Streaks that no satellite made: for training sets, drawn from a seed.
 
-use super::super::error::StreaksError;
 use nalgebra::Vector3;
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rand_distr::{Distribution, Poisson};
 
+use super::super::error::StreaksError;
 use super::sky_track::{SkyPoint, SkyTrack};
 use crate::frames::{Direction, Gcrs};
 

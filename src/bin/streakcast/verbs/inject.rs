@@ -11,9 +11,9 @@ use streakcast::output::{Section, Table};
 use streakcast::streaks::{InjectedFrame, Injections};
 
 use crate::failure::Outcome;
+use crate::output::{Answer, Format, Output, check_whole};
 #[cfg(feature = "plot")]
-use crate::output::write_bytes;
-use crate::output::{Answer, Format, Output, check, check_whole};
+use crate::output::{check, write_bytes};
 use crate::screen::Style;
 
 #[derive(Args)]
@@ -59,24 +59,15 @@ impl Outputs {
             path.as_ref().map(|path| Output::new(text_format(path)?, Some(path.clone()))).transpose()
         };
         let outputs = Self { truth: beside(&typed.truth)?, trails: beside(&typed.trails)?, frames };
-        let mut all: Vec<&PathBuf> = outputs.frames.iter().chain(&typed.truth).chain(&typed.trails).collect();
-        #[cfg(feature = "plot")]
-        for picture in typed.preview.iter().chain(&typed.preview_marked) {
-            if !picture.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
-                return Err(anyhow!("picture {}: allowed: a file that ends in .png", picture.display()));
-            }
-            check(picture)?;
-            all.push(picture);
-        }
-        if outputs.frames.len() > 1
-            && all.len()
-                > outputs.frames.len() + usize::from(outputs.truth.is_some()) + usize::from(outputs.trails.is_some())
-        {
+        let pictures = picture_names(typed)?;
+        if outputs.frames.len() > 1 && !pictures.is_empty() {
             return Err(anyhow!(
                 "--preview and --preview-marked are for one frame; there are {}",
                 outputs.frames.len()
             ));
         }
+        let tables = typed.truth.iter().chain(&typed.trails);
+        let all: Vec<&PathBuf> = outputs.frames.iter().chain(tables).chain(pictures).collect();
         let read: BTreeSet<PathBuf> = inputs.iter().filter_map(|path| path.canonicalize().ok()).collect();
         if let Some(both) = all.iter().find(|path| path.canonicalize().is_ok_and(|path| read.contains(&path))) {
             return Err(anyhow!("{} is an input and would be overwritten; name another output", both.display()));
@@ -108,6 +99,24 @@ impl Outputs {
         }
         Ok(())
     }
+}
+
+/// Returns the pictures to be written, after a check of their names.
+#[cfg(feature = "plot")]
+fn picture_names(typed: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
+    let pictures: Vec<&PathBuf> = typed.preview.iter().chain(&typed.preview_marked).collect();
+    for picture in &pictures {
+        if !picture.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("png")) {
+            return Err(anyhow!("picture {}: allowed: a file that ends in .png", picture.display()));
+        }
+        check(picture)?;
+    }
+    Ok(pictures)
+}
+
+#[cfg(not(feature = "plot"))]
+fn picture_names(_: &InjectArguments) -> anyhow::Result<Vec<&PathBuf>> {
+    Ok(Vec::new())
 }
 
 /// Largest number of frames of one run.
