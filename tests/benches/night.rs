@@ -158,12 +158,13 @@ fn clear(elements: &str, date: &str, fov_deg: f64) {
     let (policy, photometry) = (Policy::default(), PhotometryOptions::default());
     let against = FlagRequest { sky: &sky, field: &field, policy: &policy, telescope: None, photometry: &photometry };
     let request = WindowRequest { against, blocking: Blocking::Any, min_altitude_rad: 0.0, max_sun_altitude_rad: None };
-    let crossings_of = || clear_windows_alone(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
-    let mut report = crossings_of();
+    let find_windows =
+        || clear_windows_alone(&targets, from, seconds_after(from, 5.0 * 3600.0), &request).expect("windows");
+    let mut report = find_windows();
     let times = (0..9)
         .map(|_| {
             let begin = Instant::now();
-            report = crossings_of();
+            report = find_windows();
             begin.elapsed().as_secs_f64()
         })
         .collect();

@@ -112,7 +112,8 @@ fn time(name: &str, files: &[PathBuf], placement: &Placement) {
         rows = reduction.points + dropped.total();
         let counts: Vec<String> = dropped.iter().map(|(reason, n, _)| format!("{} {n}", reason.name())).collect();
         let (pixels, kept) = (reduction.pixels.len(), reduction.kept().count());
-        summary = format!("{} points in {pixels} pixels, {kept} kept; dropped: {}", reduction.points, counts.join(", "));
+        summary =
+            format!("{} points in {pixels} pixels, {kept} kept; dropped: {}", reduction.points, counts.join(", "));
     }
     seconds.sort_by(f64::total_cmp);
     let median = seconds[ROUNDS / 2];

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use streakcast::images::{FrameCopy, FrameFile, HduKind, ImageValues, NewImage, Pixels, Rice, write_frame};
 use tempfile::TempDir;
 
-/// Bytes of a compressed frame of 80 by 64 pixels, one row a tile: whole numbers, or floating ones with noise.
+/// Bytes of a compressed frame of 80 by 64 pixels, one row per tile: integers, or floats with noise.
 fn compressed(folder: &TempDir, is_floating: bool) -> Vec<u8> {
     let mut random = crate::common::random::Random(3);
     let noise = (0..80 * 64).map(|_| 500.0 + 20.0 * random.uniform());
@@ -22,30 +22,30 @@ fn compressed(folder: &TempDir, is_floating: bool) -> Vec<u8> {
     fs::read(path).expect("bytes")
 }
 
-/// Byte at which the card of a keyword begins in the header of HDU 1.
+/// Byte offset of the card of a keyword in the header of HDU 1.
 fn card_at(file: &[u8], keyword: &str) -> usize {
     let start = format!("{keyword:<8}=");
     let place = file[2880..].chunks_exact(80).position(|card| card.starts_with(start.as_bytes()));
     2880 + 80 * place.unwrap_or_else(|| panic!("no {keyword}"))
 }
 
-/// The file with another card in place of one.
+/// Returns the file with one card replaced.
 fn with_card(file: &[u8], keyword: &str, card: &str) -> Vec<u8> {
     let (mut bytes, at) = (file.to_vec(), card_at(file, keyword));
     bytes[at..at + 80].copy_from_slice(format!("{card:<80}").as_bytes());
     bytes
 }
 
-/// Opens a file, reads its images and adds light to them; the first error.
+/// Opens a file, reads its images and adds light to them; returns the first error.
 fn used(path: &Path) -> Result<(), String> {
-    let said = |error: streakcast::images::FrameError| error.to_string();
-    let file = FrameFile::open(path).map_err(said)?;
+    let to_text = |error: streakcast::images::FrameError| error.to_string();
+    let file = FrameFile::open(path).map_err(to_text)?;
     for hdu in file.images() {
-        file.read_plane(hdu).map_err(said)?;
+        file.read_plane(hdu).map_err(to_text)?;
         let target = tempfile::tempdir().expect("a folder");
-        let mut copy = FrameCopy::begin(&file, &target.path().join("out.fits")).map_err(said)?;
-        copy.add(hdu, 0, 0, &[5.0]).map_err(said)?;
-        copy.finish().map_err(said)?;
+        let mut copy = FrameCopy::begin(&file, &target.path().join("out.fits")).map_err(to_text)?;
+        copy.add(hdu, 0, 0, &[5.0]).map_err(to_text)?;
+        copy.finish().map_err(to_text)?;
     }
     Ok(())
 }
@@ -90,7 +90,7 @@ fn verif_headers_of_compressed_images_are_checked_before_they_are_read() {
     }
     let error = refused(&folder, &with_card(&floating, "ZDITHER0", "ZDITHER0=                   -7"));
     assert!(error.contains("ZDITHER0 is -7: a whole number from 1 to 10000"), "{error}");
-    // An image of more pixels than its compressed bytes can hold: every number fits the others.
+    // An image with more pixels than its compressed bytes can contain: all numbers are consistent with each other.
     let mut large = whole.clone();
     for (keyword, card) in [("ZNAXIS1", "ZNAXIS1 =           1000000000"), ("ZTILE1", "ZTILE1  =           1000000000")]
     {
