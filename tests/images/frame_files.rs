@@ -405,7 +405,7 @@ fn verif_unwritable_disks() {
     if std::env::var_os("STREAKCAST_FULL_DISK").is_none() {
         let test = std::env::current_exe().expect("this test");
         let command = format!(
-            "ulimit -f 64; trap '' XFSZ; exec {test:?} --exact frame_files::verif_disks_that_do_not_take_the_frame --nocapture"
+            "ulimit -f 64; trap '' XFSZ; exec {test:?} --exact frame_files::verif_unwritable_disks --nocapture"
         );
         let output = std::process::Command::new("sh")
             .args(["-c", &command])

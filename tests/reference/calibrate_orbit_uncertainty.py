@@ -5,9 +5,11 @@ difference along the track (s), and distance across it, out of the orbital plane
 even catalogue number are fitted, odd ones are held out. "68 %" is the 68.27 % quantile of the absolute residual, the
 appropriate one-sigma half width also for heavy tails; 1.4826 MAD is printed for comparison.
 
-    along² = floor² + (k1 age)² + (k2 age²)² + (c drag age²)² + (f drag^q age^p)²    s; age in days; drag = |ndot/2| P,
-    s/day² cross² = floor² + (kx age^px)² + (cx shift age)²                                 km; shift = 4/3 a |ndot/2| /
-    n, km/day along is capped at 0.3413 P (all positions along the orbit equally likely), cross at 1,000 km
+    along² = floor² + (k1 age)² + (k2 age²)² + (c drag age²)² + (f drag^q age^p)²    s
+    cross² = floor² + (kx age^px)² + (cx shift age)²                                 km
+
+with the age in days, drag = |ndot/2| P in s/day², shift = 4/3 a |ndot/2| / n in km/day; along is capped at 0.3413 P (all
+positions along the orbit equally likely), cross at 1,000 km.
 
     STREAKCAST_DATA=... python tests/reference/calibrate_orbit_uncertainty.py tests/data/orbit_residuals.csv
 
@@ -127,7 +129,7 @@ def read(path):
 
 
 def compare(old, true):
-    """Error of `old` at the epoch of `true`: seconds ahead along the track, km out of plane, km in radius; None if decayed."""
+    """Error of `old` at the epoch of `true`: seconds along the track, km out of plane and in radius; None if decayed."""
     error, predicted, _ = old.sgp4(true.jdsatepoch, true.jdsatepochF)
     if error:
         return None
@@ -201,7 +203,7 @@ def cross_sigma(c, k, power, drag=0.0):
 
 
 def cells(c, deep):
-    """Residuals in cells of age (six per decade) and, near the Earth, of published drag (half decades), without saturated ones."""
+    """Unsaturated residuals in cells of age (six per decade) and, near the Earth, of drag (half decades)."""
     age = np.round(np.log10(np.abs(c["age"])) * 6)
     drag = np.zeros_like(age) if deep else np.clip(np.round(np.log10(np.abs(c["half_ndot"]) + 1e-12) * 2), -14, -4)
     _, index = np.unique(age * 1000 + drag, return_inverse=True)
@@ -217,7 +219,7 @@ EXPONENTS = (0.3, 2.5)
 
 
 def fit(c, sigma, value, starts, exponents, groups):
-    """Fits coefficients so that the 68 % quantile of |residual| / sigma is 1 in every cell (least squares of its logarithm)."""
+    """Fits coefficients so that the 68 % quantile of |residual| / sigma is 1 in every cell (logarithmically)."""
     # Cells with an age of days have a larger weight than those with months, as in typical use.
     weight = np.array([np.sqrt(min(len(g), 400)) * (1.0 if np.median(np.abs(c["age"][g])) < 30 else 0.5) for g in groups])
     bounds = np.log([EXPONENTS if i in exponents else (LEAST, MOST) for i in range(len(starts[0]))])
@@ -262,7 +264,7 @@ def table(title, c, parameters_along, parameters_cross):
 
 
 def on_station_truth():
-    """Rule for on-station satellites: |da/dt| < 100 m/day over three sets, without a - R_E > 530 km (the fleet has moved down)."""
+    """Rule for on-station satellites: |da/dt| < 100 m/day over three sets (a - R_E > 530 km no longer applies)."""
     objects = collections.defaultdict(list)
     for elements in read(SOURCES["72 Starlink, daily, 2026"][0]):
         objects[elements.norad].append(elements)

@@ -1,9 +1,8 @@
-"""Compares annotated schedules with their originals by astropy and pyarrow: cells, types, units, descriptions, meta and order.
+"""Compares annotated schedules with their originals: cells, types, units, descriptions, meta and order.
 
-    python check_annotated_schedules.py ../data/schedules FOLDER      (FOLDER: the annotated files under the same names,
-    and their .streaks files)
+    python check_annotated_schedules.py ../data/schedules FOLDER
 
-Run manually; requires astropy 8 and pyarrow.
+FOLDER has the annotated files under the same names, and their .streaks files. Run manually; requires astropy 8 and pyarrow.
 """
 import json
 import sys

@@ -41,7 +41,7 @@ def ones_complement(data):
 
 
 def verified(path, number):
-    """Checks CHECKSUM and DATASUM of an HDU from its bytes, because astropy changes some headers before its own check."""
+    """Checks CHECKSUM and DATASUM of an HDU from its bytes (astropy changes some headers before its check)."""
     with fits.open(path, disable_image_compression=True) as hdus:
         place, header = hdus.fileinfo(number), hdus[number].header
     data = path.read_bytes()

@@ -1,4 +1,4 @@
-"""Reads tracking data messages of `forecast` with an independent program (ccsds-ndm) and compares them with the table of passes.
+"""Reads tracking data messages of `forecast` with ccsds-ndm and compares them with the table of passes.
 
     tests/independent.sh, or
     venv/bin/python tests/reference/check_tdm.py target/debug/streakcast
@@ -66,7 +66,7 @@ def nearest(observations, text):
 
 
 def apart_on_sky_deg(samples, observations):
-    """Largest separation between points of a pass in astropy's ICRS, one light time earlier, and the message; number of points."""
+    """Largest separation between astropy's ICRS, one light time earlier, and the message; number of points."""
     column = lambda name: np.array([point[name] for point in samples])
     azimuths, altitudes = np.radians(column("azimuth_deg")), np.radians(column("altitude_deg"))
     towards = np.array([np.cos(altitudes) * np.cos(azimuths), np.cos(altitudes) * np.sin(azimuths), np.sin(altitudes)])

@@ -1,4 +1,4 @@
-"""Makes tests/data/forecast_golden.csv: rise, culmination, set and the shadow's edge of real satellites over one night, by Skyfield.
+"""Makes tests/data/forecast_golden.csv: passes and shadow edges of real satellites over one night, by Skyfield.
 
     pip install skyfield==1.55 sgp4==2.27 numpy
     STREAKCAST_DATA=... python tests/reference/make_forecast_goldens.py tests/data/forecast_golden.csv
@@ -8,9 +8,10 @@ chooses) and every 300th of the others. Site: 30 deg 14 min 40.7 s south, 70 deg
 2026-04-25T22:00:00 to 2026-04-26T11:00:00 UTC.
 
 rise, set     Skyfield's find_events at 10 deg (geometric, no refraction), refined here to 1e-4 s by bisection of its
-altitude culmination   the highest point in between, by golden section of the same altitude
+              altitude
+culmination   the highest point in between, by golden section of the same altitude
 fades, back   the first edge of the penumbra of the WGS84 ellipsoid between rise and set, in both directions, by rays
-(make_shadow_goldens.py)
+              (make_shadow_goldens.py)
 
 Columns: satellite, event, seconds after the reference, altitude and azimuth in degrees.
 """

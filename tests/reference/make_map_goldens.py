@@ -21,7 +21,7 @@ COEFFICIENTS = (0.05, 0.0279, 0.0053, 0.1097, 0.0844, 5.0, 22.0)
 
 
 def lit(satellite, sun, flattening):
-    """Fraction of the light of rays to the Sun's disk that miss the Earth; limb darkening P5(mu) of Neckel (2005), 550 nm."""
+    """Fraction of sunlight that misses the Earth, by rays; limb darkening P5(mu) of Neckel (2005), 550 nm."""
     to = sun - satellite
     axis = to / np.linalg.norm(to)
     side = np.cross(axis, [0, 0, 1.0])

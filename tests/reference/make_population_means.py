@@ -1,4 +1,6 @@
-"""Means of bundled models over the population of `streakcast model check`, by another method: satellites at uniform nodes and
+"""Means of bundled models over the population of `streakcast model check`.
+
+Another method than that of the program: satellites at uniform nodes and
 arguments of latitude on circular orbits, if they are above 30 deg and in full sunlight. Spherical Earth and shadow.
 
     venv/bin/python tests/reference/make_population_means.py > tests/data/population_means.csv

@@ -1,4 +1,4 @@
-"""Golden numbers for the reduction of photometry: quartiles and kernel modes of samples, and HEALPix cells of directions.
+"""Golden numbers for the reduction of photometry: quartiles, kernel modes, and HEALPix cells of directions.
 
     python tests/reference/make_reduction_goldens.py tests/data
 

@@ -1,4 +1,6 @@
-"""Schedules in the formats of common tools, for tests/cli/annotate_formats.rs: python make_schedule_samples.py ../data/schedules (astropy 8, pyarrow).
+"""Schedules in the formats of common tools, for tests/cli/annotate_formats.rs.
+
+    python make_schedule_samples.py ../data/schedules      (astropy 8, pyarrow)
 
 Columns, types and units follow the published schemas, the values are invented:
 - ConsDB: lsst/sdm_schemas, cdb_lsstcam.yaml, table visit1 (obs_start_mjd: "MJD ... TAI").

@@ -1,4 +1,4 @@
-"""Makes tests/data/shadow_golden.csv: entries and exits of real satellites in penumbra and umbra, by Skyfield and by rays.
+"""Makes tests/data/shadow_golden.csv: penumbra and umbra times of real satellites, by Skyfield and by rays.
 
     pip install skyfield==1.55 sgp4==2.27 numpy
     STREAKCAST_DATA=... python tests/reference/make_shadow_goldens.py tests/data/shadow_golden.csv
@@ -9,11 +9,10 @@ Skyfield gives the satellite (GCRS) and the Sun (DE421, geometric: the differenc
 shadows:
 
 cone       the Earth a sphere of radius 6378.137 km, the Sun one of 695700 km: the umbra is where the angle from the
-Earth's centre to the Sun's is
-           less than asin(R/r) - asin(Rs/d), the penumbra where it is less than their sum. Closed form.
+           Earth's centre to the Sun's is less than asin(R/r) - asin(Rs/d), the penumbra where it is less than their sum.
+           Closed form.
 ellipsoid  WGS84 (axis along z of GCRS): the straight lines from the satellite to 720 points of the Sun's limb; umbra =
-all of them hit the ellipsoid,
-           penumbra = any. A quadratic equation each, no stretching.
+           all of them hit the ellipsoid, penumbra = any. A quadratic equation each, no stretching.
 
 Times are bisected to 1e-4 s. Columns: satellite, event, reference time (UTC), and seconds from there by cone and by
 ellipsoid.
@@ -32,16 +31,16 @@ A_KM, F, SUN_KM = 6378.137, 1 / 298.257223563, 695_700.0
 
 
 def chosen(elements):
-    """The first satellite of each cell of mean motion (revolutions a day) and inclination, low to geosynchronous, the five flattest geosynchronous ones, and
-    sixteen more of two revolutions a day."""
+    """Selects satellites: the first of each cell of mean motion (revolutions per day) and inclination, the five
+    geosynchronous ones with the lowest inclination, and sixteen more with two revolutions per day."""
     cells = {}
     for norad, (_, second) in sorted(elements.items()):
         motion, inclination = float(second[52:63]), float(second[8:16])
         cells.setdefault((round(motion), int(inclination // 15)), []).append(norad)
-    flattest = sorted(cells[(1, 0)], key=lambda norad: float(elements[norad][1][8:16]))
+    lowest_inclination = sorted(cells[(1, 0)], key=lambda norad: float(elements[norad][1][8:16]))
     # Navigation satellites in different planes: some are in their eclipse season.
     medium = [norad for (motion, _), cell in sorted(cells.items()) if motion == 2 for norad in cell[1::7]][:16]
-    return list(dict.fromkeys([cell[0] for key, cell in sorted(cells.items())] + flattest[:5] + medium))
+    return list(dict.fromkeys([cell[0] for key, cell in sorted(cells.items())] + lowest_inclination[:5] + medium))
 
 
 def catalogue():

@@ -78,7 +78,7 @@ def magnitude(g, p):
 
 
 def facets(weight, slope, cos_in, cos_out, dot):
-    """Rough mirror, sr^-1: Beckmann's slopes with the masking of Smith, Walter et al. (2007), eqs. 20 and 23 to 26, alpha = sqrt(2) slope."""
+    """Rough mirror, sr^-1: Walter et al. (2007), eqs. 20 and 23 to 26, Beckmann, alpha = sqrt(2) slope."""
     alpha = np.sqrt(2) * slope
     ci, co = np.clip(cos_in, 1e-9, 1), np.clip(cos_out, 1e-9, 1)
     tilt = np.arccos(np.clip((ci + co) / np.sqrt(2 + 2 * dot), -1, 1))
@@ -105,7 +105,7 @@ def law(spec, number, cos_in, cos_out, mirror, dot):
 
 
 def panels_light(spec, ds, a, do):
-    """Light, m^2 / sr, of a nadir face, with or without a sail above it that turns with the Sun's azimuth, and of spheres."""
+    """Light, m^2 / sr, of a nadir face, an optional sail that turns with the Sun's azimuth, and spheres."""
     values = {p["name"]: p["value"] for p in spec["parameters"]}
     number = lambda given: values[given] if isinstance(given, str) else given
     by = {p["name"]: p for p in spec["panels"]}
@@ -155,7 +155,7 @@ def sunlit(radius_km, ds):
 
 
 def between(s, o, z):
-    """Sun's latitude, observer's longitude from it and latitude, for unit vectors to the Sun, the observer and the zenith."""
+    """Sun's latitude, observer's longitude from it and latitude, from unit vectors to Sun, observer and zenith."""
     ds, do = np.arcsin((s * z).sum(0)), np.arcsin((o * z).sum(0))
     return ds, np.arccos(np.clip(((s * o).sum(0) - np.sin(ds) * np.sin(do)) / np.cos(ds) / np.cos(do), -1, 1)), do
 

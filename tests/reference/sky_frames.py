@@ -55,7 +55,7 @@ class Frames:
         )
 
     def at(self, jd, fraction):
-        """Returns teme_to_gcrs (n, 3, 3), itrs_to_gcrs (n, 3, 3), Earth's velocity (n, 3) km/s for arrays of UTC (jd, fraction)."""
+        """Returns teme_to_gcrs, itrs_to_gcrs (n, 3, 3), Earth's velocity (n, 3) km/s for arrays of UTC dates."""
         fraction = np.atleast_1d(fraction)
         jd = np.broadcast_to(jd, fraction.shape)
         ut1_minus_utc = self.table.ut1_utc(jd, fraction).to_value("s")

@@ -25,10 +25,9 @@ class StreakRewardBasisFunction(StreakMap):
     brightness and speed of the satellites in each part of the sky are known: satellites are sampled `samples` times
     over the next `look_ahead_min`, and spread over discs of `smoothing_deg`,
 
-        reward = - N_pix Σ_satellites ω t w / (π s²) / n_samples            with ω t w the area of each streak, s the
-        smoothing,
+        reward = - N_pix Σ_satellites ω t w / (π s²) / n_samples
 
-    in millions of pixels per visit, each satellite weighted by its brightness. The map is cached for `cache_s`.
+    with ω t w the area of each streak and s the smoothing, in millions of pixels per visit, each satellite weighted by its brightness. The map is cached for `cache_s`.
 
     Parameters
     ----------

@@ -40,7 +40,7 @@ def read_pairs(path):
 
 
 class Views:
-    """Frames of all exposures: field centre, site and the Earth's velocity in TEME, computed at once as by the peers."""
+    """Frames of all exposures, computed at once: field centre, site and the Earth's velocity in TEME."""
 
     def __init__(self, rows, frames):
         jd, fraction = np.array([utc_to_jd(row["start_utc"]) for row in rows]).T

@@ -9,8 +9,7 @@ one it reports, from the elements' text to the last crossing, without start-up a
         --ours "target/release/... {elements} {schedule} {fov_deg} {limit}" --satidentifier CHECKOUT --rounds 5
 
 `--ours` prints either {"name", "exposures", "timings": {"total_s", ...}, "crossings": [[exposure_id, norad_id], ...],
-"left_out": [norad_id, ...]} or
-the output of `streakcast passes --format json` (then its time is that of the whole process). `--only
+"left_out": [norad_id, ...]} or the output of `streakcast passes --format json` (then its time is that of the whole process). `--only
 astroz=1000,sgp4=100` selects peers with numbers of exposures: times are then per exposure, and results are compared for
 those exposures.
 

@@ -1,4 +1,4 @@
-"""Least squares and posterior of the two-panel form, compared with SciPy and emcee with a NumPy likelihood, on 20,000 points.
+"""Least squares and posterior of the two-panel form, compared with SciPy and emcee, on the same 20,000 points.
 
     venv/bin/pip install -r tests/benches/peers/requirements-fit.txt
     cargo bench --bench fit --no-run

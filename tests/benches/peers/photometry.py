@@ -81,7 +81,7 @@ def ours_map_ns():
 
 
 def numpy_map_ns(repeats=7, nside=64, height_km=550.0):
-    """All directions of an nside 64 sky: positions on the satellites' sphere, body-frame angles, magnitudes; Sun on the horizon."""
+    """All directions of an nside 64 sky with the Sun on the horizon: positions, body-frame angles, magnitudes."""
     n = 6 * nside**2 + 2 * nside
     altitude = np.arcsin((np.arange(n) + 0.5) / n)
     azimuth = np.mod(2.399963 * np.arange(n), 2 * np.pi)

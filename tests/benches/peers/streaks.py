@@ -1,4 +1,4 @@
-"""Streaks of 500 to 4000 pixels, compared with GalSim (FFT) and NumPy (error functions), in a 4096 x 4096 frame of 32-bit floats.
+"""Streaks of 500 to 4000 pixels, compared with GalSim (FFT) and NumPy (error functions), in a 4096 x 4096 frame.
 
     venv/bin/pip install -r tests/benches/peers/requirements-streaks.txt
     cargo bench --bench streaks --no-run
