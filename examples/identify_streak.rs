@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
             candidate.passage.range_km,
         );
     }
-    println!("a satellite of which no element set tells: {:.3}", found.unknown_probability);
+    println!("probability of a satellite missing from the element sets: {:.3}", found.unknown_probability);
 
     // The satellite that made the streak comes first.
     let first = found.candidates.first().ok_or("no candidate")?;

@@ -27,13 +27,14 @@ fn main() -> Result<(), Box<dyn Error>> {
         // A star of magnitude 25 gives one count in 30 s.
         scale: CountScale::of_frame(25.0, exposure_s)?,
     };
-    let wanted = RandomStreaks {
+    let random_streaks = RandomStreaks {
         number: StreakNumber::Exactly(3),
         magnitude: [5.0, 8.0],
         rate_rad_s: [0.3f64.to_radians(), 0.8f64.to_radians()],
     };
     let (_, radius_rad) = chip.circle().ok_or("the chip is on the sky")?;
-    let tracks = wanted.tracks(seed, exposure_s, 2.5 * radius_rad, |drawn, _| direction_on([&chip].into_iter(), drawn));
+    let tracks =
+        random_streaks.tracks(seed, exposure_s, 2.5 * radius_rad, |drawn, _| direction_on([&chip].into_iter(), drawn));
     let sources: Vec<Source> = (1..)
         .zip(&tracks)
         .map(|(number, track)| Source {

@@ -2,8 +2,8 @@
 //!
 //! ```text
 //! cargo bench --bench night -- ELEMENTS SCHEDULE [FOV_DEG]          medians of cold and warm runs
-//! cargo bench --bench night                                         growth over satellites and exposures, synthetic shells
-//! cargo bench --bench night -- old ELEMENTS DATE [FOV_DEG]          crossing probabilities of all satellites, elements as old as they then are
+//! cargo bench --bench night                                         scaling with satellites and exposures
+//! cargo bench --bench night -- old ELEMENTS DATE [FOV_DEG]          crossing probabilities with old elements
 //! cargo bench --bench night -- windows ELEMENTS DATE [FOV_DEG]      clear windows of 40 targets over five hours
 //! ```
 //!
@@ -109,7 +109,7 @@ fn medians(elements: &str, schedule: &str, fov_deg: f64) {
             start.elapsed().as_secs_f64()
         })
         .collect();
-    println!("{:14} {:8.1} µs an exposure, as a scheduler's hook asks", "one by one", 1e6 * median(one_by_one));
+    println!("{:14} {:8.1} µs per exposure, as called by a scheduler", "one by one", 1e6 * median(one_by_one));
 }
 
 /// Probabilities of all satellites in a dozen visits of an evening, warm.

@@ -1,12 +1,15 @@
 //! Simulated photometry as MMT-9 would record it, of satellites with a known brightness model.
 //!
 //! 1. A night consists of the times at which the Sun is low enough at the site.
-//! 2. Satellites in a random order are checked every half minute; a satellite that is high enough and clears the 100 km rule makes a pass.
+//! 2. Satellites in a random order are checked every half minute; a satellite that is high enough and clears the 100 km
+//!    rule makes a pass.
 //! 3. A part of each pass with random length is a track, until the night has enough tracks.
 //! 4. Along a track the model gives the brightness; noise, scatter and attitude are random.
-//! 5. Some tracks are recorded under another satellite: its number, distance and phase, with the magnitudes of the true one.
+//! 5. Some tracks are recorded under another satellite: its number, distance and phase, with the magnitudes of the true
+//!    one.
 //!
-//! Every night and every track has its own stream of random numbers, so that the result does not depend on the number of threads.
+//! Every night and every track has its own stream of random numbers, so that the result does not depend on the number
+//! of threads.
 
 use std::f64::consts::TAU;
 use std::io::Write;
@@ -44,7 +47,7 @@ const OUTLIER_MAG: f64 = 1.0;
 #[derive(Clone, Debug)]
 pub struct SimulationOptions {
     pub seed: u64,
-    /// A time in the day whose evening begins the first night, by the Sun at the site.
+    /// A time on the day (by the Sun at the site) of the first night's evening.
     pub first_night: Epoch,
     pub nights: u32,
     /// Days from one night to the next, at least 1.
@@ -70,8 +73,8 @@ pub struct SimulationOptions {
 }
 
 impl SimulationOptions {
-    /// MMT-9: noise 0.1 mag (Mallama), 0.2 mag from point to point, 0.1 mag from track to track; 3 % of the tracks misidentified, 5 % of tracks
-    /// and points in another attitude (Lu 2024, section 3).
+    /// MMT-9: noise 0.1 mag (Mallama), 0.2 mag from point to point, 0.1 mag from track to track; 3 % of the tracks
+    /// misidentified, 5 % of tracks and points in another attitude (Lu 2024, section 3).
     pub fn mmt9(first_night: Epoch, nights: u32) -> Self {
         Self {
             seed: 1,

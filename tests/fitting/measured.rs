@@ -242,12 +242,12 @@ fn verif_invalid_measurements() {
 fn verif_files_that_cannot_be_read() {
     let error_of = |text: &str, options: &PhotometryOptions| read(text, options).unwrap_err().to_string();
     let plain = PhotometryOptions::default();
-    assert!(told("", &plain).contains("has no rows"));
-    assert!(told(HEADER, &plain).contains("has no rows"));
-    assert!(told("a,b\n1,2\n", &plain).contains("belongs to no known format"));
+    assert!(error_of("", &plain).contains("has no rows"));
+    assert!(error_of(HEADER, &plain).contains("has no rows"));
+    assert!(error_of("a,b\n1,2\n", &plain).contains("belongs to no known format"));
     let named = |format: Format| PhotometryOptions { format: Some(format), ..PhotometryOptions::default() };
-    assert!(told("a,b\n1,2\n", &named(Format::Mmt)).contains("no column 'Date'"));
-    assert!(told("a,b\n1,2\n", &named(Format::Csv)).contains("needs a column map"));
+    assert!(error_of("a,b\n1,2\n", &named(Format::Mmt)).contains("no column 'Date'"));
+    assert!(error_of("a,b\n1,2\n", &named(Format::Csv)).contains("needs a column map"));
     assert!(Format::by_name("fits").unwrap_err().to_string().contains("pomenis, mmt, score, slingshot, csv"));
     assert_eq!(Format::by_name("MMT"), Ok(Format::Mmt));
     let missing = RecordReader::open(&["no such file"], &plain).unwrap().next_chunk().unwrap_err();

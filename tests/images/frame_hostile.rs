@@ -107,14 +107,14 @@ fn verif_tiles_that_are_not_in_the_heap_are_refused() {
     assert_eq!(file.hdus()[1].kind, HduKind::CompressedImage("RICE_1".into()));
     let end = 2880 + 80 * good[2880..].chunks_exact(80).position(|card| card.starts_with(b"END     ")).expect("END");
     let table = end.next_multiple_of(2880);
-    // Length and place of the third tile.
+    // Length and offset of the third tile.
     for (at, number) in [(16, 2_000_000_000u32), (20, 2_000_000_000), (16, u32::MAX)] {
         let mut bytes = good.clone();
         bytes[table + at..table + at + 4].copy_from_slice(&number.to_be_bytes());
         let error = refused(&folder, &bytes);
         assert!(error.contains("COMPRESSED_DATA of tile 3:") && error.contains("not in the heap"), "{error}");
     }
-    // A stream of other bytes: CFITSIO reports it, or finds pixels in it.
+    // A stream of other bytes: CFITSIO reports an error, or decodes some pixels.
     let mut bytes = good;
     let heap = table + 64 * 8;
     bytes[heap..].iter_mut().for_each(|byte| *byte = !*byte);
@@ -129,7 +129,8 @@ fn verif_tiles_that_are_not_in_the_heap_are_refused() {
 fn verif_a_malformed_table_before_an_image_is_named() {
     let folder = TempDir::new().expect("a folder");
     let good = compressed(&folder, false);
-    // Without ZIMAGE it is a table like any other, and nothing reads it; the image behind it is behind a table of a wrong width.
+    // Without ZIMAGE it is an ordinary table that is not read; the following image is preceded by a table of invalid
+    // width.
     let table = with_card(&good, "ZIMAGE", "ZIMAGE  =                    F");
     let table = with_card(&table, "TFORM1", "TFORM1  = '9PB(70) '");
     let bytes = [&table[..], &good[2880..]].concat();
@@ -140,7 +141,7 @@ fn verif_a_malformed_table_before_an_image_is_named() {
     assert!(error.contains("HDU 1: NAXIS1 is 8: 72, the sum of the widths of the columns"), "{error}");
 }
 
-/// Frames with single bytes changed that made CFITSIO divide by zero, corrupt memory, or take gigabytes.
+/// Frames with single changed bytes that made CFITSIO divide by zero, corrupt memory, or allocate gigabytes.
 #[test]
 fn valid_the_folder_of_hostile_frames() {
     let Some(data) = crate::common::data_dir() else { return };

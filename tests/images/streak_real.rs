@@ -1,4 +1,4 @@
-//! A streak that was seen: Starlink-1102 in an exposure of the Dark Energy Camera, and where its elements put it.
+//! An observed streak: Starlink-1102 in an exposure of the Dark Energy Camera, compared with the track from element sets.
 
 use hifitime::Epoch;
 use nalgebra::Vector3;
@@ -16,8 +16,8 @@ const FRAME: &str = "frames/trailblazer/cutout_c4d_200306_000415_ori.fits.fz";
 /// STARLINK-1102.
 const NORAD: u32 = 44920;
 
-/// The streak as it lies in the cutout of chip S28: the line on which the pixels, their columns' gradient taken out, are brightest on the average
-/// (counted from 0; found on a grid of half a pixel).
+/// The streak in the cutout of chip S28: the line with the brightest mean of the pixels after subtraction of the columns'
+/// gradient (counted from 0; found on a grid of half a pixel).
 const SEEN: [PixelPosition; 2] = [PixelPosition { x: 0.0, y: 67.5 }, PixelPosition { x: 70.0, y: -3.0 }];
 
 fn track(elements: &ElementSet, exposure: &Exposure, radius_deg: f64) -> Option<SkyTrack> {

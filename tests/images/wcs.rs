@@ -41,7 +41,7 @@ fn compare(agreement: &mut Agreement, name: &str, header: &Header, goldens: &[Go
     let wcs = Wcs::from_header(header).unwrap_or_else(|error| panic!("{name}: {error}"));
     for golden in goldens {
         let place = golden.place;
-        let found = wcs.to_pixel(golden.direction).unwrap_or_else(|| panic!("{name}: {place:?} has no place"));
+        let found = wcs.to_pixel(golden.direction).unwrap_or_else(|| panic!("{name}: no pixel position of {place:?}"));
         assert!(
             found.distance(place) < TOLERANCE_PIX,
             "{name}: {place:?} is {found:?}, {} pix off",

@@ -31,8 +31,8 @@ fn from_mirror(longitude_deg: f64, latitude_deg: f64, sun_latitude_deg: f64) -> 
     (sin * sin_sun - cos * cos_sun * longitude_deg.to_radians().cos()).clamp(-1.0, 1.0).acos().to_degrees()
 }
 
-/// Section 5.1: "the directions around the solar azimuth very bright", the anti-solar ones "darker in comparison, and only relatively
-/// brighter around the specular beam of the chassis".
+/// Section 5.1: "the directions around the solar azimuth very bright", the anti-solar ones "darker in comparison, and
+/// only relatively brighter around the specular beam of the chassis".
 #[test]
 fn verif_figure_6_is_bright_towards_the_sun_and_dark_away_from_it() {
     let model = v15();
@@ -47,7 +47,7 @@ fn verif_figure_6_is_bright_towards_the_sun_and_dark_away_from_it() {
         let (bright, dark) = (median(&model, sun, towards), median(&model, sun, opposite));
         // The sides differ by 1.1 to 1.5 mag, and the spot is brighter by 1.4 to 2.2 mag.
         assert!(bright < dark - 0.5, "Sun at {sun}: {bright} towards, {dark} opposite");
-        assert!(spot < beside - 0.5, "Sun at {sun}: {spot} in the spot, {beside} beside it");
+        assert!(spot < beside - 0.5, "Sun at {sun}: {spot} in the spot, {beside} next to it");
         spots.push(spot);
     }
     // "With the solar altitude decreasing, the reflection contribution from the chassis gradually increases".

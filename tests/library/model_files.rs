@@ -209,7 +209,7 @@ fn verif_invalid_files_give_one_clear_error() {
         let error = BrightnessModel::from_json(&spoiled(change), "mine.json").unwrap_err().to_string();
         assert!(error.starts_with("model file mine.json: ") && !error.contains('\n'), "{error}");
         for word in *words {
-            assert!(error.contains(word), "{error:?} should speak of {word:?}");
+            assert!(error.contains(word), "{error:?} should contain {word:?}");
         }
     }
     // NaN is not valid JSON; a number that is too large is an error too.
