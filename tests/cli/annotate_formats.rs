@@ -283,9 +283,9 @@ mod parquet {
     fn columns_values_nulls_and_metadata_are_kept() {
         let folder = tempfile::tempdir().unwrap();
         let output = annotated(&folder, "consdb.parquet", &[]);
-        let (before, said_before) = read(Path::new(&sample("consdb.parquet")));
-        let (after, said_after) = read(&output);
-        assert_eq!(said_after, said_before);
+        let (before, metadata_before) = read(Path::new(&sample("consdb.parquet")));
+        let (after, metadata_after) = read(&output);
+        assert_eq!(metadata_after, metadata_before);
         assert_eq!(after.schema().metadata(), before.schema().metadata());
         assert_eq!(after.num_rows(), 12);
         for (index, field) in before.schema().fields().iter().enumerate() {

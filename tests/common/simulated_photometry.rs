@@ -283,8 +283,8 @@ impl<'o> Night<'o> {
         let [shortest, longest] = options.track_s;
         // A pass of one step lasts a step.
         let pass_s = (last_s - first_s).max(STEP_S);
-        let wanted_s = shortest + (longest - shortest) * random.random::<f64>();
-        let track_s = wanted_s.min(pass_s);
+        let drawn_s = shortest + (longest - shortest) * random.random::<f64>();
+        let track_s = drawn_s.min(pass_s);
         let start_s = first_s + (pass_s - track_s) * random.random::<f64>();
         let is_wrong = random.random::<f64>() < options.wrong_association_share;
         let recorded = if is_wrong { self.another(objects, propagator, start_s, random) } else { None };

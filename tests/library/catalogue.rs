@@ -84,14 +84,14 @@ fn verif_long_files_are_read_like_short_ones() {
     let (titles, row) = csv.trim_end().split_once('\n').unwrap();
     let xml = text("sample.xml");
     let message = &xml[xml.find("<omm").unwrap()..xml.find("</ndm>").unwrap()];
-    let spoil =
+    let damage =
         |text: String, index: usize| if index.is_multiple_of(100) { text.replace("15.06394766", "-1") } else { text };
     let all = |make: &dyn Fn(usize) -> String| (0..COUNT).map(make).collect::<String>();
     let files = [
         (all(&tle), 2),
-        (format!("{titles}\n{}", all(&|index| spoil(number(row, index), index) + "\n")), 1),
-        (format!("<ndm>\n{}</ndm>", all(&|index| spoil(number(message, index), index))), 1),
-        (all(&|index| spoil(number(&text("sample.kvn"), index), index)), 1),
+        (format!("{titles}\n{}", all(&|index| damage(number(row, index), index) + "\n")), 1),
+        (format!("<ndm>\n{}</ndm>", all(&|index| damage(number(message, index), index))), 1),
+        (all(&|index| damage(number(&text("sample.kvn"), index), index)), 1),
     ];
     for (text, bad_in_a_hundred) in files {
         assert!(text.len() > 700_000);

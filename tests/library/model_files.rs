@@ -175,7 +175,7 @@ fn verif_names_that_catalogues_use_are_known() {
 }
 
 /// The bundled BRDF file with one change.
-fn spoiled(change: impl Fn(&mut Value)) -> String {
+fn changed_file(change: impl Fn(&mut Value)) -> String {
     let mut value: Value = serde_json::from_str(shipped("starlink-v1.5.json")).unwrap();
     change(&mut value);
     value.to_string()
@@ -206,16 +206,20 @@ fn verif_invalid_files_give_one_clear_error() {
         (|v| v["provenance"]["source"] = json!("  "), &["provenance.source"]),
     ];
     for (change, words) in cases {
-        let error = BrightnessModel::from_json(&spoiled(change), "mine.json").unwrap_err().to_string();
+        let error = BrightnessModel::from_json(&changed_file(change), "mine.json").unwrap_err().to_string();
         assert!(error.starts_with("model file mine.json: ") && !error.contains('\n'), "{error}");
         for word in *words {
             assert!(error.contains(word), "{error:?} should contain {word:?}");
         }
     }
     // NaN is not valid JSON; a number that is too large is an error too.
-    for text in
-        ["", "{", "[1]", &spoiled(|_| {}).replace("0.0329233", "NaN"), &spoiled(|_| {}).replace("0.0329233", "1e999")]
-    {
+    for text in [
+        "",
+        "{",
+        "[1]",
+        &changed_file(|_| {}).replace("0.0329233", "NaN"),
+        &changed_file(|_| {}).replace("0.0329233", "1e999"),
+    ] {
         assert!(matches!(BrightnessModel::from_json(text, "x"), Err(ModelFileError::Json { .. })), "{text}");
     }
 }
@@ -223,7 +227,8 @@ fn verif_invalid_files_give_one_clear_error() {
 #[test]
 fn verif_covariances_must_be_symmetric() {
     let good: Vec<Vec<f64>> = (0..7).map(|i| (0..7).map(|j| if i == j { 1e-4 } else { 1e-6 }).collect()).collect();
-    let with = |matrix: &[Vec<f64>]| ModelFile::from_json(&spoiled(|v| v["covariance"] = json!(matrix)), "mine.json");
+    let with =
+        |matrix: &[Vec<f64>]| ModelFile::from_json(&changed_file(|v| v["covariance"] = json!(matrix)), "mine.json");
     assert_eq!(with(&good).unwrap().covariance.unwrap()[3][2], 1e-6);
     let mut lopsided = good.clone();
     lopsided[1][4] = 2e-6;
@@ -237,13 +242,13 @@ fn verif_covariances_must_be_symmetric() {
 fn verif_a_user_model_replaces_a_bundled_one() {
     let mut library = ModelLibrary::embedded();
     let before = library.names().count();
-    let own = spoiled(|v| {
+    let own = changed_file(|v| {
         v["name"] = json!("my-sat");
         v["aliases"] = json!(["mine"]);
     });
     assert_eq!(library.add_json(&own, "my.json").unwrap(), "my-sat");
     assert_eq!(library.get("mine").unwrap().source().to_string(), "brdf:my-sat");
-    let replaced = spoiled(|v| v["coefficients"]["c5"] = json!(0.2));
+    let replaced = changed_file(|v| v["coefficients"]["c5"] = json!(0.2));
     library.add_json(&replaced, "v15.json").unwrap();
     assert_eq!(library.names().count(), before + 1);
     assert_eq!(library.get("v1.5").unwrap().file().unwrap().coefficients.unwrap().c5, 0.2);

@@ -75,7 +75,7 @@ def exposures_of(scheduler, block):
     return [(block.start_time + number * step_s * u.s, EXPOSURE.to_value(u.s)) for number in range(count)]
 
 
-def spoilt(sky, scheduler, schedule):
+def streaked_targets(sky, scheduler, schedule):
     return [
         block.target.name
         for block in schedule.observing_blocks
@@ -85,8 +85,8 @@ def spoilt(sky, scheduler, schedule):
 
 def test_valid_no_block_of_a_constrained_schedule_has_a_streak_by_sgp4_and_astropy(schedules, sky):
     scheduler, without, with_it, constraint = schedules
-    assert len(spoilt(sky, scheduler, without)) >= 3
-    assert spoilt(sky, scheduler, with_it) == []
+    assert len(streaked_targets(sky, scheduler, without)) >= 3
+    assert streaked_targets(sky, scheduler, with_it) == []
     # Blocks are delayed, not lost.
     assert len(with_it.observing_blocks) >= 38
     assert constraint.hook.counts["asked"] == constraint.calls > 0
@@ -98,11 +98,11 @@ def test_verif_the_streak_table_agrees(schedules, model, sky):
     options = {} if scheduler is PriorityScheduler else {"exposure": EXPOSURE, "readout": READOUT}
     table = streak_table(model, without, **options)
     # The brute force ignores satellites at the edge of the field.
-    assert set(spoilt(sky, scheduler, without)) <= set(table["target"])
+    assert set(streaked_targets(sky, scheduler, without)) <= set(table["target"])
     length = EXPOSURE if options else BLOCK
     whole = (table["mid_utc"] > table["exposure_start"]) & (table["mid_utc"] < table["exposure_start"] + length) & (table["lit_fraction"] == 1.0)
     inside = table[whole & (table["min_separation_deg"] < (FOV_DEG / 2 - 0.1) * u.deg)]
-    assert set(inside["target"]) <= set(spoilt(sky, scheduler, without))
+    assert set(inside["target"]) <= set(streaked_targets(sky, scheduler, without))
     assert len(streak_table(model, with_it, **options)) == 0
 
 
@@ -114,5 +114,5 @@ def test_scores_prefer_clear_blocks_and_lose_none(observer, targets, model, sky)
     assert len(with_it.observing_blocks) == len(without.observing_blocks) == 12
     options = {"exposure": EXPOSURE, "readout": READOUT}
     before, after = (len(set(zip(*(streak_table(model, one, **options)[name] for name in ("block", "exposure"))))) for one in (without, with_it))
-    print(f"\nspoilt exposures: {before} without, {after} with the score")
+    print(f"\nstreaked exposures: {before} without, {after} with the score")
     assert after < before

@@ -54,7 +54,7 @@ def run(scheduler, tasks, hours, beside=None):
     return asyncio.run(everything())
 
 
-def spoilt(sky, observations):
+def streaked_targets(sky, observations):
     """Observations with a streak in one of their exposures: five of 55 s, one per minute."""
     return [
         one.task.name
@@ -87,8 +87,8 @@ def test_valid_no_choice_of_the_constrained_scheduler_has_a_streak_by_sgp4_and_a
     print(f"\n{len(without)} observations without, {len(with_it)} with; {len(wall_s)} calls")
     for what, times in (("wall clock", wall_s), ("processor", processor_s)):
         print(f"{what}: median {1e3 * statistics.median(times):.2f} ms, max {1e3 * max(times):.2f} ms")
-    assert len(spoilt(sky, without)) >= 3
-    assert len(with_it) >= 0.6 * len(without) and spoilt(sky, with_it) == []
+    assert len(streaked_targets(sky, without)) >= 3
+    assert len(with_it) >= 0.6 * len(without) and streaked_targets(sky, with_it) == []
     counts = constraint.hook().counts
     assert counts["asked"] == len(wall_s) > 20 and counts["failed"] == counts["site"] == 0
 
@@ -99,8 +99,8 @@ def test_valid_a_merit_prefers_clear_tasks(observer, tasks, hours, settings, sky
     for task in tasks:
         task.merits += [scheduler_of(WITHOUT, observer).pyobs_model_validate(Merit, dict(merit), by_alias=True)]
     with_it = run(scheduler_of(WITHOUT, observer), tasks, hours)
-    before, after = len(spoilt(sky, without)) / len(without), len(spoilt(sky, with_it)) / len(with_it)
-    print(f"\nspoilt: {100 * before:.0f} % of the observations without the merit, {100 * after:.0f} % with it")
+    before, after = len(streaked_targets(sky, without)) / len(without), len(streaked_targets(sky, with_it)) / len(with_it)
+    print(f"\nstreaked: {100 * before:.0f} % of the observations without the merit, {100 * after:.0f} % with it")
     assert len(with_it) >= 0.9 * len(without) and after < 0.5 * before
 
 

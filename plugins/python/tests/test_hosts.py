@@ -176,7 +176,7 @@ def test_an_old_pickle_uses_the_present_files(hook, path):
     assert count(pickle.loads(text)) == 25
 
 
-def spoil(path, content):
+def replace_content(path, content):
     """Deletes the file or replaces its content."""
     if content is None:
         path.unlink()
@@ -187,7 +187,7 @@ def spoil(path, content):
 @pytest.mark.parametrize("content", [None, "<html>no\n"])
 def test_a_pickle_loaded_while_files_are_missing_reads_them_later(hook, path, content):
     text = pickle.dumps(hook)
-    spoil(path, content)
+    replace_content(path, content)
     other = pickle.loads(text)
     assert [count_and_settle(other) for _ in range(2)] == [-1, -1]
     assert other.counts["asked"] == other.counts["failed"] == 2
@@ -359,7 +359,7 @@ def test_another_process_is_counted_here(path, method, caplog):
 @pytest.mark.parametrize("content", [None, "<html>no\n"])
 def test_a_process_started_while_files_are_missing_uses_the_fallback(hook, path, content):
     process = multiprocessing.get_context("spawn").Process(target=in_process, args=(hook.for_process(), 1))
-    spoil(path, content)
+    replace_content(path, content)
     process.start()
     process.join(60.0)
     assert process.exitcode == 0 and hook.counts == {"asked": 4, "failed": 4}
