@@ -34,7 +34,7 @@ use streakcast::photometry::{BrightnessModel, Earthshine};
 
 /// Step of the search for passes, s.
 const STEP_S: f64 = 30.0;
-/// Most draws of another satellite for a misidentified track, until one is above the horizon.
+/// Maximum number of draws of another satellite for a misidentified track, until one is above the horizon.
 const DRAWS: usize = 16;
 
 /// Satellites are observed above this altitude, and with the Sun below this altitude.
@@ -141,7 +141,7 @@ pub fn simulate(model: &BrightnessModel, history: &History, options: &Simulation
 
 /// Writes records as an MMT-9 table with the catalogue number as an additional column; digits are those of the survey.
 ///
-/// `StdMag` is the survey's own: `Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ)`.
+/// `StdMag` is computed as in the survey: `Mag - 5 log10(d / 1000 km) + 2.5 log10(1 + cos φ)`.
 pub fn write_mmt_csv(out: &mut dyn Write, records: &Records) -> std::io::Result<()> {
     writeln!(out, "Date,StdMag,Mag,Filter,Penumbra,Distance,Phase,Channel,Track,NORAD")?;
     for record in &records.records {
@@ -281,7 +281,7 @@ impl<'o> Night<'o> {
         let options = self.options;
         let normal = |sigma: f64, random: &mut ChaCha8Rng| sigma * random.sample::<f64, _>(StandardNormal);
         let [shortest, longest] = options.track_s;
-        // A pass of one step lasts a step.
+        // A pass found in a single step has the length of a step.
         let pass_s = (last_s - first_s).max(STEP_S);
         let drawn_s = shortest + (longest - shortest) * random.random::<f64>();
         let track_s = drawn_s.min(pass_s);
@@ -298,7 +298,7 @@ impl<'o> Night<'o> {
         };
         let mut points = Vec::new();
         for step in 0..=(track_s / options.cadence_s) as u32 {
-            // To the microsecond of the survey.
+            // Rounded to a microsecond, as in the survey.
             let seconds = ((start_s + f64::from(step) * options.cadence_s) * 1e6).round() * 1e-6;
             let moment = self.at(seconds);
             let Some((geometry, altitude_rad, is_lit)) = self.seen(propagator, &moment) else { continue };

@@ -487,7 +487,7 @@ fn verif_a_long_exposure_equals_its_minutes() {
     assert!(compared > 200, "{compared}");
 }
 
-/// `cargo test --release --test crossings -- --ignored`
+/// Run by `cargo test --release --test library -- --ignored candidate_search`.
 #[test]
 #[ignore = "a minute or more: the long form of the two above"]
 fn verif_the_candidate_search_over_millions_of_pairs() {

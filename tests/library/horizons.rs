@@ -28,7 +28,8 @@ const RANGE_RATE_KM_S: f64 = 2e-4;
 /// July 2021).
 const HORIZON_DEG: f64 = 3e-4;
 
-/// A row of the file `dat`: `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r S-T-O`.
+/// A row of the file `dat`:
+/// `NAME.txt: 2021-Jul-16 09:12:42.000 flags RA(3) Dec(3) dRA·cosDec dDec Az El dAz dEl LST(3) delta deldot S-O-T /r S-T-O`.
 struct Row {
     name: String,
     epoch: Epoch,
