@@ -21,7 +21,7 @@ class Choice(NamedTuple):
     """The chosen candidate and the reason."""
 
     #: Index among the candidates.
-    index: int
+    candidate: int
     #: ``clear`` (not crossed), ``due`` (the first one has reached the maximum number of deferrals) or ``least`` (all
     #: are crossed).
     reason: str

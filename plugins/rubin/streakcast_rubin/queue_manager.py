@@ -188,23 +188,23 @@ class StreakQueueManager(BaseQueueManager):
         deferred = np.array([self._dispatched.deferred(one, now) for one in visits])
         choice = choose(verdicts.blocked, verdicts.damage, reachable.slew_s, deferred, self.max_extra_slew_s, self.max_defer)
         self._account(choice, visits, verdicts, reachable, now)
-        self._dispatched.add(visits[choice.index], self._owner, now)
-        return int(indices[choice.index])
+        self._dispatched.add(visits[choice.candidate], self._owner, now)
+        return int(indices[choice.candidate])
 
     def _account(self, choice: Choice, visits: Visits, verdicts: Verdicts, openings: Openings, now: float) -> None:
         """Updates the counters, and logs one line if a visit is deferred or dispatched although crossed."""
-        first, chosen = visits[0], visits[choice.index]
-        if choice.index > 0:
+        first, chosen = visits[0], visits[choice.candidate]
+        if choice.candidate > 0:
             self.counts["deferred"] += 1
             self._dispatched.defer(first, now)
-            longer_s = openings.slew_s[choice.index] - openings.slew_s[0]
+            longer_s = openings.slew_s[choice.candidate] - openings.slew_s[0]
             log.info("%s deferred for visit %d (slew %+.1f s): %s", _visit_text(first), chosen["target_id"], longer_s, _crossing_text(verdicts, 0))
         if choice.reason == "clear":
             return
         self.counts["given_up"] += 1
         self.counts["due"] += int(choice.reason == "due")
         reason = f"deferred {self.max_defer} times" if choice.reason == "due" else f"least loss of {visits.size} visits"
-        log.info("%s dispatched although crossed (%s): %s", _visit_text(chosen), reason, _crossing_text(verdicts, choice.index))
+        log.info("%s dispatched although crossed (%s): %s", _visit_text(chosen), reason, _crossing_text(verdicts, choice.candidate))
 
 
 def _visit_text(visit: Any) -> str:

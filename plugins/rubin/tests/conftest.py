@@ -86,7 +86,7 @@ def dodged_evening(folder, models, planned):
 
     class RecordingQueueManager(StreakQueueManager):
         def _account(self, choice, visits, verdicts, openings, now):
-            planned[int(visits["target_id"][choice.index])] = float(openings.start_mjd[choice.index])
+            planned[int(visits["target_id"][choice.candidate])] = float(openings.start_mjd[choice.candidate])
             super()._account(choice, visits, verdicts, openings, now)
 
     manager = RecordingQueueManager(models[40768], detailers=[RotspUpdateDetailer()])
