@@ -221,7 +221,8 @@ impl ExposedField<'_> {
         let arc = OrbitArc::new(propagator, minutes, from_s, to_s - from_s, teme_to_gcrs).ok()?;
         let is_late = sigma.along_track_s >= ON_TIME_S;
         let of = |piece: &Piece| {
-            let still = if is_late { piece.site.still_outside(piece.mid_s(), piece.mid_s()) } else { piece.site.clone() };
+            let still =
+                if is_late { piece.site.still_outside(piece.mid_s(), piece.mid_s()) } else { piece.site.clone() };
             let line = SightLine { arc: &arc, observer: still };
             let track = |time_s: f64| line.sight(time_s);
             let nominal = cross(&track, from_s, to_s, &self.field);
