@@ -195,8 +195,8 @@ fn verif_long_exposures_against_draws_of_the_errors() {
     }
 }
 
-/// Probability and streak length of single satellites in exposures of minutes against the sum over all their errors. The
-/// site moves across each orbit plane in two minutes; with a delay of minutes it is in another place than predicted.
+/// Probability and streak length of single satellites in exposures of minutes against the sum over all their errors.
+/// The site moves across each orbit plane in two minutes; with a delay of minutes it is in another place than predicted.
 #[test]
 fn verif_single_satellites_against_the_sum_over_their_errors() {
     const AGE_DAYS: f64 = 20.0;

@@ -12,8 +12,8 @@
 //!
 //! Simplified: orbit planes do not turn during the delay, and chords keep their length while the site moves through a
 //! piece (12 % of a single satellite with a sigma of 17 s, no bias of the sum over many). In exposures longer than a
-//! revolution a satellite that comes back is counted again, up to 1. For a telescope in orbit the passes and near misses
-//! of [`Sky::field_passes`] are summed.
+//! revolution a satellite that comes back is counted again, up to 1. For a telescope in orbit the passes and near
+//! misses of [`Sky::field_passes`] are summed.
 
 use super::super::candidates::PlacedCone;
 use super::super::crossing::{Crossing, cross};
