@@ -1,10 +1,11 @@
-//! Import rules of ARCHITECTURE.md, checked against every line of `src/`: modules import from those below them, and files never in a circle.
+//! Module imports: modules import only from the modules below them, and files never in a circle; ARCHITECTURE.md is
+//! checked against every line of `src/`.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Modules that each module may import. All may import `constants`.
+/// Allowed imports of each module. Every module may import `constants`.
 const MAY_IMPORT: &[(&str, &[&str])] = &[
     ("constants", &[]),
     ("math", &[]),
@@ -42,8 +43,9 @@ const MAY_IMPORT: &[(&str, &[&str])] = &[
     ),
 ];
 
-/// Crates that only some modules may name. Tests may use any crate, and import modules by the same table.
-const CRATES: &[(&str, &[&str])] = &[
+/// Crates that only the listed modules may import. Test modules may import any crate, but the module rules apply to
+/// them.
+const RESTRICTED_CRATES: &[(&str, &[&str])] = &[
     ("sgp4", &["elements", "orbit"]),
     ("sofars", &["frames", "geometry"]),
     ("cdshealpix", &["math"]),
@@ -90,7 +92,8 @@ const CRATES: &[(&str, &[&str])] = &[
     ("subtle", &["bin"]),
 ];
 
-/// Things that the library never does: print, end the process, read the environment, the clock, the network or random seeds.
+/// Operations that the library must not perform: printing, ending the process, reading environment, clock, network or
+/// random sources.
 const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "println!",
     "eprintln!",
@@ -112,21 +115,22 @@ const NEVER_IN_THE_LIBRARY: &[&str] = &[
     "StdRng",
 ];
 
-/// Words that no line of a `mod.rs` may begin with, after the visibility: it names its files and defines nothing.
+/// Keywords that must not start a line of a `mod.rs` (apart from visibility): such a file declares modules and defines
+/// nothing.
 const DEFINITIONS: &[&str] =
     &["fn", "struct", "enum", "trait", "impl", "impl<T>", "const", "static", "type", "macro_rules!", "union"];
 
-/// Position of a source file in the crate.
+/// One source file and its position in the module tree.
 struct Source {
     /// `orbit`, `passes`, ...; `bin` for the command line; `lib` for the root.
     module: String,
-    /// Number of names from the crate's root to this module, its own included.
+    /// Number of path segments from the crate's root to this module, including its own name.
     depth: usize,
     is_mod: bool,
 }
 
 impl Source {
-    /// From the path below `src/`.
+    /// Creates a source from its path below `src/`.
     fn of(path: &Path) -> Self {
         let names: Vec<String> =
             path.with_extension("").components().map(|part| part.as_os_str().to_string_lossy().into_owned()).collect();
@@ -136,7 +140,7 @@ impl Source {
     }
 }
 
-/// Returns the code of a line, without comments and without the contents of quotation marks.
+/// Code of a line without comments and string literals.
 fn code(line: &str) -> String {
     let mut code = String::new();
     let mut quoted = false;
@@ -146,7 +150,7 @@ fn code(line: &str) -> String {
             '\\' if quoted => {
                 characters.next();
             }
-            // A quotation mark as a character is none.
+            // A quotation mark as a character literal does not start a string.
             '\'' if !quoted && characters.peek() == Some(&'"') => {
                 characters.next();
                 characters.next();
@@ -160,14 +164,14 @@ fn code(line: &str) -> String {
     code
 }
 
-/// True where `word` stands in `code` with no letter, digit or underscore before it.
+/// Whether `word` occurs in `code` without a preceding letter, digit or underscore.
 fn names(code: &str, word: &str) -> bool {
     code.match_indices(word)
         .any(|(at, _)| !code[..at].chars().next_back().is_some_and(|before| before.is_alphanumeric() || before == '_'))
 }
 
-/// Returns the modules that a line names as `crate::module` or within `crate::{...}`.
-fn modules_named(code: &str) -> Vec<String> {
+/// Modules named by a line as `crate::module` or within `crate::{...}`.
+fn imported_modules(code: &str) -> Vec<String> {
     let mut modules = Vec::new();
     for (at, prefix) in code.match_indices("crate::") {
         let rest = &code[at + prefix.len()..];
@@ -198,12 +202,12 @@ fn modules_named(code: &str) -> Vec<String> {
     modules
 }
 
-/// Returns the offences of one file, a line each.
-fn offences(path: &Path, text: &str) -> Vec<String> {
+/// Returns all violations in one file, one line each.
+fn violations(path: &Path, text: &str) -> Vec<String> {
     let source = Source::of(path);
     let mut found = Vec::new();
     let mut in_tests = false;
-    // A `use crate::{` may go on over several lines: they are read as one.
+    // A `use crate::{` over several lines is read as one line.
     let mut lines: Vec<(usize, String)> = Vec::new();
     for (number, line) in text.lines().enumerate() {
         let code = code(line);
@@ -216,45 +220,45 @@ fn offences(path: &Path, text: &str) -> Vec<String> {
     }
     for (number, code) in &lines {
         in_tests |= code.starts_with("mod tests");
-        let mut offence = |what: String| found.push(format!("src/{}:{number}: {what}", path.display()));
+        let mut violation = |what: String| found.push(format!("src/{}:{number}: {what}", path.display()));
         let is_library = source.module != "bin";
         if is_library && source.module != "lib" && source.module != "error" {
             let Some((_, allowed)) = MAY_IMPORT.iter().find(|(module, _)| *module == source.module) else {
-                offence(format!("the module {} is not in the table", source.module));
+                violation(format!("the module {} is not in the table", source.module));
                 break;
             };
-            for module in modules_named(code) {
+            for module in imported_modules(code) {
                 let is_known = MAY_IMPORT.iter().any(|(known, _)| *known == module);
                 if module != source.module && module != "constants" && !(is_known && allowed.contains(&module.as_str()))
                 {
-                    offence(format!("{} must not import {module}", source.module));
+                    violation(format!("{} must not import {module}", source.module));
                 }
             }
             let climbs = code.match_indices("super::super").count() > 0;
             let supers = (1..8).take_while(|count| code.contains(&"super::".repeat(*count))).count();
             if climbs && supers >= source.depth + usize::from(in_tests) {
-                offence("reaches the crate's root by super; write crate::module".to_owned());
+                violation("reaches the crate's root by super; use crate::module".to_owned());
             }
         }
         if is_library {
             for never in NEVER_IN_THE_LIBRARY.iter().filter(|never| names(code, never)) {
-                offence(format!("{never} in the library"));
+                violation(format!("{never} in the library"));
             }
         }
-        for (name, modules) in CRATES {
-            let is_named = names(code, &format!("{name}::")) || names(code, &format!("use {name};"));
+        for (restricted, modules) in RESTRICTED_CRATES {
+            let is_named = names(code, &format!("{restricted}::")) || names(code, &format!("use {restricted};"));
             if is_named
                 && !in_tests
-                && !code.contains(&format!("::{name}::"))
+                && !code.contains(&format!("::{restricted}::"))
                 && !modules.contains(&source.module.as_str())
             {
-                offence(format!("{name} outside of the modules that may use it ({})", modules.join(", ")));
+                violation(format!("{restricted} imported outside of its modules ({})", modules.join(", ")));
             }
         }
         if source.is_mod {
             let mut words = code.split_whitespace().skip_while(|word| word.starts_with("pub"));
             if let Some(first) = words.next().filter(|first| DEFINITIONS.contains(first)) {
-                offence(format!("a mod.rs defines nothing ({first})"));
+                violation(format!("a mod.rs defines nothing ({first})"));
             }
         }
     }
@@ -376,7 +380,7 @@ fn circles(files: &BTreeMap<Names, Imports>) -> Vec<Vec<String>> {
 }
 
 fn rust_files(folder: &Path, found: &mut Vec<PathBuf>) {
-    for entry in fs::read_dir(folder).expect("the folder src") {
+    for entry in fs::read_dir(folder).expect("src is there") {
         let path = entry.expect("an entry of src").path();
         if path.is_dir() {
             rust_files(&path, found);
@@ -391,7 +395,7 @@ fn root() -> &'static Path {
 }
 
 #[test]
-fn verif_modules_import_only_those_below_them() {
+fn verif_modules_import_only_from_modules_below_them() {
     let src = root().join("src");
     let mut files = Vec::new();
     rust_files(&src, &mut files);
@@ -400,11 +404,11 @@ fn verif_modules_import_only_those_below_them() {
         .iter()
         .flat_map(|path| {
             let text = fs::read_to_string(path).expect("a source file");
-            offences(path.strip_prefix(&src).expect("below src"), &text)
+            violations(path.strip_prefix(&src).expect("below src"), &text)
         })
         .collect();
-    assert!(found.is_empty(), "{} offences:\n{}", found.len(), found.join("\n"));
-    // The table lists no module that does not exist.
+    assert!(found.is_empty(), "{} violations:\n{}", found.len(), found.join("\n"));
+    // The table must not name modules that no longer exist.
     for (module, _) in MAY_IMPORT {
         assert!(src.join(module).is_dir() || src.join(module).with_extension("rs").is_file(), "no module {module}");
     }
@@ -457,14 +461,14 @@ fn verif_imports_go_one_way() {
         let own = MAY_IMPORT.iter().position(|(name, _)| name == module);
         for below in *allowed {
             let place = MAY_IMPORT.iter().position(|(name, _)| name == below);
-            assert!(place.is_some() && place < own, "{module} imports {below}, which does not lie below it");
+            assert!(place.is_some() && place < own, "{module} imports {below}, which is not below it");
         }
     }
 }
 
 #[test]
-fn verif_the_checks_can_fail() {
-    let offends = |path: &str, line: &str| !offences(Path::new(path), line).is_empty();
+fn verif_the_check_itself_can_fail() {
+    let offends = |path: &str, line: &str| !violations(Path::new(path), line).is_empty();
     for (path, line) in [
         ("photometry/band.rs", "use crate::orbit::Propagator;"),
         ("photometry/band.rs", "    let x = crate::passes::Sky::new();"),
@@ -484,7 +488,7 @@ fn verif_the_checks_can_fail() {
         ("fit/measurements/simulate.rs", "let random = rand::rngs::StdRng::seed_from_u64(1);"),
         ("orbit/mod.rs", "pub fn helper() {}"),
         ("orbit/mod.rs", "pub(crate) const X: f64 = 1.0;"),
-        ("newmodule/file.rs", "use crate::frames::Epoch;"),
+        ("newroom/file.rs", "use crate::frames::Epoch;"),
     ] {
         assert!(offends(path, line), "{path}: {line}");
     }
@@ -499,6 +503,6 @@ fn verif_the_checks_can_fail() {
         ("fit/measurements/simulate.rs", "use rand_chacha::ChaCha8Rng;"),
         ("config/document.rs", "use crate::{frames::EopTable, schedule::Policy};"),
     ] {
-        assert!(!offends(path, line), "{path}: {line}: {:?}", offences(Path::new(path), line));
+        assert!(!offends(path, line), "{path}: {line}: {:?}", violations(Path::new(path), line));
     }
 }
