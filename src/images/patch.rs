@@ -2,12 +2,9 @@
 
 use std::ops::Range;
 
-use prefetch_index::prefetch_index;
-
 use super::light_area::LightArea;
 use super::pixel::PixelPosition;
 use super::plane::Plane;
-use crate::math::vectors::{NullaryFnOnce, widest};
 
 /// One row of a patch: neighbouring pixels and what is in them.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -106,7 +103,6 @@ impl Patch {
     }
 
     /// Sets values row after row: `(row, first_column, values)`.
-    #[inline(always)]
     pub fn fill(&mut self, mut set: impl FnMut(usize, usize, &mut [f32])) {
         for (number, (columns, at)) in self.spans.iter().enumerate() {
             set(self.first_row + number, columns.start, &mut self.values[*at..*at + columns.len()]);
@@ -123,6 +119,11 @@ impl Patch {
         place.and_then(|place| self.values.get_mut(place)).unwrap_or(&mut [])
     }
 
+    /// Rows and columns of the frame whose centres lie within an ellipse about a place, of a radius along rows and one along columns.
+    pub fn disc(&self, at: [f64; 2], radius_pix: [f64; 2]) -> impl Iterator<Item = (usize, Range<usize>)> + use<> {
+        disc(at, radius_pix, self.rows, self.columns)
+    }
+
     /// Multiplies all values.
     pub fn scale(&mut self, factor: f32) {
         self.values.iter_mut().for_each(|value| *value *= factor);
@@ -130,7 +131,14 @@ impl Patch {
 
     /// Adds it to a plane; what lies outside of the plane is left out.
     pub fn add_to(&self, plane: &mut Plane) {
-        widest(Addition { patch: self, plane });
+        for (row, (columns, at)) in (self.first_row..).zip(&self.spans) {
+            // Slices, not iterators that skip: many pixels at a time.
+            let values = &self.values[*at..*at + columns.len()];
+            let Some(pixels) = plane.row_mut(row).get_mut(columns.start..) else { continue };
+            for (pixel, value) in pixels.iter_mut().zip(values) {
+                *pixel += value;
+            }
+        }
     }
 
     /// The light in pixels of `x` columns by `y` rows of this one's, whose frame has whole numbers of them.
@@ -196,39 +204,6 @@ impl Patch {
     }
 }
 
-/// Rows that are asked of memory before they are needed: they lie far apart there, and nothing else foresees them.
-const ROWS_AHEAD: usize = 2;
-/// Pixels that come from memory together.
-const LINE_PIXELS: usize = 64 / size_of::<f32>();
-
-/// A patch and what it is added to.
-struct Addition<'a> {
-    patch: &'a Patch,
-    plane: &'a mut Plane,
-}
-
-impl NullaryFnOnce for Addition<'_> {
-    type Output = ();
-
-    #[inline(always)]
-    fn call(self) {
-        for (number, (columns, at)) in self.patch.spans.iter().enumerate() {
-            if let Some((columns, _)) = self.patch.spans.get(number + ROWS_AHEAD) {
-                let row = self.plane.row(self.patch.first_row + number + ROWS_AHEAD);
-                columns.clone().step_by(LINE_PIXELS).for_each(|column| prefetch_index(row, column));
-            }
-            // Slices, not iterators that skip: many pixels at a time.
-            let values = &self.patch.values[*at..*at + columns.len()];
-            let Some(row) = self.plane.row_mut(self.patch.first_row + number).get_mut(columns.start..) else {
-                continue;
-            };
-            for (pixel, value) in row.iter_mut().zip(values) {
-                *pixel += value;
-            }
-        }
-    }
-}
-
 /// The pixels that a patch will have, before there is light in them: one stretch a row, within the frame.
 #[derive(Clone, Debug)]
 pub struct PatchRows {
@@ -254,16 +229,6 @@ impl PatchRows {
         self.columns
     }
 
-    /// Pixel columns of the frame whose centres lie from `least` to `greatest`.
-    pub fn columns_within(&self, least: f64, greatest: f64) -> Range<usize> {
-        whole_within(least, greatest, self.columns)
-    }
-
-    /// Pixel rows of the frame whose centres lie from `least` to `greatest`.
-    pub fn rows_within(&self, least: f64, greatest: f64) -> Range<usize> {
-        whole_within(least, greatest, self.rows)
-    }
-
     /// Adds columns of one row, and all between them and those that the row already has.
     pub fn add(&mut self, row: usize, columns: Range<usize>) {
         if columns.is_empty() || row >= self.rows || columns.end > self.columns {
@@ -285,12 +250,10 @@ impl PatchRows {
         *own = if own.start >= own.end { columns } else { own.start.min(columns.start)..own.end.max(columns.end) };
     }
 
-    /// Adds all pixels whose centres lie within a distance of a place.
-    pub fn add_disc(&mut self, at: PixelPosition, radius_pix: f64) {
-        for row in self.rows_within(at.y - radius_pix, at.y + radius_pix) {
-            let dy = row as f64 - at.y;
-            let half = (radius_pix * radius_pix - dy * dy).max(0.0).sqrt();
-            self.add(row, self.columns_within(at.x - half, at.x + half));
+    /// Adds all pixels whose centres lie within an ellipse about a place, of a radius along rows and one along columns.
+    pub fn add_disc(&mut self, at: [f64; 2], radius_pix: [f64; 2]) {
+        for (row, columns) in disc(at, radius_pix, self.rows, self.columns) {
+            self.add(row, columns);
         }
     }
 
@@ -308,6 +271,21 @@ impl PatchRows {
         values.resize(total, 0.0);
         Patch { rows: self.rows, columns: self.columns, first_row: self.first_row, spans, values }
     }
+}
+
+/// Rows and columns within an ellipse on a frame.
+fn disc(
+    [x, y]: [f64; 2],
+    [across, up]: [f64; 2],
+    rows: usize,
+    columns: usize,
+) -> impl Iterator<Item = (usize, Range<usize>)> {
+    let rows = if up > 0.0 { whole_within(y - up, y + up, rows) } else { 0..0 };
+    rows.map(move |row| {
+        let share = (row as f64 - y) / up;
+        let half = across * (1.0 - share * share).max(0.0).sqrt();
+        (row, whole_within(x - half, x + half, columns))
+    })
 }
 
 /// Whole numbers from `least` to `greatest` among those below `count`; a bound that is not a number is 0 below and none above.

@@ -82,16 +82,6 @@ impl Blur {
         Self { seeing, outer_radius_pix: 0.0, inner_radius_pix: 0.0, body_radius_pix: 0.0 }
     }
 
-    /// The same in parts of a pixel, so many a side.
-    pub(super) fn magnified(&self, parts: f64) -> Self {
-        Self {
-            seeing: self.seeing.magnified(parts),
-            outer_radius_pix: parts * self.outer_radius_pix,
-            inner_radius_pix: parts * self.inner_radius_pix,
-            body_radius_pix: parts * self.body_radius_pix,
-        }
-    }
-
     /// # Errors
     /// As in [`BlurError`].
     pub(super) fn validate(&self) -> Result<(), BlurError> {

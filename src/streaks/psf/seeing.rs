@@ -51,19 +51,6 @@ impl Seeing {
         }
     }
 
-    /// The same in parts of a pixel, so many a side.
-    pub(super) fn magnified(&self, parts: f64) -> Self {
-        let mut finer = *self;
-        match &mut finer {
-            Self::Gaussian { fwhm_pix } | Self::Moffat { fwhm_pix, .. } => *fwhm_pix *= parts,
-            Self::DoubleGaussian { fwhm_pix, wide_fwhm_pix, .. } => {
-                *fwhm_pix *= parts;
-                *wide_fwhm_pix *= parts;
-            }
-        }
-        finer
-    }
-
     /// # Errors
     /// [`BlurError::OutOfRange`] for a number outside its range or not finite.
     pub(super) fn validate(&self) -> Result<(), BlurError> {
@@ -130,23 +117,13 @@ impl Seeing {
         bounds[1]
     }
 
-    /// Longest stretch that eight nodes of Gauss's rule sum at any distance from it, pixels: good to 3·10⁻⁶ of the peak. A Moffat profile of the same width is
-    /// narrower in its middle.
-    pub(super) fn panel_pix(&self) -> f64 {
+    /// Greatest mean distance of the points of a line in a rule of Gauss, pixels. Between evenly spaced points a distance s apart light
+    /// varies as the transform of the profile at 1/s; in the middle of the rule points are π/2 times as far apart as on average, and
+    /// the transform there is below 2·10⁻⁴. A Moffat profile of the same width is narrower in its middle.
+    pub(super) fn step_pix(&self) -> f64 {
         match *self {
-            Self::Gaussian { fwhm_pix } | Self::DoubleGaussian { fwhm_pix, .. } => 2.0 * fwhm_pix,
-            Self::Moffat { fwhm_pix, .. } => 1.5 * fwhm_pix,
-        }
-    }
-
-    /// The same of what passes at least half as far away.
-    ///
-    /// The wings of a Moffat profile become smoother with distance; a Gaussian stays what it is.
-    pub(super) fn longest_panel_pix(&self) -> f64 {
-        match *self {
-            Self::Gaussian { .. } => self.panel_pix(),
-            Self::Moffat { .. } => f64::INFINITY,
-            Self::DoubleGaussian { wide_fwhm_pix, .. } => 1.5 * wide_fwhm_pix,
+            Self::Gaussian { fwhm_pix } | Self::DoubleGaussian { fwhm_pix, .. } => 0.55 * fwhm_pix,
+            Self::Moffat { fwhm_pix, .. } => 0.38 * fwhm_pix,
         }
     }
 }

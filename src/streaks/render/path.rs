@@ -4,7 +4,6 @@ use thiserror::Error;
 
 use crate::images::PixelPosition;
 use crate::math::quadrature::gauss_legendre;
-use crate::streaks::Parts;
 
 use super::spline::{Cubic, held_slopes, smooth_slopes};
 
@@ -92,8 +91,6 @@ pub(super) struct Piece {
     pub x: Cubic,
     pub y: Cubic,
     pub rate: Cubic,
-    /// True where the rate jumps at its end.
-    pub ends_in_jump: bool,
 }
 
 impl StreakPath {
@@ -116,8 +113,7 @@ impl StreakPath {
             let cubic = |(values, slopes): &(Vec<f64>, Vec<f64>)| {
                 Cubic::between([values[i], values[i + 1]], [slopes[i], slopes[i + 1]], duration_s)
             };
-            let ends_in_jump = nodes[i + 1].rate_after.is_some();
-            Piece { start_s: times[i], duration_s, x: cubic(&x), y: cubic(&y), rate: rates[i], ends_in_jump }
+            Piece { start_s: times[i], duration_s, x: cubic(&x), y: cubic(&y), rate: rates[i] }
         });
         let pieces = pieces.collect();
         Ok(Self { nodes, pieces })
@@ -130,16 +126,6 @@ impl StreakPath {
 
     pub(super) fn pieces(&self) -> &[Piece] {
         &self.pieces
-    }
-
-    /// The same path over the parts into which pixels are cut.
-    pub(super) fn in_parts(&self, parts: Parts) -> Self {
-        let nodes = self.nodes.iter().map(|node| PathNode { at: parts.place(node.at), ..*node });
-        let pieces = self.pieces.iter().map(|piece| {
-            let PixelPosition { x, y } = parts.place(PixelPosition { x: 0.0, y: 0.0 });
-            Piece { x: piece.x.scaled(parts.x as f64, x), y: piece.y.scaled(parts.y as f64, y), ..*piece }
-        });
-        Self { nodes: nodes.collect(), pieces: pieces.collect() }
     }
 
     /// ∫ rate dt: all the light of the path, on the frame or not.
@@ -166,46 +152,20 @@ impl StreakPath {
     /// Length of the whole path, pixels.
     pub fn length_pix(&self) -> f64 {
         let rule = gauss_legendre(8);
-        self.pieces.iter().map(|piece| piece.length_pix(0.0, piece.duration_s, &rule)).sum()
+        let way = |piece: &Piece| {
+            let speed = |(share, weight): &(f64, f64)| {
+                let since_s = share * piece.duration_s;
+                weight * piece.x.slope(since_s).hypot(piece.y.slope(since_s))
+            };
+            piece.duration_s * rule.iter().map(speed).sum::<f64>()
+        };
+        self.pieces.iter().map(way).sum()
     }
 
     fn piece_at(&self, time_s: f64) -> (&Piece, f64) {
         let after = self.pieces.partition_point(|piece| piece.start_s <= time_s);
         let piece = &self.pieces[after.saturating_sub(1)];
         (piece, (time_s - piece.start_s).clamp(0.0, piece.duration_s))
-    }
-}
-
-impl Piece {
-    /// Place `since_s` after its start.
-    pub fn at(&self, since_s: f64) -> [f64; 2] {
-        [self.x.at(since_s), self.y.at(since_s)]
-    }
-
-    /// Motion, pixels per second.
-    pub fn motion(&self, since_s: f64) -> [f64; 2] {
-        [self.x.slope(since_s), self.y.slope(since_s)]
-    }
-
-    /// Second derivative of the rate by the way along the path, of the rate, per square pixel.
-    pub fn bend(&self, since_s: f64) -> f64 {
-        let [u, v] = self.motion(since_s);
-        self.rate.bend(since_s) / (self.rate.at(since_s) * (u * u + v * v))
-    }
-
-    /// Third derivative of the rate by the way, of the rate, per cubic pixel; the speed taken as even.
-    pub fn third(&self, since_s: f64) -> f64 {
-        let [u, v] = self.motion(since_s);
-        self.rate.third() / (self.rate.at(since_s) * u.hypot(v).powi(3))
-    }
-
-    /// Way between two of its times, pixels; the `rule` is Gauss's.
-    pub fn length_pix(&self, from_s: f64, to_s: f64, rule: &[(f64, f64)]) -> f64 {
-        let speed = |(x, weight): &(f64, f64)| {
-            let [u, v] = self.motion(from_s + x * (to_s - from_s));
-            weight * (u * u + v * v).sqrt()
-        };
-        (to_s - from_s) * rule.iter().map(speed).sum::<f64>()
     }
 }
 

@@ -113,12 +113,6 @@ impl Cubic {
         Self { powers: [values[0], slopes[0], second, third] }
     }
 
-    /// `factor` times it, and `offset` more.
-    pub fn scaled(&self, factor: f64, offset: f64) -> Self {
-        let [a, b, c, d] = self.powers.map(|power| factor * power);
-        Self { powers: [a + offset, b, c, d] }
-    }
-
     #[inline]
     pub fn at(&self, time: f64) -> f64 {
         let [a, b, c, d] = self.powers;
@@ -131,28 +125,16 @@ impl Cubic {
         b + time * (2.0 * c + time * 3.0 * d)
     }
 
-    /// Second derivative.
-    pub fn bend(&self, time: f64) -> f64 {
-        let [_, _, c, d] = self.powers;
-        2.0 * c + 6.0 * time * d
-    }
-
-    /// Third derivative, everywhere the same.
-    pub fn third(&self) -> f64 {
-        6.0 * self.powers[3]
-    }
-
     /// ∫ from 0 to `time`.
     pub fn integral(&self, time: f64) -> f64 {
         let [a, b, c, d] = self.powers;
         time * (a + time * (b / 2.0 + time * (c / 3.0 + time * d / 4.0)))
     }
 
-    /// Bounds of the values between two times: those of its Bézier points.
-    pub fn bounds(&self, from: f64, to: f64) -> [f64; 2] {
+    /// Bézier points of the curve between two times: it lies between the least and the greatest of them.
+    pub fn control_points(&self, from: f64, to: f64) -> [f64; 4] {
         let third = (to - from) / 3.0;
         let (first, last) = (self.at(from), self.at(to));
-        let points = [first, first + third * self.slope(from), last - third * self.slope(to), last];
-        [points.into_iter().fold(f64::INFINITY, f64::min), points.into_iter().fold(f64::NEG_INFINITY, f64::max)]
+        [first, first + third * self.slope(from), last - third * self.slope(to), last]
     }
 }
