@@ -67,7 +67,6 @@ const DOORS: &[(&str, &[&str])] = &[
     ("colorous", &["plot"]),
     ("base64", &["plot"]),
     ("pulp", &["math"]),
-    ("prefetch_index", &["images"]),
     ("statrs", &["fit"]),
     ("npyz", &["fit"]),
     ("zip", &["fit"]),

@@ -41,7 +41,8 @@ pub use light::{
     satellites,
 };
 pub use optics::{Optics, OpticsError, SeeingForm};
-pub use psf::{Blur, BlurError, PointLight, RadialProfile, Seeing, draw_point, draw_points};
+pub use psf::{Blur, BlurError, RadialProfile, Seeing, draw_point};
+pub(crate) use psf::{PointLight, draw_points};
 pub use render::{PathError, PathNode, StreakPath, draw};
 pub use tracking::Tracking;
 pub use truth::{

@@ -4,8 +4,9 @@ use std::f64::consts::PI;
 
 use crate::math::quadrature::gauss_legendre;
 
-use super::blur::{Blur, BlurError, GREATEST_REACH_PIX};
+use super::blur::Blur;
 use super::curve::Curve;
+use super::error::{BlurError, GREATEST_REACH_PIX};
 use super::seeing::Seeing;
 
 /// Share of the flux beyond which wings are cut. The light is moved inwards, not lost.
@@ -30,19 +31,19 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, BlurError> {
     let gain = cut_gain(seeing, seeing_reach, &rule);
     // f(r) (1 + g (r/R)⁴) up to R
     let cut = |r: f64| seeing.at(r) * (1.0 + gain * (r / seeing_reach).powi(4));
-    // Steps of at most a twelfth of the seeing's sigma as far out as there are edges.
     let core = blur.flat_radius_pix() + 2.0 * fwhm;
-    let intervals = (48.0 * core / (0.425 * fwhm)).ceil().clamp(256.0, 8192.0) as usize;
-    let mut profile = Curve::of(2.0 * fwhm, seeing_reach, if outer + body > 0.0 { 512 } else { intervals }, cut);
+    let mut profile = Curve::of(2.0 * fwhm, seeing_reach, fwhm, cut);
     if outer > 0.0 {
-        profile = Curve::of(core, seeing_reach + outer, intervals, |r| {
-            // A ring is a disk without a smaller one.
+        profile = Curve::of(core, seeing_reach + outer, fwhm, |r| {
+            // A ring is a disk minus a smaller one.
             let disk = |a: f64| if a > 0.0 { a * a * disk_mean(&profile, a, r, &rule) } else { 0.0 };
             (disk(outer) - disk(inner)) / (outer * outer - inner * inner)
         });
     }
     if body > 0.0 {
-        profile = Curve::of(core, reach_pix, intervals, |r| disk_mean(&profile, body, r, &rule));
+        // The edges of a ring are a small part of the range of these integrals.
+        let rule = Rule { nodes: rule.nodes.clone(), step_pix: rule.step_pix.max(0.01 * outer) };
+        profile = Curve::of(core, reach_pix, fwhm, |r| disk_mean(&profile, body, r, &rule));
     }
     let fine = Rule { step_pix: 0.5 * rule.step_pix, ..rule };
     let flux = fine.integrate(0.0, profile.end_pix(), fine.step_pix, |r| 2.0 * PI * r * profile.at(r));
@@ -50,8 +51,8 @@ pub(super) fn blurred(blur: &Blur) -> Result<Curve, BlurError> {
     Ok(profile)
 }
 
-/// The g with which seeing times 1 + g (r/R)⁴ within R has unit flux. Cores keep their brightness: of a Moffat profile with a β of
-/// 2.5 the light added at half the radius is a fiftieth of what is there.
+/// The g with which seeing times 1 + g (r/R)⁴ within R has unit flux. Cores keep their brightness: for a Moffat profile with a β of
+/// 2.5 the light added at half the radius is a fiftieth of the light there.
 fn cut_gain(seeing: &Seeing, reach: f64, rule: &Rule) -> f64 {
     let added = |r: f64| 2.0 * PI * r * (r / reach).powi(4) * seeing.at(r);
     seeing.beyond(reach) / rule.integrate(0.0, reach, 0.5 * rule.step_pix, added)

@@ -1,4 +1,8 @@
-//! Functions of a radius, tabulated: close together in the core of a profile, far apart in its wings.
+//! Tables of functions of a radius: dense in the core of a profile, sparse in its wings.
+
+/// Nodes in σ of the seeing (a Gaussian's, of the same full width) at the centre, and e-folds of the radius between nodes at the end.
+const NODES_PER_SIGMA: f64 = 48.0;
+const END_STEP: f64 = 0.1;
 
 /// Values at equal steps of t = r / (r + core), cubic in between, 0 beyond the end.
 #[derive(Clone, Debug, PartialEq)]
@@ -11,8 +15,10 @@ pub(super) struct Curve {
 }
 
 impl Curve {
-    /// Tabulates a function of the radius in pixels; `intervals` of at least 4.
-    pub fn of(core_pix: f64, end_pix: f64, intervals: usize, function: impl FnMut(f64) -> f64) -> Self {
+    /// Tabulates a function of the radius in pixels that has edges as wide as seeing of `fwhm_pix` up to about `core_pix`, and is smooth beyond.
+    pub fn of(core_pix: f64, end_pix: f64, fwhm_pix: f64, function: impl FnMut(f64) -> f64) -> Self {
+        let intervals = (NODES_PER_SIGMA * core_pix / (0.425 * fwhm_pix)).max(end_pix / (END_STEP * core_pix));
+        let intervals = intervals.ceil().clamp(256.0, 8192.0) as usize;
         let scale = intervals as f64 * (end_pix + core_pix) / end_pix;
         let radius = |node: usize| core_pix * node as f64 / (scale - node as f64);
         Self { core_pix, end_pix, scale, values: (0..=intervals).map(radius).map(function).collect() }

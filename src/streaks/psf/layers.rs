@@ -1,4 +1,4 @@
-//! A profile split into layers: a core on fine cells, wings on coarser and coarser ones.
+//! Layers of a profile: the core on fine cells, the wings on coarser and coarser ones.
 
 use std::ops::Range;
 
@@ -8,31 +8,34 @@ use super::curve::Curve;
 
 /// Error of cubic interpolation between cells, relative to the light of a line.
 const TOLERANCE: f64 = 1.5e-4;
-/// Stamps in a full width at half maximum, along each axis: with linear interpolation between them light is good to δ²/8 f'', 4·10⁻⁴ of the
-/// peak at worst. Wings, which are fainter by a factor of thirty or more, need fewer in their width.
+/// Stamps in a full width at half maximum, along each axis: linear interpolation between them has an error of δ²/8 f'', 4·10⁻⁴ of the
+/// peak at worst. Wings, fainter by a factor of thirty or more, need fewer in their width.
 const STAMPS_PER_FWHM: f64 = 57.0;
 const STAMPS_PER_WING: f64 = 20.0;
-/// Limit to stamps along an axis times their radius in cells: 8 MB.
-const MOST_STAMP_CELLS: f64 = 1000.0;
-/// Width of wings, and distance of points that sum to a line of them, relative to the radius at which they begin.
+/// Greatest number of stamps along an axis times their radius in cells: 32 MB.
+const MOST_STAMP_CELLS: f64 = 2000.0;
+/// Mean distance of the points that form a line, relative to the full width at half maximum. The light of points at even distances s varies as
+/// the Fourier transform of the profile at 1/s, 3·10⁻⁴ for a Moffat profile with a β of 2.5, less for all others.
+const STEP_PER_FWHM: f64 = 0.45;
+/// Width of wings, and distance of points that form a line of them, relative to the radius at which they begin.
 const WING_WIDTH: f64 = 0.45;
 const WING_STEP: f64 = 0.18;
-/// Least cells in the reach of the profile: on coarser ones light would be drawn far beyond it.
+/// Least radius of the profile in cells: coarser cells would spread light far beyond it.
 const LEAST_CELLS: f64 = 8.0;
 
 /// The part of a profile that is drawn on cells 2^level times the size of the finest ones.
 ///
-/// Its light on cells is kept for many positions of a point within a cell, as stamps: rows of cells for each position along rows and each distance from the
-/// point along columns.
+/// The light on cells is tabulated for many positions of a point within a cell, as stamps: a row of cells for each position along rows and each distance from
+/// the point along columns.
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct Layer {
-    /// Greatest mean distance of points that sum to a line, pixels of the mean scale.
+    /// Greatest mean distance of points that form a line, pixels of the mean scale.
     pub step_pix: f64,
     /// Positions in a cell, along each axis.
     phases: i64,
-    /// Of each distance along columns, in phases: how many cells to either side of that of the point may have light.
+    /// For each distance along columns, in phases: lit cells to either side of the point's cell.
     reach: Vec<i64>,
-    /// Cells in a row of a stamp, and from the first to that of the point.
+    /// Cells in a row of a stamp, and in front of the point's cell.
     width: usize,
     half: i64,
     /// `(phases + 1, distances, width)`
@@ -40,11 +43,11 @@ pub(super) struct Layer {
 }
 
 impl Layer {
-    /// Splits a profile, in the unit of the light of one cell of the finest grid of sides `cell_pix`.
+    /// Splits a profile, in the unit of the light of one cell of the finest grid, of sides `cell_pix`.
     ///
-    /// Layer k is w_k - w_(k+1). w_0 is the profile itself; w_k equals it beyond a radius R_k and within is its Taylor polynomial of second
-    /// degree in r², chosen so that w_k is smooth on cells of 2^k. It vanishes from R_(k+1) on.
-    pub fn split(profile: &Curve, cell_pix: [f64; 2], fwhm_pix: f64, step_pix: f64) -> Vec<Self> {
+    /// Layer k is w_k - w_(k+1). w_0 is the profile itself; w_k equals it beyond a radius R_k, and within R_k is its Taylor polynomial of second
+    /// degree in r². R_k is the least radius with which w_k is smooth on cells of 2^k. Layer k is 0 beyond R_(k+1).
+    pub fn split(profile: &Curve, cell_pix: [f64; 2], fwhm_pix: f64) -> Vec<Self> {
         let mut wings = vec![Wing::new(profile, 0.0)];
         // Error times width, the same for a line of unit light.
         let allowed = 0.6 * TOLERANCE * profile.greatest() * fwhm_pix;
@@ -54,30 +57,23 @@ impl Layer {
                 break;
             }
             let last = wings[wings.len() - 1].from_pix;
-            let is_smooth = |wing: &Wing<'_>| wing.is_smooth(cell, allowed, fwhm_pix);
-            let next = Some(Wing::new(profile, last)).filter(is_smooth).or_else(|| {
-                let mut from = (1.3 * last).max(fwhm_pix).max(4.0 * cell);
-                while from < 0.7 * profile.end_pix() {
-                    let wing = Wing::new(profile, from);
-                    if is_smooth(&wing) {
-                        return Some(wing);
-                    }
-                    from *= 1.12;
-                }
-                None
-            });
-            let Some(next) = next else { break };
+            let first = (1.3 * last).max(fwhm_pix).max(4.0 * cell);
+            let radii = std::iter::successors(Some(first), |from| Some(1.12 * from));
+            let radii = radii.take_while(|from| *from < 0.7 * profile.end_pix());
+            // The radius before first: where the coarser cells replace the finer ones altogether.
+            let mut found = std::iter::once(last).chain(radii).map(|from| Wing::new(profile, from));
+            let Some(next) = found.find(|wing| wing.is_smooth(cell, allowed, fwhm_pix)) else { break };
             wings.push(next);
         }
-        let layer = |(number, wing): (usize, &Wing<'_>)| {
-            let next = wings.get(number + 1);
+        let layer = |(level, wing): (usize, &Wing<'_>)| {
+            let next = wings.get(level + 1);
             let radius_pix = next.map_or(profile.end_pix(), |next| next.from_pix);
             let is_empty = next.is_some_and(|next| next.from_pix == wing.from_pix);
             let is_core = wing.from_pix == 0.0;
             let width = if is_core { fwhm_pix } else { WING_WIDTH * wing.from_pix };
-            let cell = cell_pix.map(|side| side * f64::from(1_u32 << number));
+            let cell = cell_pix.map(|side| side * f64::from(1_u32 << level));
             let phases = if is_core { STAMPS_PER_FWHM } else { STAMPS_PER_WING } * cell[0].max(cell[1]) / width;
-            let step_pix = step_pix.max(WING_STEP * wing.from_pix);
+            let step_pix = (STEP_PER_FWHM * fwhm_pix).max(WING_STEP * wing.from_pix);
             let area = cell_pix[0] * cell_pix[1];
             let value =
                 |r: f64| if r < radius_pix { area * (wing.at(r) - next.map_or(0.0, |next| next.at(r))) } else { 0.0 };
@@ -93,9 +89,8 @@ impl Layer {
         let [half, rows] = radius.map(|radius| radius.ceil() as usize);
         let distances = (rows + 1) * phases + 1;
         let reach = |distance: usize| {
-            // Half of a phase nearer, where the point may be.
+            // One phase nearer: stamps of two distances are interpolated.
             let share = (distance as f64 - 1.0).max(0.0) / (radius[1] * phases as f64);
-            // Odd: 2 reach + 2 is a number of whole blocks.
             (radius[0] * (1.0 - share * share).max(0.0).sqrt()).ceil() as i64
         };
         let width = 2 * half + 2;
@@ -118,12 +113,12 @@ impl Layer {
         Self { step_pix, phases: phases as i64, reach, width, half: half as i64, stamps }
     }
 
-    /// True where no light of the profile is in this layer.
+    /// True if the layer has no light.
     pub fn is_empty(&self) -> bool {
         self.stamps.is_empty()
     }
 
-    /// Adds the cells that a point may light.
+    /// Adds the cells that a point lights.
     pub fn cover(&self, at: [f64; 2], extents: &mut PatchRows) {
         let place = self.place(at);
         for (row, columns, _) in self.rows(place, extents.rows(), extents.columns()) {
@@ -153,21 +148,22 @@ impl Layer {
         }
     }
 
-    /// The next lower position of a stamp, in phases.
+    /// Position of a point, rounded down to phases.
     fn place(&self, at: [f64; 2]) -> [i64; 2] {
         at.map(|place| (place * self.phases as f64).floor() as i64)
     }
 
-    /// Rows and columns of a grid that a point may light, and the distance of each row above it in phases.
+    /// Rows and columns of a grid that a point lights, and the distance of each row above it in phases.
     fn rows(&self, place: [i64; 2], rows: usize, columns: usize) -> impl Iterator<Item = (usize, Range<usize>, i64)> {
         let [column, row] = place.map(|place| place.div_euclid(self.phases));
         let most = self.reach.len() as i64 / self.phases - 1;
         let clamped = |place: i64, count: usize| place.clamp(0, count as i64) as usize;
-        (clamped(row - most, rows)..clamped(row + most + 2, rows)).map(move |row| {
+        let rows = (clamped(row - most, rows)..clamped(row + most + 2, rows)).map(move |row| {
             let distance = row as i64 * self.phases - place[1];
             let reach = self.reach[distance.unsigned_abs() as usize];
             (row, clamped(column - reach, columns)..clamped(column + reach + 2, columns), distance)
-        })
+        });
+        rows.filter(|(_, columns, _)| !columns.is_empty())
     }
 }
 
@@ -181,7 +177,7 @@ struct Wing<'a> {
 
 impl<'a> Wing<'a> {
     fn new(profile: &'a Curve, from_pix: f64) -> Self {
-        // Derivatives by r² from values at three places.
+        // Derivatives by r² from three values.
         let (square, step) = (from_pix * from_pix, 0.1 * from_pix * from_pix);
         let [before, value, after] = [square - step, square, square + step].map(|square| profile.at(square.sqrt()));
         let per = if step > 0.0 { 1.0 / step } else { 0.0 };
@@ -197,11 +193,11 @@ impl<'a> Wing<'a> {
         self.inside[0] + x * (self.inside[1] + x * self.inside[2])
     }
 
-    /// True where values on cells, interpolated as [`super::points`] does it, are good to `allowed` over the width that light has there.
+    /// True if interpolation between cells, as in [`super::points`], has an error below `allowed` divided by the local width of the light.
     fn is_smooth(&self, cell_pix: f64, allowed: f64, fwhm_pix: f64) -> bool {
-        let looks = (self.profile.end_pix() / cell_pix * 2.0).ceil() as usize + 2;
-        (0..looks).all(|look| {
-            let r = 0.5 * look as f64 * cell_pix;
+        let count = (self.profile.end_pix() / cell_pix * 2.0).ceil() as usize + 2;
+        (0..count).all(|number| {
+            let r = 0.5 * number as f64 * cell_pix;
             let near = |cells: f64| self.at((r + cells * cell_pix).abs());
             let found: f64 = super::points::QUARTER
                 .iter()

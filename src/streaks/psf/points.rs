@@ -1,41 +1,41 @@
-//! Points of light, drawn: stars, and lines as sums of points.
+//! Drawing of points of light: stars, and lines as sums of points.
 //!
-//! Each layer of the profile is summed over the points on a grid of its own cells. From the coarsest grid on, each is interpolated to the next finer
-//! one, and the finest is summed into pixels: the same work for straight and bent lines, ends, jumps, and light that stands still.
+//! Each layer of the profile is summed over the points on a grid of its own cells. From the coarsest grid on, each grid is interpolated to the next finer
+//! one, and the finest is summed into pixels. Straight and bent lines, ends, jumps, and points at rest are drawn in the same way.
 
 use crate::images::{Patch, PatchRows, PixelPosition};
 
 use super::profile::RadialProfile;
 
-/// Cells around the frame on coarse grids: from as far off it light is interpolated.
+/// Cells around the frame on coarse grids, for interpolation.
 const MARGIN: usize = 4;
 
-/// Lagrange's weights of four cells, a quarter of a cell behind the second of them.
+/// Lagrange weights of four cells, a quarter of a cell behind the second of them.
 pub(super) const QUARTER: [f32; 4] = [-0.054_687_5, 0.820_312_5, 0.273_437_5, -0.039_062_5];
 
 /// A point and its light.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PointLight {
-    /// Where it is.
+    /// Position on the frame.
     pub at: PixelPosition,
-    /// Its light.
+    /// Flux.
     pub light: f64,
 }
 
-/// The light of a point in a frame of `rows` by `columns`: `flux` times the profile's average over each pixel.
+/// Draws a point in a frame of `rows` by `columns`: `flux` times the profile's average over each pixel.
 ///
-/// The sum over all pixels is `flux` to 10⁻⁴ where the whole profile lies on the frame. Nothing is drawn for a place or a flux that is not
-/// finite.
+/// Pixels are good to 10⁻³ of the peak. The sum over all pixels is `flux` to 2·10⁻⁴ where the whole profile lies on the frame. The patch is empty for a
+/// position or a flux that is not finite.
 pub fn draw_point(profile: &RadialProfile, at: PixelPosition, flux: f64, rows: usize, columns: usize) -> Patch {
     let is_finite = at.x.is_finite() && at.y.is_finite() && flux.is_finite();
     let point = is_finite.then_some(PointLight { at, light: flux });
     draw_points(profile, rows, columns, |_| point.into_iter().collect())
 }
 
-/// The light of many points in a frame of `rows` by `columns`.
+/// Draws points in a frame of `rows` by `columns`.
 ///
-/// `points_of` returns the points of a smooth line for the greatest mean distance between them, pixels of the mean scale: it is given a greater one for the wings than
-/// for the core.
+/// `points_of` returns the points for the greatest mean distance between those of a line, pixels of the mean scale. It is called for each layer: the distance
+/// is greater for the wings than for the core.
 pub fn draw_points(
     profile: &RadialProfile,
     rows: usize,
@@ -83,7 +83,7 @@ impl Grid {
         parts.div_ceil(self.cells as usize) + 2 * self.margin
     }
 
-    /// Where a point lies among the cells, and its light: two halves of it where parts are oblong.
+    /// Positions of a point among the cells, and its light: two halves where parts are oblong.
     fn places(&self, point: &PointLight, profile: &RadialProfile) -> impl Iterator<Item = ([f64; 2], f64)> + use<> {
         let (parts, shift) = (profile.parts(), profile.shift_parts());
         let cell = |pix: f64, axis: usize| (pix + 0.5) * parts[axis] as f64 / self.cells - 0.5 + self.margin as f64;
@@ -94,12 +94,12 @@ impl Grid {
         sides.iter().map(move |side| ([0, 1].map(|axis| centre[axis] + side * shift[axis]), light))
     }
 
-    /// Number of the coarse cell that holds one of this grid.
+    /// Number of the coarse cell around a cell of this grid.
     fn coarse(&self, cell: usize) -> usize {
         cell / 2 + MARGIN - self.margin / 2
     }
 
-    /// Adds the cells over those of a grid half as fine.
+    /// Adds the cells within those of a grid half as fine.
     fn cover(&self, coarse: &Patch, extents: &mut PatchRows) {
         let back = MARGIN - self.margin / 2;
         for span in coarse.iter() {
@@ -112,7 +112,7 @@ impl Grid {
         }
     }
 
-    /// Sets light to that of a grid half as fine, interpolated by cubics both ways.
+    /// Sets the light to that of a grid half as fine, by cubic interpolation along both axes.
     fn refine(&self, coarse: &Patch, fine: &mut Patch) {
         let mut backwards = QUARTER;
         backwards.reverse();

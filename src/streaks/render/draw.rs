@@ -1,4 +1,4 @@
-//! A path drawn into a frame: its light as points, by Gauss's rule.
+//! Drawing of a path: points of light at the nodes of a Gauss rule.
 
 use crate::images::{Patch, PixelPosition};
 use crate::math::quadrature::gauss_legendre;
@@ -6,19 +6,19 @@ use crate::streaks::{PointLight, RadialProfile, draw_points};
 
 use super::path::{Piece, StreakPath};
 
-/// Most nodes of a rule. Two more than the distance of points requires are used: light is a cubic of the time.
+/// Most nodes of a rule. Two more nodes are used than the distance of points requires, because light is a cubic of the time.
 const MOST_NODES: usize = 32;
 const MORE_NODES: usize = 2;
-/// Rules in a stretch that is not halved any more to leave out what lies off the frame.
+/// Rules in an interval that is not halved further to omit what lies off the frame.
 const MOST_RULES: f64 = 8.0;
 
-/// The light of a path in a frame of `rows` by `columns`, in the unit of the path's rates times seconds.
+/// Draws a path in a frame of `rows` by `columns`, in the unit of the path's rates times seconds.
 ///
-/// Each pixel has the profile's average over its area, integrated along the path: to 10⁻³ of the peak and of the flux (issue 19), ends, jumps of
-/// brightness and bends included. The path becomes points, so close together that their light is that of a line, and these are drawn as stars are.
+/// Each pixel has the average of the profile over its area, integrated along the path: to 10⁻³ of the peak and of the flux,
+/// ends, jumps of brightness and bends included. The path is a sum of points, close enough for the light of a line.
 ///
-/// The profile is the same along the whole path: take that of the middle of what is on the frame. Where the range changes by 1 % on the frame, the
-/// ring's edges are 0.5 % of its radius off at both sides of it.
+/// The profile is the same along the whole path: that of the middle of what is on the frame is best. Where the range changes by 1 % on the frame, the
+/// edges of a ring are 0.5 % of its radius off at both ends.
 pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: usize) -> Patch {
     let mut rules = vec![Vec::new(); MOST_NODES + 1];
     let reach = profile.pixel_reach_pix() + 1.0;
@@ -35,7 +35,7 @@ pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: us
                 if !is_near {
                     continue;
                 }
-                // A cubic's speed is at most three times the longest side of its polygon.
+                // The speed of a cubic is at most three times the longest side of its polygon.
                 let sides = (1..4).map(|i| profile.mean_pixels([x[i] - x[i - 1], y[i] - y[i - 1]]));
                 let steps = 3.0 * sides.fold(0.0, f64::max) / step_pix;
                 let count = (steps / (MOST_NODES - MORE_NODES) as f64).ceil().max(1.0);
@@ -64,14 +64,14 @@ pub fn draw(path: &StreakPath, profile: &RadialProfile, rows: usize, columns: us
     })
 }
 
-/// The light of a piece in a duration about a time.
+/// Light of a piece in a duration about a time.
 fn point(piece: &Piece, since_s: f64, duration_s: f64) -> PointLight {
     let at = PixelPosition { x: piece.x.at(since_s), y: piece.y.at(since_s) };
     PointLight { at, light: duration_s * piece.rate.at(since_s) }
 }
 
-/// Gauss's rule on (0, 1) with its nodes moved to nearly even distances (Hale and Trefethen 2008, SIAM J. Numer. Anal. 46, 930, section 3.1):
-/// in the middle those of Gauss are π/2 times as far apart as on average, which takes a third more of them.
+/// Gauss rule on (0, 1) with its nodes moved to nearly even distances (Hale and Trefethen 2008, SIAM J. Numer. Anal. 46, 930, section 3.1).
+/// The nodes of Gauss are π/2 times as far apart in the middle as on average; a line would take a third more of them.
 fn even_rule(nodes: usize) -> Vec<(f64, f64)> {
     /// Error for constants, ρ^-2n.
     const LN_ERROR: f64 = -11.5;

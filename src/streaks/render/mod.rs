@@ -1,4 +1,4 @@
-//! A path drawn: `path` (where a light is and how bright) on `spline`s, `draw` sums its light over points.
+//! Paths of light: `path` is position and brightness in time on `spline`s, `draw` sums its light over points.
 
 mod draw;
 mod path;

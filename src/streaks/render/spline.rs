@@ -1,4 +1,4 @@
-//! Curves through nodes in time: places by a smooth spline, brightness by one that is held back from swinging.
+//! Curves through nodes in time: a smooth spline for positions, one without overshoot for brightness.
 
 /// Slopes at the nodes of the cubic spline with continuous second derivatives; ends as in the cubic through the first (last) four nodes, a
 /// parabola through three nodes, a line through two.
@@ -53,15 +53,15 @@ fn end_slope(times: &[f64], values: &[f64], time: f64) -> f64 {
     sum
 }
 
-/// Slopes of the smooth spline, held back where it would swing (Huynh 1993, SIAM J. Numer. Anal. 30, 57, eq. 3.29: as Hyman's rule, but that
-/// smooth extremes keep their shape), and never so steep that a cubic between values of at least 0 falls below 0.
+/// Slopes of the smooth spline, limited where it would overshoot (Huynh 1993, SIAM J. Numer. Anal. 30, 57, eq. 3.29: Hyman's rule that keeps
+/// smooth extremes), and never so steep that a cubic between values of at least 0 falls below 0.
 ///
 /// `times` increase; both have the same length of at least 2.
 pub(super) fn held_slopes(times: &[f64], values: &[f64]) -> Vec<f64> {
     let count = times.len();
     let step = |i: usize| times[i + 1] - times[i];
     let rise = |i: usize| (values[i + 1] - values[i]) / step(i);
-    // Second divided differences, those of the ends from their neighbours.
+    // Second divided differences; the ends take those of their neighbours.
     let bend = |i: usize| {
         let i = i.clamp(1, count - 2);
         (rise(i) - rise(i - 1)) / (step(i - 1) + step(i))
