@@ -195,7 +195,7 @@ impl DirectProfile {
 
 /// Positions evenly spread over the area of a ring.
 fn area_nodes(inner: f64, outer: f64, fwhm: f64) -> Vec<[f64; 2]> {
-    let radii = (12.0 * (outer - inner) / fwhm).ceil().clamp(12.0, 60.0) as usize;
+    let radii = (32.0 * (outer - inner) / fwhm).ceil().clamp(32.0, 100.0) as usize;
     let angles = (12.0 * outer / fwhm).ceil().clamp(24.0, 200.0) as usize;
     let place = |number: usize| {
         let share = ((number / angles) as f64 + 0.5) / radii as f64;
