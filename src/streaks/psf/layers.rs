@@ -19,7 +19,7 @@ const MOST_STAMP_CELLS: f64 = 2000.0;
 const STEP_PER_FWHM: f64 = 0.45;
 /// Width of wings, and distance of points that form a line of them, relative to the radius at which they begin.
 const WING_WIDTH: f64 = 0.45;
-const WING_STEP: f64 = 0.18;
+const WING_STEP: f64 = 0.22;
 /// Least radius of the profile in cells: coarser cells would spread light far beyond it.
 const LEAST_CELLS: f64 = 8.0;
 
