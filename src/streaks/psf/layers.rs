@@ -6,6 +6,9 @@ use crate::images::{Patch, PatchRows};
 
 use super::curve::Curve;
 
+/// Lagrange weights of four cells, a quarter of a cell behind the second of them.
+pub(super) const QUARTER: [f32; 4] = [-0.054_687_5, 0.820_312_5, 0.273_437_5, -0.039_062_5];
+
 /// Error of cubic interpolation between cells, relative to the light of a line.
 const TOLERANCE: f64 = 1.5e-4;
 /// Stamps in a full width at half maximum, along each axis: linear interpolation between them has an error of δ²/8 f'', 4·10⁻⁴ of the
@@ -193,17 +196,14 @@ impl<'a> Wing<'a> {
         self.inside[0] + x * (self.inside[1] + x * self.inside[2])
     }
 
-    /// True if interpolation between cells, as in [`super::points`], has an error below `allowed` divided by the local width of the light.
+    /// True if interpolation between cells, as in `points`, has an error below `allowed` divided by the local width of the light.
     fn is_smooth(&self, cell_pix: f64, allowed: f64, fwhm_pix: f64) -> bool {
         let count = (self.profile.end_pix() / cell_pix * 2.0).ceil() as usize + 2;
         (0..count).all(|number| {
             let r = 0.5 * number as f64 * cell_pix;
             let near = |cells: f64| self.at((r + cells * cell_pix).abs());
-            let found: f64 = super::points::QUARTER
-                .iter()
-                .zip([-1.25, -0.25, 0.75, 1.75])
-                .map(|(w, at)| f64::from(*w) * near(at))
-                .sum();
+            let found: f64 =
+                QUARTER.iter().zip([-1.25, -0.25, 0.75, 1.75]).map(|(w, at)| f64::from(*w) * near(at)).sum();
             (found - self.at(r)).abs() * fwhm_pix.max(0.5 * self.from_pix).max(r) <= allowed
         })
     }

@@ -5,13 +5,11 @@
 
 use crate::images::{Patch, PatchRows, PixelPosition};
 
+use super::layers::QUARTER;
 use super::profile::RadialProfile;
 
 /// Cells around the frame on coarse grids, for interpolation.
 const MARGIN: usize = 4;
-
-/// Lagrange weights of four cells, a quarter of a cell behind the second of them.
-pub(super) const QUARTER: [f32; 4] = [-0.054_687_5, 0.820_312_5, 0.273_437_5, -0.039_062_5];
 
 /// A point and its light.
 #[derive(Copy, Clone, Debug, PartialEq)]
