@@ -264,13 +264,6 @@ fn violations(path: &Path, text: &str) -> Vec<String> {
     found
 }
 
-/// Circles of files that still exist, as paths below `src/`; each is to be mended.
-const CIRCLES_LEFT: &[&[&str]] = &[
-    &["streaks/frame/star_trails.rs", "streaks/frame/synthetic.rs"],
-    &["streaks/psf/blur.rs", "streaks/psf/seeing.rs"],
-    &["streaks/render/ends.rs", "streaks/render/wings.rs"],
-];
-
 /// Path of names from the crate's root, as `["images", "fits", "hdu"]`.
 type Names = Vec<String>;
 
@@ -425,8 +418,7 @@ fn verif_no_files_import_one_another_in_a_circle() {
             imports(path.strip_prefix(&src).expect("below src"), &text)
         })
         .collect();
-    let found: Vec<Vec<String>> =
-        circles(&files).into_iter().filter(|circle| !CIRCLES_LEFT.iter().any(|left| left == circle)).collect();
+    let found = circles(&files);
     assert!(found.is_empty(), "files that import one another: {found:?}");
 }
 
