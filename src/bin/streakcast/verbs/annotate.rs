@@ -1,4 +1,4 @@
-//! `annotate`: the schedule file again, lossless, with flags and streaks.
+//! `annotate`: a lossless copy of the schedule file with verdicts and streaks.
 
 use std::path::PathBuf;
 
@@ -14,18 +14,18 @@ use crate::output::cannot_write;
 
 #[derive(Args)]
 pub struct AnnotateArguments {
-    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
     pub schedule: PathBuf,
     #[command(flatten)]
     pub rules: RulesConfig,
-    /// File to write; it may be the schedule itself
+    /// Output file; it may be the schedule itself
     #[arg(long, short, value_name = "FILE")]
     pub output: PathBuf,
-    /// Only the nights of one share of a batch, as 3/100: the rows of all shares together are the whole file
+    /// Only one share of the nights for batch jobs, for example 3/100; all shares together have every row
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// Replace an earlier annotation
+    /// Replace an earlier annotation in the file
     #[arg(long)]
     pub replace: bool,
     #[command(flatten)]
@@ -34,7 +34,7 @@ pub struct AnnotateArguments {
 
 pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
-    // Before any work: can the file be written?
+    // Checked before any work.
     AtomicFile::check(&typed.output).map_err(|error| cannot_write(&typed.output, &error))?;
     let judged = judge(&config, &typed.schedule, typed.shard)?;
     let annotation = Annotation {
@@ -46,7 +46,7 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     };
     let written = annotate(&typed.schedule, judged.schedule.format, &typed.output, &annotation)?;
     for path in written {
-        judged.notices.say(&format!("wrote {}", path.display()));
+        judged.notices.info(&format!("wrote {}", path.display()));
     }
     Ok(Outcome::Done)
 }

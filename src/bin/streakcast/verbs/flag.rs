@@ -1,4 +1,4 @@
-//! `flag`: one verdict for each exposure of a schedule.
+//! `flag`: a verdict for each exposure of a schedule.
 
 use std::path::PathBuf;
 
@@ -17,15 +17,15 @@ use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct FlagArguments {
-    /// The schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
+    /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
     pub schedule: PathBuf,
     #[command(flatten)]
     pub rules: RulesConfig,
-    /// Only the nights of one share of a batch, as 3/100: all shares together are the whole answer
+    /// Only one share of the nights for batch jobs, for example 3/100; all shares together have every row
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
-    /// End with exit code 1 if any exposure is streaked (or worse), or one to avoid
+    /// Exit with code 1 if any exposure is streaked (or to avoid), or to avoid
     #[arg(long, value_name = "VERDICT")]
     pub fail_on: Option<FailOn>,
     #[command(flatten)]

@@ -23,7 +23,7 @@ pub struct IdentifyArguments {
     /// Include satellites in the Earth's shadow
     #[arg(long)]
     pub include_dark: bool,
-    /// Largest number of candidates listed
+    /// Largest number of candidates in the output
     #[arg(long, value_name = "N", default_value_t = 10)]
     pub top: usize,
     #[command(flatten)]
@@ -50,13 +50,13 @@ const ON_SCREEN: &[Shown] = &[
     rounded("element_age_days", "age d", 1),
 ];
 
-/// A candidate this probable is called likely.
+/// Least probability of a likely candidate.
 const LIKELY: f64 = 0.5;
 
 pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
-    reject_camera(&typed.config, "what a streak is of")?;
+    reject_camera(&typed.config, "the identification of a streak")?;
     if typed.top == 0 {
-        return Err(anyhow!("top 0; allowed: 1 or more"));
+        return Err(anyhow!("invalid top 0; allowed: 1 or more"));
     }
     let config = typed.config.with_file()?;
     let plan = typed.streak.resolve(&config)?;
@@ -107,18 +107,18 @@ pub fn run(typed: IdentifyArguments) -> anyhow::Result<Outcome> {
 
 fn summary(notices: &Notices, found: &Identified, sky: &streakcast::passes::Sky) {
     let Some(best) = found.candidates.first() else {
-        notices.say("no candidate: nothing in these elements comes near the streak at that time");
+        notices.info("no candidate: no satellite of these elements is close to the streak at that time");
         return;
     };
     let elements = &sky.elements()[best.element_index];
     let name = if elements.name.is_empty() { best.norad_id.to_string() } else { elements.name.to_string() };
     let count = found.candidates.len();
-    let near = if count == 1 { "1 candidate".to_owned() } else { format!("{count} candidates") };
+    let counted = if count == 1 { "1 candidate".to_owned() } else { format!("{count} candidates") };
     if best.probability >= LIKELY {
-        notices.say(&format!("{near}: {name} with probability {:.3}", best.probability));
+        notices.info(&format!("{counted}: {name} with probability {:.3}", best.probability));
     } else {
-        notices.say(&format!(
-            "{near}, none likely: {name} with probability {:.3}, a satellite without elements here with {:.3}",
+        notices.info(&format!(
+            "{counted}, none likely: {name} with probability {:.3}; a satellite outside of these elements with {:.3}",
             best.probability, found.unknown_probability
         ));
     }
