@@ -179,6 +179,12 @@ pub struct RunConfig {
     /// Suppress warnings, summaries and progress
     #[cfg_attr(feature = "cli", arg(long, short, num_args = 0, default_missing_value = "true", help_heading = "Run"))]
     pub quiet: Option<bool>,
+    /// List all element sets that cannot be propagated, with reasons
+    #[cfg_attr(
+        feature = "cli",
+        arg(long, num_args = 0, default_missing_value = "true", conflicts_with = "quiet", help_heading = "Run")
+    )]
+    pub verbose: Option<bool>,
 }
 
 /// One exposure.
@@ -219,11 +225,11 @@ pub struct RulesConfig {
 
 /// Keys of a configuration file.
 #[rustfmt::skip]
-const KEYS: [&str; 38] = [
+const KEYS: [&str; 39] = [
     "elements", "shells", "accept_bad_checksums", "qs_mag", "shadow", "models", "site", "mpc", "lat", "lon", "height",
     "observer_elements", "observer_norad", "limb_height_km", "fov", "field", "rotation", "telescope", "band",
     "mag_system", "earthshine", "extinction", "sun_distance", "min_probability", "time_scale", "eop", "threads", "quiet",
-    "start", "exposure", "ra", "dec", "policy", "limit_mag", "max_delay", "include_dark", "samples", "format",
+    "verbose", "start", "exposure", "ra", "dec", "policy", "limit_mag", "max_delay", "include_dark", "samples", "format",
 ];
 
 impl Config {
@@ -304,7 +310,7 @@ impl Config {
         complete!(self, base:
             accept_bad_checksums, qs_mag, shadow, models, limb_height_km, rotation, telescope, light.band,
             light.mag_system, light.earthshine, extinction, sun_distance, min_probability, time_scale,
-            default_time_scale, eop, run.file, run.threads, run.quiet, exposure.start, exposure.duration, exposure.ra,
+            default_time_scale, eop, run.file, run.threads, run.quiet, run.verbose, exposure.start, exposure.duration, exposure.ra,
             exposure.dec, rules.policy, rules.limit_mag, rules.max_delay, include_dark, samples, format,
         );
         self

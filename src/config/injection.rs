@@ -19,7 +19,7 @@ use super::values::Numbers;
 #[cfg_attr(feature = "cli", derive(clap::Args))]
 pub struct InjectionConfig {
     /// Input frames: FITS, including mosaics and tile-compressed .fz
-    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1.., required_unless_present = "synthetic"))]
+    #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", num_args = 1..))]
     pub image: Vec<PathBuf>,
     /// Synthetic frame instead of --image: TOML file of size, scale, sky, stars and detector
     #[cfg_attr(feature = "cli", arg(long, value_name = "FILE", conflicts_with = "image"))]

@@ -211,11 +211,10 @@ impl Config {
             value.as_ref().map(Quantity::as_str).ok_or(ConfigError::Missing { what, allowed })
         }
         let exposure = &self.exposure;
-        let start =
-            given(&exposure.start, "start of the exposure", "--start, for example --start 2024-08-14T00:30:00Z")?;
-        let duration = given(&exposure.duration, "exposure time", "--exposure, for example --exposure 30s")?;
-        let right_ascension = given(&exposure.ra, "right ascension", "--ra, for example --ra 188.5 or --ra 12h34m")?;
-        let declination = given(&exposure.dec, "declination", "--dec, for example --dec -30.5 or --dec -30d30m")?;
+        let start = given(&exposure.start, "start of the exposure", "--start TIME, for example 2024-08-14T00:30:00Z")?;
+        let duration = given(&exposure.duration, "exposure time", "--exposure TIME, for example 30s")?;
+        let right_ascension = given(&exposure.ra, "right ascension", "--ra ANGLE, for example 188.5 or 12h34m")?;
+        let declination = given(&exposure.dec, "declination", "--dec ANGLE, for example -30.5 or -30d30m")?;
         let start = parse_moment(start, self.time_scale()?)?;
         if !is_covered(start) {
             return Err(SkyError::NoEphemeris { epoch: start.to_time_scale(TimeScale::UTC) }.into());

@@ -3,14 +3,16 @@
 mod arguments;
 mod cache;
 mod failure;
+mod help;
 mod notices;
 mod output;
+mod required;
 mod screen;
 mod verbs;
 
 use std::process::ExitCode;
 
-use clap::{CommandFactory, Parser, Subcommand};
+use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 
 use failure::{exit_code, report_usage};
 use verbs::annotate::AnnotateArguments;
@@ -93,9 +95,11 @@ enum Verb {
 }
 
 fn main() -> ExitCode {
-    let arguments = match Arguments::try_parse() {
+    let command = help::complete(Arguments::command());
+    let matches = command.clone().try_get_matches();
+    let arguments = match matches.and_then(|matches| Arguments::from_arg_matches(&matches)) {
         Ok(arguments) => arguments,
-        Err(error) => return report_usage(&error, Arguments::command()),
+        Err(error) => return report_usage(&error, command),
     };
     exit_code(match arguments.verb {
         Verb::Passes(typed) => verbs::passes::run(*typed),

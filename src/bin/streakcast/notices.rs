@@ -3,7 +3,10 @@
 use std::io::{IsTerminal, Write, stderr};
 use std::time::Duration;
 
+use hifitime::Epoch;
 use indicatif::{ProgressBar, ProgressStyle};
+use streakcast::config::PreparedSky;
+use streakcast::orbit::LeftOut;
 
 /// Least number of exposures for a progress bar.
 const LONG_WORK: usize = 2000;
@@ -11,12 +14,18 @@ const LONG_WORK: usize = 2000;
 /// Writer of messages to standard error.
 pub struct Notices {
     quiet: bool,
+    verbose: bool,
 }
 
 impl Notices {
     /// Returns a writer; `quiet` suppresses everything except errors.
     pub fn new(quiet: bool) -> Self {
-        Self { quiet }
+        Self { quiet, verbose: false }
+    }
+
+    /// Sets whether warnings with a count list all their satellites.
+    pub fn with_details(self, verbose: bool) -> Self {
+        Self { verbose, ..self }
     }
 
     /// Prints warnings, one a line.
@@ -24,6 +33,21 @@ impl Notices {
         for warning in warnings {
             self.info(&format!("warning: {warning}"));
         }
+    }
+
+    /// Prints a warning of satellites left out of a result, if there are any, and all of them if verbose.
+    ///
+    /// # Errors
+    /// All satellites are left out.
+    pub fn warn_left_out(&self, prepared: &PreparedSky, left_out: &[LeftOut], moment: Epoch) -> anyhow::Result<()> {
+        let Some(warning) = prepared.left_out_warning(left_out, moment)? else { return Ok(()) };
+        if self.verbose {
+            self.info(&format!("warning: {warning}:"));
+            left_out.iter().for_each(|one| self.info(&format!("  {}", one.reason)));
+        } else {
+            self.info(&format!("warning: {warning}; --verbose lists them"));
+        }
+        Ok(())
     }
 
     /// Prints one line.

@@ -11,17 +11,18 @@ use streakcast::schedule::{Annotation, annotate, flag_table};
 use super::judged::judge;
 use crate::failure::Outcome;
 use crate::output::cannot_write;
+use crate::required::Required;
 
 #[derive(Args)]
 pub struct AnnotateArguments {
     /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
-    pub schedule: PathBuf,
+    pub schedule: Option<PathBuf>,
     #[command(flatten)]
     pub rules: RulesConfig,
     /// Output file; it may be the schedule itself
     #[arg(long, short, value_name = "FILE")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
     /// Only one share of the nights for batch jobs, for example 3/100; all shares together have every row
     #[arg(long, value_name = "I/N")]
     pub shard: Option<Shard>,
@@ -34,9 +35,17 @@ pub struct AnnotateArguments {
 
 pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    Required::of(&config)
+        .input(typed.schedule.is_some(), "schedule", "--schedule FILE")
+        .input(typed.output.is_some(), "output file", "-o FILE")
+        .satellites()
+        .site()
+        .field()
+        .check()?;
+    let (schedule, output) = (typed.schedule.unwrap_or_default(), typed.output.unwrap_or_default());
     // Checked before any work.
-    AtomicFile::check(&typed.output).map_err(|error| cannot_write(&typed.output, &error))?;
-    let judged = judge(&config, &typed.schedule, typed.shard)?;
+    AtomicFile::check(&output).map_err(|error| cannot_write(&output, &error))?;
+    let judged = judge(&config, &schedule, typed.shard)?;
     let annotation = Annotation {
         flags: &flag_table(&judged.report.flags),
         streaks: &judged.streaks,
@@ -44,7 +53,7 @@ pub fn run(typed: AnnotateArguments) -> anyhow::Result<Outcome> {
         replace: typed.replace,
         keep: judged.keep.as_deref(),
     };
-    let written = annotate(&typed.schedule, judged.schedule.format, &typed.output, &annotation)?;
+    let written = annotate(&schedule, judged.schedule.format, &output, &annotation)?;
     for path in written {
         judged.notices.info(&format!("wrote {}", path.display()));
     }

@@ -13,13 +13,14 @@ use super::judged::judge;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::Answer;
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct FlagArguments {
     /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
-    pub schedule: PathBuf,
+    pub schedule: Option<PathBuf>,
     #[command(flatten)]
     pub rules: RulesConfig,
     /// Only one share of the nights for batch jobs, for example 3/100; all shares together have every row
@@ -54,8 +55,11 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: FlagArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    let has_schedule = typed.schedule.is_some();
+    Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
+    let schedule = typed.schedule.unwrap_or_default();
     let output = typed.output.open(&config)?;
-    let judged = judge(&config, &typed.schedule, typed.shard)?;
+    let judged = judge(&config, &schedule, typed.shard)?;
     let flags = flag_table(&judged.report.flags);
     let left_out = left_out_table(&judged.report.left_out);
     output.write(&Answer {

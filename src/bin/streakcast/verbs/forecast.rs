@@ -20,6 +20,7 @@ use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::{Answer, EXTENSIONS, FORMATS, Output};
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 /// Help of `--format`, with the formats of a forecast alone.
@@ -98,6 +99,9 @@ impl Document {
 pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     reject_camera(&typed.config, "passes over a site")?;
     let config = typed.config.clone().with_file()?;
+    let has_range = typed.forecast.night.is_some() || typed.forecast.start.is_some();
+    let range = "--night DATE, or --start TIME and --end TIME";
+    Required::of(&config).input(has_range, "time range", range).satellites().site().check()?;
     let (output, document) = open(&typed, &config)?;
     let curves = typed.light_curves.clone().map(Output::beside).transpose()?;
     let alarm_s = typed.alarm.as_deref().map(|text| parse_duration_s("alarm", text)).transpose()?;
@@ -112,7 +116,7 @@ pub fn run(typed: ForecastArguments) -> anyhow::Result<Outcome> {
     let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings);
     let found = forecast(&prepared.sky, &request, &selection)?;
-    notices.warn(&prepared.left_out_warning(&found.found.left_out, from)?);
+    notices.warn_left_out(&prepared, &found.found.left_out, from)?;
     notices.warn(&selection.unknown_warning(prepared.sky.elements()));
     notices.warn(&found.prior_warning(&prepared.sky, request.max_magnitude));
     state(&mut prepared, &config, &typed.forecast, &request);

@@ -14,6 +14,7 @@ use crate::failure::Outcome;
 use crate::output::{Answer, Format, Output, check_whole};
 #[cfg(feature = "plot")]
 use crate::output::{check, write_bytes};
+use crate::required::Required;
 use crate::screen::Style;
 
 #[derive(Args)]
@@ -22,7 +23,7 @@ pub struct InjectArguments {
     pub injection: InjectionConfig,
     /// Output file; a folder for several frames
     #[arg(long, short, value_name = "FILE")]
-    pub output: PathBuf,
+    pub output: Option<PathBuf>,
     /// Truth table: a file with the extension .csv, .ecsv, .json or .jsonl
     #[arg(long, value_name = "FILE", help_heading = "Truth")]
     pub truth: Option<PathBuf>,
@@ -135,6 +136,7 @@ fn text_format(path: &Path) -> anyhow::Result<Option<&'static str>> {
 }
 
 fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
+    let output = typed.output.clone().unwrap_or_default();
     let count = if typed.injection.synthetic.is_some() {
         typed.injection.frames.unwrap_or(1)
     } else {
@@ -143,25 +145,37 @@ fn frames(typed: &InjectArguments) -> anyhow::Result<Vec<PathBuf>> {
     if !(1..=MOST_FRAMES).contains(&count) {
         return Err(anyhow!("invalid frames {count}; allowed: 1 to {MOST_FRAMES}"));
     }
-    if count == 1 && !typed.output.is_dir() {
-        return Ok(vec![typed.output.clone()]);
+    if count == 1 && !output.is_dir() {
+        return Ok(vec![output]);
     }
-    if !typed.output.is_dir() {
-        return Err(anyhow!(
-            "{count} frames need an output folder; --output {} is not a folder",
-            typed.output.display()
-        ));
+    if !output.is_dir() {
+        return Err(anyhow!("{count} frames need an output folder; --output {} is not a folder", output.display()));
     }
     let width = count.to_string().len().max(4);
     let name = |index: usize| match typed.injection.image.get(index) {
         Some(image) => image.file_name().map(OsStr::to_owned).unwrap_or_default(),
         None => format!("frame-{:0width$}.fits", index + 1).into(),
     };
-    Ok((0..count).map(|index| typed.output.join(name(index))).collect())
+    Ok((0..count).map(|index| output.join(name(index))).collect())
 }
 
 pub fn run(typed: InjectArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.clone().with_file()?;
+    let injection = &typed.injection;
+    Required::of(&config)
+        .input(
+            !injection.image.is_empty() || injection.synthetic.is_some(),
+            "frames",
+            "--image FILE or --synthetic FILE",
+        )
+        .input(typed.output.is_some(), "output file", "-o FILE")
+        .input(
+            injection.is_random() || config.has_satellites() || injection.magnitude.is_some(),
+            "streaks",
+            "--elements FILE, --shells NAME, or --random-streaks N with --magnitude MAG",
+        )
+        .input(injection.seeing.is_some() || config.telescope.is_some(), "seeing", "--seeing ANGLE or --telescope NAME")
+        .check()?;
     let notices = crate::verbs::judged::begin(&config)?;
     let outputs = Outputs::new(&typed, &inputs(&typed, &config))?;
     reject_unused(&typed)?;

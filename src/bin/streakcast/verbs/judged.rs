@@ -43,7 +43,7 @@ pub fn begin(config: &Config) -> anyhow::Result<Notices> {
         }
         rayon::ThreadPoolBuilder::new().num_threads(threads).build_global()?;
     }
-    Ok(Notices::new(config.run.quiet.unwrap_or(false)))
+    Ok(Notices::new(config.run.quiet.unwrap_or(false)).with_details(config.run.verbose.unwrap_or(false)))
 }
 
 /// Reads and judges a schedule, or its share of a batch.
@@ -155,7 +155,7 @@ pub fn flag_rows(
         bar.inc(rows.len() as u64);
     }
     bar.finish_and_clear();
-    notices.warn(&prepared.left_out_warning(&report.left_out, first)?);
+    notices.warn_left_out(prepared, &report.left_out, first)?;
     notices.warn(&report.lower_limit_warning());
     Ok(report)
 }

@@ -15,6 +15,7 @@ use streakcast::schedule::{StreakRow, exposure_table, streak_table};
 use crate::failure::Outcome;
 use crate::notices::Notices;
 use crate::output::Answer;
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
@@ -105,6 +106,7 @@ pub struct Prediction {
 
 /// Predicts the passes of the configuration's exposure.
 pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
+    Required::of(config).times().pointing().satellites().site().field().check()?;
     let notices = super::judged::begin(config)?;
     let exposure = config.one_exposure()?;
     let plan = config.observation()?;
@@ -120,7 +122,7 @@ pub fn predict(config: &Config) -> anyhow::Result<Prediction> {
     notices.warn(&prepared.warnings);
 
     let answer = prepared.sky.field_passes(std::slice::from_ref(&exposure), &plan.field, &options)?;
-    notices.warn(&prepared.left_out_warning(&answer.left_out, exposure.start)?);
+    notices.warn_left_out(&prepared, &answer.left_out, exposure.start)?;
     state(&mut prepared, config, &exposure, &options, plan.telescope.as_ref().map(|telescope| telescope.name.as_str()));
     Ok(Prediction { exposure, telescope: plan.telescope, options, prepared, answer, notices })
 }

@@ -12,12 +12,13 @@ use super::judged::begin;
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::{Answer, Output};
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct StatisticsArguments {
     /// Nights by the local date of their evening, for example 2024-03-20 2024-06-21
-    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',', required = true)]
+    #[arg(long, value_name = "DATE", num_args = 1.., value_delimiter = ',')]
     pub night: Vec<String>,
     /// Altitudes of the Sun for the counts, degrees
     #[arg(
@@ -71,6 +72,8 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
     let config = typed.config.with_file()?;
+    let has_night = !typed.night.is_empty();
+    Required::of(&config).input(has_night, "night", "--night DATE").satellites().site().check()?;
     let output = Output::new(typed.output.format.as_deref().or(config.format.as_deref()), typed.output.output.clone())?;
     if config.field.is_some() {
         return Err(anyhow!("--field is not for statistics; allowed: a circular field, for example --fov {FIELD}"));
@@ -127,7 +130,7 @@ pub fn run(typed: StatisticsArguments) -> anyhow::Result<Outcome> {
             found.push((latitude_rad, request, counts));
             if first.is_none() {
                 notices.warn(&prepared.warnings);
-                notices.warn(&prepared.left_out_warning(&without, start)?);
+                notices.warn_left_out(&prepared, &without, start)?;
                 left_out = without;
                 first = Some(prepared);
             }

@@ -18,13 +18,14 @@ use super::judged::{begin, given_field};
 use super::passes::left_out_table;
 use crate::failure::Outcome;
 use crate::output::{Answer, FORMATS, Output};
+use crate::required::Required;
 use crate::screen::{Shown, Style, rounded, shown};
 
 #[derive(Args)]
 pub struct WindowsArguments {
     /// Targets: CSV, ECSV or JSON with columns name, ra_deg, dec_deg, exposure_s (or ra and dec as 12h34m -30d30m)
     #[arg(long, value_name = "FILE")]
-    pub targets: PathBuf,
+    pub targets: Option<PathBuf>,
     /// Night that begins on this evening, local date of the site, for example 2024-08-14
     #[arg(long, value_name = "DATE", conflicts_with_all = ["start", "end"])]
     pub night: Option<String>,
@@ -64,6 +65,15 @@ const ON_SCREEN: &[Shown] = &[
 
 pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules, ..typed.config }.with_file()?;
+    let has_range = typed.night.is_some() || typed.start.is_some();
+    Required::of(&config)
+        .input(typed.targets.is_some(), "targets", "--targets FILE")
+        .input(has_range, "time range", "--night DATE, or --start TIME and --end TIME")
+        .satellites()
+        .site()
+        .field()
+        .check()?;
+    let path = typed.targets.unwrap_or_default();
     let shape = typed.output.format.as_deref().and_then(WindowShape::by_name);
     let output = match shape {
         Some(_) => Output::new(Some("json"), typed.output.output.clone())?,
@@ -84,7 +94,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     let max_sun_altitude_deg = in_degrees("max-sun-altitude-deg", typed.max_sun_altitude_deg)?;
     let seconds = |what, text: &Option<String>| text.as_deref().map(|text| parse_duration_s(what, text)).transpose();
     let overhead_s = seconds("overhead", &typed.overhead)?.unwrap_or(0.0);
-    let listed = read_targets(&typed.targets, seconds("exposure", &typed.exposure)?, plan.rotation_rad)?;
+    let listed = read_targets(&path, seconds("exposure", &typed.exposure)?, plan.rotation_rad)?;
 
     let mut prepared = config.prepare(from, to)?;
     notices.warn(&prepared.warnings);
@@ -96,7 +106,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
         max_sun_altitude_rad: Some(max_sun_altitude_deg.to_radians()),
     };
     let report = clear_windows(&targets, from, to, &request)?;
-    notices.warn(&prepared.left_out_warning(&report.left_out, from)?);
+    notices.warn_left_out(&prepared, &report.left_out, from)?;
     let found = found(&listed, &report);
     for one in &found {
         if let Err(reason) = &one.listed.target {
@@ -108,7 +118,7 @@ pub fn run(typed: WindowsArguments) -> anyhow::Result<Outcome> {
     prepared.provenance.state(
         "options",
         json!({
-            "targets": typed.targets.display().to_string(),
+            "targets": path.display().to_string(),
             "from_utc": format_utc(from, 3),
             "to_utc": format_utc(to, 3),
             "field": given_field(&config),

@@ -24,7 +24,7 @@ pub enum FetchSource {
 
 #[derive(Args)]
 pub struct CelestrakArguments {
-    /// Name of the group (required)
+    /// Name of the group
     #[arg(long, value_name = "GROUP")]
     pub group: String,
     /// Format of the elements; tle and 2le have no catalogue numbers above 99999
@@ -36,7 +36,7 @@ pub struct CelestrakArguments {
 
 #[derive(Args)]
 pub struct SupgpArguments {
-    /// Name of the file (required)
+    /// Name of the file
     #[arg(long, value_name = "FILE")]
     pub file: String,
     /// Format of the elements
@@ -63,7 +63,7 @@ pub struct SpaceTrackArguments {
 
 #[derive(Args)]
 pub struct SatcheckerArguments {
-    /// Time of the elements, for example 2024-08-14T00:30:00Z (required)
+    /// Time of the elements, for example 2024-08-14T00:30:00Z
     #[arg(long, value_name = "TIME")]
     pub epoch: String,
     #[command(flatten)]

@@ -29,7 +29,7 @@ pub enum FitVerb {
 /// Tables of photometry, and the site of the observer.
 #[derive(Args)]
 pub struct TableArguments {
-    /// Tables of photometry, plain or gzipped (required)
+    /// Tables of photometry, plain or gzipped
     #[arg(long, value_name = "FILE", num_args = 1.., required = true, help_heading = "Photometry")]
     pub photometry: Vec<PathBuf>,
     /// Layout of the tables: pomenis, mmt, score, slingshot, csv; detected from the header if omitted
@@ -157,7 +157,7 @@ pub enum ModeName {
 /// Form of the model, and its free parameters.
 #[derive(Args)]
 pub struct FormArguments {
-    /// Brightness model to fit: name (listed by streakcast model list) or model file (required)
+    /// Brightness model to fit: name (listed by streakcast model list) or model file
     #[arg(long, value_name = "NAME", help_heading = "Model")]
     pub model: String,
     /// Free parameters, for example c1,c2,n_sail or panel_offset_deg; all coefficients if omitted
@@ -224,7 +224,7 @@ pub struct FitRunArguments {
     /// Month of the fit for the provenance of the model, for example 2026-11; this month if omitted
     #[arg(long, value_name = "DATE", help_heading = "Output")]
     pub date: Option<String>,
-    /// Output model file (required)
+    /// Output model file
     #[arg(long, short, value_name = "FILE", help_heading = "Output")]
     pub output: PathBuf,
     /// Report: .md with separate pictures, or .html with embedded ones
@@ -268,7 +268,7 @@ pub struct FitReduceArguments {
 pub struct FitIdentifyArguments {
     #[command(flatten)]
     pub tables: TableArguments,
-    /// Element sets of all candidate satellites (required)
+    /// Element sets of all candidate satellites
     #[arg(long, value_name = "FILE", num_args = 1.., required = true, help_heading = "Association")]
     pub elements: Vec<PathBuf>,
     /// Largest age of an element set, days

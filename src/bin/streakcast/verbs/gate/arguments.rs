@@ -14,6 +14,7 @@ use streakcast::geometry::Site;
 use streakcast::schedule::{MagnitudeLimit, Policy};
 
 use super::clock::Clock;
+use crate::required::Required;
 
 #[derive(Args)]
 pub struct GateArguments {
@@ -106,6 +107,23 @@ impl Request {
             ..typed.config
         };
         let config = flags.with_file()?;
+        let has_name = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
+        let has_pointing = config.exposure.ra.is_some() && config.exposure.dec.is_some();
+        let required = Required::of(&config)
+            .input(
+                has_pointing || has_name || typed.indi.is_some(),
+                "pointing",
+                "--ra and --dec, --targets with --target or --stdin ekos, or --indi localhost",
+            )
+            .input(
+                config.exposure.duration.is_some() || typed.stdin.is_some(),
+                "exposure time",
+                "--exposure TIME, for example 300s, or --stdin ekos",
+            )
+            .satellites()
+            .field();
+        // An INDI server may send the site.
+        if typed.indi.is_some() { required } else { required.site() }.check()?;
         let mut policy = config.policy()?;
         if policy.max_lost_fraction.is_some() {
             return Err(anyhow!(
@@ -125,25 +143,12 @@ impl Request {
         };
         let duration = text(&config.exposure.duration);
         let duration_s = duration.map(|exposure| parse_duration_s("exposure", &exposure)).transpose()?;
-        let names = typed.targets.is_some() && (typed.target.is_some() || typed.stdin.is_some());
-        if pointing.is_none() && !names && typed.indi.is_none() {
-            return Err(anyhow!(
-                "missing pointing; specify --ra and --dec, --targets with --target or --stdin ekos, or --indi localhost"
-            ));
-        }
-        if duration_s.is_none() && typed.stdin.is_none() {
-            return Err(anyhow!("missing exposure time; specify --exposure 300s, or --stdin ekos"));
-        }
         if config.is_in_orbit() {
             return Err(anyhow!("gate is not for a telescope in orbit; specify a site"));
         }
-        // An INDI server may send the site.
         let SiteConfig { named, mpc, lat, lon, .. } = &config.site;
         let has_site = named.is_some() || mpc.is_some() || lat.is_some() || lon.is_some();
         let site = if has_site || typed.indi.is_none() { Some(config.site()?) } else { None };
-        if !config.has_satellites() {
-            return Err(anyhow!("missing satellites; specify --elements FILE..."));
-        }
         let max_wait_s = parse_duration_s("max-wait", &typed.max_wait)?;
         if max_wait_s > Policy::LONGEST_DELAY_S {
             return Err(anyhow!("max-wait {max_wait_s} s: allowed 0 to {} s", Policy::LONGEST_DELAY_S));

@@ -51,14 +51,14 @@ pub enum PlotVerb {
 /// Outputs: pictures and their data.
 #[derive(Args)]
 pub struct PictureArguments {
-    /// Output picture, .png or .svg; may be repeated (required)
-    #[arg(long, short, value_name = "FILE", required = true, help_heading = "Picture")]
+    /// Output picture, .png or .svg; may be repeated
+    #[arg(long, short, value_name = "FILE", help_heading = "Picture (required: -o)")]
     pub output: Vec<PathBuf>,
     /// Data of the picture: a .ecsv, .csv, .json or .jsonl file; NAME-data.ecsv for the picture NAME.png if omitted
-    #[arg(long, value_name = "FILE", conflicts_with = "no_data", help_heading = "Picture")]
+    #[arg(long, value_name = "FILE", conflicts_with = "no_data", help_heading = "Picture (required: -o)")]
     pub data: Option<PathBuf>,
     /// Write no data file
-    #[arg(long, help_heading = "Picture")]
+    #[arg(long, help_heading = "Picture (required: -o)")]
     pub no_data: bool,
 }
 
@@ -66,7 +66,7 @@ pub struct PictureArguments {
 #[derive(Args)]
 pub struct TitleArguments {
     /// Title of the picture
-    #[arg(long, value_name = "TEXT", help_heading = "Picture")]
+    #[arg(long, value_name = "TEXT", help_heading = "Picture (required: -o)")]
     pub title: Option<String>,
 }
 
@@ -74,14 +74,14 @@ pub struct TitleArguments {
 #[derive(Args)]
 pub struct ClockArguments {
     /// Local time ahead of UTC, for example -4 or +05:45; local mean solar time of the site if omitted
-    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture")]
+    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture (required: -o)")]
     pub utc_offset: Option<f64>,
 }
 
 #[derive(Args)]
 pub struct PlotNightArguments {
     /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
-    #[arg(long, value_name = "FILE", required_unless_present = "from")]
+    #[arg(long, value_name = "FILE")]
     pub schedule: Option<PathBuf>,
     /// Input table: data of an earlier plot night, or, with --schedule, output of flag (CSV, ECSV or JSON)
     #[arg(long, value_name = "FILE", conflicts_with_all = ["elements", "shells", "policy", "max_delay"])]
@@ -147,14 +147,14 @@ pub struct PlotLightCurveArguments {
 
 #[derive(Args)]
 pub struct PlotSkyChartArguments {
-    /// Input table: output of forecast (--light-curves, or JSON with --samples N; required)
+    /// Input table: output of forecast (--light-curves, or JSON with --samples N)
     #[arg(long, value_name = "FILE")]
     pub from: PathBuf,
     /// NORAD catalogue numbers of satellites; the 22 brightest passes if omitted
     #[arg(long, value_name = "ID", num_args = 1.., value_delimiter = ',', value_parser = norad_id)]
     pub norad: Vec<u32>,
     /// Local time ahead of UTC, for example -4 or +05:45; UTC if omitted
-    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture")]
+    #[arg(long, value_name = "OFFSET", allow_hyphen_values = true, value_parser = utc_offset_h, help_heading = "Picture (required: -o)")]
     pub utc_offset: Option<f64>,
     #[command(flatten)]
     pub title: TitleArguments,
@@ -266,7 +266,7 @@ pub struct PlotBodyArguments {
 #[cfg(feature = "fit")]
 #[derive(Args)]
 pub struct PlotCornerArguments {
-    /// Chains of fit run --mcmc (.npz; required)
+    /// Chains of fit run --mcmc (.npz)
     #[arg(long, value_name = "FILE")]
     pub chains: PathBuf,
     /// Number of discarded steps at the beginning; a quarter of them if omitted
@@ -283,10 +283,10 @@ pub struct PlotCornerArguments {
 
 #[derive(Args)]
 pub struct PlotResidualsArguments {
-    /// Input table: output of fit reduce, with or without --raw-points (CSV, ECSV or JSON; required)
+    /// Input table: output of fit reduce, with or without --raw-points (CSV, ECSV or JSON)
     #[arg(long, value_name = "FILE")]
     pub from: PathBuf,
-    /// Brightness model: name (listed by streakcast model list) or model file (required)
+    /// Brightness model: name (listed by streakcast model list) or model file
     #[arg(long, value_name = "NAME")]
     pub model: String,
     /// Configuration file with band and additional models

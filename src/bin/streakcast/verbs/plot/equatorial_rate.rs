@@ -114,10 +114,12 @@ pub fn compute(
                 }
             }
         }
-        let left_out = prepared.left_out_warning(&counts.left_out, from)?;
-        let warnings = prepared.warnings.iter().cloned().chain(left_out);
-        let new: Vec<String> = warnings.filter(|text| printed.insert(text.clone())).collect();
+        let new: Vec<String> =
+            prepared.warnings.iter().filter(|text| printed.insert((*text).clone())).cloned().collect();
         notices.warn(&new);
+        if prepared.left_out_warning(&counts.left_out, from)?.is_some_and(|warning| printed.insert(warning)) {
+            notices.warn_left_out(&prepared, &counts.left_out, from)?;
+        }
         provenance.get_or_insert(prepared.provenance);
     }
     if sums.iter().all(|sum| sum.exposures == 0) {

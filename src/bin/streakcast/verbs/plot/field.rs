@@ -16,7 +16,7 @@ use crate::verbs::passes::predict;
 
 use super::columns::Columns;
 use super::curves::{SYNTHETIC, shells_caption};
-use super::target::Target;
+use super::target::{Target, required};
 
 /// Number of points of a circle.
 const CIRCLE_POINTS: usize = 180;
@@ -36,6 +36,7 @@ pub fn run(typed: PlotFieldArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&picture(&columns, &exposure, field.as_ref(), title)?)?;
         return Ok(outcome(&columns));
     }
+    required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
     let target = Target::new(&typed.picture)?;
     let prediction = predict(&config)?;
     let table = prediction.table(false);

@@ -19,7 +19,7 @@ use crate::verbs::passes::{Prediction, predict};
 use super::clock::Clock;
 use super::columns::Columns;
 use super::curves::{Curve, SECTIONS, SYNTHETIC, curves, shells_caption};
-use super::target::Target;
+use super::target::{Target, required};
 
 /// Number of points along a track.
 const POINTS: usize = 400;
@@ -61,6 +61,7 @@ pub fn run(typed: PlotLightCurveArguments) -> anyhow::Result<Outcome> {
         return Ok(Outcome::Done);
     }
     let clock = Clock::new(typed.clock.utc_offset, site.as_ref());
+    required(&config, &typed.picture).times().pointing().satellites().site().field().check()?;
     let target = Target::new(&typed.picture)?;
     let around_s = parse_duration_s("around", &typed.around)?;
     if around_s > MAX_AROUND_S {

@@ -12,10 +12,16 @@ use crate::verbs::map::site_of;
 use super::clock::{Clock, sun_over};
 use super::columns::Columns;
 use super::exposures::{Nights, compute, of_flags};
-use super::target::Target;
+use super::target::{Target, required};
 
 pub fn run(typed: PlotNightArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
+    if typed.from.is_none() {
+        let has_schedule = typed.schedule.is_some();
+        let inputs =
+            required(&config, &typed.picture).input(has_schedule, "schedule", "--schedule FILE, or --from FILE");
+        inputs.satellites().site().field().check()?;
+    }
     let notices = begin(&config)?;
     let target = match &typed.from {
         Some(_) if typed.schedule.is_none() => Target::of_table(&typed.picture)?,

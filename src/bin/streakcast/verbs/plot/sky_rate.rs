@@ -18,7 +18,7 @@ use crate::verbs::judged::{begin, given_field};
 use super::columns::Columns;
 use super::equatorial_rate;
 use super::equatorial_rate::{BRIGHT, Rates, STREAKS, missing_statement};
-use super::target::Target;
+use super::target::{Target, required};
 
 /// Verb that writes tables of this map.
 const WRITER: &str = "plot sky-rate";
@@ -55,6 +55,8 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&drawn)?;
         return Ok(Outcome::Done);
     }
+    let inputs = required(&config, &typed.picture).satellites().site().field();
+    if typed.equatorial { inputs } else { inputs.times() }.check()?;
     let target = Target::new(&typed.picture)?;
     if !(1..=MAX_NSIDE).contains(&typed.nside) || !typed.nside.is_power_of_two() {
         bail!("invalid nside {}; allowed: 1, 2, 4, 8, 16, 32, 64", typed.nside);
@@ -94,7 +96,7 @@ pub fn run(typed: PlotSkyRateArguments) -> anyhow::Result<Outcome> {
         limit_mag: typed.limit_mag,
     };
     let counts = prepared.sky.streak_counts(&request)?;
-    notices.warn(&prepared.left_out_warning(&counts.left_out, moment)?);
+    notices.warn_left_out(&prepared, &counts.left_out, moment)?;
     let table = table(&directions, &counts, typed.limit_mag.is_some());
     let sun = prepared.sky.sun_altaz(moment)?;
     let mut provenance = prepared.provenance;

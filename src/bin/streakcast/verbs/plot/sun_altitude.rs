@@ -17,7 +17,7 @@ use crate::verbs::map::site_of;
 use super::columns::Columns;
 use super::exposures::compute;
 use super::sky_rate::{cells_above, start_and_length};
-use super::target::Target;
+use super::target::{Target, required};
 
 /// Cells of the grid: 14.7° wide, 48 of them above 30°.
 const NSIDE: u32 = 4;
@@ -48,6 +48,8 @@ pub fn run(typed: PlotSunAltitudeArguments) -> anyhow::Result<Outcome> {
         target.write_picture(&picture(&columns, limit, typed.bin, title, &caption)?)?;
         return Ok(Outcome::Done);
     }
+    let inputs = required(&config, &typed.picture).satellites().site().field();
+    if typed.schedule.is_some() { inputs } else { inputs.times() }.check()?;
     let target = Target::new(&typed.picture)?;
     let (table, provenance, caption) = match &typed.schedule {
         Some(schedule) => {
@@ -104,7 +106,7 @@ fn grid(
         limit_mag: limit,
     };
     let counts = prepared.sky.streak_counts(&request)?;
-    notices.warn(&prepared.left_out_warning(&counts.left_out, start)?);
+    notices.warn_left_out(&prepared, &counts.left_out, start)?;
     let mut rows = Vec::new();
     for ((moment, all), sun) in moments.iter().zip(&counts.by_moment).zip(&counts.sun) {
         for (direction, count) in directions.iter().zip(all) {

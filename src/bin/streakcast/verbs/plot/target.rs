@@ -4,11 +4,13 @@ use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
 use anyhow::{anyhow, bail};
+use streakcast::config::Config;
 use streakcast::output::{Provenance, Section, Table};
 use streakcast::plot::{Picture, PictureFormat};
 
 use super::arguments::PictureArguments;
 use crate::output::{Answer, Output, check, write_bytes};
+use crate::required::Required;
 use crate::screen::Style;
 
 /// Outputs, checked before any work.
@@ -32,6 +34,9 @@ impl Target {
     }
 
     fn with_data(typed: &PictureArguments, has_data: bool) -> anyhow::Result<Self> {
+        if typed.output.is_empty() {
+            bail!("missing picture; specify -o FILE");
+        }
         let mut pictures: Vec<(PathBuf, PictureFormat)> = Vec::new();
         for path in &typed.output {
             let format = PictureFormat::of(path)?;
@@ -85,10 +90,16 @@ pub fn data_path(picture: &Path) -> PathBuf {
     picture.with_file_name(format!("{stem}-data.ecsv"))
 }
 
+/// Returns a check of required inputs with that of the picture.
+pub fn required<'a>(config: &'a Config, typed: &PictureArguments) -> Required<'a> {
+    Required::of(config).input(!typed.output.is_empty(), "picture", "-o FILE")
+}
+
 /// Returns the picture of plots with only one.
 pub fn only(typed: &PictureArguments) -> anyhow::Result<PathBuf> {
     match typed.output.as_slice() {
         [path] => Ok(path.clone()),
+        [] => Err(anyhow!("missing picture; specify -o FILE")),
         _ => Err(anyhow!("this plot writes one picture; specify -o once")),
     }
 }

@@ -13,7 +13,7 @@ use crate::arguments::utc_offset_h;
 pub struct ServeArguments {
     /// Schedule: opsim SQLite, ConsDB or ObsPlan exports, CSV, ECSV, JSON, VOTable or Parquet
     #[arg(long, value_name = "FILE")]
-    pub schedule: PathBuf,
+    pub schedule: Option<PathBuf>,
     /// Address and port to listen at; port 0 for a free one. Addresses other than loopback need a token
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:8642", value_parser = address, help_heading = "Service")]
     pub bind: SocketAddr,

@@ -18,12 +18,15 @@ use super::server;
 use super::state::{Caveats, ServerState, nights_of, zone_h};
 use super::workers::WorkerPool;
 use crate::failure::Outcome;
+use crate::required::Required;
 
 /// Most exposures that the page can show.
 const MAX_EXPOSURES: usize = 100_000;
 
 pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
     let config = Config { rules: typed.rules.clone(), ..typed.config.clone() }.with_file()?;
+    let has_schedule = typed.schedule.is_some();
+    Required::of(&config).input(has_schedule, "schedule", "--schedule FILE").satellites().site().field().check()?;
     let token = Token::of(&typed)?;
     let notices = judged::begin(&config)?;
     let plan = config.observation()?;
@@ -32,16 +35,13 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
         std::net::TcpListener::bind(typed.bind).map_err(|error| anyhow!("cannot listen at {}: {error}", typed.bind))?;
     let address = listener.local_addr()?;
 
-    let schedule = Schedule::read(&typed.schedule, &config.schedule_options()?)?;
+    let path = typed.schedule.unwrap_or_default();
+    let schedule = Schedule::read(&path, &config.schedule_options()?)?;
     let rows = schedule.exposures.len();
     if rows > MAX_EXPOSURES {
-        return Err(anyhow!(
-            "schedule {}: {rows} exposures; allowed: {MAX_EXPOSURES} at most",
-            typed.schedule.display()
-        ));
+        return Err(anyhow!("schedule {}: {rows} exposures; allowed: {MAX_EXPOSURES} at most", path.display()));
     }
-    let (first, last) =
-        judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &typed.schedule)))?;
+    let (first, last) = judged::span(&schedule).ok_or_else(|| anyhow!(judged::none_judged(&schedule, &path)))?;
     let prepared = config.prepare(first, last)?;
     let site = match prepared.sky.viewpoint() {
         Viewpoint::Site(observer) => observer.site().clone(),
@@ -62,7 +62,7 @@ pub fn run(typed: ServeArguments) -> anyhow::Result<Outcome> {
 
     let mut provenance = without_lists(&prepared.provenance);
     state_scales(&mut provenance, &schedule.time_scale.to_string().to_ascii_lowercase(), &plan.photometry);
-    let file = typed.schedule.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    let file = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
     provenance.state(
         "schedule",
         json!({
