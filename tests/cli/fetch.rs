@@ -248,7 +248,7 @@ fn no_failure_replaces_a_valid_file() {
                 send(stream, &long[..long.len() - 40]);
             }),
             &[],
-            "what came is",
+            "the response has no element sets",
         ),
         // The connection ends before the last chunk.
         (

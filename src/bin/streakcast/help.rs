@@ -271,21 +271,21 @@ const VERBS: &[VerbHelp] = &[
         "fit",
         [
             "reduce --photometry pomenis.csv --height-km 550 -o pixels.ecsv",
-            "run --photometry pomenis.csv --height-km 550 --model visorsat -o fitted.json",
+            "run --photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json",
         ],
     ),
     verb(
         "fit run",
         [
-            "--photometry pomenis.csv --height-km 550 --model visorsat -o fitted.json --report fit.html",
-            "--photometry mmt.csv --elements history.tle --model visorsat --raw-points --mcmc 2000 --chains chains.npz -o fitted.json",
+            "--photometry pomenis.csv --height-km 550 --model starlink-v1.5 -o fitted.json --report fit.html",
+            "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --mcmc 2000 --chains chains.npz -o fitted.json",
         ],
     ),
     verb(
         "fit compare",
         [
-            "--photometry pomenis.csv --height-km 550 --model visorsat",
-            "--photometry mmt.csv --elements history.tle --model visorsat --raw-points --folds 10",
+            "--photometry pomenis.csv --height-km 550 --model starlink-v1.5",
+            "--photometry mmt.csv --elements history.tle --model starlink-v1.5 --raw-points --folds 10",
         ],
     ),
     verb(
@@ -338,7 +338,8 @@ const VERBS: &[VerbHelp] = &[
 
 /// Adds required flags and examples to the help of all verbs.
 pub fn complete(command: Command) -> Command {
-    VERBS.iter().fold(command, |command, help| {
+    // Examples are not wrapped: they can be copied.
+    VERBS.iter().fold(command.term_width(0), |command, help| {
         let names: Vec<&str> = help.path.split(' ').collect();
         at(command, &names, help)
     })

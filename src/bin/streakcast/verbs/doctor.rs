@@ -195,9 +195,9 @@ fn page(health: &Health, cached: &[(std::path::PathBuf, FetchRecord)], now: Epoc
 
 fn label(bin: &AgeBin) -> String {
     if bin.from_days.is_infinite() {
-        format!("from {} d in the future", -bin.to_days)
+        format!("from {} d ahead", -bin.to_days)
     } else if bin.from_days < 0.0 {
-        format!("up to {} d in the future", -bin.from_days)
+        format!("up to {} d ahead", -bin.from_days)
     } else if bin.to_days.is_infinite() {
         format!("{} d or more", bin.from_days)
     } else {
