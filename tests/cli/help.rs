@@ -60,11 +60,11 @@ fn every_verb_has_two_working_examples() {
             };
             words.extend(end.iter().flat_map(|(flag, _)| flag));
             let folder = tempfile::tempdir().unwrap();
-            let (code, _, stderr) = run(&words, folder.path());
+            let (code, stdout, stderr) = run(&words, folder.path());
             match (code, end) {
                 (0 | 1, _) => completed += 1,
                 (_, Some((_, error))) => assert!(stderr.contains(error), "{example}: {stderr}"),
-                (_, None) => assert!(stderr.contains("No such file"), "{example}: {stderr}"),
+                (_, None) => assert!((stdout + &stderr).contains("No such file"), "{example}: {stderr}"),
             }
         }
     }
