@@ -17,14 +17,14 @@
 //! with the angular rate ω, the range ρ and the mean motion n: an orbit tilted by σ_cross crosses its own prediction at the angle
 //! n σ_cross / v.
 
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{FRAC_1_SQRT_2, PI, TAU};
 
 use nalgebra::Vector3;
 
-use super::likelihood::{Candidate, Offset, Weighed, within};
+use super::likelihood::{Candidate, Offset, Weighed, log_normal, within};
 use super::streak::{MeasuredStreak, Timing};
 use crate::frames::{Direction, Gcrs};
-use crate::orbit::{OrbitUncertainty, Propagator};
+use crate::orbit::{Lateness, OrbitUncertainty, Propagator};
 use crate::passes::{DelayedTrack, ExposureInterval, Sighting};
 use crate::photometry::PhotometryOptions;
 
@@ -73,23 +73,25 @@ pub(super) fn compare(
     let sigmas = Sigmas::new(&errors, &middle, propagator, streak);
 
     // The time of the passage.
-    let (passage_s, met, evidence) = match streak.timing() {
+    let (passage_s, met, within_exposure) = match streak.timing() {
         Timing::FirstToSecond | Timing::Whole => (mid_s, middle, None),
         Timing::Within => {
             let half_s = mid_s.max(streak.time_sigma_s().min(0.9 * DelayedTrack::MARGIN_S));
             let ends = [mid_s - half_s, mid_s + half_s]
                 .map(|time_s| meet(interval, propagator, streak, time_s, middle.late_s + time_s - mid_s));
             let [Some(before), Some(after)] = ends else { return None };
-            let pulls = |met: &Met| [met.late_s / sigmas.late_s, met.beside_rad / sigmas.beside_rad];
+            let pulls = |met: &Met, sigma_s: f64| [met.late_s / sigma_s, met.beside_rad / sigmas.beside_rad];
             // A streak of known length takes time, which must be within the exposure.
             let rate_rad_s = middle.sighting.own_rate.norm();
             let crossing_s = streak.length_rad().map_or(0.0, |length_rad| length_rad / rate_rad_s);
             let free = (1.0 - crossing_s / (2.0 * half_s)).clamp(0.0, 1.0);
-            let within = within(pulls(&before), pulls(&after), free);
-            let passage_s = mid_s + half_s * within.at;
+            let integral = |sigma_s: f64| within(pulls(&before, sigma_s), pulls(&after, sigma_s), free);
+            let passage_s = mid_s + half_s * integral(sigmas.late_s).at;
             let met = meet(interval, propagator, streak, passage_s, middle.late_s + passage_s - mid_s)?;
-            // ∫ dt N(δ; σ_δ) N(x; σ_x), of which `within` has the integral over [-1, 1]
-            let log_density = within.log_integral + half_s.ln() - (TAU * sigmas.late_s * sigmas.beside_rad).ln();
+            // ∫ dt F'(δ) N(x; σ_x), of which `within` has the integral over [-1, 1] for each Gaussian of F'
+            let log_density = log_sum(sigmas.lateness.parts().map(|(weight, sigma_s)| {
+                weight.ln() + integral(sigma_s).log_integral + half_s.ln() - (TAU * sigma_s * sigmas.beside_rad).ln()
+            }));
             (passage_s, met, Some(log_density))
         }
     };
@@ -133,13 +135,20 @@ pub(super) fn compare(
         probability: 0.0,
         log_weight: 0.0,
     };
-    Weighed::new(&candidate, streak.timing(), evidence).apply_to(&mut candidate);
+    let log_density =
+        within_exposure.unwrap_or_else(|| sigmas.lateness.log_density(late_s) + log_normal(candidate.cross_track_rad));
+    // The square of the delay in sigmas, where the distribution is a Gaussian.
+    let delay_square = 2.0 * (sigmas.lateness.log_density(0.0) - sigmas.lateness.log_density(late_s));
+    Weighed::new(&candidate, streak.timing(), delay_square, log_density).apply_to(&mut candidate);
     (candidate.chi_square <= MOST_CHI_SQUARE).then_some(candidate)
 }
 
 /// One-sigma errors of the differences.
 struct Sigmas {
+    /// Half width that holds 68.27 % of `lateness`.
     late_s: f64,
+    /// Lateness of the satellite, with the errors of clock and measured position.
+    lateness: Lateness,
     beside_rad: f64,
     turn_rad: f64,
     /// Relative error of the rate.
@@ -152,16 +161,21 @@ impl Sigmas {
         let across_rad = errors.cross_track_km / met.sighting.range_km;
         let place_rad = streak.place_sigma_rad();
         let mean_motion_rad_s = TAU / propagator.period_s();
+        let lateness = errors.lateness.blurred(streak.time_sigma_s().hypot(FRAC_1_SQRT_2 * place_rad / rate_rad_s));
         Self {
-            late_s: (errors.along_track_s.powi(2)
-                + streak.time_sigma_s().powi(2)
-                + 0.5 * (place_rad / rate_rad_s).powi(2))
-            .sqrt(),
+            late_s: lateness.one_sigma_s(),
+            lateness,
             beside_rad: (across_rad.powi(2) + 0.5 * place_rad.powi(2)).sqrt(),
             turn_rad: (mean_motion_rad_s * across_rad / rate_rad_s).hypot(streak.angle_sigma_rad()),
             rate_share: across_rad,
         }
     }
+}
+
+/// ln Σ exp(x), without overflow.
+fn log_sum(logarithms: impl Iterator<Item = f64> + Clone) -> f64 {
+    let greatest = logarithms.clone().fold(f64::NEG_INFINITY, f64::max);
+    greatest + logarithms.map(|x| (x - greatest).exp()).sum::<f64>().ln()
 }
 
 /// Finds the delay with which a satellite passes nearest to the middle of the streak at a time.

@@ -110,6 +110,11 @@ fn normal_between(low: f64, high: f64) -> f64 {
     if low > 0.0 { upper(low) - upper(high) } else { upper(-high) - upper(-low) }
 }
 
+/// Logarithm of the normal density of an offset.
+pub(super) fn log_normal(offset: Offset) -> f64 {
+    -0.5 * offset.square() - (TAU.sqrt() * offset.sigma).ln()
+}
+
 /// Weight of one candidate.
 pub(super) struct Weighed {
     chi_square: f64,
@@ -118,21 +123,21 @@ pub(super) struct Weighed {
 }
 
 impl Weighed {
-    /// Computes the weight; `evidence` is ln ∫ dt N(δ) N(x) if the time is an exposure.
-    pub fn new(candidate: &Candidate, timing: Timing, evidence: Option<f64>) -> Self {
-        let log_normal = |offset: Offset| -0.5 * offset.square() - (TAU.sqrt() * offset.sigma).ln();
+    /// Computes the weight; `log_density` is the logarithm of the density of delay and cross-track offset, integrated over the
+    /// exposure if the time is only known to be within it.
+    /// `delay_square` is the square of the delay in sigmas.
+    pub fn new(candidate: &Candidate, timing: Timing, delay_square: f64, log_density: f64) -> Self {
         let length = candidate.length_rad;
         let mut squares = vec![candidate.cross_track_rad.square(), candidate.angle_rad.square()];
-        let mut log_weight = log_normal(candidate.angle_rad);
+        let mut log_weight = log_normal(candidate.angle_rad) + log_density;
         if timing == Timing::Within {
             // These can only be too large: otherwise they do not count.
-            squares.extend([candidate.along_track_s.square()].into_iter().filter(|square| *square > 1e-6));
+            squares.extend([delay_square].into_iter().filter(|square| *square > 1e-6));
             squares.extend(length.map(Offset::square).filter(|square| *square > 0.0));
-            log_weight += evidence.unwrap_or(0.0) - 0.5 * length.map_or(0.0, Offset::square);
+            log_weight -= 0.5 * length.map_or(0.0, Offset::square);
         } else {
-            squares.push(candidate.along_track_s.square());
+            squares.push(delay_square);
             squares.extend(length.map(Offset::square));
-            log_weight += log_normal(candidate.cross_track_rad) + log_normal(candidate.along_track_s);
             log_weight += length.map_or(0.0, log_normal);
         }
         Self { chi_square: squares.iter().sum(), terms: squares.len() as u32, log_weight }

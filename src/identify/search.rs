@@ -148,7 +148,7 @@ fn delays_s(interval: &ExposureInterval<'_>, element_index: usize, streak: &Meas
         }
         let place = observer.vector() + towards.vector() * range_km;
         return delay_on_eccentric(interval, propagator, &place, mid_s)
-            .filter(|late_s| late_s.abs() <= reach.along_track_s + SLOP_KM)
+            .filter(|late_s| late_s.abs() <= reach.along_track_s + SLOP_KM / v.norm())
             .into_iter()
             .collect();
     }

@@ -3,6 +3,7 @@
 use rayon::prelude::*;
 
 use super::propagator::{OrbitError, Propagator};
+use super::station_keeping::DragModel;
 use crate::elements::{ElementSet, NoradId};
 
 /// A satellite without a position, and the reason. One such satellite never stops a night.
@@ -26,8 +27,9 @@ pub struct SatelliteIndex {
 
 impl SatelliteIndex {
     /// Initialises SGP4 for every element set, on all threads.
-    pub fn new(elements: &[ElementSet]) -> Self {
-        let made: Vec<Result<Propagator, OrbitError>> = elements.par_iter().map(Propagator::new).collect();
+    pub fn new(elements: &[ElementSet], drag: DragModel) -> Self {
+        let made: Vec<Result<Propagator, OrbitError>> =
+            elements.par_iter().map(|set| Propagator::with_drag(set, drag)).collect();
         let mut left_out = Vec::new();
         let propagators = made
             .into_iter()

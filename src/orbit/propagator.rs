@@ -7,6 +7,7 @@ use std::fmt;
 use thiserror::Error;
 
 use super::resonance::Resonance;
+use super::station_keeping::DragModel;
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::elements::{ElementSet, NoradId};
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
@@ -123,6 +124,17 @@ impl Propagator {
             farthest_km,
             resonance,
         })
+    }
+
+    /// As [`Propagator::new`], without the published drag where the satellite holds its orbit by thrust.
+    ///
+    /// # Errors
+    /// As [`Propagator::new`].
+    pub fn with_drag(elements: &ElementSet, drag: DragModel) -> Result<Self, OrbitError> {
+        match drag.class_of(elements) {
+            Some(class) => Self::new(&class.elements(elements)),
+            None => Self::new(elements),
+        }
     }
 
     /// Position integrated from the element epoch; `None` for orbits without resonances.

@@ -33,6 +33,8 @@
 
 use std::f64::consts::TAU;
 
+use super::lateness::Lateness;
+use super::station_keeping::{DragModel, StationKeeping};
 use crate::constants::{DAY_S, WGS72_MU_KM3_S2};
 use crate::elements::{ElementSet, Origin};
 
@@ -54,11 +56,13 @@ const MANOEUVRING_REV_DAY2: f64 = 3e-4;
 /// One-sigma error of a predicted position.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct OrbitUncertainty {
-    /// Early or late along the track, seconds.
+    /// Early or late along the track, seconds: the half width that holds 68.27 % of `lateness`.
     pub along_track_s: f64,
     /// Off the track in one direction at right angles to it, km: one number for the direction out of the orbit's
     /// plane and for the radius.
     pub cross_track_km: f64,
+    /// Distribution of the delay along the track.
+    pub lateness: Lateness,
 }
 
 /// What moves a satellite, by one element set.
@@ -78,6 +82,8 @@ pub enum OrbitKind {
     Eccentric,
     /// Simulated satellite of a shell. It has the errors of an epoch at any age.
     Synthetic,
+    /// Starlink that holds its orbit and is propagated without drag.
+    StationKeeping(StationKeeping),
 }
 
 /// A class of orbit together with the drag that one element set publishes.
@@ -106,10 +112,11 @@ impl OrbitClass {
     /// sets (|da/dt| < 100 m a day), 83 % are classified correctly: 96 % of those on station, 58 % of the manoeuvring
     /// ones; the ones missed move by 190 m a day in the median, and their own ṅ widens their sigma. Without a name,
     /// orbits like a constellation's (inclination, altitude, nearly circular) count as the constellation's.
-    pub fn of(elements: &ElementSet) -> Self {
-        let kind = match elements.origin {
-            Origin::Synthetic => OrbitKind::Synthetic,
-            Origin::Published => published_kind(elements),
+    pub fn of(elements: &ElementSet, drag: DragModel) -> Self {
+        let kind = match (elements.origin, drag.class_of(elements)) {
+            (Origin::Synthetic, _) => OrbitKind::Synthetic,
+            (Origin::Published, Some(class)) => OrbitKind::StationKeeping(class),
+            (Origin::Published, None) => published_kind(elements),
         };
         Self::new(kind, elements.mean_motion_rev_day, elements.mean_motion_dot_rev_day2)
     }
@@ -132,25 +139,20 @@ impl OrbitClass {
 /// assert!(uncertainty(starlink, 14.0).along_track_s > 20.0);
 /// ```
 pub fn uncertainty(class: OrbitClass, age_days: f64) -> OrbitUncertainty {
-    let growth = Growth::of(class.kind);
     let age = age_days.abs();
-    let axis_km = class.semi_major_axis_km();
-    // floor in seconds: 1 km at v = 2π a / P
-    let floor_s = ALONG_FLOOR_KM * class.period_s / (TAU * axis_km);
-    let along_s = [
-        floor_s,
-        growth.k1 * age,
-        growth.k2 * age.powi(2),
-        growth.c * class.drag_s_day2 * age.powi(2),
-        growth.f * class.drag_s_day2.powf(growth.q) * age.powf(growth.p),
-    ];
-    // S = 4/3 a |ṅ/2| / n = 4/3 a D / day
-    let shift_km_day = 4.0 / 3.0 * axis_km * class.drag_s_day2 / DAY_S;
-    let cross_km = [CROSS_FLOOR_KM, growth.kx * age.powf(growth.px), growth.cx * shift_km_day * age];
+    let (cross_km, lateness) = match class.kind {
+        OrbitKind::StationKeeping(keeping) => {
+            (keeping.cross_track_km(age), keeping.lateness(age, class.drag_s_day2, CAP_TURNS * class.period_s))
+        }
+        kind => {
+            let growth = Growth::of(kind);
+            (growth.cross_track_km(&class, age), Lateness::gaussian(growth.along_track_s(&class, age)))
+        }
+    };
     OrbitUncertainty {
-        // `min` also returns the cap for NaN of an extreme age or drag.
-        along_track_s: root_sum_square(&along_s).min(CAP_TURNS * class.period_s),
-        cross_track_km: root_sum_square(&cross_km).min(CROSS_CAP_KM),
+        along_track_s: lateness.one_sigma_s(),
+        cross_track_km: cross_km.hypot(CROSS_FLOOR_KM).min(CROSS_CAP_KM),
+        lateness,
     }
 }
 
@@ -178,6 +180,28 @@ struct Growth {
 }
 
 impl Growth {
+    /// Sigma along the track at an age in days, seconds.
+    fn along_track_s(&self, class: &OrbitClass, age: f64) -> f64 {
+        // floor in seconds: 1 km at v = 2π a / P
+        let floor_s = ALONG_FLOOR_KM * class.period_s / (TAU * class.semi_major_axis_km());
+        let terms_s = [
+            floor_s,
+            self.k1 * age,
+            self.k2 * age.powi(2),
+            self.c * class.drag_s_day2 * age.powi(2),
+            self.f * class.drag_s_day2.powf(self.q) * age.powf(self.p),
+        ];
+        // `min` also returns the cap for NaN of an extreme age or drag.
+        root_sum_square(&terms_s).min(CAP_TURNS * class.period_s)
+    }
+
+    /// Growth across the track at an age in days, km.
+    fn cross_track_km(&self, class: &OrbitClass, age: f64) -> f64 {
+        // S = 4/3 a |ṅ/2| / n = 4/3 a D / day
+        let shift_km_day = 4.0 / 3.0 * class.semi_major_axis_km() * class.drag_s_day2 / DAY_S;
+        root_sum_square(&[self.kx * age.powf(self.px), self.cx * shift_km_day * age])
+    }
+
     /// The fits of `tests/reference/calibrate_orbit_uncertainty.py`, rounded to two or three digits.
     #[rustfmt::skip]
     const fn of(kind: OrbitKind) -> Self {
@@ -188,7 +212,8 @@ impl Growth {
             OrbitKind::MediumEarth    => Self { k1: 0.135, k2: 0.001,  c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.35,  px: 0.54, cx: 0.0 },
             OrbitKind::Geosynchronous => Self { k1: 1.6,   k2: 0.149,  c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 2.1,   px: 0.60, cx: 0.0 },
             OrbitKind::Eccentric      => Self { k1: 21.5,  k2: 0.49,   c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.18,  px: 1.45, cx: 0.0 },
-            OrbitKind::Synthetic      => Self { k1: 0.0,   k2: 0.0,    c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.0,   px: 1.0,  cx: 0.0 },
+            // Station keeping has a distribution of its own.
+            OrbitKind::Synthetic | OrbitKind::StationKeeping(_) => Self { k1: 0.0,   k2: 0.0,    c: 0.0,  f: 0.0,  p: 1.0,  q: 1.0,   kx: 0.0,   px: 1.0,  cx: 0.0 },
         }
     }
 }
@@ -327,7 +352,7 @@ mod tests {
 
     #[test]
     fn a_synthetic_shell_never_ages() {
-        let class = OrbitClass::of(&elements("", 15.06, 0.0, 53.0, 0.0, Origin::Synthetic));
+        let class = OrbitClass::of(&elements("", 15.06, 0.0, 53.0, 0.0, Origin::Synthetic), DragModel::default());
         assert_eq!(class.kind, OrbitKind::Synthetic);
         assert_eq!(uncertainty(class, 0.0), uncertainty(class, 500.0));
     }
@@ -349,7 +374,7 @@ mod tests {
         ];
         for (name, n, e, inclination, dot, kind) in cases {
             let set = elements(name, n, e, inclination, dot, Origin::Published);
-            assert_eq!(OrbitClass::of(&set).kind, kind, "{name} {n} {dot}");
+            assert_eq!(OrbitClass::of(&set, DragModel::Published).kind, kind, "{name} {n} {dot}");
         }
     }
 }

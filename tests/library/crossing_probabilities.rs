@@ -8,14 +8,14 @@ use hifitime::{Epoch, Unit};
 use streakcast::elements::{Constellation, ElementSet, Origin};
 use streakcast::frames::{Direction, EopTable, seconds_after};
 use streakcast::geometry::{Observer, Site};
-use streakcast::orbit::{OrbitClass, uncertainty};
+use streakcast::orbit::{DragModel, OrbitClass, uncertainty};
 use streakcast::passes::{CrossingProbability, Exposure, Field, ModelChoice, PassOptions, Sky, TrackPoint};
 use streakcast::photometry::ModelLibrary;
 
 fn sky(elements: Vec<ElementSet>) -> Sky {
     let site = Site::new_deg("Cerro Pachón", -30.244639, -70.749417, 2663.0).expect("a site");
     let choice = ModelChoice::new(&ModelLibrary::embedded()).expect("shipped models");
-    Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice)
+    Sky::with_models(elements, Observer::new(site), EopTable::embedded(), &choice).with_drag(DragModel::Published)
 }
 
 /// Satellites of a shell as if their elements were published, `age_days` before the exposures.
@@ -38,7 +38,7 @@ fn drawn(elements: &[ElementSet], age_days: f64, draws: &mut Random) -> Vec<Elem
     elements
         .iter()
         .map(|set| {
-            let sigma = uncertainty(OrbitClass::of(set), age_days);
+            let sigma = uncertainty(OrbitClass::of(set, DragModel::Published), age_days);
             let mut set = set.clone();
             // SGP4 knows of time only since epoch: a later epoch is a later satellite on the same path.
             set.epoch = seconds_after(set.epoch, sigma.along_track_s * draws.normal());
@@ -106,7 +106,7 @@ fn verif_probabilities_of_old_elements_are_lower_limits() {
     let mut draws = Random(20_261_121);
     let exposures = exposures(start, 360, &mut draws);
     let elements = published(AGE_DAYS, exposures[180].start, 1584);
-    let sigma_s = uncertainty(OrbitClass::of(&elements[0]), AGE_DAYS).along_track_s;
+    let sigma_s = uncertainty(OrbitClass::of(&elements[0], DragModel::Published), AGE_DAYS).along_track_s;
     assert!(sigma_s > 500.0, "{sigma_s}");
     let found = sky(elements.clone()).crossing_probabilities(&exposures, &field).expect("probabilities");
     assert!(found.iter().flatten().all(|one| one.is_lower_limit) && found.iter().flatten().count() > 300);

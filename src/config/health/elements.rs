@@ -71,8 +71,11 @@ impl ElementState {
         let sets = &catalogue.element_sets;
         let age_days = |set: &ElementSet| seconds_between(set.epoch, now) / DAY_S;
         let ages: Vec<f64> = sets.iter().map(age_days).collect();
-        let sigmas: Vec<f64> =
-            sets.iter().zip(&ages).map(|(set, age)| uncertainty(OrbitClass::of(set), *age).along_track_s).collect();
+        let sigmas: Vec<f64> = sets
+            .iter()
+            .zip(&ages)
+            .map(|(set, age)| uncertainty(OrbitClass::of(set, crate::orbit::DragModel::default()), *age).along_track_s)
+            .collect();
         let table = GenerationTable::embedded();
         let mut kinds = BTreeMap::new();
         let mut unmatched: BTreeMap<String, usize> = BTreeMap::new();

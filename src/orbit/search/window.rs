@@ -282,6 +282,7 @@ mod tests {
     use crate::constants::WGS72_MU_KM3_S2;
     use crate::elements::{ElementSet, NoradId, Origin};
     use crate::frames::seconds_after;
+    use crate::orbit::DragModel;
 
     fn element_set(norad_id: u32, altitude_km: f64, eccentricity: f64, inclination_deg: f64) -> ElementSet {
         let a = 6378.137 + altitude_km;
@@ -329,7 +330,7 @@ mod tests {
     #[test]
     fn verif_model_error_is_within_its_margin() {
         let elements = orbits();
-        let index = SatelliteIndex::new(&elements);
+        let index = SatelliteIndex::new(&elements, DragModel::Published);
         let start = Epoch::from_gregorian_utc_at_midnight(2026, 4, 26);
         let window = Window::new(&index, start, seconds_after(start, MAX_WINDOW_S), &|_| Reach::default());
         let mut checked = 0;

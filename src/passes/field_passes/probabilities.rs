@@ -20,7 +20,7 @@ use super::super::error::SkyError;
 use super::super::evaluator::LOWEST_ALTITUDE_RAD;
 use super::super::exposure::Exposure;
 use super::super::field::Field;
-use super::super::probability::{Delays, Lateness, REACH_SIGMAS, crossing_odds};
+use super::super::probability::{Delays, REACH_SIGMAS, crossing_odds};
 use super::super::scene::SearchScope;
 use super::super::sky::Sky;
 use super::super::track::{ObserverMotion, Pass, SightLine};
@@ -121,7 +121,7 @@ impl Sky {
                     probability: pass.probability,
                     streak_length_rad: pass.probability * length_rad(pass, exposure),
                     range_km: pass.mid.range_km,
-                    is_lower_limit: Lateness::gaussian(pass.along_track_sigma_s).is_cut(),
+                    is_lower_limit: self.uncertainty(pass.element_index, pass.element_age_days).lateness.is_cut(),
                 })
                 .collect();
             found.sort_by_key(|one| one.element_index);
@@ -216,7 +216,7 @@ impl ExposedField<'_> {
         if !is_up || !self.is_lit(piece, &arc, &nominal, (from_s, to_s), aspect.range_km) {
             return None;
         }
-        let lateness = Lateness::gaussian(sigma.along_track_s);
+        let lateness = sigma.lateness;
         let delays =
             Delays { start_s: piece.start_s, end_s: piece.end_s, lateness, only_entering: piece.only_entering };
         let odds = crossing_odds(&track, &nominal, (from_s, to_s), &delays, &self.field, cross_track_rad);
