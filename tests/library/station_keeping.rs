@@ -58,9 +58,9 @@ fn valid_lateness_of_station_keeping_satellites() {
         return;
     }
     let mut cells: BTreeMap<(String, u32), Cell> = BTreeMap::new();
-    for start in [5, 12] {
+    for start in [5, 12, 19, 26] {
         let old = day(start).expect("data");
-        for age in [1, 3, 7, 14] {
+        for age in [1, 3, 7, 14].into_iter().filter(|age| start + age <= 30) {
             let later = day(start + age).expect("data");
             for (norad_id, set) in &old {
                 let class = OrbitClass::of(set, DragModel::StationKeeping);
@@ -149,7 +149,7 @@ fn valid_reliability_of_crossing_probabilities() {
     if crate::common::data_dir().is_none() {
         return;
     }
-    let exposures = exposures(250, &mut Random(19));
+    let exposures = exposures(1500, &mut Random(19));
     let field = Field::circle_deg(3.5).expect("a field");
     let middle = Epoch::from_gregorian_utc(2026, 6, 20, 4, 0, 0, 0);
     // The element set nearest in time, of two days.

@@ -74,7 +74,7 @@ impl ElementState {
         let sigmas: Vec<f64> = sets
             .iter()
             .zip(&ages)
-            .map(|(set, age)| uncertainty(OrbitClass::of(set, crate::orbit::DragModel::default()), *age).along_track_s)
+            .map(|(set, age)| uncertainty(OrbitClass::of(set, drag), *age).along_track_s)
             .collect();
         let table = GenerationTable::embedded();
         let mut kinds = BTreeMap::new();
