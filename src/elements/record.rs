@@ -11,7 +11,7 @@ use super::element_set::ElementSet;
 /// Errors of one record.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum RecordError {
+pub enum RejectReason {
     /// A fixed-column field holds no number.
     #[error("line {line}: {field} {text:?} is not a number in columns {first}-{last}")]
     NotANumber {
@@ -145,6 +145,34 @@ pub enum RecordError {
     },
 }
 
+/// The syntax of a file of element sets.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ElementFormat {
+    /// Two-line element sets, with or without a line for the name.
+    Tle,
+    /// Orbit mean-elements messages as JSON (CelesTrak, Space-Track, JSON lines).
+    OmmJson,
+    /// Orbit mean-elements messages as CSV, and tables with the two lines in columns.
+    OmmCsv,
+    /// Orbit mean-elements messages as XML (CCSDS 505.0-B).
+    OmmXml,
+    /// Orbit mean-elements messages as lines of `KEYWORD = value` (CCSDS 502.0-B).
+    OmmKvn,
+}
+
+impl fmt::Display for ElementFormat {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Tle => "TLE",
+            Self::OmmJson => "OMM JSON",
+            Self::OmmCsv => "OMM CSV",
+            Self::OmmXml => "OMM XML",
+            Self::OmmKvn => "OMM KVN",
+        })
+    }
+}
+
 /// Rejected record with its position and reason. Prints as `file:line: why`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
@@ -153,7 +181,7 @@ pub struct Rejected {
     /// Line in the file, from 1.
     pub line: usize,
     /// Why it was left out.
-    pub reason: RecordError,
+    pub reason: RejectReason,
 }
 
 impl fmt::Display for Rejected {
@@ -170,14 +198,14 @@ pub(super) struct Parsed {
     /// Where the last of them stands.
     pub last_good_at: Option<usize>,
     /// The bad ones: where and why.
-    pub rejected: Vec<(usize, RecordError)>,
+    pub rejected: Vec<(usize, RejectReason)>,
     /// Records taken in spite of a wrong checksum.
     pub bad_checksums_accepted: usize,
 }
 
 impl Parsed {
     /// Takes a record or notes why not.
-    pub fn take(&mut self, offset: usize, record: Result<ElementSet, RecordError>) {
+    pub fn take(&mut self, offset: usize, record: Result<ElementSet, RejectReason>) {
         match record {
             Ok(set) => {
                 self.sets.push(set);
@@ -196,9 +224,9 @@ impl Parsed {
 /// The ranges every element set must keep, whatever the syntax.
 ///
 /// Angles may leave one turn by a turn in either direction: they mean the same.
-pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RecordError> {
+pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RejectReason> {
     const TURN: &str = "-360 to 360 deg";
-    let out_of_range = |field, value, allowed| Err(RecordError::OutOfRange { field, value, allowed });
+    let out_of_range = |field, value, allowed| Err(RejectReason::OutOfRange { field, value, allowed });
     if set.norad_id.0 == 0 || set.norad_id.0 > 999_999_999 {
         return out_of_range("catalogue number", f64::from(set.norad_id.0), "1 to 999999999");
     }

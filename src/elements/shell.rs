@@ -20,10 +20,10 @@ use std::sync::Arc;
 
 use hifitime::{Duration, Epoch, TimeScale};
 use serde::Deserialize;
-use thiserror::Error;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch::DAY_NS;
+use super::error::ElementsError;
 use super::on_station::{mean_motion_for_radius, secular_rates_rad_day};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 
@@ -85,47 +85,6 @@ pub struct Constellation {
     pub first_id: NoradId,
 }
 
-/// Errors of constellations.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ShellError {
-    /// No constellation of this name comes with the library.
-    #[error("unknown shells {name:?}; known are {known}")]
-    UnknownName {
-        /// Requested value.
-        name: String,
-        /// The names there are.
-        known: String,
-    },
-    /// The TOML is invalid.
-    #[error("constellation file: {0}")]
-    Syntax(String),
-    /// A number outside what can be.
-    #[error("constellation {name:?}, shell {shell}: {field} {value} is out of range: {allowed}")]
-    OutOfRange {
-        /// Name of the constellation.
-        name: String,
-        /// Which shell, from 1.
-        shell: usize,
-        /// The key.
-        field: &'static str,
-        /// The number.
-        value: f64,
-        /// What is allowed, with its unit.
-        allowed: &'static str,
-    },
-    /// The stated total is not what the shells add up to.
-    #[error("constellation {name:?} states {stated} satellites, its shells add up to {sum} (1 to 999999 are allowed)")]
-    WrongTotal {
-        /// Name of the constellation.
-        name: String,
-        /// The number stated, or the sum where none is.
-        stated: u64,
-        /// What planes times satellites add up to.
-        sum: u64,
-    },
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -153,13 +112,13 @@ impl Constellation {
     ///
     /// # Errors
     /// The name is unknown; the error lists the known ones.
-    pub fn by_name(name: &str) -> Result<Self, ShellError> {
+    pub fn by_name(name: &str) -> Result<Self, ElementsError> {
         let mut all = Self::embedded();
         match all.iter().position(|constellation| constellation.name.eq_ignore_ascii_case(name.trim())) {
             Some(at) => Ok(all.swap_remove(at)),
             None => {
                 let known: Vec<_> = all.into_iter().map(|constellation| constellation.name).collect();
-                Err(ShellError::UnknownName { name: name.into(), known: known.join(", ") })
+                Err(ElementsError::UnknownShells { name: name.into(), known: known.join(", ") })
             }
         }
     }
@@ -176,7 +135,7 @@ impl Constellation {
     ///     shell = [{ altitude_km = 800, inclination_deg = 86.4, planes = 6, satellites_per_plane = 11, phasing = 2, node_spread_deg = 180 }]
     /// "#)?;
     /// assert_eq!(mine[0].satellites(), 66);
-    /// # Ok::<(), streakcast::elements::ShellError>(())
+    /// # Ok::<(), streakcast::elements::ElementsError>(())
     /// ```
     ///
     /// Keys are those of [`Shell`]; `satellites` in a `[[constellation]]` states the total and is checked.
@@ -184,7 +143,7 @@ impl Constellation {
     /// # Errors
     /// * the text is not TOML, or a key is missing or unknown;
     /// * a number is out of range, or the stated total is not the sum.
-    pub fn from_toml(text: &str) -> Result<Vec<Self>, ShellError> {
+    pub fn from_toml(text: &str) -> Result<Vec<Self>, ElementsError> {
         parse(text, FIRST_OWN_ID)
     }
 
@@ -252,11 +211,12 @@ fn days_since_reference(epoch: Epoch) -> f64 {
         .to_unit(hifitime::Unit::Day)
 }
 
-fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ShellError> {
-    let file: File = toml::from_str(text).map_err(|error| ShellError::Syntax(error.to_string().trim().to_string()))?;
+fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ElementsError> {
+    let file: File =
+        toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(error.to_string().trim().to_string()))?;
     // As many as there are blocks of numbers up to 999,999,999.
     if file.constellation.len() > 49 {
-        return Err(ShellError::Syntax(format!("{} constellations; 49 are allowed", file.constellation.len())));
+        return Err(ElementsError::ShellSyntax(format!("{} constellations; 49 are allowed", file.constellation.len())));
     }
     file.constellation
         .into_iter()
@@ -265,7 +225,7 @@ fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ShellError> {
         .collect()
 }
 
-fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
+fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ElementsError> {
     for (at, shell) in entry.shell.iter().enumerate() {
         let ranges = [
             ("altitude_km", shell.altitude_km, 120.0..=5500.0, "120 to 5500 km"),
@@ -278,7 +238,7 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
         ];
         for (field, value, range, allowed) in ranges {
             if !range.contains(&value) {
-                return Err(ShellError::OutOfRange { name: entry.name, shell: at + 1, field, value, allowed });
+                return Err(ElementsError::ShellOutOfRange { name: entry.name, shell: at + 1, field, value, allowed });
             }
         }
     }
@@ -286,7 +246,7 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
         entry.shell.iter().map(|shell| u64::from(shell.planes) * u64::from(shell.satellites_per_plane)).sum();
     let stated = entry.satellites.unwrap_or(sum);
     if stated != sum || sum == 0 || sum >= u64::from(ID_BLOCK) {
-        return Err(ShellError::WrongTotal { name: entry.name, stated, sum });
+        return Err(ElementsError::ShellTotal { name: entry.name, stated, sum });
     }
     Ok(Constellation { name: entry.name, source: entry.source, shells: entry.shell, first_id: NoradId(first_id) })
 }

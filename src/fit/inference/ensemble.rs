@@ -20,51 +20,13 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use thiserror::Error;
+
+use super::super::error::FitError;
 
 /// Logarithm of a probability density, up to a constant.
 pub trait LogProbability: Sync {
     /// Values at several places; -∞ or NaN where the probability is zero.
     fn of_many(&self, places: &[Vec<f64>]) -> Vec<f64>;
-}
-
-/// Errors of an ensemble of walkers.
-#[derive(Debug, Error, PartialEq)]
-pub enum EnsembleError {
-    /// Too few walkers or an odd number of them.
-    #[error("{walkers} walkers for {parameters} parameters: an even number of at least {least} is needed")]
-    Walkers {
-        /// Given number of walkers.
-        walkers: usize,
-        /// Number of parameters.
-        parameters: usize,
-        /// Least number of walkers.
-        least: usize,
-    },
-    /// A starting place with probability zero.
-    #[error("walker {walker} starts at a place of zero or invalid probability: {place:?}")]
-    Impossible {
-        /// Number of the walker.
-        walker: usize,
-        /// Its starting place.
-        place: Vec<f64>,
-    },
-    /// All walkers start in a plane, which the stretch move cannot leave.
-    #[error("the walkers' starting places do not differ in parameter {parameter}")]
-    Flat {
-        /// Index of the constant parameter.
-        parameter: usize,
-    },
-    /// A chain whose length does not match the numbers of walkers and parameters.
-    #[error("the chain has {given} numbers, not those of {walkers} walkers and {parameters} parameters at each step")]
-    Shape {
-        /// Length of the chain.
-        given: usize,
-        /// Number of walkers.
-        walkers: usize,
-        /// Number of parameters.
-        parameters: usize,
-    },
 }
 
 /// Samples of an ensemble.
@@ -84,21 +46,21 @@ impl Chain {
     /// Chain from its arrays.
     ///
     /// # Errors
-    /// [`EnsembleError::Shape`] if their lengths do not match.
+    /// [`FitError::ChainShape`] if their lengths do not match.
     pub fn from_parts(
         walkers: usize,
         parameters: usize,
         places: Vec<f64>,
         log_probabilities: Vec<f64>,
         accepted: Vec<u64>,
-    ) -> Result<Self, EnsembleError> {
+    ) -> Result<Self, FitError> {
         let fits = walkers > 0
             && parameters > 0
             && accepted.len() == walkers
             && log_probabilities.len().is_multiple_of(walkers)
             && places.len() == log_probabilities.len() * parameters;
         if !fits {
-            return Err(EnsembleError::Shape { given: places.len(), walkers, parameters });
+            return Err(FitError::ChainShape { given: places.len(), walkers, parameters });
         }
         Ok(Self { walkers, parameters, places, log_probabilities, accepted })
     }
@@ -178,11 +140,11 @@ impl Chain {
 /// Checks the number of walkers: even, and at least twice the number of parameters.
 ///
 /// # Errors
-/// [`EnsembleError::Walkers`].
-pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), EnsembleError> {
+/// [`FitError::Walkers`].
+pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), FitError> {
     let least = (2 * parameters).max(4);
     if walkers < least || walkers % 2 == 1 {
-        return Err(EnsembleError::Walkers { walkers, parameters, least });
+        return Err(FitError::Walkers { walkers, parameters, least });
     }
     Ok(())
 }
@@ -200,16 +162,16 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Ensemble with one walker at each starting place.
     ///
     /// # Errors
-    /// [`EnsembleError`]: too few or an odd number of walkers, a place of probability zero, places that do not differ.
-    pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, EnsembleError> {
+    /// [`FitError`]: too few or an odd number of walkers, a place of probability zero, places that do not differ.
+    pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, FitError> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
         check_walkers(walkers, parameters)?;
         if let Some(parameter) = (0..parameters).find(|&i| starts.iter().all(|place| place[i] == starts[0][i])) {
-            return Err(EnsembleError::Flat { parameter });
+            return Err(FitError::FlatWalkers { parameter });
         }
         let log_probabilities = posterior.of_many(&starts);
         if let Some(walker) = log_probabilities.iter().position(|value| !value.is_finite()) {
-            return Err(EnsembleError::Impossible { walker, place: starts[walker].clone() });
+            return Err(FitError::WalkerStart { walker, place: starts[walker].clone() });
         }
         let chain = Chain { walkers, parameters, accepted: vec![0; walkers], ..Chain::default() };
         Ok(Self { posterior, seed, places: starts, log_probabilities, chain })
@@ -218,10 +180,10 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Continues a chain of the same posterior and seed.
     ///
     /// # Errors
-    /// [`EnsembleError::Shape`] if the chain is empty; those of [`Self::new`] if its last places are invalid.
-    pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, EnsembleError> {
+    /// [`FitError::ChainShape`] if the chain is empty; those of [`Self::new`] if its last places are invalid.
+    pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, FitError> {
         let Some(last) = chain.steps().checked_sub(1) else {
-            return Err(EnsembleError::Shape { given: 0, walkers: chain.walkers, parameters: chain.parameters });
+            return Err(FitError::ChainShape { given: 0, walkers: chain.walkers, parameters: chain.parameters });
         };
         let starts = (0..chain.walkers).map(|walker| chain.at(last, walker).to_vec()).collect();
         Ok(Self { chain, ..Self::new(posterior, starts, seed)? })

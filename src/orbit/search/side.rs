@@ -3,8 +3,8 @@
 
 use nalgebra::Vector3;
 
+use super::kepler::Phase;
 use super::kepler::sin_cos;
-use super::phase::Phase;
 
 /// True and mean longitude differ by at most so many eccentricities, for eccentricities to 0.9: 2 e + 11/48 e³ + ...
 /// for small ones.

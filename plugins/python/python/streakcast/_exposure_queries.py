@@ -1,0 +1,311 @@
+"""Methods of `StreakModel` that need a field of view: verdicts, passes and clear windows."""
+
+from __future__ import annotations
+
+from typing import Any, Union
+
+import numpy as np
+import numpy.typing as npt
+
+from ._results import VERDICTS, Assessment, ClearWindows
+from ._quantities import FloatArray, directions, number, scalar
+from ._site_queries import SiteQueries
+from ._tables import TableLike, table_of, time_of, is_qtable
+from ._times import TimeLike, to_tai
+
+#: Accepted values of ``blocking``: the satellites that make an exposure not clear.
+BLOCKING = ("any", "avoid", "limits")
+#: One number or an array.
+Numbers = Any
+
+
+class ExposureQueries(SiteQueries):
+    """Methods of `StreakModel` that need a field of view."""
+
+    def assess(
+        self,
+        target: Any,
+        start: TimeLike,
+        exposure: Numbers,
+        *,
+        rotation: Numbers = 0.0,
+        band: Any = None,
+        scale: Union[str, None] = None,
+    ) -> Assessment:
+        """Returns verdicts as plain numbers: the fast call, for one visit or a million exposures.
+
+        Parameters
+        ----------
+        target : `~astropy.coordinates.SkyCoord` or pair
+            Centre of the field: any frame, or ``(ra, dec)``, ICRS, degrees or `Quantity`.
+        start : time
+            Shutter opening.
+        exposure : float, array or `~astropy.units.Quantity`
+            Length, seconds.
+        rotation : float, array or `~astropy.units.Quantity`
+            Position angle of the field's y axis, from north through east, degrees.
+        band : str or sequence of str, optional
+            Band of the exposure, for limits by band: one for all, or one for each.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of bare numbers (MJD) in ``start``; default: the model's ``mjd_scale``.
+
+        Returns
+        -------
+        Assessment
+            Numbers for one exposure, arrays in the broadcast shape of target, start, exposure and rotation for many.
+
+        Raises
+        ------
+        TypeError
+            A bare number as time without a scale.
+        ValueError
+            A number that is not finite or out of range (the message has name and index); shapes that cannot be
+            broadcast.
+        """
+        exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, band, scale)
+        sky_cache, engine = self._open()
+        result, warnings = engine.judge(exposures, bands)
+        self._warn_once(sky_cache, warnings)
+        verdict, streaks = VERDICTS[result["verdict"]], result["n_streaks"]
+        numbers = (result["brightest_mag"], result["lost_fraction"], result["p_any"], result["streak_length_deg"])
+        is_lower_limit = result["p_any_is_lower_limit"]
+        if shape == ():
+            count = int(streaks[0])
+            brightest_mag, lost_fraction, p_any, length_deg = (float(one[0]) for one in numbers)
+            return Assessment(
+                str(verdict[0]), count > 0, count, brightest_mag, lost_fraction, p_any, length_deg, bool(is_lower_limit[0])
+            )
+        arrays = (verdict, streaks > 0, streaks, *numbers, is_lower_limit)
+        return Assessment(*(one.reshape(shape) for one in arrays))
+
+    def flags(
+        self,
+        target: Any,
+        start: TimeLike,
+        exposure: Numbers,
+        *,
+        rotation: Numbers = 0.0,
+        band: Any = None,
+        scale: Union[str, None] = None,
+        output: str = "auto",
+    ) -> TableLike:
+        """Returns verdicts with reasons and the next clear start, as printed by ``streakcast flag``.
+
+        Parameters
+        ----------
+        target, start, exposure, rotation, band, scale
+            As for `assess`.
+        output : {"auto", "qtable", "dict"}
+            A `~astropy.table.QTable` or a dictionary of arrays (times as ``datetime64[ns]``, UTC); ``auto``: the former
+            if astropy is installed.
+
+        Returns
+        -------
+        QTable or dict of arrays, ``(n_exposures,)`` each
+            ``exposure_id`` (flat index of the exposure), ``verdict``, ``n_streaks``, ``brightest_mag``,
+            ``expected_lost_pixel_fraction``, ``p_any``, ``streak_length_deg``, ``reasons``, ``next_clear_start_utc``,
+            ``delay_s``, ``norad_ids``.
+        """
+        exposures, bands, _ = self._exposure_columns(target, start, exposure, rotation, band, scale)
+        sky_cache, engine = self._open()
+        columns, warnings = engine.flags(exposures, bands)
+        self._warn_once(sky_cache, warnings)
+        return table_of(_with_integer_ids(columns), output)
+
+    def next_clear_start(
+        self,
+        target: Any,
+        start: TimeLike,
+        exposure: Numbers,
+        *,
+        rotation: Numbers = 0.0,
+        scale: Union[str, None] = None,
+    ) -> Numbers:
+        """Returns the delay of each exposure until its field is clear.
+
+        Parameters
+        ----------
+        target, start, exposure, rotation, scale
+            As for `assess`. The search ends at the policy's ``max_delay_s`` (default 600 s); its ``margin_s`` is
+            respected.
+
+        Returns
+        -------
+        float or array
+            Delay, seconds, to the millisecond; 0 if the field is clear at once, NaN if no start within the limit is
+            clear.
+        """
+        exposures, bands, shape = self._exposure_columns(target, start, exposure, rotation, None, scale)
+        sky_cache, engine = self._open()
+        columns, warnings = engine.flags(exposures, bands)
+        self._warn_once(sky_cache, warnings)
+        (delay,) = (column["values"] for column in columns if column["name"] == "delay_s")
+        return float(delay[0]) if shape == () else delay.reshape(shape)
+
+    def passes(
+        self,
+        target: Any,
+        start: TimeLike,
+        exposure: Numbers,
+        *,
+        rotation: Numbers = 0.0,
+        include_dark: bool = False,
+        samples: int = 0,
+        scale: Union[str, None] = None,
+        output: str = "auto",
+    ) -> TableLike:
+        """Returns all satellites that cross the field in each exposure, as printed by ``streakcast passes``.
+
+        Parameters
+        ----------
+        target, start, exposure, rotation, scale
+            As for `assess`.
+        include_dark : bool
+            Whether to include crossings entirely inside the Earth's shadow.
+        samples : int
+            Number of points along each track, in a column ``samples`` of dictionaries.
+        output : {"auto", "qtable", "dict"}
+            As for `flags`.
+
+        Returns
+        -------
+        QTable or dict of arrays, ``(n_passes,)`` each
+            ``exposure_id`` is the flat index of the exposure; magnitudes with sigma and source, entry and exit, length,
+            width, surface brightness, probability, age of the element set, chords.
+        """
+        exposures, _, _ = self._exposure_columns(target, start, exposure, rotation, None, scale)
+        sky_cache, engine = self._open()
+        columns, warnings = engine.passes(exposures, include_dark, samples)
+        self._warn_once(sky_cache, warnings)
+        return table_of(_with_integer_ids(columns), output)
+
+    def clear_windows(
+        self,
+        target: Any,
+        start: TimeLike,
+        end: TimeLike,
+        exposure: Numbers,
+        *,
+        min_altitude: Numbers = 0.0,
+        rotation: Numbers = 0.0,
+        band: Any = None,
+        blocking: str = "any",
+        max_sun_altitude: Union[Numbers, None] = None,
+        scale: Union[str, None] = None,
+        output: str = "auto",
+    ) -> ClearWindows:
+        """Returns the intervals in which an exposure of a target may start and remain clear throughout.
+
+        Parameters
+        ----------
+        target : `~astropy.coordinates.SkyCoord` or pair
+            One or many, as for `assess`.
+        start, end : time
+            Earliest shutter opening and latest shutter closing, at most one day apart.
+        exposure : float or `~astropy.units.Quantity`
+            Length of the exposure, seconds.
+        min_altitude : float or `~astropy.units.Quantity`
+            Minimum altitude of the pointing while the shutter is open, degrees, without refraction.
+        rotation, band, scale
+            As for `assess`.
+        blocking : {"any", "avoid", "limits"}
+            ``any``: every lit satellite blocks. ``avoid``: only satellites that exceed a magnitude limit of the policy.
+            ``limits``:
+            satellites brighter than a limit at any probability (unless the policy sets a minimum), and every lit
+            satellite if no limit applies to the band.
+        max_sun_altitude : float or `~astropy.units.Quantity`, optional
+            Maximum altitude of the Sun while the shutter is open, degrees; default: no limit.
+        output : {"auto", "qtable", "dict"}
+            As for `flags`: starts as an astropy `Time`, or as ``datetime64[ns]``, UTC (several times faster).
+
+        Returns
+        -------
+        ClearWindows
+
+        Warns
+        -----
+        StreakcastWarning
+            Satellites were omitted because their position cannot be computed at that time, or the element sets are old.
+        """
+        if blocking not in BLOCKING:
+            raise ValueError(f"blocking '{blocking}'; allowed: {', '.join(BLOCKING)}")
+        sun = None if max_sun_altitude is None else scalar(max_sun_altitude, "deg", "max_sun_altitude")
+        jd1, jd2 = to_tai(end, self._scale(scale), "end")
+        begin1, begin2 = to_tai(start, self._scale(scale), "start")
+        span_s = ((jd1 - begin1) + (jd2 - begin2)) * 86_400.0
+        if np.any(span_s < 0.0):
+            raise ValueError(f"end[{int(np.flatnonzero(np.ravel(span_s) < 0.0)[0])}] is before the start")
+        length_s = scalar(exposure, "s", "exposure")
+        exposures, bands, _ = self._exposure_columns(target, start, span_s, rotation, band, scale)
+        sky_cache, engine = self._open()
+        lowest = scalar(min_altitude, "deg", "min_altitude")
+        result, warnings = engine.clear_windows(exposures, bands, length_s, lowest, blocking, sun)
+        self._warn_once(sky_cache, warnings)
+        first, last = result["first_start"], result["last_start"]
+        length = (last[0] - first[0] + (last[1] - first[1])) * 86_400.0
+        if is_qtable(output):
+            return ClearWindows(result["target"], time_of(*first[:2]), time_of(*last[:2]), length)
+        moments = [one[2].view("datetime64[ns]") for one in (first, last)]
+        return ClearWindows(result["target"], moments[0], moments[1], length)
+
+    def check_pointings(
+        self,
+        pointing_ras: Numbers,
+        pointing_decs: Numbers,
+        mjds: TimeLike,
+        visit_time: Numbers,
+        *,
+        scale: Union[str, None] = None,
+    ) -> tuple[FloatArray, npt.NDArray[np.int64]]:
+        """Returns length and number of streaks per pointing; has the signature of rubin_sim's satellite constellations.
+
+        Parameters
+        ----------
+        pointing_ras, pointing_decs : array, ``(n,)``
+            Right ascension and declination of the pointings, ICRS, degrees.
+        mjds : array, ``(n,)``
+            Start of each visit, MJD, or times of any other kind. Numbers need a scale, here or as the model's
+            ``mjd_scale``.
+        visit_time : float or array
+            Length of a visit, seconds.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of ``mjds``.
+
+        Returns
+        -------
+        lengths_deg : array, ``(n,)``
+            Total length of the lit streaks in the field of each visit, degrees; 0 for pointings below the horizon, as
+            in rubin_sim (`assess` returns NaN).
+        n_streaks : array, ``(n,)``
+            Number of lit streaks.
+        """
+        answer = self.assess((pointing_ras, pointing_decs), mjds, visit_time, scale=scale)
+        return np.nan_to_num(np.atleast_1d(answer.streak_length_deg)), np.atleast_1d(answer.n_streaks)
+
+    def _exposure_columns(
+        self, target: Any, start: TimeLike, exposure: Numbers, rotation: Numbers, band: Any, scale: Union[str, None]
+    ) -> tuple[dict[str, FloatArray], list[str], tuple[int, ...]]:
+        ra, dec = directions(target)
+        jd1, jd2 = to_tai(start, self._scale(scale), "start")
+        length, angle = number(exposure, "s", "exposure"), number(rotation, "deg", "rotation")
+        names = ("ra_deg", "dec_deg", "jd1", "jd2", "exposure_s", "rotation_deg")
+        parts = (ra, dec, jd1, jd2, length, angle)
+        try:
+            shape = np.broadcast_shapes(*(part.shape for part in parts))
+        except ValueError:
+            shapes = f"ra {ra.shape}, dec {dec.shape}, start {jd1.shape}, exposure {length.shape}, rotation {angle.shape}"
+            raise ValueError(f"shapes cannot be broadcast together: {shapes}") from None
+        exposures = {
+            name: np.ascontiguousarray(np.broadcast_to(part, shape).reshape(-1)) for name, part in zip(names, parts)
+        }
+        bands = [] if band is None else [band] if isinstance(band, str) else [str(one) for one in np.ravel(band)]
+        return exposures, bands, shape
+
+
+def _with_integer_ids(columns: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Returns the columns with the exposure ids as integers: flat indices of the exposures."""
+    first = columns[0]
+    indices = np.array([int(text) for text in first["values"]], dtype=np.int64)
+    description = "Flat index of the exposure, from 0."
+    missing = np.zeros(len(indices), dtype=bool)
+    return [{**first, "kind": "integer", "values": indices, "missing": missing, "description": description}, *columns[1:]]

@@ -1,0 +1,341 @@
+"""Methods of `StreakModel` that need no field of view: forecasts, satellites overhead, identification of streaks."""
+
+from __future__ import annotations
+
+import json
+import operator
+from collections.abc import Iterable
+from typing import Any, Union
+
+import numpy as np
+
+from . import _core
+from ._results import Forecast, Identification, Overhead
+from ._quantities import number, scalar
+from ._state import ModelState
+from ._streak import streak_request
+from ._tables import TableLike, table_of
+from ._times import TimeLike
+
+#: One number, with or without its unit.
+Numbers = Any
+
+
+class SiteQueries(ModelState):
+    """Methods of `StreakModel` that need no field of view."""
+
+    def forecast(
+        self,
+        night: Any = None,
+        *,
+        start: Union[TimeLike, None] = None,
+        end: Union[TimeLike, None] = None,
+        max_mag: Union[float, None] = None,
+        min_altitude: Numbers = 10.0,
+        min_culmination: Numbers = 0.0,
+        max_sun_altitude: Union[Numbers, None] = -6.0,
+        generation: Any = None,
+        name: Any = None,
+        norad: Any = None,
+        include_dark: bool = False,
+        samples: int = 0,
+        scale: Union[str, None] = None,
+        output: str = "auto",
+    ) -> Forecast:
+        """Returns the visible passes of one or several nights, as printed by ``streakcast forecast``.
+
+        Element sets are selected, and synthetic shells are generated, for the requested time, as on the command line.
+
+        Parameters
+        ----------
+        night : str, date, or sequence of these
+            Local date of the evening at the site, for example ``"2026-08-14"``: from local mean noon to noon. Several
+            nights are computed one after the other.
+        start, end : time
+            Time span instead of a night, at most 31 days.
+        max_mag : float, optional
+            Omits passes with a fainter peak and passes without a magnitude.
+        min_altitude : float or `~astropy.units.Quantity`
+            Altitude at which a satellite rises and sets, degrees, without refraction; 0 to below 90.
+        min_culmination : float or `~astropy.units.Quantity`
+            Omits passes that culminate below this altitude, degrees.
+        max_sun_altitude : float or `~astropy.units.Quantity`, optional
+            Maximum altitude of the Sun at the site, degrees; `None` for day and night.
+        generation, name, norad : str, int, or sequences of these, optional
+            Restricts the satellites to these generations (``"starlink-v2mini"``), parts of names, or catalogue numbers.
+        include_dark : bool
+            Whether to include passes in the Earth's shadow and in daylight.
+        samples : int
+            Number of points along each pass from rise to set, in a column ``samples`` of dictionaries; 0 to 10,000.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of bare numbers in ``start`` and ``end``.
+        output : {"auto", "qtable", "dict"}
+            As for `flags`.
+
+        Returns
+        -------
+        Forecast
+
+        Raises
+        ------
+        StreakcastError
+            An invalid date, a number out of range, no satellite of the given generation or name, a telescope in orbit.
+        TypeError
+            A bare number as time without a scale.
+
+        Warns
+        -----
+        StreakcastWarning
+            Number of passes with a magnitude from the prior only (unknown brightness); omitted satellites; old element
+            sets.
+        """
+        options: dict[str, Any] = dict(
+            max_mag=None if max_mag is None else scalar(max_mag, "mag", "max_mag"),
+            min_altitude=scalar(min_altitude, "deg", "min_altitude"),
+            min_culmination=scalar(min_culmination, "deg", "min_culmination"),
+            sun_altitude_deg=None if max_sun_altitude is None else scalar(max_sun_altitude, "deg", "max_sun_altitude"),
+            generation=_texts(generation, "generation"), name=_texts(name, "name"), norad=_norad_ids(norad),
+            include_dark=bool(include_dark), samples=_count(samples, "samples", 0),
+        )  # fmt: skip
+        for what, value in options.items():
+            if isinstance(value, float) and not np.isfinite(value):
+                raise ValueError(f"{what} is {value}; allowed: numbers")
+        if (start is None) != (end is None):
+            raise ValueError("start and end require each other; specify both or neither")
+        if (night is None) == (start is None):
+            raise ValueError("specify either night, or start and end")
+        if start is None:
+            times = [{"night": date} for date in _dates(night)]
+        else:
+            moments = [_core.utc_text(*self._moment(time, scale)) for time in (start, end)]
+            times = [dict(zip(("start", "end"), moments))]
+        sky_cache, _ = self._open()
+        setup, config = json.dumps(self._state["setup"]), self._state["config"]
+        result = _core.forecast([json.dumps({**options, **time}) for time in times], setup, config, sky_cache)
+        self._warn_once(sky_cache, result["warnings"])
+        return Forecast(table_of(result["passes"], output), table_of(result["nights"], output))
+
+    def visible_passes(
+        self,
+        start: TimeLike,
+        end: TimeLike,
+        *,
+        min_altitude: Numbers = 10.0,
+        lit_only: bool = True,
+        scale: Union[str, None] = None,
+        output: str = "auto",
+    ) -> TableLike:
+        """Returns the passes of `forecast` between two times, by day and night; kept for compatibility.
+
+        Parameters
+        ----------
+        start, end, min_altitude, scale, output
+            As for `forecast`.
+        lit_only : bool
+            Whether to omit passes in the Earth's shadow.
+
+        Returns
+        -------
+        QTable or dict of arrays, ``(n_passes,)`` each
+            ``forecast(start=start, end=end, max_sun_altitude=None, include_dark=not lit_only).passes``
+        """
+        forecast = self.forecast(
+            start=start, end=end, min_altitude=min_altitude, max_sun_altitude=None, include_dark=not lit_only, scale=scale,
+            output=output,
+        )  # fmt: skip
+        return forecast.passes
+
+    def overhead(
+        self,
+        start: TimeLike,
+        seconds: Numbers = 0.0,
+        *,
+        min_altitude: Numbers = 10.0,
+        include_dark: bool = False,
+        light: bool = True,
+        scale: Union[str, None] = None,
+    ) -> Overhead:
+        """Returns all satellites above the site at one or several times, for example for sky maps.
+
+        Parameters
+        ----------
+        start : time
+            Reference time.
+        seconds : float, array, ``(n_moments,)``, or `~astropy.units.Quantity`
+            Times in seconds after ``start``: 0 to 3600, ascending.
+        min_altitude : float or `~astropy.units.Quantity`
+            Minimum altitude, degrees, without refraction, 0 to 90.
+        include_dark : bool
+            Whether to include satellites in the Earth's shadow.
+        light : bool
+            Whether to compute magnitudes; panel models take some microseconds each.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of a bare number (MJD) in ``start``.
+
+        Returns
+        -------
+        Overhead
+
+        Raises
+        ------
+        StreakcastError
+            Times or an altitude out of range, a telescope in orbit.
+        TypeError
+            A bare number as time without a scale.
+
+        Warns
+        -----
+        StreakcastWarning
+            Satellites were omitted because their position cannot be computed at that time, or the element sets are old.
+        """
+        jd1, jd2 = self._moment(start, scale)
+        moments = np.atleast_1d(number(seconds, "s", "seconds"))
+        lowest = scalar(min_altitude, "deg", "min_altitude")
+        sky_cache, engine = self._open()
+        result, warnings = engine.overhead(jd1, jd2, moments.ravel().tolist(), lowest, bool(include_dark), bool(light))
+        self._warn_once(sky_cache, warnings)
+        return Overhead(**result)
+
+    def identify(
+        self,
+        ends: Any = None,
+        times: Any = None,
+        *,
+        place: Any = None,
+        position_angle: Union[Numbers, None] = None,
+        length: Union[Numbers, None] = None,
+        frame: Any = None,
+        pixels: Any = None,
+        origin: int = 1,
+        hdu: Union[int, None] = None,
+        region: Any = None,
+        start: Union[TimeLike, None] = None,
+        exposure: Union[Numbers, None] = None,
+        whole_streak: bool = False,
+        place_sigma: Union[Numbers, None] = None,
+        time_sigma: Union[Numbers, None] = None,
+        angle_sigma: Union[Numbers, None] = None,
+        include_dark: bool = False,
+        top: int = 10,
+        scale: Union[str, None] = None,
+        output: str = "auto",
+    ) -> Identification:
+        """Returns the ranked candidate satellites for a measured streak, as printed by ``streakcast identify``.
+
+        The streak is specified in one of four ways: ``ends`` (with ``times``, or in an exposure), ``place`` with
+        ``position_angle``, ``pixels`` of a ``frame``, or a ``region``. Element sets are selected for that time, as on
+        the command line.
+
+        Parameters
+        ----------
+        ends : `~astropy.coordinates.SkyCoord` of two, or two pairs
+            Both ends: any frame, or ``((ra, dec), (ra, dec))``, ICRS, degrees or `Quantity`.
+        times : two times
+            Times at the first and, later, at the second end; they determine the direction of motion.
+        place : `~astropy.coordinates.SkyCoord` or pair
+            Midpoint of the streak.
+        position_angle : float or `~astropy.units.Quantity`
+            Position angle of the streak at the midpoint, in either direction, from north through east, degrees.
+        length : float or `~astropy.units.Quantity`, optional
+            Length of the whole streak, degrees, with ``place``.
+        frame : path
+            A FITS file that contains the streak: provides world coordinates, and the exposure times unless given (also
+            for ``region`` and ``ends``).
+        pixels : two pairs
+            Both ends in the frame, ``((x, y), (x, y))``.
+        origin : {0, 1}
+            Index of the first pixel in ``pixels``: 1 as in FITS and DS9, 0 as in arrays.
+        hdu : int, optional
+            HDU of the frame, from 0; default: the only image.
+        region : path
+            File of DS9 regions drawn around the streak: polygons, boxes, lines or vectors in fk5 or icrs.
+        start : time, optional
+            Shutter opening.
+        exposure : float or `~astropy.units.Quantity`, optional
+            Length of the exposure, seconds.
+        whole_streak : bool
+            Whether both ends are inside the frame, i.e. mark the satellite at shutter opening and closing.
+        place_sigma : float or `~astropy.units.Quantity`, optional
+            Standard deviation of an end's position, arcsec; default 5, 3 pixels in a frame, or a quarter of a region's
+            width.
+        time_sigma : float or `~astropy.units.Quantity`, optional
+            Standard deviation of the clock, seconds; default 0.5.
+        angle_sigma : float or `~astropy.units.Quantity`, optional
+            Standard deviation of ``position_angle``, degrees; default 1.
+        include_dark : bool
+            Whether to include satellites in the Earth's shadow.
+        top : int
+            Maximum number of candidates listed.
+        scale : {"utc", "tai", "tt"}, optional
+            Scale of bare numbers as times.
+        output : {"auto", "qtable", "dict"}
+            As for `flags`.
+
+        Returns
+        -------
+        Identification
+
+        Raises
+        ------
+        StreakcastError
+            An invalid streak: coincident ends, pixels outside the frame, below the horizon, an invalid file.
+        ValueError
+            None or several of the four ways given.
+        TypeError
+            A bare number as time without a scale.
+        """
+        scale = self._scale(scale)
+        request = streak_request(
+            ends=ends, times=times, place=place, position_angle=position_angle, length=length, frame=frame, pixels=pixels,
+            origin=origin, hdu=hdu, region=region, start=start, exposure=exposure, whole_streak=whole_streak,
+            place_sigma=place_sigma, time_sigma=time_sigma, angle_sigma=angle_sigma, scale=scale,
+        )  # fmt: skip
+        listed = _count(top, "top", 1)
+        sky_cache, _ = self._open()
+        setup, config = json.dumps(self._state["setup"]), self._state["config"]
+        result = _core.identify(json.dumps(request), setup, config, sky_cache, bool(include_dark), listed)
+        self._warn_once(sky_cache, result["warnings"])
+        return Identification(
+            table_of(result["candidates"], output),
+            table_of(result["streak"], output),
+            result["n_candidates"],
+            result["unknown_probability"],
+        )
+
+
+def _texts(value: Any, what: str) -> list[str]:
+    """Returns one or several strings as a list; empty for `None`."""
+    if value is None:
+        return []
+    items = [value] if isinstance(value, str) else list(np.ravel(value)) if np.ndim(value) else [value]
+    if not all(isinstance(item, str) for item in items):
+        raise TypeError(f"{what} is {value!r}; allowed: a string, or several")
+    return [str(item) for item in items]
+
+
+def _norad_ids(value: Any) -> list[int]:
+    """Returns one or several catalogue numbers as a list; empty for `None`."""
+    numbers = [] if value is None else [_count(one, "norad", 1) for one in np.ravel(value).tolist()]
+    for one in numbers:
+        if one > 999_999_999:
+            raise ValueError(f"norad {one}; allowed: NORAD catalogue numbers, 1 to 999999999")
+    return numbers
+
+
+def _count(value: Any, what: str, least: int) -> int:
+    try:
+        count = operator.index(value)
+    except TypeError:
+        raise TypeError(f"{what} is {value!r}; allowed: integers, {least} or more") from None
+    if count < least:
+        raise ValueError(f"{what} {count}; allowed: {least} or more")
+    return count
+
+
+def _dates(night: Any) -> list[str]:
+    """Returns one or several dates as strings."""
+    is_one = isinstance(night, str) or not isinstance(night, Iterable)
+    dates = [str(date) for date in ([night] if is_one else night)]
+    if not dates:
+        raise ValueError("night is empty; allowed: one date or several")
+    return dates

@@ -1,0 +1,156 @@
+//! Conversion of arrays to exposures. Errors name the argument, the index and the accepted range.
+
+use hifitime::{Duration, Epoch, TimeScale};
+use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
+use pyo3::exceptions::PyValueError;
+use pyo3::prelude::*;
+use streakcast::config::parse_time_scale;
+use streakcast::frames::is_covered;
+use streakcast::frames::parse_moment;
+use streakcast::frames::{Direction, epoch_from_mjd};
+use streakcast::passes::Exposure;
+use streakcast::schedule::ScheduledExposure;
+
+/// Julian date of hifitime's zero, 1900-01-01T00:00:00 TAI.
+const ZERO_JD: f64 = 2_415_020.5;
+/// Nanoseconds in a day.
+const DAY_NS: f64 = 86_400e9;
+/// Longest accepted exposure, seconds.
+const LONGEST_S: f64 = 86_400.0;
+
+/// A column of numbers.
+pub type Column<'py> = PyReadonlyArray1<'py, f64>;
+/// Two-part Julian dates, TAI.
+pub type TwoParts<'py> = (Bound<'py, PyArray1<f64>>, Bound<'py, PyArray1<f64>>);
+
+/// Returns the epoch of a two-part Julian date, TAI, split at any point.
+pub fn epoch_of(jd1: f64, jd2: f64) -> Epoch {
+    let days = jd1 - ZERO_JD;
+    let whole = days.floor();
+    let fraction_ns = ((days - whole + jd2) * DAY_NS).round();
+    Epoch::from_tai_duration(Duration::from_total_nanoseconds(whole as i128 * DAY_NS as i128 + fraction_ns as i128))
+}
+
+/// Returns the two-part Julian date, TAI, of an epoch; the first part is a midnight.
+pub fn two_parts(epoch: Epoch) -> (f64, f64) {
+    let nanoseconds = epoch.to_tai_duration().total_nanoseconds();
+    let day = nanoseconds.div_euclid(DAY_NS as i128);
+    (ZERO_JD + day as f64, nanoseconds.rem_euclid(DAY_NS as i128) as f64 / DAY_NS)
+}
+
+fn parts<'py>(py: Python<'py>, epochs: impl Iterator<Item = Epoch>) -> TwoParts<'py> {
+    let (first, second): (Vec<f64>, Vec<f64>) = epochs.map(two_parts).unzip();
+    (first.into_pyarray(py), second.into_pyarray(py))
+}
+
+/// Converts ISO 8601 texts to two-part Julian dates, TAI.
+#[pyfunction]
+#[pyo3(signature = (texts, scale=None))]
+pub fn times_from_text<'py>(py: Python<'py>, texts: Vec<String>, scale: Option<&str>) -> PyResult<TwoParts<'py>> {
+    let scale = scale.map(parse_time_scale).transpose().map_err(crate::failure::request)?;
+    let epochs = texts.iter().enumerate().map(|(index, text)| {
+        let bad = |error| PyValueError::new_err(format!("time[{index}]: {error}"));
+        parse_moment(text, scale).map_err(|error| bad(crate::failure::as_arguments(&error.to_string())))
+    });
+    Ok(parts(py, epochs.collect::<PyResult<Vec<Epoch>>>()?.into_iter()))
+}
+
+/// Converts Modified Julian Dates in a time scale to two-part Julian dates, TAI.
+#[pyfunction]
+pub fn times_from_mjd<'py>(py: Python<'py>, mjd: Column<'py>, scale: &str) -> PyResult<TwoParts<'py>> {
+    let scale = parse_time_scale(scale).map_err(crate::failure::request)?;
+    let epochs = mjd
+        .as_array()
+        .iter()
+        .enumerate()
+        .map(|(index, mjd)| {
+            epoch_from_mjd(*mjd, scale).map_err(|error| PyValueError::new_err(format!("mjd[{index}]: {error}")))
+        })
+        .collect::<PyResult<Vec<Epoch>>>()?;
+    Ok(parts(py, epochs.into_iter()))
+}
+
+/// Columns of exposures, of equal length.
+#[derive(FromPyObject)]
+#[pyo3(from_item_all)]
+pub struct Columns<'py> {
+    /// Right ascension, degrees.
+    ra_deg: Column<'py>,
+    /// Declination, degrees.
+    dec_deg: Column<'py>,
+    /// Shutter opening, TAI, first part.
+    jd1: Column<'py>,
+    /// Shutter opening, TAI, second part.
+    jd2: Column<'py>,
+    /// Length, seconds.
+    exposure_s: Column<'py>,
+    /// Position angle of the field's y axis, degrees.
+    rotation_deg: Column<'py>,
+}
+
+impl Columns<'_> {
+    /// Returns the exposures; their ids are their indices.
+    pub fn to_exposures(&self) -> PyResult<Vec<Exposure>> {
+        let columns = [&self.ra_deg, &self.dec_deg, &self.jd1, &self.jd2, &self.exposure_s, &self.rotation_deg];
+        let [ra, dec, jd1, jd2, exposure, rotation] = columns.map(|column| column.as_array());
+        if columns.iter().any(|column| column.as_array().len() != ra.len()) {
+            return Err(PyValueError::new_err("columns differ in length"));
+        }
+        (0..ra.len())
+            .map(|index| {
+                let ra_deg = within("ra", index, ra[index], -180.0, 360.0, "deg")?;
+                let dec_deg = within("dec", index, dec[index], -90.0, 90.0, "deg")?;
+                Ok(Exposure {
+                    id: index.to_string(),
+                    start: start_of(index, jd1[index], jd2[index])?,
+                    duration_s: within("exposure", index, exposure[index], 0.0, LONGEST_S, "s")?,
+                    pointing: Direction::from_lon_lat_rad(ra_deg.to_radians(), dec_deg.to_radians()),
+                    rotation_rad: within("rotation", index, rotation[index], -360.0, 360.0, "deg")?.to_radians(),
+                })
+            })
+            .collect()
+    }
+}
+
+/// Returns the epoch of a two-part Julian date, TAI, within the supported years.
+pub fn start_of(index: usize, jd1: f64, jd2: f64) -> PyResult<Epoch> {
+    let jd = jd1 + jd2;
+    // Checked first: the count of nanoseconds would overflow far outside.
+    let epoch =
+        (jd.is_finite() && (0.0..5e6).contains(&jd)).then(|| epoch_of(jd1, jd2)).filter(|epoch| is_covered(*epoch));
+    epoch.ok_or_else(|| PyValueError::new_err(format!("time[{index}] is JD {jd}; allowed: the years 1957 to 2099")))
+}
+
+/// Returns a number if it is within its range, otherwise an error with name and index.
+pub fn within(what: &str, index: usize, value: f64, least: f64, most: f64, unit: &str) -> PyResult<f64> {
+    if (least..=most).contains(&value) {
+        return Ok(value);
+    }
+    Err(PyValueError::new_err(format!("{what}[{index}] is {value} {unit}; allowed: {least} to {most} {unit}")))
+}
+
+/// Converts exposures to rows of a schedule; `bands` has one entry for all or one for each.
+pub fn rows(exposures: Vec<Exposure>, bands: &[String]) -> PyResult<Vec<ScheduledExposure>> {
+    if bands.len() > 1 && bands.len() != exposures.len() {
+        let (given, required) = (bands.len(), exposures.len());
+        return Err(PyValueError::new_err(format!(
+            "{given} bands for {required} exposures; allowed: one, or one for each"
+        )));
+    }
+    let band = |row: usize| bands.get(row).or(bands.first()).cloned();
+    Ok(exposures
+        .into_iter()
+        .enumerate()
+        .map(|(row, exposure)| ScheduledExposure {
+            id: exposure.id.clone(),
+            row,
+            band: band(row),
+            exposure: Ok(exposure),
+        })
+        .collect())
+}
+
+/// Returns the lower-case name of a time scale.
+pub fn scale_name(scale: TimeScale) -> String {
+    scale.to_string().to_ascii_lowercase()
+}

@@ -1,0 +1,137 @@
+//! Forecasts of nights and identification of streaks: JSON documents to requests of the library, results to tables.
+
+use hifitime::Epoch;
+use pyo3::prelude::*;
+use pyo3::types::{PyDict, PyList};
+use streakcast::config::{Config, ForecastConfig, IdentifyConfig, ConfigError};
+use streakcast::forecast::{
+    ForecastError, ForecastRequest, PassRow, Selection, forecast as compute_forecast, night_table, pass_table,
+};
+use streakcast::frames::seconds_after;
+use streakcast::identify::{CandidateRow, IdentifyOptions, candidate_table, identify_streak, streak_table};
+use streakcast::output::{Column, Kind, Table};
+
+use crate::columns::columns;
+use crate::failure;
+use crate::sky_cache::{SkyCache, setup_of};
+
+/// Column with the night of each pass.
+const NIGHT: Column =
+    Column::new("night", Kind::Integer, "Row of the table of nights that the pass belongs to, from 0.");
+
+/// Returns the visible passes of one or several nights: `passes` and `nights` as columns, and `warnings`. Each request
+/// is a JSON document.
+#[pyfunction]
+#[pyo3(signature = (requests, setup, config, sky_cache))]
+pub fn forecast<'py>(
+    py: Python<'py>,
+    requests: Vec<String>,
+    setup: &str,
+    config: Option<&str>,
+    sky_cache: Py<SkyCache>,
+) -> PyResult<Bound<'py, PyDict>> {
+    let configs: Vec<ForecastConfig> =
+        requests.iter().map(|text| serde_json::from_str(text).map_err(failure::request)).collect::<PyResult<_>>()?;
+    let setup = setup_of(setup, config)?;
+    let Nights { passes, nights, warnings } = failure::without_lock(py, || {
+        // All requests are checked before the first night is computed.
+        let resolved = configs
+            .iter()
+            .map(|forecast| forecast.resolve(&setup, 0).map_err(exception))
+            .collect::<PyResult<Vec<_>>>()?;
+        resolved
+            .iter()
+            .try_fold(Nights::new(), |nights, (request, selection)| nights.with(sky_cache.get(), request, selection))
+    })?;
+    let result = PyDict::new(py);
+    result.set_item("passes", columns(py, &passes)?)?;
+    result.set_item("nights", columns(py, &nights)?)?;
+    result.set_item("warnings", warnings)?;
+    Ok(result)
+}
+
+/// Concatenated tables of several nights.
+struct Nights {
+    passes: Table,
+    nights: Table,
+    warnings: Vec<String>,
+}
+
+impl Nights {
+    fn new() -> Self {
+        Self { passes: Table::default(), nights: Table::default(), warnings: Vec::new() }
+    }
+
+    fn with(mut self, sky_cache: &SkyCache, request: &ForecastRequest, selection: &Selection) -> PyResult<Self> {
+        let prepared = sky_cache.over(request.start, request.end).map_err(failure::setup)?;
+        let sky = &prepared.sky;
+        let found = compute_forecast(sky, request, selection).map_err(|error| exception(error.into()))?;
+        let rows =
+            found.found.passes.iter().map(|pass| PassRow { pass, elements: &sky.elements()[pass.element_index] });
+        let night = i64::try_from(self.nights.rows.len()).unwrap_or_default();
+        let passes = pass_table(rows, true, request.samples > 0);
+        let night_row = night_table(&found, found.why_empty(sky, request).as_deref());
+        self.passes.columns = [&[NIGHT], passes.columns.as_slice()].concat();
+        self.passes.rows.extend(passes.rows.into_iter().map(|row| [vec![night.into()], row].concat()));
+        self.nights.columns = night_row.columns;
+        self.nights.rows.extend(night_row.rows);
+        let left_out = prepared.left_out_warning(&found.found.left_out, request.start).map_err(failure::setup)?;
+        let unknown = selection.unknown_warning(sky.elements());
+        let warnings = [left_out, unknown, found.prior_warning(sky, request.max_magnitude)].into_iter().flatten();
+        self.warnings.extend(warnings.map(|warning| failure::as_arguments(&warning)));
+        Ok(self)
+    }
+}
+
+/// Returns the candidate satellites of a measured streak: `candidates` and `streak` as columns, `unknown_probability`,
+/// `n_candidates` and `warnings`.
+#[pyfunction]
+#[pyo3(signature = (request, setup, config, sky_cache, include_dark, top))]
+pub fn identify<'py>(
+    py: Python<'py>,
+    request: &str,
+    setup: &str,
+    config: Option<&str>,
+    sky_cache: Py<SkyCache>,
+    include_dark: bool,
+    top: usize,
+) -> PyResult<Bound<'py, PyDict>> {
+    let identify: IdentifyConfig = serde_json::from_str(request).map_err(failure::request)?;
+    let setup: Config = setup_of(setup, config)?;
+    let (tables, found, warning) = failure::without_lock(py, || {
+        let plan = identify.resolve(&setup).map_err(exception)?;
+        let streak = &plan.streak;
+        let (start, end): (Epoch, Epoch) = (streak.start(), seconds_after(streak.start(), streak.duration_s()));
+        let prepared = sky_cache.get().over(start, end).map_err(failure::setup)?;
+        prepared.check_altitude("streak", &plan.exposure()).map_err(exception)?;
+        let options = IdentifyOptions { include_dark, photometry: setup.photometry().map_err(failure::setup)? };
+        let found = identify_streak(&prepared.sky, streak, &options).map_err(failure::request)?;
+        let rows = found.candidates.iter().take(top).map(|candidate| CandidateRow {
+            candidate,
+            elements: &prepared.sky.elements()[candidate.element_index],
+            photometry: &options.photometry,
+        });
+        let tables = (candidate_table(rows), streak_table(streak));
+        let warning = prepared.left_out_warning(&found.left_out, start).map_err(failure::setup)?;
+        Ok((tables, found, warning))
+    })?;
+    let result = PyDict::new(py);
+    result.set_item("candidates", columns(py, &tables.0)?)?;
+    result.set_item("streak", columns(py, &tables.1)?)?;
+    result.set_item("unknown_probability", found.unknown_probability)?;
+    result.set_item("n_candidates", found.candidates.len())?;
+    result.set_item("warnings", PyList::new(py, warning.map(|warning| failure::as_arguments(&warning)))?)?;
+    Ok(result)
+}
+
+/// Converts an error of the library; uses the names of Python arguments.
+fn exception(error: ConfigError) -> PyErr {
+    match error {
+        error if !error.is_of_request() => failure::setup(error),
+        ConfigError::Forecast(ForecastError::OutOfRange { what, given, unit, allowed }) => {
+            let name = if what == "sun-altitude-deg" { "max_sun_altitude".to_owned() } else { what.replace('-', "_") };
+            failure::request(format!("{name} {given}{unit}; allowed: {allowed}"))
+        }
+        other => failure::request(failure::as_arguments(&other.to_string())),
+    }
+}

@@ -1,0 +1,179 @@
+//! Cache of prepared skies: satellites are read once and prepared night by night.
+
+use std::path::PathBuf;
+use std::sync::{Arc, Mutex, PoisonError};
+
+use hifitime::{Epoch, Unit};
+use pyo3::prelude::*;
+use streakcast::config::{Config, ConfigError, LoadedInputs, PreparedSky};
+use streakcast::frames::{mjd_utc, seconds_after};
+use streakcast::output::{Section, write_json};
+
+use crate::exposures::start_of;
+use crate::failure;
+
+/// Number of cached nights.
+const CACHED_NIGHTS: usize = 3;
+
+/// Satellites over a site, prepared for any night.
+#[pyclass(frozen, module = "streakcast._core", weakref)]
+pub struct SkyCache {
+    inputs: LoadedInputs,
+    /// Fixed epoch for all calls, if given.
+    epoch: Option<Epoch>,
+    /// East longitude of the site, turns; 0 in orbit.
+    longitude_turns: f64,
+    site: Option<(String, f64, f64, f64)>,
+    cached: Mutex<Vec<(i64, Arc<PreparedSky>)>>,
+    /// Warnings of skies prepared since the last call of `news`.
+    news: Mutex<Vec<String>>,
+}
+
+impl SkyCache {
+    /// Returns the sky of the night that contains a time.
+    pub fn of(&self, moment: Epoch) -> PyResult<Arc<PreparedSky>> {
+        self.prepared(moment).map_err(failure::setup)
+    }
+
+    /// Like `of`, with the library's error.
+    pub fn prepared(&self, moment: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
+        let night = self.night_of(moment);
+        if let Some(prepared) = self.find_cached(night) {
+            return Ok(prepared);
+        }
+        // Prepared without holding the lock: a waiting pool thread may start another request, which would wait for this
+        // lock.
+        let (first, last) = self.bounds(night);
+        let prepared = self.prepare(first, last)?;
+        let mut cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some((_, existing)) = cached.iter().find(|(other, _)| *other == night) {
+            return Ok(existing.clone());
+        }
+        cached.push((night, prepared.clone()));
+        let surplus = cached.len().saturating_sub(CACHED_NIGHTS);
+        cached.drain(..surplus);
+        Ok(prepared)
+    }
+
+    fn find_cached(&self, night: i64) -> Option<Arc<PreparedSky>> {
+        let cached = self.cached.lock().unwrap_or_else(PoisonError::into_inner);
+        cached.iter().find(|(other, _)| *other == night).map(|(_, prepared)| prepared.clone())
+    }
+
+    /// Returns the sky for one time span, as prepared by the command line; with a fixed epoch, the sky of that epoch.
+    pub fn over(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
+        if self.epoch.is_some() { self.prepared(first) } else { self.prepare(first, last) }
+    }
+
+    fn prepare(&self, first: Epoch, last: Epoch) -> Result<Arc<PreparedSky>, ConfigError> {
+        let prepared = Arc::new(self.inputs.prepare(first, last)?);
+        let warnings = prepared.warnings.iter().map(|warning| failure::as_arguments(warning));
+        self.news.lock().unwrap_or_else(PoisonError::into_inner).extend(warnings);
+        Ok(prepared)
+    }
+
+    /// Returns the number of the night, from noon to noon by the site's mean Sun; always 0 with a fixed epoch.
+    pub fn night_of(&self, moment: Epoch) -> i64 {
+        if self.epoch.is_some() { 0 } else { (mjd_utc(moment) + self.longitude_turns - 0.5).floor() as i64 }
+    }
+
+    fn bounds(&self, night: i64) -> (Epoch, Epoch) {
+        match self.epoch {
+            Some(epoch) => (epoch, epoch),
+            None => {
+                let noon_days = night as f64 + 0.5 - self.longitude_turns;
+                let first = Epoch::from_mjd_utc(noon_days);
+                (first, seconds_after(first, Unit::Day.in_seconds()))
+            }
+        }
+    }
+}
+
+#[pymethods]
+impl SkyCache {
+    /// Reads the files of a setup (JSON).
+    #[new]
+    #[pyo3(signature = (setup, config=None, epoch=None))]
+    fn new(py: Python<'_>, setup: &str, config: Option<&str>, epoch: Option<(f64, f64)>) -> PyResult<Self> {
+        let epoch = epoch.map(|(jd1, jd2)| start_of(0, jd1, jd2)).transpose()?;
+        failure::without_lock(py, || {
+            let setup = setup_of(setup, config)?;
+            let inputs = setup.load().map_err(failure::setup)?;
+            // A site can be checked now; the orbit of an observer may become invalid at a particular time.
+            let orbit = setup.is_in_orbit();
+            let site = if orbit { None } else { Some(setup.site().map_err(failure::setup)?) };
+            Ok(Self {
+                inputs,
+                epoch,
+                longitude_turns: site.as_ref().map_or(0.0, |site| site.longitude_rad / std::f64::consts::TAU),
+                site: site.map(|site| {
+                    (site.name, site.latitude_rad.to_degrees(), site.longitude_rad.to_degrees(), site.height_m)
+                }),
+                cached: Mutex::default(),
+                news: Mutex::default(),
+            })
+        })
+    }
+
+    /// Name, latitude and longitude (degrees), height (metres); `None` for a telescope in orbit.
+    #[getter]
+    fn site(&self) -> Option<(String, f64, f64, f64)> {
+        self.site.clone()
+    }
+
+    /// Returns the number of the night that contains a time.
+    fn night(&self, jd1: f64, jd2: f64) -> PyResult<i64> {
+        Ok(self.night_of(start_of(0, jd1, jd2)?))
+    }
+
+    /// Returns the provenance of a night's results as JSON.
+    fn provenance(&self, py: Python<'_>, jd1: f64, jd2: f64) -> PyResult<String> {
+        let moment = start_of(0, jd1, jd2)?;
+        failure::without_lock(py, || {
+            let prepared = self.of(moment)?;
+            let sections: &[Section<'_>] = &[];
+            let mut text = Vec::new();
+            write_json(&mut text, sections, &prepared.provenance).map_err(failure::request)?;
+            String::from_utf8(text).map_err(failure::request)
+        })
+    }
+
+    /// Returns the warnings of skies prepared since the last call.
+    fn news(&self) -> Vec<String> {
+        std::mem::take(&mut self.news.lock().unwrap_or_else(PoisonError::into_inner))
+    }
+
+    /// Returns names and SHA-256 of the element files, as read.
+    fn element_files(&self) -> Vec<(String, String)> {
+        self.inputs.sources().iter().map(|source| (source.name.to_string(), source.sha256.clone())).collect()
+    }
+
+    /// Returns the number of satellites prepared for a night.
+    fn satellites(&self, py: Python<'_>, jd1: f64, jd2: f64) -> PyResult<usize> {
+        let moment = start_of(0, jd1, jd2)?;
+        failure::without_lock(py, || Ok(self.of(moment)?.sky.elements().len()))
+    }
+}
+
+/// Returns all files named by a setup.
+#[pyfunction]
+#[pyo3(signature = (setup, config=None))]
+pub fn setup_files(setup: &str, config: Option<&str>) -> PyResult<Vec<PathBuf>> {
+    let mut files: Vec<PathBuf> = setup_of(setup, config)?.files();
+    files.extend(config.map(PathBuf::from));
+    Ok(files)
+}
+
+/// Reads a setup from JSON, with defaults from a configuration file if given.
+pub fn setup_of(json: &str, config: Option<&str>) -> PyResult<Config> {
+    let given: Config = serde_json::from_str(json).map_err(|error| {
+        let text = error.to_string();
+        // The position within generated JSON is of no use to the user.
+        let end = text.find(" at line ").unwrap_or(text.len());
+        failure::SetupError::new_err(text[..end].to_owned())
+    })?;
+    match config {
+        Some(path) => Ok(given.over(Config::read(path.as_ref()).map_err(failure::setup)?)),
+        None => Ok(given),
+    }
+}
