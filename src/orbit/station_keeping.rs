@@ -51,16 +51,17 @@ pub enum DragModel {
 }
 
 impl DragModel {
-    /// Every model with the name of its option.
-    pub const ALL: [(&'static str, Self); 2] =
-        [("station-keeping", Self::StationKeeping), ("published", Self::Published)];
-
     /// The word for files and options.
     pub fn name(self) -> &'static str {
         match self {
             Self::Published => "published",
             Self::StationKeeping => "station-keeping",
         }
+    }
+
+    /// The model of this [`name`](Self::name).
+    pub fn by_name(name: &str) -> Option<Self> {
+        [Self::Published, Self::StationKeeping].into_iter().find(|model| model.name() == name)
     }
 
     /// The class of a satellite whose published drag is not applied; `None` where it is.
