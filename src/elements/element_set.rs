@@ -63,7 +63,8 @@ pub enum Origin {
     Synthetic,
 }
 
-/// Returns the fraction of element sets whose epoch differs from a time by more than `days`, [0, 1]; 1 without element sets.
+/// Returns the fraction of element sets whose epoch differs from a time by more than `days`, [0, 1]; 1 without element
+/// sets.
 pub fn share_of_stale(elements: &[ElementSet], epoch: Epoch, days: f64) -> f64 {
     if elements.is_empty() {
         return 1.0;

@@ -1,7 +1,8 @@
 //! UTC epochs from what element sets print: a year with a fractional day, or an ISO 8601 date.
 //!
-//! Everything is whole nanoseconds, so the same instant in two syntaxes is the same `Epoch`. A day has 86,400 s here, as
-//! SGP4 and its element sets count: an epoch inside an inserted leap second (23:59:60) is the first second of the next day.
+//! Everything is whole nanoseconds, so the same instant in two syntaxes is the same `Epoch`. A day has 86,400 s here,
+//! as SGP4 and its element sets count: an epoch inside an inserted leap second (23:59:60) is the first second of the
+//! next day.
 
 use hifitime::{Duration, Epoch, TimeScale};
 
@@ -34,7 +35,8 @@ fn days_in_month(year: i32, month: u32) -> u32 {
     }
 }
 
-/// The instant `nanosecond` ns after the beginning of day `day_of_year` (1 is 1 January; may run over into the next year).
+/// The instant `nanosecond` ns after the beginning of day `day_of_year` (1 is 1 January; may run over into the next
+/// year).
 pub(super) fn from_day_of_year(year: i32, day_of_year: i64, nanosecond: i64) -> Epoch {
     let days = days_to_month(year, 1) + day_of_year - 1;
     let total = i128::from(days) * i128::from(DAY_NS) + i128::from(nanosecond);
@@ -53,7 +55,8 @@ pub(super) fn to_day_of_year(epoch: Epoch) -> (i32, i64, i64) {
     (year, days - days_to_month(year, 1) + 1, nanosecond)
 }
 
-/// Reads `2026-07-08T17:37:14.092032`, `2007-064T10:34:41.4264` (day of year), a blank for the `T`, and a `Z` at the end.
+/// Reads `2026-07-08T17:37:14.092032`, `2007-064T10:34:41.4264` (day of year), a blank for the `T`, and a `Z` at the
+/// end.
 ///
 /// Digits beyond the nanosecond are cut. Returns `None` for anything else, an impossible date included.
 pub(crate) fn parse_iso(text: &str) -> Option<Epoch> {

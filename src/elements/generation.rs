@@ -1,7 +1,7 @@
 //! Which satellite is of which kind: brightness goes by the kind, not by the satellite.
 //!
-//! Told by the launch where a table knows it (Starlink to April 2025), else by the name, else by what is likely; the answer
-//! says which. Names are those of CelesTrak and Space-Track.
+//! Told by the launch where a table knows it (Starlink to April 2025), else by the name, else by what is likely; the
+//! answer says which. Names are those of CelesTrak and Space-Track.
 
 use std::collections::HashMap;
 use std::fmt;
@@ -119,7 +119,8 @@ pub enum Certainty {
     Table,
     /// The name contains a constellation or its number.
     Name,
-    /// Likely from the date of the launch or the catalogue number alone, or a synthetic satellite for which a kind is assumed.
+    /// Likely from the date of the launch or the catalogue number alone, or a synthetic satellite for which a kind is
+    /// assumed.
     Guess,
 }
 

@@ -1,11 +1,12 @@
 //! An orbit mean-elements message (CCSDS 502.0-B, OMM) as keywords and texts; JSON, CSV, XML and KVN only find them.
 //!
-//! Numbers stay text until here and are parsed once, correctly rounded, so the four syntaxes and a TLE that print the same
-//! decimals give the same bits. SGP4's message: theory SGP4 (or TLE), frame TEME, time system UTC, all three optional as
-//! CelesTrak's JSON and CSV leave them out. B* and the mean motion must be there; the derivatives may be missing.
+//! Numbers stay text until here and are parsed once, correctly rounded, so the four syntaxes and a TLE that print the
+//! same decimals give the same bits. SGP4's message: theory SGP4 (or TLE), frame TEME, time system UTC, all three
+//! optional as CelesTrak's JSON and CSV leave them out. B* and the mean motion must be there; the derivatives may be
+//! missing.
 //!
-//! A record that has no mean elements but the two lines of a TLE (Space-Track's `TLE_LINE1`, other tables' `Line1`) is read
-//! from those.
+//! A record that has no mean elements but the two lines of a TLE (Space-Track's `TLE_LINE1`, other tables' `Line1`) is
+//! read from those.
 
 use std::borrow::Cow;
 use std::sync::Arc;

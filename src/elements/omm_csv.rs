@@ -1,7 +1,8 @@
 //! OMM as CSV: a line of titles, then a record a line; also tables that carry the two lines of a TLE in columns.
 //!
-//! Read line by line, for element sets hold no line ends, and a quotation mark that is never closed must not swallow the
-//! rest of the file. Titles are taken in any case and order, unknown columns are skipped, `;` and tabs separate too.
+//! Read line by line, for element sets hold no line ends, and a quotation mark that is never closed must not swallow
+//! the rest of the file. Titles are taken in any case and order, unknown columns are skipped, `;` and tabs separate
+//! too.
 
 use std::borrow::Cow;
 

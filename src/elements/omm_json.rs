@@ -1,8 +1,8 @@
 //! OMM as JSON: an array, an object, objects around arrays (`{"data": [...]}`), or an object a line.
 //!
-//! A small scanner of its own instead of a JSON library, for two reasons: numbers must stay text until they are rounded once
-//! (a library's fast path may miss the last bit), and a broken record must not take the rest of the file with it. A
-//! record is any object with a keyword of [`Keyword`] among its keys; objects and arrays inside it are entered.
+//! A small scanner of its own instead of a JSON library, for two reasons: numbers must stay text until they are rounded
+//! once (a library's fast path may miss the last bit), and a broken record must not take the rest of the file with it.
+//! A record is any object with a keyword of [`Keyword`] among its keys; objects and arrays inside it are entered.
 
 use std::borrow::Cow;
 

@@ -1,8 +1,8 @@
 //! Phases of orbits (raising, on station, decaying) from their heights, and the mean motion of SGP4 for a height.
 //!
-//! An element set has Kozai's mean motion n. SGP4 first computes Brouwer's (Hoots & Roehrich,
-//! Spacetrack Report 3, section 6; Vallado et al. 2006, AIAA 2006-6753, `initl`), which is what the semi-major axis belongs
-//! to. Kepler's law with the printed mean motion is wrong by up to 5 km in low orbits. Constants are WGS72, as in SGP4.
+//! An element set has Kozai's mean motion n. SGP4 first computes Brouwer's (Hoots & Roehrich, Spacetrack Report 3,
+//! section 6; Vallado et al. 2006, AIAA 2006-6753, `initl`), which is what the semi-major axis belongs to. Kepler's law
+//! with the printed mean motion is wrong by up to 5 km in low orbits. Constants are WGS72, as in SGP4.
 
 use std::f64::consts::TAU;
 
@@ -50,11 +50,12 @@ pub fn semi_major_axis_km(set: &ElementSet) -> f64 {
 
 /// The mean motion to print, revolutions a day, so that SGP4 flies a circular orbit with this mean radius (km).
 ///
-/// SGP4's radius of a circular mean orbit is a (1 − 3/4 J₂ (R/a)² (3 cos²i − 1)) and terms that average to nothing over a
-/// revolution: the semi-major axis that belongs to a radius differs from it by up to 5 km. Good to a metre.
+/// SGP4's radius of a circular mean orbit is a (1 − 3/4 J₂ (R/a)² (3 cos²i − 1)) and terms that average to nothing over
+/// a revolution: the semi-major axis that belongs to a radius differs from it by up to 5 km. Good to a metre.
 pub(super) fn mean_motion_for_radius(radius_km: f64, inclination_rad: f64) -> f64 {
     let radius = radius_km / EARTH_RADIUS_KM;
-    // δ of a circular orbit is just that short-period offset: r = a (1 − δ(a)); the iteration gains three digits a step.
+    // δ of a circular orbit is just that short-period offset: r = a (1 − δ(a)); the iteration gains three digits a
+    // step.
     let mut a = radius;
     for _ in 0..6 {
         a = radius / (1.0 - delta(a, 0.0, inclination_rad));
@@ -136,8 +137,8 @@ impl OrbitPhase {
 /// Element sets closer together than this make no rate: fits of the same tracking, rounding over hours, days.
 const LEAST_INTERVAL_DAY: f64 = 0.05;
 
-/// What the satellite does at each of its element sets, in the order given: the records of **one** object in time order,
-/// as [`History::of`](super::History::of) returns them.
+/// What the satellite does at each of its element sets, in the order given: the records of **one** object in time
+/// order, as [`History::of`](super::History::of) returns them.
 ///
 /// A set is judged by every run of `consecutive_sets` sets that holds it. If in one of them all rates are slow, it is
 /// steady; else all rates of the sets around it must have the same sign. Sets less than 72 minutes apart count as one.

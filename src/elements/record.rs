@@ -245,8 +245,8 @@ pub(super) fn excerpt(bytes: &[u8]) -> String {
 /// Least length of a chunk, bytes: smaller ones cost more than they save.
 const LEAST_CHUNK: usize = 200_000;
 
-/// Reads `text` with `parse`, in pieces that begin where `next_record(text, from)` says: the offset at or after `from` at
-/// which reading may begin afresh, or the length of the text. The answer is the one that a single piece gives.
+/// Reads `text` with `parse`, in pieces that begin where `next_record(text, from)` says: the offset at or after `from`
+/// at which reading may begin afresh, or the length of the text. The answer is the one that a single piece gives.
 pub(super) fn parse_in_chunks<'a>(
     text: &'a str,
     next_record: impl Fn(&'a str, usize) -> usize,

@@ -83,8 +83,8 @@ impl Satellites {
         Ok(Self::assemble(readings?, options.keep))
     }
 
-    /// Reads files with the default options: of several element sets of one object the newest stays, and records with a wrong
-    /// checksum are left out.
+    /// Reads files with the default options: of several element sets of one object the newest stays, and records with a
+    /// wrong checksum are left out.
     ///
     /// # Errors
     /// As for [`read`](Self::read).
@@ -118,7 +118,8 @@ impl Satellites {
         catalogue
     }
 
-    /// Of every object the element set nearest to an epoch. Read with [`Keep::All`], else there is one of each to choose.
+    /// Of every object the element set nearest to an epoch. Read with [`Keep::All`], else there is one of each to
+    /// choose.
     pub fn at(&self, epoch: Epoch) -> Vec<ElementSet> {
         nearest_of_each(&self.element_sets, epoch)
     }

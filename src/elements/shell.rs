@@ -7,11 +7,11 @@
 //! u_ps = u₀ + 360° · s / S + 360° · F · p / T                 s = 0 … S−1
 //! ```
 //!
-//! with u the mean argument of latitude and `spread` 360° (delta) or 180° (star, polar shells). The orbits are circular,
-//! without drag (B* = 0), and SGP4 flies them at a mean radius of the Earth's equatorial radius (6378.137 km) plus the
-//! shell's altitude. Ω₀ and u₀ belong to 2000-01-01T12:00:00 UTC; from there the planes turn and the satellites go as
-//! SGP4's own secular rates say, so element sets of one constellation for two epochs are the same satellites: propagated
-//! from the one epoch to the other they meet within kilometres.
+//! with u the mean argument of latitude and `spread` 360° (delta) or 180° (star, polar shells). The orbits are
+//! circular, without drag (B* = 0), and SGP4 flies them at a mean radius of the Earth's equatorial radius (6378.137 km)
+//! plus the shell's altitude. Ω₀ and u₀ belong to 2000-01-01T12:00:00 UTC; from there the planes turn and the
+//! satellites go as SGP4's own secular rates say, so element sets of one constellation for two epochs are the same
+//! satellites: propagated from the one epoch to the other they meet within kilometres.
 //!
 //! What this is not: a forecast of where anything is. Counts and statistics mean something, single crossings do not.
 
@@ -195,8 +195,8 @@ impl Constellation {
 
     /// The element sets of every satellite for an epoch, in the order of shells, planes and satellites.
     ///
-    /// Catalogue numbers run from [`first_id`](Self::first_id); names read `STARLINK-GEN1-S1 P03-07 (synthetic)`, shell,
-    /// plane and satellite counted from 1; the origin is [`Origin::Synthetic`].
+    /// Catalogue numbers run from [`first_id`](Self::first_id); names read `STARLINK-GEN1-S1 P03-07 (synthetic)`,
+    /// shell, plane and satellite counted from 1; the origin is [`Origin::Synthetic`].
     pub fn element_sets(&self, epoch: Epoch) -> Vec<ElementSet> {
         let epoch = epoch.to_time_scale(TimeScale::UTC);
         let days = days_since_reference(epoch);

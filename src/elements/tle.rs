@@ -1,18 +1,20 @@
 //! One two-line element set: 138 characters in fixed columns.
 //!
-//! Columns as in the NORAD two-line format (Hoots & Roehrich, Spacetrack Report 3; Kelso, CelesTrak "FAQs: Two-Line Element
-//! Set Format"). What is taken beyond the letter of it, because it is unambiguous and in use:
+//! Columns as in the NORAD two-line format (Hoots & Roehrich, Spacetrack Report 3; Kelso, CelesTrak "FAQs: Two-Line
+//! Element Set Format"). What is taken beyond the letter of it, because it is unambiguous and in use:
 //!
 //! * catalogue numbers with blanks for zeros, and Alpha-5 (`A0000` = 100,000 ... `Z9999` = 339,999; no I, no O);
 //! * plus signs, and angles with zeros for leading blanks;
-//! * a missing checksum (68 characters): nothing is stated, so nothing is wrong. Only a checksum that is there can be bad;
+//! * a missing checksum (68 characters): nothing is stated, so nothing is wrong. Only a checksum that is there can be
+//!   bad;
 //! * blank fields for the two derivatives, the revolution and the set number (taken as 0): SGP4 uses none of them;
 //! * text after column 69 that a blank separates (verification files carry times there).
 //!
-//! What is refused: a line cut short or shifted by a column, for a number read from the wrong columns looks like a number.
+//! What is refused: a line cut short or shifted by a column, for a number read from the wrong columns looks like a
+//! number.
 //!
-//! Numbers are read as a whole number over a power of ten, both exact in binary64, so one correctly rounded division gives
-//! the same bits as any other syntax gives for the same decimal.
+//! Numbers are read as a whole number over a power of ten, both exact in binary64, so one correctly rounded division
+//! gives the same bits as any other syntax gives for the same decimal.
 
 use std::sync::Arc;
 

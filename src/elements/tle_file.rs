@@ -16,8 +16,8 @@ const DATA_LENGTH: usize = 60;
 
 /// Reads two-line, three-line and "0 NAME" sets, mixed as they come.
 ///
-/// Blank lines and lines that begin with `#` are skipped; blanks before a data line are overlooked. What cannot be paired
-/// is rejected on its own, and reading goes on with the next line.
+/// Blank lines and lines that begin with `#` are skipped; blanks before a data line are overlooked. What cannot be
+/// paired is rejected on its own, and reading goes on with the next line.
 pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parse_in_chunks(text, after_next_set, |piece| parse_piece(piece.as_bytes(), checksums))
 }

@@ -1,7 +1,8 @@
-//! Chains in NumPy's `.npz` format, written atomically, so that an interrupted run can continue from the last saved step.
+//! Chains in NumPy's `.npz` format, written atomically, so that an interrupted run can continue from the last saved
+//! step.
 //!
-//! Arrays: `chain` (n_step, n_walker, n_param), `log_prob` (n_step, n_walker), `accepted` (n_walker), and `about`, the bytes of
-//! a JSON text that identifies the fit. `numpy.load(path)["chain"]` equals emcee's `get_chain()`.
+//! Arrays: `chain` (n_step, n_walker, n_param), `log_prob` (n_step, n_walker), `accepted` (n_walker), and `about`, the
+//! bytes of a JSON text that identifies the fit. `numpy.load(path)["chain"]` equals emcee's `get_chain()`.
 
 use std::fs::File;
 use std::io::{Read, Write};

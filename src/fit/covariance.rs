@@ -1,14 +1,15 @@
 //! Uncertainty of the fitted parameters.
 //!
-//! The curvature H = Σ ψ' J Jᵀ/σ² of the cost (ψ the influence function; JᵀW J for squares) is inverted over the parameters between their
-//! bounds. If points come in groups with shared systematic errors (a track, a night), H⁻¹ is too small, and the sandwich estimator
+//! The curvature H = Σ ψ' J Jᵀ/σ² of the cost (ψ the influence function; JᵀW J for squares) is inverted over the
+//! parameters between their bounds. If points come in groups with shared systematic errors (a track, a night), H⁻¹ is
+//! too small, and the sandwich estimator
 //!
 //! ```text
 //! Σ = H⁻¹ (Σ_g s_g s_gᵀ) H⁻¹ G/(G-k),    s_g = Σ_{i in g} gradient of the cost of point i
 //! ```
 //!
-//! is used (Liang and Zeger 1986, Biometrika 73, 13). With too few groups for the sandwich, H⁻¹ is scaled by χ²/(n - k). A track contributes
-//! to many pixels, so pixels have no such groups: see `jackknife`.
+//! is used (Liang and Zeger 1986, Biometrika 73, 13). With too few groups for the sandwich, H⁻¹ is scaled by χ²/(n -
+//! k). A track contributes to many pixels, so pixels have no such groups: see `jackknife`.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -33,7 +34,8 @@ pub enum CovarianceKind {
 /// Uncertainty of the parameters of a fit.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FitUncertainty {
-    /// Covariance of all parameters; 0 for those that are held, at a bound or undetermined. `None` if the curvature is singular.
+    /// Covariance of all parameters; 0 for those that are held, at a bound or undetermined. `None` if the curvature is
+    /// singular.
     pub covariance: Option<Vec<Vec<f64>>>,
     /// Origin of the covariance.
     pub kind: CovarianceKind,
@@ -147,7 +149,8 @@ mod tests {
     /// Of a line in the phase angle: at its beginning, and over a radian.
     const TRUTH: [f64; 2] = [6.0, 1.5];
 
-    /// Groups whose points share an offset of 0.3 mag (one sigma) and a stretch of phase angles; `far_share` of the points lie off by 3 mag more (one sigma).
+    /// Groups whose points share an offset of 0.3 mag (one sigma) and a stretch of phase angles; `far_share` of the
+    /// points lie off by 3 mag more (one sigma).
     fn seen(seed: u64, offset_mag: f64, far_share: f64) -> Vec<FitPoint> {
         let mut random = ChaCha8Rng::seed_from_u64(seed);
         let mut points = Vec::new();
@@ -166,7 +169,8 @@ mod tests {
         points
     }
 
-    /// True scatter of both coefficients, the root mean square of their sigmas, and of those that H⁻¹ alone gives where there are no groups.
+    /// True scatter of both coefficients, the root mean square of their sigmas, and of those that H⁻¹ alone gives where
+    /// there are no groups.
     fn sigmas(offset_mag: f64, far_share: f64, loss: Loss) -> [[f64; 3]; 2] {
         let settings = FitSettings { loss, ..FitSettings::free(&["a0", "a1"]) };
         let one = |seed: u64| {
@@ -194,7 +198,8 @@ mod tests {
         })
     }
 
-    /// Shares: the scatter of 300 simulations is known to 4 %, three of these, and a bias of a few per cent of 60 groups.
+    /// Shares: the scatter of 300 simulations is known to 4 %, three of these, and a bias of a few per cent of 60
+    /// groups.
     const MONTE_CARLO: f64 = 0.16;
 
     #[test]

@@ -1,9 +1,10 @@
 //! Comparison of forms of brightness law by their predictions for unseen points.
 //!
-//! Single measurements are held out by group (track, night). Pixels cannot be: a track contributes to many of them and would be on both sides.
-//! For pixels the tracks are dealt into folds, and each side is reduced separately: a form is fitted to the pixels of all folds but one, and
-//! compared with the pixels that this fold alone makes. A fold holds a share of 1/folds of the points, so thresholds on numbers of points and
-//! tracks are divided by the number of folds there (rounded up); the limit on the spread is unchanged.
+//! Single measurements are held out by group (track, night). Pixels cannot be: a track contributes to many of them and
+//! would be on both sides. For pixels the tracks are dealt into folds, and each side is reduced separately: a form is
+//! fitted to the pixels of all folds but one, and compared with the pixels that this fold alone makes. A fold holds a
+//! share of 1/folds of the points, so thresholds on numbers of points and tracks are divided by the number of folds
+//! there (rounded up); the limit on the spread is unchanged.
 
 use rayon::prelude::*;
 
@@ -46,14 +47,15 @@ pub struct FormScore {
     pub aic: f64,
     /// Sigma that holds 68.3 % of the points held out.
     pub sigma_68_mag: f64,
-    /// Share of each fold's points within the same sigma of the *other* folds, that is, of unseen points within a predicted sigma.
+    /// Share of each fold's points within the same sigma of the *other* folds, that is, of unseen points within a
+    /// predicted sigma.
     pub within_one_sigma: f64,
 }
 
 /// Fits and cross-validates every form on the points that all forms explain.
 ///
-/// `points` are fitted in sample. If they are pixels, `tracks` are the measurements behind them and the options of their reduction, and whole
-/// tracks are held out.
+/// `points` are fitted in sample. If they are pixels, `tracks` are the measurements behind them and the options of
+/// their reduction, and whole tracks are held out.
 ///
 /// # Errors
 /// * those of [`Problem`];
@@ -97,8 +99,8 @@ pub fn compare_forms(
     forms.iter().zip(&fitted).zip(held_out).map(score).collect()
 }
 
-/// Baseline forms: a diffuse sphere, a quadratic in the phase angle, and, for satellites with chassis and sail, two Phong panels without
-/// mutual blocking, transmission and earthshine.
+/// Baseline forms: a diffuse sphere, a quadratic in the phase angle, and, for satellites with chassis and sail, two
+/// Phong panels without mutual blocking, transmission and earthshine.
 pub fn baseline_forms(of: Option<&TwoPanelForm>) -> Vec<CompetingForm> {
     let form = |name: &str, form: Box<dyn Form>, free: &[&str]| CompetingForm {
         name: name.to_owned(),
@@ -248,7 +250,8 @@ fn common<'f>(forms: impl Iterator<Item = &'f dyn Form>, points: Vec<FitPoint>) 
     })
 }
 
-/// Magnitudes at 1000 km predicted by a form with parameters `x` (all, in order); NaN for points that it does not explain.
+/// Magnitudes at 1000 km predicted by a form with parameters `x` (all, in order); NaN for points that it does not
+/// explain.
 pub fn predict(form: &dyn Form, points: &[FitPoint], x: &[f64]) -> Vec<f64> {
     let prepared = form.prepare(points);
     let evaluated = prepared.at(x);
@@ -271,7 +274,8 @@ mod tests {
     use crate::geometry::ViewingGeometry;
     use crate::photometry::StandardMagnitude;
 
-    /// Six tracks of 200 points, each with a range of phase angles of its own and an offset of 0.5 mag up or down: no law, tracks alone.
+    /// Six tracks of 200 points, each with a range of phase angles of its own and an offset of 0.5 mag up or down: no
+    /// law, tracks alone.
     fn tracks() -> Measurements {
         let mut seen = Measurements::default();
         for group in 0..6_u32 {

@@ -48,8 +48,8 @@ pub trait Prepared: Sync + Send {
     fn explains(&self, point: usize) -> bool;
     /// Form with the values of all parameters, in their order.
     fn at<'a>(&'a self, x: &[f64]) -> Box<dyn Evaluated + 'a>;
-    /// Starting values for descents, best first. Parameters in `free` vary, the others keep their values in `x`; `observed` contains magnitude
-    /// and 1/σ of each point.
+    /// Starting values for descents, best first. Parameters in `free` vary, the others keep their values in `x`;
+    /// `observed` contains magnitude and 1/σ of each point.
     fn starts(&self, x: &[f64], free: &[usize], observed: &[(f64, f64)]) -> Vec<Vec<f64>>;
     /// Form with derivatives by the parameters in `free`; the default uses central differences.
     fn with_slopes<'a>(&'a self, x: &[f64], free: &[usize], parameters: &[Parameter]) -> Box<dyn Sloped + 'a> {
@@ -84,7 +84,8 @@ pub(super) struct Moved<E> {
 }
 
 impl<E: Evaluated> Moved<E> {
-    /// Moves the parameter of this index a step up and a step down from `x`, within its bounds, outside of which a law may be undefined.
+    /// Moves the parameter of this index a step up and a step down from `x`, within its bounds, outside of which a law
+    /// may be undefined.
     pub fn new(x: &[f64], index: usize, parameter: &Parameter, at: impl Fn(&[f64]) -> E) -> Self {
         let (mut up, mut down) = (x.to_vec(), x.to_vec());
         up[index] = (x[index] + parameter.step).min(parameter.greatest);

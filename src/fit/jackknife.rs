@@ -1,18 +1,19 @@
 //! Covariance of a fit to pixels by leaving out sets of tracks (delete-a-group jackknife).
 //!
-//! One track crosses many pixels and adds its own offset to all of them, so pixels are not independent; tracks are. They are dealt into G sets
-//! of similar size. Reduction and fit are repeated without each set in turn (Efron and Stein 1981, Ann. Statist. 9, 586):
+//! One track crosses many pixels and adds its own offset to all of them, so pixels are not independent; tracks are.
+//! They are dealt into G sets of similar size. Reduction and fit are repeated without each set in turn (Efron and Stein
+//! 1981, Ann. Statist. 9, 586):
 //!
 //! ```text
 //! Σ = (G-1)/G Σ_g (θ_g - θ̄)(θ_g - θ̄)ᵀ,    θ̄ = Σ_g θ_g / G
 //! ```
 //!
-//! With G sets the sigmas have a relative error of 1/√(2(G-1)): 15 % for 24. Errors common to all tracks (photometric zero point, form of
-//! the model) are not included.
+//! With G sets the sigmas have a relative error of 1/√(2(G-1)): 15 % for 24. Errors common to all tracks (photometric
+//! zero point, form of the model) are not included.
 //!
-//! Statistics that are not smooth need large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not smooth: they jump when a few
-//! of many points are left out. In pixels with points of many tracks the sigma is too large: in the tests below, with 70 points of as many
-//! tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample mode).
+//! Statistics that are not smooth need large sets (Shao and Wu 1989, Ann. Statist. 17, 1176), and modes are not smooth:
+//! they jump when a few of many points are left out. In pixels with points of many tracks the sigma is too large: in
+//! the tests below, with 70 points of as many tracks, by 1.4 to 1.8 (kernel) and 1.8 to 2.4 (half-sample mode).
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
@@ -29,10 +30,12 @@ const SEED: u64 = 1;
 /// Measurements per call of the reducer, to avoid a copy of all measurements for each set.
 const CHUNK: usize = 1 << 16;
 
-/// Covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, 0 for parameters that are held or at a bound.
+/// Covariance of all parameters `(n_parameter, n_parameter)` of a fit to pixels, 0 for parameters that are held or at a
+/// bound.
 ///
-/// `fit` is the fit of `form` with `settings` to `measurements` reduced with `options`; descents start at its solution. Each thread holds one
-/// more reduction, some 10 bytes per measurement. The result does not depend on the number of threads.
+/// `fit` is the fit of `form` with `settings` to `measurements` reduced with `options`; descents start at its solution.
+/// Each thread holds one more reduction, some 10 bytes per measurement. The result does not depend on the number of
+/// threads.
 ///
 /// # Errors
 /// * [`FitError::Sets`] unless there are more sets than free parameters and at least as many groups as sets;
@@ -139,7 +142,8 @@ mod tests {
         ReduceOptions { nside: 4, layer_width_rad: 0.2, least_count: 20, most_iqr_mag: 3.0, mode, ..paper }
     }
 
-    /// Cells so small that each holds a point: no mode is in it, and the fit is the mean of all points, which is smooth.
+    /// Cells so small that each holds a point: no mode is in it, and the fit is the mean of all points, which is
+    /// smooth.
     fn fine() -> ReduceOptions {
         ReduceOptions { nside: 1024, least_count: 1, ..coarse(DensityMode::HalfSample) }
     }

@@ -1,7 +1,8 @@
 //! Starting points of a fit: a grid over the nonlinear parameters, with the linear ones solved at each node.
 //!
-//! The cost has several local minima, nearly all caused by exponents and widths. For given values of these, light is linear in the weights;
-//! near the solution residuals of light F with errors σ F approximate those of magnitudes, which leaves a quadratic form between bounds.
+//! The cost has several local minima, nearly all caused by exponents and widths. For given values of these, light is
+//! linear in the weights; near the solution residuals of light F with errors σ F approximate those of magnitudes, which
+//! leaves a quadratic form between bounds.
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -15,14 +16,16 @@ pub(super) trait Basis: Sync {
     fn light(&self, x: &[f64]) -> Vec<f64>;
 }
 
-/// Grid nodes of each nonlinear parameter: shares of the interval between its bounds, by ratio if the lower bound is positive.
+/// Grid nodes of each nonlinear parameter: shares of the interval between its bounds, by ratio if the lower bound is
+/// positive.
 const SHARES: [f64; 4] = [0.12, 0.37, 0.62, 0.87];
 /// Most grid nodes; larger grids are thinned out evenly.
 const MOST_COMBINATIONS: usize = 96;
 /// Number of best nodes returned.
 const KEPT: usize = 6;
 
-/// Values of all parameters, least cost first: `linear` and `nonlinear` are the free ones, the others keep their values in `x`.
+/// Values of all parameters, least cost first: `linear` and `nonlinear` are the free ones, the others keep their values
+/// in `x`.
 pub(super) fn search(
     basis: &impl Basis,
     parameters: &[Parameter],

@@ -1,11 +1,12 @@
 //! Photometry to brightness models: readers, selection, reduction, fits, posteriors, and checks of models.
 //!
-//! `measurements` reads photometry and reduces it; `point` makes points of a fit from it. A `form` is a brightness law with free parameters:
-//! `two_panel` the paper's, `panels_form` any panels, `phase` the baselines. `objective` is the cost of a form under a loss function, `solve` its
-//! least squares from several starts (`linear_starts`), with the errors of `covariance` or, for pixels, `jackknife`. `soundness` lists the faults
-//! of a fit, `cross_validation` compares forms on unseen points, `paper_tests` repeats the paper's tests, `posterior` draws with walkers
-//! (`chain_file` stores them), `model_of_fit` makes the model file, `report` and `tables` the output. `inference` contains the numerical
-//! methods, `checks` the comparison of models with published results.
+//! `measurements` reads photometry and reduces it; `point` makes points of a fit from it. A `form` is a brightness law
+//! with free parameters: `two_panel` the paper's, `panels_form` any panels, `phase` the baselines. `objective` is the
+//! cost of a form under a loss function, `solve` its least squares from several starts (`linear_starts`), with the
+//! errors of `covariance` or, for pixels, `jackknife`. `soundness` lists the faults of a fit, `cross_validation`
+//! compares forms on unseen points, `paper_tests` repeats the paper's tests, `posterior` draws with walkers
+//! (`chain_file` stores them), `model_of_fit` makes the model file, `report` and `tables` the output. `inference`
+//! contains the numerical methods, `checks` the comparison of models with published results.
 
 mod chain_file;
 pub mod checks;

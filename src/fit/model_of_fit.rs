@@ -33,8 +33,8 @@ pub struct ModelDescription {
     pub sigma_origin: String,
 }
 
-/// Model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their covariance, the range of the points
-/// and a sigma.
+/// Model file with the shape of `base` (chassis and sail, or a list of panels), the fitted parameters, their
+/// covariance, the range of the points and a sigma.
 ///
 /// # Errors
 /// [`ModelFileError`] if a number is outside the limits of model files.

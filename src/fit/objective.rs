@@ -7,7 +7,8 @@ use super::form::{BLOCK, Evaluated, Parameter, Prepared};
 use super::inference::{LogProbability, NormalEquations};
 use super::point::FitPoint;
 
-/// Loss function ρ(r) of a residual in units of its error; ½ ρ is the negative logarithm of a likelihood, up to a constant.
+/// Loss function ρ(r) of a residual in units of its error; ½ ρ is the negative logarithm of a likelihood, up to a
+/// constant.
 #[derive(Copy, Clone, Debug, PartialEq, Default)]
 pub enum Loss {
     /// r²: normal errors.
@@ -38,8 +39,8 @@ impl Loss {
         }
     }
 
-    /// ψ'(r) of the influence function ψ(r) = ρ'(r²) r: the curvature of the cost itself, while [`Self::weight`] is its Gauss-Newton
-    /// approximation. Negative for outliers under Student's t.
+    /// ψ'(r) of the influence function ψ(r) = ρ'(r²) r: the curvature of the cost itself, while [`Self::weight`] is its
+    /// Gauss-Newton approximation. Negative for outliers under Student's t.
     pub fn influence_slope(self, r2: f64) -> f64 {
         // ψ' = ρ' + 2 r² ρ''
         match self {
@@ -121,7 +122,8 @@ impl<'a> Objective<'a> {
         residuals
     }
 
-    /// Terms of the gradient JᵀW r, one per point, `(n_point)` of `(n_free)`, and the curvature Σ ψ'(r) J Jᵀ/σ² `(n_free, n_free)`.
+    /// Terms of the gradient JᵀW r, one per point, `(n_point)` of `(n_free)`, and the curvature Σ ψ'(r) J Jᵀ/σ²
+    /// `(n_free, n_free)`.
     pub(super) fn scores(&self, free: &[f64], points: usize) -> (Vec<Vec<f64>>, DMatrix<f64>) {
         let n = self.free.len();
         let sloped = self.prepared.with_slopes(&self.all(free), &self.free, &self.parameters);

@@ -60,8 +60,8 @@ impl Form for PanelsForm {
 }
 
 impl PanelsForm {
-    /// Chassis and sail of the paper with the sizes of the panel that faces down and the one that is turned to the Sun's
-    /// azimuth; `None` where either is missing.
+    /// Chassis and sail of the paper with the sizes of the panel that faces down and the one that is turned to the
+    /// Sun's azimuth; `None` where either is missing.
     pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
         let of = |is: fn(&AttitudeSpec) -> bool| self.spec.panels.iter().find(|panel| is(&panel.attitude));
         let base = of(|attitude| matches!(attitude, AttitudeSpec::Nadir {}))?;

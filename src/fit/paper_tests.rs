@@ -1,5 +1,5 @@
-//! Three tests of Lu (2024, section 4) that precede the final model: dependence of the panel offset on the Sun, necessity of the sail's glossy lobe,
-//! necessity of earthshine.
+//! Three tests of Lu (2024, section 4) that precede the final model: dependence of the panel offset on the Sun,
+//! necessity of the sail's glossy lobe, necessity of earthshine.
 
 use crate::photometry::{Earthshine, PANEL_OFFSET};
 

@@ -19,16 +19,16 @@ pub struct FitPoint {
     pub magnitude: f64,
     /// Its error, mag; positive.
     pub sigma_mag: f64,
-    /// Number of the track, night or satellite whose points share systematic errors. Points of one group stay together in cross-validation
-    /// and vary together in the covariance.
+    /// Number of the track, night or satellite whose points share systematic errors. Points of one group stay together
+    /// in cross-validation and vary together in the covariance.
     pub group: u32,
 }
 
 /// Weights of single measurements.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct RawWeights {
-    /// Scatter beyond the measurement errors, mag, positive: satellites of one kind differ and change their attitude. Added in quadrature to
-    /// the stated error; the only error if none is stated.
+    /// Scatter beyond the measurement errors, mag, positive: satellites of one kind differ and change their attitude.
+    /// Added in quadrature to the stated error; the only error if none is stated.
     pub scatter_mag: f64,
     /// Weighs a group (track, night) by the square root of its number of points, so that long groups do not dominate.
     pub by_group: bool,
@@ -57,7 +57,8 @@ pub fn points_of_measurements(measurements: &Measurements, weights: &RawWeights)
     points
 }
 
-/// Factors on the errors by which a group weighs the square root of its number of points instead of the number; Σ 1/σ² is kept.
+/// Factors on the errors by which a group weighs the square root of its number of points instead of the number; Σ 1/σ²
+/// is kept.
 fn group_error_factors(points: &[FitPoint]) -> Vec<f64> {
     let groups = points.iter().map(|point| point.group as usize + 1).max().unwrap_or(0);
     let mut counts = vec![0.0_f64; groups];
@@ -70,8 +71,8 @@ fn group_error_factors(points: &[FitPoint]) -> Vec<f64> {
 
 /// Returns one point per kept pixel: its mode, with the interquartile range as error, in a group of its own.
 ///
-/// The range of fewer than five points is uninformative (0 for one point); the error of such pixels is the median range of the others, or the
-/// usual scatter of single measurements (0.5 mag) if there are no others.
+/// The range of fewer than five points is uninformative (0 for one point); the error of such pixels is the median range
+/// of the others, or the usual scatter of single measurements (0.5 mag) if there are no others.
 pub fn points_of_pixels(reduction: &Reduction) -> Vec<FitPoint> {
     let has_range = |pixel: &Pixel| pixel.count >= LEAST_FOR_RANGE;
     let mut ranges_mag: Vec<f64> =

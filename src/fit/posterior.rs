@@ -82,7 +82,8 @@ fn starting_places(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
     (0..settings.walkers).map(&mut place).collect()
 }
 
-/// Draws until the chain has `settings.steps` steps. `resumed` is a chain to continue; `each` is called after every step and may save the chain.
+/// Draws until the chain has `settings.steps` steps. `resumed` is a chain to continue; `each` is called after every
+/// step and may save the chain.
 ///
 /// # Errors
 /// [`FitError::Ensemble`] for an invalid number of walkers, and every error that `each` returns.
@@ -127,9 +128,11 @@ pub fn posterior(chain: &Chain, fit: &Fit, burn_in: usize) -> Posterior {
 }
 
 impl Posterior {
-    /// Names of free parameters whose sigma in the fit exceeds that of the draws by more than a factor of `times`, each with its factor.
+    /// Names of free parameters whose sigma in the fit exceeds that of the draws by more than a factor of `times`, each
+    /// with its factor.
     ///
-    /// The draws take points as independent, while the fit allows for errors that tracks share; for these parameters the draws are overconfident.
+    /// The draws take points as independent, while the fit allows for errors that tracks share; for these parameters
+    /// the draws are overconfident.
     pub fn overconfident(&self, fit: &Fit, times: f64) -> Vec<(String, f64)> {
         let ratio = |(marginal, &i): (&Marginal, &usize)| {
             let ratio = fit.uncertainty.sigma(i)? / marginal.sigma;

@@ -1,9 +1,10 @@
 //! Faults of a fit: parameters at bounds, degenerate or undetermined parameters, poor coverage of the geometry.
 //!
-//! Coverage: each axis of the geometry is cut into cells of 5° in the Sun's latitude, 30° in the observer's longitude from the Sun (folded) and
-//! 15° in the observer's latitude. The model extrapolates into cells with fewer than ten points. Longitudes must be covered from 0° to 180°.
-//! The reach of latitudes depends on height and site, so only whole cells between the ends of the observed range are required (without one
-//! point in a thousand at each end), and these ends must be two cells apart.
+//! Coverage: each axis of the geometry is cut into cells of 5° in the Sun's latitude, 30° in the observer's longitude
+//! from the Sun (folded) and 15° in the observer's latitude. The model extrapolates into cells with fewer than ten
+//! points. Longitudes must be covered from 0° to 180°. The reach of latitudes depends on height and site, so only whole
+//! cells between the ends of the observed range are required (without one point in a thousand at each end), and these
+//! ends must be two cells apart.
 
 use std::fmt;
 
@@ -17,7 +18,8 @@ use super::solve::{Fit, Problem};
 
 /// Correlation above which two parameters are degenerate.
 const DEGENERATE: f64 = 0.95;
-/// A parameter matters at a point if the magnitude changes by more than this when the parameter changes by its own size.
+/// A parameter matters at a point if the magnitude changes by more than this when the parameter changes by its own
+/// size.
 const MATTERS_MAG: f64 = 0.1;
 /// Least number of points (and least share) at which a parameter must matter.
 const LEAST_POINTS: usize = 20;

@@ -33,7 +33,8 @@ impl ResidualStatistics {
         Self::weighted(residuals_mag.iter().filter(|r| r.is_finite()).map(|r| (*r, 1.0)))
     }
 
-    /// Statistics of pairs of a residual, mag, and its weight (positive, finite); `None` if the weights add up to nothing.
+    /// Statistics of pairs of a residual, mag, and its weight (positive, finite); `None` if the weights add up to
+    /// nothing.
     pub(crate) fn weighted(pairs: impl IntoIterator<Item = (f64, f64)>) -> Option<Self> {
         let mut pairs: Vec<(f64, f64)> = pairs.into_iter().collect();
         let weight: f64 = pairs.iter().map(|(_, w)| w).sum();
@@ -99,8 +100,8 @@ pub(super) fn aic(rms_mag: f64, n: usize, k: usize) -> f64 {
 
 /// Akaike's criterion of a fit under this loss, comparable among forms on the same points under the same loss.
 ///
-/// For squares it is n ln(RMSE²) + 2k, as in the paper. A robust fit does not minimise the RMS; its likelihood is exp(-½ Σ ρ(r²/σ²)),
-/// and the criterion -2 ln L + 2k = Σ ρ + 2k, up to a constant that depends on the points alone.
+/// For squares it is n ln(RMSE²) + 2k, as in the paper. A robust fit does not minimise the RMS; its likelihood is
+/// exp(-½ Σ ρ(r²/σ²)), and the criterion -2 ln L + 2k = Σ ρ + 2k, up to a constant that depends on the points alone.
 pub(super) fn aic_under(loss: Loss, residuals_mag: &[f64], sigmas_mag: &[f64], k: usize) -> f64 {
     match loss {
         Loss::Squares => aic(rms(residuals_mag), residuals_mag.len(), k),

@@ -8,7 +8,7 @@ use crate::passes::SkyError;
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum ForecastError {
-    /// A number is out of range.
+    /// A number out of range.
     #[error("{what} {given}{unit}: allowed {allowed}")]
     OutOfRange {
         /// Name of the number.

@@ -1,4 +1,4 @@
-//! Times from text. A time without `Z` needs a time scale, and so does a number.
+//! Parsing of times. A time without `Z` or a bare number requires a time scale.
 
 use hifitime::{Epoch, TimeScale, Unit, is_gregorian_valid};
 use thiserror::Error;
@@ -10,10 +10,10 @@ use super::time::{epoch_from_jd, epoch_from_mjd};
 #[derive(Clone, Debug, Error, PartialEq)]
 pub enum InstantError {
     /// The text is not ISO 8601.
-    #[error("'{0}' is not a time; allowed: ISO 8601 like 2024-08-14T00:30:00.000Z")]
+    #[error("invalid time '{0}': expected ISO 8601, for example 2024-08-14T00:30:00.000Z")]
     NotATime(String),
     /// A field is out of range.
-    #[error("'{text}': {field} {value} is out of range")]
+    #[error("invalid time '{text}': {field} {value} is out of range")]
     OutOfRange {
         /// Given text.
         text: String,
@@ -23,7 +23,7 @@ pub enum InstantError {
         value: u32,
     },
     /// A second 60 is given for a minute without a leap second.
-    #[error("'{0}': there was no leap second at that moment")]
+    #[error("invalid time '{0}': no leap second was inserted at that time")]
     NoLeapSecond(String),
     /// The time has no scale.
     #[error(
@@ -41,13 +41,14 @@ pub const FIRST_YEAR: i32 = 1957;
 /// Last supported year (SOFA's Earth ephemeris `epv00` holds for 1900-2100).
 pub const LAST_YEAR: i32 = 2099;
 
-/// Below this a bare number is a modified Julian date, from it on a Julian date (MJD 10^6 is the year 4596, JD 10^6 1976 BC).
+/// Smallest bare number that is read as a Julian date; smaller ones are modified Julian dates (MJD 10^6 is the year
+/// 4596, JD 10^6 is 1976 BC).
 const FIRST_JD: f64 = 1e6;
 
-/// Returns the time of an ISO 8601 text, or, with a scale, of a bare MJD or JD.
+/// Parses an ISO 8601 time or, with a scale, a bare MJD or JD.
 ///
 /// # Errors
-/// As [`parse_instant`]; a number out of the range of Julian dates.
+/// Same as [`parse_instant`], and a number outside the range of Julian dates.
 pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, InstantError> {
     match (text.trim().parse::<f64>(), scale) {
         (Ok(number), Some(scale)) if number < FIRST_JD => Ok(epoch_from_mjd(number, scale)?),
@@ -57,7 +58,8 @@ pub fn parse_moment(text: &str, scale: Option<TimeScale>) -> Result<Epoch, Insta
     }
 }
 
-/// Parses ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00` for the `Z`.
+/// Parses ISO 8601: `2024-08-14T00:30:00.000Z`, a blank for the `T`, seconds and fraction optional, an offset `+02:00`
+/// for the `Z`.
 ///
 /// Without `Z` or offset the text is in `scale`. A second 60 is valid if UTC has one.
 ///

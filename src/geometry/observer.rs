@@ -51,7 +51,8 @@ impl Observer {
 
     /// Returns the celestial position, velocity and horizon.
     ///
-    /// The velocity is ω × r about the pole of date; the length of day (10⁻⁸) and polar motion are neglected: below 0.01 mm/s.
+    /// The velocity is ω × r about the pole of date; the length of day (10⁻⁸) and polar motion are neglected: below
+    /// 0.01 mm/s.
     pub fn state(&self, orientation: &Orientation) -> ObserverState {
         let in_teme = (orientation.itrs_to_teme * self.itrs).vector().to_owned();
         let turn = Vector3::new(-in_teme.y, in_teme.x, 0.0) * EARTH_ROTATION_RAD_S;
@@ -70,15 +71,15 @@ impl Observer {
 }
 
 impl ObserverState {
-    /// Returns the altitude and azimuth (from north through east, [0, 2π)) of a position relative to the observer, radians, without
-    /// refraction; `None` for the position of the observer.
+    /// Returns the altitude and azimuth (from north through east, [0, 2π)) of a position relative to the observer,
+    /// radians, without refraction; `None` for the position of the observer.
     pub fn altitude_azimuth_rad(&self, geometric: &Position<Gcrs>) -> Option<(f64, f64)> {
         let direction = (self.horizon * *geometric).direction()?;
         Some((direction.latitude_rad(), direction.longitude_rad()))
     }
 
-    /// Returns the altitude and azimuth of the Sun's centre, as [`altitude_azimuth_rad`](Self::altitude_azimuth_rad), without
-    /// aberration (20"); `None` outside the years 1900 to 2100.
+    /// Returns the altitude and azimuth of the Sun's centre, as [`altitude_azimuth_rad`](Self::altitude_azimuth_rad),
+    /// without aberration (20"); `None` outside the years 1900 to 2100.
     pub fn sun_altitude_azimuth_rad(&self, moment: Epoch) -> Option<(f64, f64)> {
         let seen = self.altitude_azimuth_rad(&(SunState::at(moment).sun - self.position));
         seen.filter(|(altitude, _)| altitude.is_finite())

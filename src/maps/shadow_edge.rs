@@ -1,4 +1,4 @@
-//! Border of the Earth's shadow on the sky of a site, for satellites of one height.
+//! Edge of the Earth's shadow on the sky of a site, for satellites of one height.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -6,23 +6,23 @@ use nalgebra::Vector3;
 
 use super::sky::SkyView;
 
-/// Precision of the border, an angle at the Earth's centre, radians: a metre at 1000 km of height.
+/// Precision of the edge, an angle at the Earth's centre, radians: a metre at 1000 km of height.
 const CLOSE_RAD: f64 = 1e-7;
 
 /// One direction in which a satellite sees half of the Sun's light.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ShadowEdgePoint {
-    /// From north through east, [0, 2π), radians.
+    /// Azimuth from north through east, [0, 2π), radians.
     pub azimuth_rad: f64,
-    /// Above the horizon, radians; negative where the border runs below it.
+    /// Altitude above the horizon, radians; negative where the edge runs below it.
     pub altitude_rad: f64,
 }
 
 impl SkyView<'_> {
-    /// Border of the shadow on the sphere of the satellites, where half of the Sun's light is left: `count` points once
-    /// around the axis of the shadow, a closed line. Points below the horizon are included.
+    /// Returns the edge of the shadow on the sphere of the satellites, where half of the Sun's light remains: `count`
+    /// points around the axis of the shadow, a closed line. Points below the horizon are included.
     ///
-    /// About the axis the border is nearly a circle; on each of `count` great circles through the axis it is found by
+    /// The edge is nearly a circle about the axis; on each of `count` great circles through the axis it is found by
     /// bisection. Empty where the shadow does not reach the satellites.
     pub fn shadow_edge(&self, count: usize) -> Vec<ShadowEdgePoint> {
         let to_sun = self.sun.vector().normalize();
@@ -64,7 +64,7 @@ mod tests {
     use crate::maps::Earth;
     use crate::photometry::{ModelLibrary, PhotometryOptions};
 
-    /// A degree on either side of the line; the penumbra is 0.5 deg wide as seen from the satellite, some 50 km there.
+    /// A degree on either side of the line; the penumbra is 0.5 deg wide seen from the satellite, some 50 km there.
     const ASIDE_RAD: f64 = 0.02;
 
     #[test]
@@ -82,7 +82,7 @@ mod tests {
                 for point in edge.iter().filter(|point| point.altitude_rad > 0.05) {
                     let lit = view.at(point.azimuth_rad, point.altitude_rad).lit_fraction;
                     assert!((0.3..0.7).contains(&lit), "{sun_altitude_deg} {height_km}: {lit}");
-                    // Around the point the light is both more and less.
+                    // On the two sides of the edge the light is more and less than half.
                     let around: Vec<f64> = (0..12)
                         .map(|step| {
                             let (sin, cos) = (TAU * f64::from(step) / 12.0).sin_cos();
@@ -105,7 +105,7 @@ mod tests {
         let library = ModelLibrary::embedded();
         let model = library.get("starlink-v1.5").unwrap();
         let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, 0.5, PhotometryOptions::default()).unwrap();
-        // By day the edge runs below the horizon alone.
+        // By day the edge is below the horizon only.
         assert!(view.shadow_edge(36).iter().all(|point| point.altitude_rad < 0.0));
     }
 }

@@ -1,7 +1,7 @@
 //! Sine, logarithm and exponential without branches, so that a loop over them becomes vector instructions.
 //!
-//! Good to 1e-13 over the ranges stated: magnitudes need 1e-10, and each term of a series costs a thirtieth of the time.
-//! `F` is true where the machine has fused multiply-add; elsewhere it would be a slow library call.
+//! Good to 1e-13 over the ranges stated: magnitudes need 1e-10, and each term of a series costs a thirtieth of the
+//! time. `F` is true where the machine has fused multiply-add; elsewhere it would be a slow library call.
 
 use std::f64::consts::{FRAC_2_PI, LN_2, LOG2_E};
 

@@ -1,7 +1,7 @@
 //! HEALPix cells in RING order: how many there are, where their centres lie, and in which a direction falls.
 //!
-//! Górski et al. (2005, ApJ 622, 759). In RING order cells are counted along rings of equal latitude from the north pole to the south pole,
-//! so that a half of the sphere is a run of cells.
+//! Górski et al. (2005, ApJ 622, 759). In RING order cells are counted along rings of equal latitude from the north
+//! pole to the south pole, so that a half of the sphere is a run of cells.
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -30,7 +30,8 @@ pub struct Ring {
     pub latitude_rad: f64,
 }
 
-/// The rings from the north pole to the equator, the equator's own included, in RING order; those of the south are their mirror images.
+/// The rings from the north pole to the equator, the equator's own included, in RING order; those of the south are
+/// their mirror images.
 pub fn northern_rings(nside: u32) -> impl Iterator<Item = Ring> {
     let n = f64::from(nside);
     (1..=2 * nside).map(move |ring| {
@@ -53,8 +54,8 @@ pub fn ring_centre_rad(nside: u32, cell: u64) -> Option<(f64, f64)> {
     ((1..=MOST_NSIDE).contains(&nside) && cell < cell_count(nside)).then(|| cdshealpix::ring::center(nside, cell))
 }
 
-/// The cell that a direction lies in, longitude of any turn, latitude in [-π/2, π/2], radians; `None` for a latitude beyond, an angle that is
-/// not finite, or a division that is not offered.
+/// The cell that a direction lies in, longitude of any turn, latitude in [-π/2, π/2], radians; `None` for a latitude
+/// beyond, an angle that is not finite, or a division that is not offered.
 pub fn ring_cell(nside: u32, longitude_rad: f64, latitude_rad: f64) -> Option<u64> {
     let is_sound = (1..=MOST_NSIDE).contains(&nside) && longitude_rad.is_finite() && latitude_rad.abs() <= FRAC_PI_2;
     is_sound.then(|| cdshealpix::ring::hash(nside, longitude_rad.rem_euclid(TAU), latitude_rad))

@@ -8,9 +8,10 @@ const GOLDEN: f64 = 0.381_966_011_250_105_1;
 
 /// Place and value of a minimum between two ends, from a start between them or at one of them, whose value is known.
 ///
-/// Brent's method (1973, Algorithms for Minimization without Derivatives, chapter 5): the vertex of the parabola through the three best places where the steps
-/// before show that it can be trusted, else a golden section. The place is good to two tolerances where the function falls to one minimum and rises
-/// again, and nothing lower than the value was met; values that are not finite count as high ones. A start at an end is the answer where the function rises
+/// Brent's method (1973, Algorithms for Minimization without Derivatives, chapter 5): the vertex of the parabola
+/// through the three best places where the steps before show that it can be trusted, else a golden section. The place
+/// is good to two tolerances where the function falls to one minimum and rises again, and nothing lower than the value
+/// was met; values that are not finite count as high ones. A start at an end is the answer where the function rises
 /// from there.
 pub fn minimum(
     mut function: impl FnMut(f64) -> f64,

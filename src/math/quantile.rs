@@ -1,6 +1,7 @@
 //! Quantiles of samples.
 
-/// Value below which this share of sorted samples lies, linear between neighbours (NumPy's default, Hyndman and Fan's type 7).
+/// Value below which this share of sorted samples lies, linear between neighbours (NumPy's default, Hyndman and Fan's
+/// type 7).
 ///
 /// Not a number where there are no samples; `share` beyond 0 to 1 is taken as the nearer end.
 pub fn quantile(sorted: &[f64], share: f64) -> f64 {

@@ -5,21 +5,21 @@ use rayon::prelude::*;
 use super::propagator::{OrbitError, Propagator};
 use crate::elements::{ElementSet, NoradId};
 
-/// A satellite without a position, and the reason. One such satellite never stops a night.
+/// A satellite without a position, and the reason. Such satellites never stop a computation.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeftOut {
     /// NORAD catalogue number.
     pub norad_id: NoradId,
     /// Position of its element set in the catalogue.
     pub element_index: usize,
-    /// Why SGP4 has no position.
+    /// Reason for the missing position.
     pub reason: OrbitError,
 }
 
-/// Propagators of a catalogue. Building takes about 1 µs a satellite and core.
+/// Propagators of a catalogue. Construction takes about 1 µs per satellite and core.
 #[derive(Clone, Debug)]
 pub struct SatelliteIndex {
-    /// In the catalogue's order; `None` where SGP4 cannot start.
+    /// In catalogue order; `None` where SGP4 cannot be initialised.
     propagators: Vec<Option<Propagator>>,
     left_out: Vec<LeftOut>,
 }
@@ -43,23 +43,23 @@ impl SatelliteIndex {
         Self { propagators, left_out }
     }
 
-    /// Number of element sets, those that cannot be propagated included.
+    /// Returns the number of element sets, including those that cannot be propagated.
     pub fn len(&self) -> usize {
         self.propagators.len()
     }
 
-    /// True for an empty catalogue.
+    /// Returns true for an empty catalogue.
     pub fn is_empty(&self) -> bool {
         self.propagators.is_empty()
     }
 
-    /// The propagator of the element set at this position; `None` where SGP4 cannot start or the position does not
-    /// exist.
+    /// Returns the propagator of the element set at this position; `None` where SGP4 cannot be initialised or the
+    /// position does not exist.
     pub fn propagator(&self, element_index: usize) -> Option<&Propagator> {
         self.propagators.get(element_index)?.as_ref()
     }
 
-    /// Satellites that SGP4 cannot start from, whatever the time.
+    /// Returns the satellites for which SGP4 cannot be initialised at any time.
     pub fn left_out(&self) -> &[LeftOut] {
         &self.left_out
     }

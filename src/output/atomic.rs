@@ -14,8 +14,8 @@ pub struct AtomicFile {
 }
 
 impl AtomicFile {
-    /// Creates the temporary file, in the folder of `target`. Symbolic links at `target` stay: the file that they lead to,
-    /// existing or not, is replaced.
+    /// Creates the temporary file, in the folder of `target`. Symbolic links at `target` stay: the file that they lead
+    /// to, existing or not, is replaced.
     ///
     /// # Errors
     /// The folder is missing or not writable; the target is a directory, a pipe or a device; its links form a circle.
@@ -81,8 +81,8 @@ impl AtomicFile {
         self.rename()
     }
 
-    /// As [`finish`](AtomicFile::finish), but waits for the disk only if another file is replaced. For large files that can
-    /// be made again: after a power cut, a file that replaced nothing may be incomplete, as after any copy.
+    /// As [`finish`](AtomicFile::finish), but waits for the disk only if another file is replaced. For large files that
+    /// can be made again: after a power cut, a file that replaced nothing may be incomplete, as after any copy.
     ///
     /// # Errors
     /// As [`finish`](AtomicFile::finish).

@@ -7,7 +7,8 @@ use super::table::{Column, Kind, Table, Value};
 
 /// Writes the table as CSV (RFC 4180 quoting, `\n` line ends).
 ///
-/// Each entry of the provenance is a line `# name: value`, the value as JSON on one line. A missing value is an empty cell.
+/// Each entry of the provenance is a line `# name: value`, the value as JSON on one line. A missing value is an empty
+/// cell.
 ///
 /// # Errors
 /// Any error of the writer.

@@ -13,7 +13,8 @@ pub struct Section<'a> {
     pub table: &'a Table,
 }
 
-/// Writes `{"provenance": {...}, "name": [...], ...}`, one row a line, with the attachments of the provenance at the end.
+/// Writes `{"provenance": {...}, "name": [...], ...}`, one row a line, with the attachments of the provenance at the
+/// end.
 ///
 /// Numbers have the digits of CSV; a missing value is `null`.
 ///

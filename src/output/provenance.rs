@@ -34,8 +34,8 @@ impl Provenance {
         statements.into_iter().for_each(|(name, value)| self.state(name, value));
     }
 
-    /// Attaches a list that is too long for the header of a text table. JSON and JSON lines contain it beside the provenance,
-    /// other formats do not.
+    /// Attaches a list that is too long for the header of a text table. JSON and JSON lines contain it beside the
+    /// provenance, other formats do not.
     pub fn attach(&mut self, name: &str, value: impl Into<Value>) {
         self.attached.push((name.to_owned(), value.into()));
     }

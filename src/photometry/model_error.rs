@@ -1,14 +1,14 @@
-//! Errors of model files, and the checks that raise them.
+//! Errors of model files, and the checks of their values.
 
 use thiserror::Error;
 
-/// The schema version that this code reads and writes.
+/// Supported version of the schema.
 pub const SCHEMA_VERSION: u32 = 1;
 
-/// Errors of model files. `origin` is the name of the file.
+/// Errors of model files; `origin` is the name of the file.
 #[derive(Debug, Error)]
 pub enum ModelFileError {
-    /// Not JSON, a key missing, unknown or of the wrong type; the message names the key, the line and the column.
+    /// Invalid JSON, or a key that is missing, unknown or of the wrong type; the message contains key, line and column.
     #[error("model file {origin}: {source}")]
     Json {
         /// The file.
@@ -16,8 +16,8 @@ pub enum ModelFileError {
         /// Cause and position.
         source: serde_json::Error,
     },
-    /// Written for another version of the schema.
-    #[error("model file {origin}: schema is {given}, this version reads {SCHEMA_VERSION}")]
+    /// Unsupported version of the schema.
+    #[error("model file {origin}: unsupported schema {given}, expected {SCHEMA_VERSION}")]
     Schema {
         /// The file.
         origin: String,
@@ -25,7 +25,7 @@ pub enum ModelFileError {
         given: u32,
     },
     /// A number out of range, or not finite.
-    #[error("model file {origin}: {key} is {given}, allowed is {least} to {greatest}")]
+    #[error("model file {origin}: {key} is {given}, allowed: {least} to {greatest}")]
     OutOfRange {
         /// The file.
         origin: String,
@@ -38,8 +38,8 @@ pub enum ModelFileError {
         /// Greatest allowed value.
         greatest: f64,
     },
-    /// A text that is not one of the allowed ones.
-    #[error("model file {origin}: {key} is {given:?}, allowed is {allowed}")]
+    /// A text outside the allowed ones.
+    #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
     Text {
         /// The file.
         origin: String,
@@ -50,19 +50,19 @@ pub enum ModelFileError {
         /// Accepted values.
         allowed: &'static str,
     },
-    /// A key that the kind needs is missing, or a key is given that the kind does not use.
+    /// A missing key that the kind requires, or a key that the kind does not use.
     #[error("model file {origin}: kind {kind} {problem} the key {key:?}")]
     Key {
         /// The file.
         origin: String,
         /// Kind of the model, as in files.
         kind: &'static str,
-        /// `needs` or `has no use for`.
+        /// `requires` or `does not use`.
         problem: &'static str,
         /// The key.
         key: &'static str,
     },
-    /// A name that is not defined in this file.
+    /// A reference to a name that is not defined in this file.
     #[error("model file {origin}: {key} is {given:?}, allowed: {allowed}")]
     Reference {
         /// The file.
@@ -74,7 +74,7 @@ pub enum ModelFileError {
         /// Accepted values.
         allowed: String,
     },
-    /// The covariance is not a symmetric matrix of the parameters with a non-negative diagonal.
+    /// A covariance that is not a symmetric matrix of the parameters with a non-negative diagonal.
     #[error(
         "model file {origin}: covariance must be {size} x {size} (the coefficients in their order), finite and \
          symmetric, with a diagonal of at least 0: {problem}"
@@ -97,19 +97,19 @@ pub(super) struct Check<'a> {
 
 impl Check<'_> {
     pub fn range(&self, key: &str, given: f64, least: f64, greatest: f64) -> Result<(), ModelFileError> {
-        // NaN is in no range.
+        // NaN is outside every range.
         if (least..=greatest).contains(&given) {
             return Ok(());
         }
         Err(ModelFileError::OutOfRange { origin: self.origin.to_owned(), key: key.to_owned(), given, least, greatest })
     }
 
-    /// Holds a number of items to its range.
+    /// Checks the range of a number of items.
     pub fn count(&self, key: &str, given: usize, least: usize, greatest: usize) -> Result<(), ModelFileError> {
         self.range(&format!("{key}: number"), given as f64, least as f64, greatest as f64)
     }
 
-    /// Error for an undefined name.
+    /// Returns the error for an undefined name.
     pub fn reference(&self, key: &str, given: &str, allowed: String) -> ModelFileError {
         ModelFileError::Reference {
             origin: self.origin.to_owned(),

@@ -92,7 +92,7 @@ def test_a_forecast_over_the_sky_and_in_time(model, output):
 
 def test_rates_and_the_sun():
     svg = shown(plots.sky_rate(np.arange(4), [0.0, 1.0, 2.0, 0.5], nside=4, sun_azimuth_deg=250.0))
-    assert "not asked" in svg
+    assert "not computed" in svg
     svg = shown(plots.sun_altitude(-np.arange(40.0), np.ones(40), n_bright=np.zeros(40), limit_mag=7))
     assert "40 exposures, 1.00 trails each on average" in svg and "brighter than 7 mag" in svg
 

@@ -8,16 +8,17 @@ use super::photometry::{Photometry, in_v};
 use super::population::shell_geometries;
 use super::published::{PublishedCurve, PublishedMean, Subject};
 
-/// Largest mean difference from measurements of a good model, mag. Unfiltered AB magnitudes and V (Vega) differ by 0.02 to 0.2 mag for solar
-/// colours, and single surveys of one satellite type by as much again.
+/// Largest mean difference from measurements of a good model, mag. Unfiltered AB magnitudes and V (Vega) differ by 0.02
+/// to 0.2 mag for solar colours, and single surveys of one satellite type by as much again.
 pub const OFFSET_TOLERANCE_MAG: f64 = 0.3;
 
-/// Largest core of a good model, in units of the sigma in its file. Sigma holds 68.3 % of single magnitudes, and so does the core of a normal
-/// distribution: 0.7 mag found for 0.6 mag stated is acceptable, twice the stated sigma is not.
+/// Largest core of a good model, in units of the sigma in its file. Sigma holds 68.3 % of single magnitudes, and so
+/// does the core of a normal distribution: 0.7 mag found for 0.6 mag stated is acceptable, twice the stated sigma is
+/// not.
 const CORE_TOLERANCE_SIGMA: f64 = 1.15;
 
-/// Largest RMS of a good model, in the same units. Flares and misidentified satellites make wings, which raise the RMS above the sigma that
-/// holds 68.3 %; above twice that sigma the wings dominate.
+/// Largest RMS of a good model, in the same units. Flares and misidentified satellites make wings, which raise the RMS
+/// above the sigma that holds 68.3 %; above twice that sigma the wings dominate.
 const RMS_TOLERANCE_SIGMA: f64 = 2.0;
 
 /// Kind of a reference.
@@ -65,7 +66,8 @@ impl Verdict {
     }
 }
 
-/// One model and one reference. Magnitudes are V (Vega) at 1000 km, whatever the model's own band; differences are reference minus model.
+/// One model and one reference. Magnitudes are V (Vega) at 1000 km, whatever the model's own band; differences are
+/// reference minus model.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Comparison {
     /// Name of the model.
@@ -94,8 +96,8 @@ pub struct Comparison {
     pub core_mag: Option<f64>,
     /// Sigma of a single prediction in the model's file, mag.
     pub sigma_mag: f64,
-    /// Share of reference minus model within that sigma; against a mean, share of the model's magnitudes within the published standard
-    /// deviation of the published mean.
+    /// Share of reference minus model within that sigma; against a mean, share of the model's magnitudes within the
+    /// published standard deviation of the published mean.
     pub within_one_sigma: Option<f64>,
     /// Whether the two agree.
     pub verdict: Verdict,
@@ -105,12 +107,12 @@ pub struct Comparison {
 ///
 /// The model's name or an alias selects the references. The model agrees
 ///
-/// * with a published mean if the means differ by no more than the standard deviation of the survey, whose geometries differ from those of
-///   the population;
-/// * with a published curve if the mean and the RMS of the differences are no more than that: the survey itself scatters as much about its curve,
-///   and a model with more angles than the phase deviates from it;
-/// * with measurements if the mean differs by no more than [`OFFSET_TOLERANCE_MAG`], the core is no more than 1.15 and the RMS no more than 2
-///   times the sigma in the model's file.
+/// * with a published mean if the means differ by no more than the standard deviation of the survey, whose geometries
+///   differ from those of the population;
+/// * with a published curve if the mean and the RMS of the differences are no more than that: the survey itself
+///   scatters as much about its curve, and a model with more angles than the phase deviates from it;
+/// * with measurements if the mean differs by no more than [`OFFSET_TOLERANCE_MAG`], the core is no more than 1.15 and
+///   the RMS no more than 2 times the sigma in the model's file.
 ///
 /// Returns at least one row.
 pub fn compare(model: &BrightnessModel, photometry: Option<&Photometry>) -> Vec<Comparison> {

@@ -122,7 +122,8 @@ pub struct ReferenceMeasurement {
 }
 
 impl ReferenceMeasurement {
-    /// Magnitude of the model in this geometry, V (Vega) at 1000 km; `None` if no lit surface is visible, or if the model needs unknown angles.
+    /// Magnitude of the model in this geometry, V (Vega) at 1000 km; `None` if no lit surface is visible, or if the
+    /// model needs unknown angles.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
         let is_of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
         let geometry = if is_of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
@@ -136,7 +137,8 @@ pub(super) fn in_v(model: &BrightnessModel, geometry: &ViewingGeometry) -> Optio
     model.standard_magnitude(geometry).map(|magnitude| StandardMagnitude(magnitude.0 + colour_mag))
 }
 
-/// A geometry with this phase angle: the Sun in the plane of the chassis, the observer in the Sun's half plane up to 90°, opposite beyond.
+/// A geometry with this phase angle: the Sun in the plane of the chassis, the observer in the Sun's half plane up to
+/// 90°, opposite beyond.
 fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
     let (longitude, latitude) = if phase_rad <= FRAC_PI_2 { (0.0, -phase_rad) } else { (PI, phase_rad - PI) };
     ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)

@@ -5,9 +5,10 @@
 //!                         sky element     on the shell   satellites there
 //! ```
 //!
-//! ρ is the range, θ the angle between the line of sight and the satellite's zenith, φ the latitude under the satellite and i the
-//! inclination: a sky element covers ρ²/cos θ of the shell, and the last factor is the density of circular orbits with evenly spread nodes
-//! and satellites. Observer on a sphere of 6378.137 km; the shadow is that of the ellipsoid.
+//! ρ is the range, θ the angle between the line of sight and the satellite's zenith, φ the latitude under the satellite
+//! and i the inclination: a sky element covers ρ²/cos θ of the shell, and the last factor is the density of circular
+//! orbits with evenly spread nodes and satellites. Observer on a sphere of 6378.137 km; the shadow is that of the
+//! ellipsoid.
 
 use nalgebra::Vector3;
 
@@ -28,8 +29,8 @@ const SUN_ALTITUDES_DEG: [f64; 2] = [-12.0, -30.0];
 /// Numbers of equal steps in time, altitude and azimuth; geometries are taken at their middles.
 const STEPS: [usize; 3] = [12, 30, 72];
 
-/// Geometries of circular orbits `height_km` above 6378.137 km with this inclination, degrees, [0, 180], each with its weight: the number of
-/// satellites there, in an arbitrary unit.
+/// Geometries of circular orbits `height_km` above 6378.137 km with this inclination, degrees, [0, 180], each with its
+/// weight: the number of satellites there, in an arbitrary unit.
 ///
 /// Empty if no satellite is in this part of the sky, or if all are in the shadow.
 pub(super) fn shell_geometries(height_km: f64, inclination_deg: f64) -> Vec<(ViewingGeometry, f64)> {
@@ -92,8 +93,8 @@ mod tests {
 
     #[test]
     fn verif_weights_add_up_to_the_satellites_there_are() {
-        // A polar shell has the density 1/cos φ: compared with a sum over cells of longitude and latitude about the Earth's axis, which
-        // knows neither altitudes nor ranges. High enough for the cone to be large.
+        // A polar shell has the density 1/cos φ: compared with a sum over cells of longitude and latitude about the
+        // Earth's axis, which knows neither altitudes nor ranges. High enough for the cone to be large.
         let height_km = 20_000.0;
         let seen: f64 = shell_geometries(height_km, 90.0).iter().map(|(_, weight)| weight).sum();
         let radius_km = EARTH_EQUATORIAL_RADIUS_KM + height_km;

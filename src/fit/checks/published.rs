@@ -6,7 +6,8 @@ use crate::photometry::ModelFile;
 
 use super::photometry::DataSet;
 
-/// Standard deviation assumed for a survey that states none, mag. Published values are 0.64 to 0.86, larger for satellites at many heights.
+/// Standard deviation assumed for a survey that states none, mag. Published values are 0.64 to 0.86, larger for
+/// satellites at many heights.
 const USUAL_SURVEY_SD_MAG: f64 = 0.7;
 
 /// Mean of a survey.
@@ -67,7 +68,8 @@ pub(super) struct Subject {
 }
 
 impl Subject {
-    /// Standard deviation of single magnitudes in the survey of the curve, mag: that of the first mean, which is from the same survey.
+    /// Standard deviation of single magnitudes in the survey of the curve, mag: that of the first mean, which is from
+    /// the same survey.
     pub fn survey_sd_mag(&self) -> f64 {
         self.means.first().map_or(USUAL_SURVEY_SD_MAG, PublishedMean::survey_sd_mag)
     }

@@ -1,18 +1,21 @@
-//! Ensemble of walkers that draws from a posterior, by the affine-invariant stretch move of Goodman and Weare (2010, CAMCoS 5, 65).
+//! Ensemble of walkers that draws from a posterior, by the affine-invariant stretch move of Goodman and Weare (2010,
+//! CAMCoS 5, 65).
 //!
-//! A walker x moves along the line to a walker c of the other half: y = c + z (x - c), with z drawn from g(z) ∝ 1/√z on [1/a, a]; the move is
-//! accepted with probability min(1, z^(n-1) p(y)/p(x)) (as in emcee, Foreman-Mackey et al. 2013). Half of the walkers move at a time, so that
-//! their probabilities are computed together ([`LogProbability::of_many`]). Each walker and step has its own random numbers, so that the chain
-//! does not depend on the number of threads, and a continued chain equals an uninterrupted one.
+//! A walker x moves along the line to a walker c of the other half: y = c + z (x - c), with z drawn from g(z) ∝ 1/√z on
+//! [1/a, a]; the move is accepted with probability min(1, z^(n-1) p(y)/p(x)) (as in emcee, Foreman-Mackey et al. 2013).
+//! Half of the walkers move at a time, so that their probabilities are computed together ([`LogProbability::of_many`]).
+//! Each walker and step has its own random numbers, so that the chain does not depend on the number of threads, and a
+//! continued chain equals an uninterrupted one.
 //!
 //! The stretch move of Goodman and Weare (2010, CAMCoS 5, 65), as emcee makes it (Foreman-Mackey et al. 2013).
 //!
-//! A walker is moved along the line to another one of the other half: y = c + z (x - c), z drawn from g(z) ∝ 1/√z on [1/a, a],
-//! and the move accepted with the probability min(1, z^(n-1) p(y)/p(x)).
+//! A walker is moved along the line to another one of the other half: y = c + z (x - c), z drawn from g(z) ∝ 1/√z on
+//! [1/a, a], and the move accepted with the probability min(1, z^(n-1) p(y)/p(x)).
 //!
 //! How many steps of a chain make one independent draw.
 //!
-//! The integrated autocorrelation time by Sokal's windows (1989 lectures, section 3), averaged over walkers as emcee does:
+//! The integrated autocorrelation time by Sokal's windows (1989 lectures, section 3), averaged over walkers as emcee
+//! does:
 //!
 //! ```text
 //! τ(M) = 1 + 2 Σ_{t=1..M} ρ(t),   M the least with M ≥ 5 τ(M)
@@ -313,8 +316,8 @@ pub struct AutocorrelationTime {
     pub is_trusted: bool,
 }
 
-/// Autocorrelation time of each parameter after `burn_in` steps, averaged over walkers as in emcee, with Sokal's window (1989 lectures,
-/// section 3).
+/// Autocorrelation time of each parameter after `burn_in` steps, averaged over walkers as in emcee, with Sokal's window
+/// (1989 lectures, section 3).
 pub fn autocorrelation_times(chain: &Chain, burn_in: usize) -> Vec<AutocorrelationTime> {
     let steps = chain.steps().saturating_sub(burn_in);
     (0..chain.parameters())

@@ -1,11 +1,13 @@
 //! Levenberg-Marquardt minimisation between bounds.
 //!
-//! Each step minimises the quadratic model of the cost, damped along its diagonal, within the bounds ([`minimise_in_box`]), so that the step
-//! itself holds unknowns at a bound or releases them. Damping follows the ratio of the actual to the predicted decrease (Nielsen 1999, IMM-REP-1999-05; Madsen, Nielsen and Tingleff 2004, eq. 3.17).
+//! Each step minimises the quadratic model of the cost, damped along its diagonal, within the bounds
+//! ([`minimise_in_box`]), so that the step itself holds unknowns at a bound or releases them. Damping follows the ratio
+//! of the actual to the predicted decrease (Nielsen 1999, IMM-REP-1999-05; Madsen, Nielsen and Tingleff 2004, eq.
+//! 3.17).
 //!
-//! The step minimises q(x) = ½ xᵀ A x - bᵀ x for least ≤ x ≤ greatest, A symmetric and positive definite, by an active-set method (Stark and
-//! Parker 1995, Computational Statistics 10, 129, on the normal equations): unknowns are held at a bound while the gradient points beyond it,
-//! and the others are solved for. It suits some ten unknowns.
+//! The step minimises q(x) = ½ xᵀ A x - bᵀ x for least ≤ x ≤ greatest, A symmetric and positive definite, by an
+//! active-set method (Stark and Parker 1995, Computational Statistics 10, 129, on the normal equations): unknowns are
+//! held at a bound while the gradient points beyond it, and the others are solved for. It suits some ten unknowns.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -134,7 +136,8 @@ enum At {
 
 /// Minimum of q, from `start` moved into the bounds.
 ///
-/// A ridge of 1e-12 of its diagonal is added to a singular A, so that one of many minima is returned. `None` if a number is not finite.
+/// A ridge of 1e-12 of its diagonal is added to a singular A, so that one of many minima is returned. `None` if a
+/// number is not finite.
 pub(in crate::fit) fn minimise_in_box(
     a: &DMatrix<f64>,
     b: &DVector<f64>,
@@ -303,7 +306,8 @@ mod tests_of_minimise_in_box {
     }
 
     proptest! {
-        /// Slopes decide: 0 inside, pressing outward at a bound (the conditions of Karush, Kuhn and Tucker, enough for a convex form).
+        /// Slopes decide: 0 inside, pressing outward at a bound (the conditions of Karush, Kuhn and Tucker, enough for
+        /// a convex form).
         #[test]
         fn verif_slopes_at_the_least_point(
             rows in prop::collection::vec(-2.0..2.0_f64, 35), b in prop::collection::vec(-3.0..3.0_f64, 5),

@@ -5,7 +5,8 @@ use thiserror::Error;
 /// Names of the formats, for messages.
 pub(super) const FORMATS: &str = "pomenis, mmt, score, slingshot, csv";
 
-/// Errors in a file of photometry or in options. Invalid rows are no errors but are counted in [`DropCounts`](super::DropCounts).
+/// Errors in a file of photometry or in options. Invalid rows are no errors but are counted in
+/// [`DropCounts`](super::DropCounts).
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum MeasurementError {

@@ -24,8 +24,8 @@ impl FilterCounts {
         self.counts.iter().map(|(filter, count)| (filter.as_deref(), *count))
     }
 
-    /// Mismatch if any row has another filter than `band` or none. Upper and lower case differ (`R` is Cousins', `r` LSST's), and a survey's own
-    /// filter (`Clear`) is no band.
+    /// Mismatch if any row has another filter than `band` or none. Upper and lower case differ (`R` is Cousins', `r`
+    /// LSST's), and a survey's own filter (`Clear`) is no band.
     pub fn mismatch(&self, band: Band) -> Option<BandMismatch> {
         let is_other = |filter: Option<&str>| filter.and_then(|name| name.parse::<Band>().ok()) != Some(band);
         self.iter().any(|(filter, _)| is_other(filter)).then(|| BandMismatch { band, seen: self.clone() })

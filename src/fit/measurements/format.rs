@@ -9,8 +9,8 @@ use super::error::MeasurementError;
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Format {
-    /// MMT-9 (Karpov et al. 2016, Beskin et al. 2017), as raw text (comments first, columns separated by blanks) or CSV. Times are UTC; the
-    /// filter is `Clear` unless others are given.
+    /// MMT-9 (Karpov et al. 2016, Beskin et al. 2017), as raw text (comments first, columns separated by blanks) or
+    /// CSV. Times are UTC; the filter is `Clear` unless others are given.
     Mmt,
     /// Pomenis (Fankhauser, Tyson and Askari 2023): Starlink V1.5 from Mount Lemmon; height, altitude and azimuth.
     Pomenis,

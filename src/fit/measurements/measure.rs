@@ -100,8 +100,8 @@ pub fn measure(
     Ok(Measurements { points, groups: source.groups().to_vec(), dropped })
 }
 
-/// Passes measurements to `take` chunk by chunk, in the order of the source, so that memory does not grow with their number; returns the counts
-/// of dropped rows. Groups are those of the source.
+/// Passes measurements to `take` chunk by chunk, in the order of the source, so that memory does not grow with their
+/// number; returns the counts of dropped rows. Groups are those of the source.
 ///
 /// # Errors
 /// * those of the source: an unreadable or invalid file, mixed filters;

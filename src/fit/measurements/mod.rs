@@ -4,11 +4,12 @@
 //! file ── RecordReader ── Record ── Placement ── Selection ── Measurement ── Reducer ── Pixel
 //! ```
 //!
-//! `format` describes the published tables, `column_map` any other table. `blocks` cuts files into whole rows, `rows` parses them into `record`s,
-//! and `reader` does so in parallel in bounded memory; `filters` counts rows by filter. `placement` computes the viewing geometry with
-//! `ephemeris`, by element sets (`offset`: along-track delay), recorded angles, or distance and phase (`triangle`); `identify` finds the satellites
-//! of tracks. `selection` decides which records are used, `dropped` counts the others by reason, `measure` does both. `reduce` makes pixels
-//! with the `density_mode` of their magnitudes.
+//! `format` describes the published tables, `column_map` any other table. `blocks` cuts files into whole rows, `rows`
+//! parses them into `record`s, and `reader` does so in parallel in bounded memory; `filters` counts rows by filter.
+//! `placement` computes the viewing geometry with `ephemeris`, by element sets (`offset`: along-track delay), recorded
+//! angles, or distance and phase (`triangle`); `identify` finds the satellites of tracks. `selection` decides which
+//! records are used, `dropped` counts the others by reason, `measure` does both. `reduce` makes pixels with the
+//! `density_mode` of their magnitudes.
 //!
 //! ```
 //! use streakcast::fit::measurements::{

@@ -66,7 +66,8 @@ fn range_rms_km(propagator: &Propagator, points: &[Ranged], offset_s: f64) -> f6
     (sum / points.len() as f64).sqrt()
 }
 
-/// Delay within ± `limit_s` with the least differences of range: the best node of a grid of 5 s, refined. `None` without points or positions.
+/// Delay within ± `limit_s` with the least differences of range: the best node of a grid of 5 s, refined. `None`
+/// without points or positions.
 pub(super) fn fitted_offset_s(propagator: &Propagator, points: &[Ranged], limit_s: f64) -> Option<Offset> {
     if points.is_empty() {
         return None;

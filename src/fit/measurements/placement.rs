@@ -26,8 +26,8 @@ const MEAN_RADIUS_KM: f64 = 6371.0;
 pub enum Place {
     /// SGP4 with the element set nearest in time.
     Elements {
-        /// Largest along-track delay fitted to the recorded ranges of each track, either way, s (10 is usual). `None`: no fit. Tracks without
-        /// ranges are not shifted.
+        /// Largest along-track delay fitted to the recorded ranges of each track, either way, s (10 is usual). `None`:
+        /// no fit. Tracks without ranges are not shifted.
         fit_offset_s: Option<f64>,
     },
     /// Quantities of the row; distance and phase alone need the radius of the orbit.
@@ -40,8 +40,8 @@ pub enum Place {
 /// Distance from the Earth's centre to a satellite with recorded distance and phase.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub enum OrbitRadius {
-    /// Circular orbit at this height above 6378.137 km. The error of the J2 short-period term, ±10 km in low orbits, moves α by 13° at the 90th
-    /// percentile.
+    /// Circular orbit at this height above 6378.137 km. The error of the J2 short-period term, ±10 km in low orbits,
+    /// moves α by 13° at the 90th percentile.
     HeightKm(f64),
     /// From SGP4 at the row's time, including short-period terms; nearly right even if the satellite is a minute late.
     Elements,
@@ -131,7 +131,8 @@ impl<'a> Placer<'a> {
 
     /// Computes the geometry of each record in parallel; returns the reason for records without geometry.
     ///
-    /// If delays are fitted, the rows of a track should be in one chunk; parts in different chunks are fitted separately.
+    /// If delays are fitted, the rows of a track should be in one chunk; parts in different chunks are fitted
+    /// separately.
     pub fn place(&mut self, source: &impl RecordSource, records: &[Record]) -> Vec<Result<Placed, DropReason>> {
         self.ephemeris.prepare(records.iter().filter_map(|record| record.epoch));
         let sites: Vec<SiteAxes> = source.sites().iter().map(SiteAxes::new).collect();

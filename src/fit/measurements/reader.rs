@@ -69,8 +69,8 @@ struct OpenFile {
 
 /// Reader of the records of several files, in their order.
 ///
-/// Memory is bounded by some 30 MB of text and records, 10 to 25 bytes per row for the detection of duplicates (none if they are kept), and the
-/// names of tracks and sites. Text is parsed on all threads of rayon's pool while more is read.
+/// Memory is bounded by some 30 MB of text and records, 10 to 25 bytes per row for the detection of duplicates (none if
+/// they are kept), and the names of tracks and sites. Text is parsed on all threads of rayon's pool while more is read.
 pub struct RecordReader {
     queue: VecDeque<PathBuf>,
     open: Option<OpenFile>,

@@ -254,7 +254,8 @@ impl<'l> Rows<'l> {
         Ok(Some(number))
     }
 
-    /// Number within the block of the track, else the satellite, the night, the degree of the Sun's altitude, or the file.
+    /// Number within the block of the track, else the satellite, the night, the degree of the Sun's altitude, or the
+    /// file.
     fn group(&mut self, cell: Cell, norad_id: Option<NoradId>, epoch: Option<Epoch>, site: Option<u32>) -> u32 {
         if let Some(track) = self.layout.text(cell, Field::Track) {
             // Rows of a track are mostly consecutive.

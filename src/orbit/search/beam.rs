@@ -1,8 +1,8 @@
-//! Straight lines past a cone: the interval in which an object in uniform motion may be inside.
+//! Straight tracks past a cone: the interval in which an object in uniform motion may be inside.
 
 use nalgebra::Vector3;
 
-/// For cones wider than this the path is bounded by a ball, radians.
+/// Cone radius beyond which the path is bounded by a ball, radians.
 const WIDE_RAD: f64 = 0.5;
 
 /// A cone of directions about an axis, in any frame.
@@ -15,23 +15,24 @@ pub struct Beam {
 }
 
 impl Beam {
-    /// Cone about a unit vector.
+    /// Creates a cone about a unit vector.
     pub fn new(axis: Vector3<f64>, radius_rad: f64) -> Self {
         Self { axis, radius_rad, tangent: radius_rad.tan(), secant: 1.0 / radius_rad.cos() }
     }
 
-    /// The unit vector.
+    /// Returns the unit vector.
     pub fn axis(&self) -> &Vector3<f64> {
         &self.axis
     }
 
-    /// Half its opening, radians.
+    /// Returns the half opening angle, radians.
     pub fn radius_rad(&self) -> f64 {
         self.radius_rad
     }
 
-    /// Interval, seconds, in which an object may be inside that is at `sight_km` from the observer at time 0 and moves
-    /// uniformly for `half_s` before and after, with a position error of `slop_km`; `None` where it cannot be.
+    /// Returns the interval, seconds, in which an object may be inside the cone; `None` where it cannot be. The object
+    /// is at `sight_km` from the observer at time 0 and moves uniformly for `half_s` before and after, with a position
+    /// error of `slop_km`.
     ///
     /// The times are not clamped to `half_s`.
     #[inline]
@@ -49,8 +50,8 @@ impl Beam {
             let is_near = distance_km <= reach_km || angle_rad <= self.radius_rad + (reach_km / distance_km).asin();
             return is_near.then_some([-half_s, half_s]);
         }
-        // A straight line past the axis: the least distance across against the width at the greatest depth.
-        // A ball of radius s at the cone's edge touches it from s / cos ψ across.
+        // A straight line past the axis: the least distance across against the width at the greatest depth. A ball of
+        // radius s at the cone's edge touches it s / cos ψ across.
         let (depth, depth_rate) = (sight_km.dot(&self.axis), velocity_km_s.dot(&self.axis));
         let deepest_km = depth + depth_rate.abs() * half_s + slop_km;
         if deepest_km < 0.0 {
@@ -76,7 +77,7 @@ mod tests {
 
     #[test]
     fn lines_are_near_while_they_are_within_the_width() {
-        // 1000 km away, past the axis at 20 km, 7 km/s: the cone is 17.5 km wide there, and 10 km are allowed for.
+        // 1000 km away, past the axis at 20 km, 7 km/s: the cone is 17.5 km wide there, with 10 km of margin.
         let beam = Beam::new(Vector3::z(), 1f64.to_radians());
         let (sight, velocity) = (Vector3::new(-70.0, 20.0, 1000.0), Vector3::new(7.0, 0.0, 0.0));
         let [from_s, to_s] = beam.near_s(&sight, &velocity, 30.0, 10.0).expect("near");
@@ -84,7 +85,7 @@ mod tests {
         let half_s = (width_km * width_km - 400.0).sqrt() / 7.0;
         assert!((from_s - (10.0 - half_s)).abs() < 1e-9 && (to_s - (10.0 + half_s)).abs() < 1e-9, "{from_s} {to_s}");
         assert_eq!(beam.near_s(&sight, &velocity, 30.0, 1.0), None);
-        // It is there only 10 s from now, and not behind the observer.
+        // The object is there only 10 s later, and not behind the observer.
         assert_eq!(beam.near_s(&sight, &velocity, 4.0, 10.0), None);
         assert_eq!(beam.near_s(&-sight, &velocity, 30.0, 10.0), None);
         let wide = Beam::new(Vector3::z(), 1.0);

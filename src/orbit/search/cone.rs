@@ -12,12 +12,12 @@ use crate::frames::{Direction, Gcrs, Position, Rotation, Teme};
 /// Margin of the interval in which a satellite may be inside, seconds.
 const NEAR_MARGIN_S: f64 = 0.5;
 
-/// A field of view in time and space.
+/// A field of view over a time interval.
 #[derive(Copy, Clone, Debug)]
 pub struct Cone {
-    /// Middle of the time interval, seconds after the window's start.
+    /// Middle of the time interval, seconds after the start of the window.
     pub mid_s: f64,
-    /// Half its length, seconds; a minute or less keeps the margins small.
+    /// Half the length of the interval, seconds; a minute or less keeps the margins small.
     pub half_duration_s: f64,
     /// The observer at that time, km.
     pub observer: Position<Gcrs>,
@@ -25,14 +25,14 @@ pub struct Cone {
     pub observer_speed_km_s: f64,
     /// Axis of the cone.
     pub axis: Direction<Gcrs>,
-    /// Half its opening, radians, with a margin for aberration and light time (2e-4 is enough).
+    /// Half opening angle, radians, with a margin for aberration and light time (2e-4 is enough).
     pub radius_rad: f64,
 }
 
 /// A cone that is tested as a whole before its parts.
 #[derive(Copy, Clone, Debug)]
 pub struct Cones<'a> {
-    /// A cone that holds all parts over all of their time.
+    /// A cone that contains all parts over all of their time.
     pub whole: &'a Cone,
     /// The parts; empty where only the whole is searched.
     pub parts: &'a [Cone],
@@ -42,12 +42,12 @@ pub struct Cones<'a> {
     pub shadow: Option<&'a ShadowCone>,
 }
 
-/// How a satellite may be inside a cone.
+/// Interval and illumination of a satellite that may be inside a cone.
 #[derive(Copy, Clone, Debug)]
 pub(super) struct Inside {
     /// Interval of its predicted position inside the cone, seconds from the middle of the cone's time.
     pub near_s: [f64; 2],
-    /// True where it is in the shadow all the time.
+    /// True where it is inside the shadow all the time.
     pub is_dark: bool,
 }
 
@@ -61,7 +61,7 @@ pub(super) struct ConeTest<'a> {
 }
 
 impl<'a> ConeTest<'a> {
-    /// For a window of this length.
+    /// Transforms a cone for a window of this length.
     pub fn new(cone: &'a Cone, teme_to_gcrs: &Rotation<Teme, Gcrs>, window_span_s: f64) -> Self {
         let gcrs_to_teme = teme_to_gcrs.inverse();
         Self {
@@ -81,17 +81,17 @@ impl<'a> ConeTest<'a> {
         self.beam.axis()
     }
 
-    /// Position in the window, from 0 to 1.
+    /// Returns the position in the window, from 0 to 1.
     pub fn fraction(&self) -> f64 {
         self.fraction
     }
 
-    /// Its time interval, seconds after the window's start.
+    /// Returns the time interval, seconds after the start of the window.
     pub fn interval_s(&self) -> [f64; 2] {
         [self.cone.mid_s - self.cone.half_duration_s, self.cone.mid_s + self.cone.half_duration_s]
     }
 
-    /// How far the observer moves from the middle on.
+    /// Returns the observer's displacement between the middle and the ends of the interval, km.
     pub fn moved_km(&self) -> f64 {
         self.moved_km
     }
@@ -100,13 +100,13 @@ impl<'a> ConeTest<'a> {
         self.beam.radius_rad()
     }
 
-    /// The cap, seen from the Earth's centre, of the cone's part in orbits no lower than `lowest_km`, between two
-    /// distances from the observer; `None` where it may be the whole Earth.
+    /// Returns the cap, seen from the Earth's centre, that contains the cone's part between two distances from the
+    /// observer, in orbits no lower than `lowest_km`; `None` where it may be the whole Earth.
     pub fn cap(&self, distances_km: [f64; 2], lowest_km: f64) -> Option<Cap> {
         Cap::of(&self.observer, self.axis(), self.radius_rad(), distances_km, lowest_km)
     }
 
-    /// Side test: whether a satellite whose orbit plane fits may be over the cap during the interval.
+    /// Side test: returns whether a satellite that passed the plane test may be over the cap during the interval.
     #[inline]
     pub fn may_be_over(&self, cap: &Cap, phase: &Phase, normal: &Vector3<f64>) -> bool {
         let half_s = self.cone.half_duration_s + f64::from(phase.along_track_s);
@@ -114,8 +114,8 @@ impl<'a> ConeTest<'a> {
             || cap.may_hold(phase, normal, self.cone.mid_s, half_s, f64::from(phase.slop_km) + self.moved_km)
     }
 
-    /// Phase test: how a satellite whose orbit plane fits may be inside the cone during the interval; `None` where it
-    /// cannot be.
+    /// Phase test: returns when a satellite that passed the plane test may be inside the cone during the interval;
+    /// `None` where it cannot be.
     #[inline]
     pub fn inside(&self, phase: &Phase, normal: &Vector3<f64>, shadow: Option<&ShadowConeInTeme>) -> Option<Inside> {
         let open_s = self.cone.half_duration_s;
@@ -125,11 +125,11 @@ impl<'a> ConeTest<'a> {
         }
         let (position, velocity) = phase.state(normal, self.cone.mid_s, self.fraction);
         let sight = position - self.observer;
-        // The path leaves its tangent by at most ½ g t², g being gravity at the satellite.
+        // The path deviates from its tangent by at most ½ g t², g being gravity at the satellite.
         let bend_km = 0.5 * WGS72_MU_KM3_S2 / position.norm_squared() * half_s * half_s;
         let slop_km = f64::from(phase.slop_km) + bend_km + self.moved_km;
         let near_s = self.beam.near_s(&sight, &velocity, half_s, slop_km)?;
-        // Where the elements put it, whatever its delay.
+        // Interval of the predicted position, without a delay.
         let ends = [-open_s, open_s].map(|time_s| position + velocity * time_s);
         let is_dark = shadow.is_some_and(|shadow| ends.iter().all(|end| shadow.holds(end, slop_km)));
         let [from_s, to_s] = near_s;

@@ -1,9 +1,9 @@
 //! Candidate satellites for a search cone: plane test, then side test, then phase test, on orbits interpolated over a
 //! few hours.
 //!
-//! `window` holds the slow elements of a catalogue over a few hours, `cone` is what is searched, `candidates` runs the
+//! `window` holds the slow elements of a catalogue over a few hours, `cone` is the search volume, `candidates` runs the
 //! tests: `plane` (does the orbit plane pass the cone), `side` (is the satellite on that side of the Earth) and `phase`
-//! (is it near the cone at the time), with `kepler`, `beam` and `shadow_cone` as their geometry.
+//! (is it near the cone at the time). `kepler`, `beam` and `shadow_cone` are their geometry.
 
 mod beam;
 mod candidates;

@@ -15,20 +15,20 @@ pub(super) struct Phase {
     pub eccentricity_change: [f32; 2],
     pub semi_major_axis_km: f32,
     pub semi_major_axis_change_km: f32,
-    /// Largest error of the interpolated position, with the reach across the track, km.
+    /// Largest error of the interpolated position, with the search distance across the track, km.
     pub slop_km: f32,
-    /// Largest delay that is searched, seconds.
+    /// Largest delay searched, seconds.
     pub along_track_s: f32,
-    /// Largest difference of true and mean longitude.
+    /// Largest difference between true and mean longitude.
     pub swing_rad: f32,
-    /// True where drag or an extreme eccentricity makes the interpolated position too poor: SGP4 decides once the plane
-    /// fits.
+    /// True where drag or an extreme eccentricity makes the interpolated position too inaccurate: SGP4 is evaluated
+    /// whenever the plane passes.
     pub only_plane: bool,
 }
 
 impl Phase {
-    /// Interpolated position and velocity in TEME, km and km/s. The reference turns with the plane by a degree or two
-    /// and is not normalised again.
+    /// Returns the interpolated position and velocity in TEME, km and km/s. The reference turns with the plane by a
+    /// degree or two and is not normalised again.
     pub fn state(&self, normal: &Vector3<f64>, time_s: f64, fraction: f64) -> (Vector3<f64>, Vector3<f64>) {
         let [rx, ry, rz] = self.reference;
         let x_axis = plane_axis(&Vector3::new(f64::from(rx), f64::from(ry), f64::from(rz)), normal);

@@ -4,10 +4,10 @@ use nalgebra::Vector3;
 
 use crate::frames::{Direction, Gcrs, Rotation, Teme};
 
-/// A cone about the direction away from the Sun, from the Earth's centre on, in which no satellite is lit.
+/// A cone about the anti-solar direction, starting at the Earth's centre, in which no satellite is lit.
 #[derive(Copy, Clone, Debug)]
 pub struct ShadowCone {
-    /// From the Earth's centre.
+    /// Axis, from the Earth's centre.
     pub away_from_sun: Direction<Gcrs>,
     /// Radius at the Earth's centre, km.
     pub radius_km: f64,
@@ -15,7 +15,7 @@ pub struct ShadowCone {
     pub narrowing: f64,
 }
 
-/// The same in the frame of a window.
+/// The same cone in the frame of a window.
 pub(super) struct ShadowConeInTeme {
     away_from_sun: Vector3<f64>,
     radius_km: f64,
@@ -30,11 +30,11 @@ impl ShadowCone {
 }
 
 impl ShadowConeInTeme {
-    /// Whether all positions within `slop_km` of one lie inside.
+    /// Returns whether all positions within `slop_km` of one lie inside.
     pub fn holds(&self, place: &Vector3<f64>, slop_km: f64) -> bool {
         let depth_km = place.dot(&self.away_from_sun);
         let across_km = (place - self.away_from_sun * depth_km).norm();
-        // The cone's side is steeper than 45 degrees: a step along it costs less than one across.
+        // The cone's side is steeper than 45 degrees: a step along it matters less than one across.
         depth_km > slop_km && across_km + slop_km < self.radius_km - self.narrowing * (depth_km + slop_km)
     }
 }
@@ -50,7 +50,7 @@ mod tests {
         assert!(shadow.holds(&at(3000.0, 6100.0), 50.0));
         assert!(!shadow.holds(&at(3000.0, 6100.0), 200.0));
         assert!(!shadow.holds(&at(20_000.0, 6150.0), 0.0));
-        // In front of the Earth, or nearly.
+        // On the sunlit side of the Earth's centre, or nearly.
         assert!(!shadow.holds(&at(-3000.0, 100.0), 0.0));
         assert!(!shadow.holds(&at(40.0, 100.0), 50.0));
     }

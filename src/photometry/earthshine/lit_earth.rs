@@ -1,27 +1,27 @@
-//! The sunlit part of the Earth that a satellite sees, as nodes of a product rule, and its light on a panel.
+//! The sunlit part of the Earth visible from a satellite, as nodes of a product rule, and its light on a panel.
 //!
 //! Seen from the height h, a spherical Earth fills a cap about the nadir. A point of it at the nadir angle η (at the
-//! satellite), the angle γ (at the Earth's centre) and the longitude φ about the nadir from the Sun's sends an
-//! irradiance, relative to the Sun's own on a plate square to it, of
+//! satellite), the angle γ (at the Earth's centre) and the longitude φ about the nadir from the Sun's contributes an
+//! irradiance, relative to that of the Sun on a plate perpendicular to the direction, of
 //!
 //! ```text
 //! dE = (albedo/π) cos(Sun) cos(view) dA / d² = (albedo/π) cos(Sun) sin η dη dφ
 //! cos(Sun) = cos γ sin δ + sin γ cos δ cos φ                     δ the Sun's latitude above the chassis plane
 //! ```
 //!
-//! Neither γ nor η is a good variable: η has a square root at the limb, and γ is crowded below a low satellite. The
+//! Neither γ nor η is a suitable variable: η has a square root at the limb, and γ is crowded below a low satellite. The
 //! zenith angle e of the satellite at the ground, 0 to π/2, is regular at both ends:
 //!
 //! ```text
 //! sin η = R/(R+h) sin e        γ = e - η
 //! ```
 //!
-//! Where the Sun stands below the height at which the whole cap is lit, φ is cut at the terminator,
-//! cos φ = -tan δ / tan γ. The cut opens with a square root at γ = |δ|, which the substitution
-//! e = e₀ + (π/2 - e₀) s² (2 - s) removes. A Sun above the chassis plane, lower than that, lights full circles up to
-//! γ = δ and cut ones beyond, as two pieces. Gauss-Legendre rules in e (or s) and φ; equal steps on full circles.
+//! If the Sun is below the height at which the whole cap is lit, φ is limited by the terminator, cos φ = -tan δ / tan
+//! γ. The limit begins with a square root at γ = |δ|, which the substitution e = e₀ + (π/2 - e₀) s² (2 - s) removes. A
+//! Sun above the chassis plane, but lower than that, lights full circles up to γ = δ and partial ones beyond, as two
+//! pieces. Gauss-Legendre rules in e (or s) and φ; equal steps on full circles.
 //!
-//! Nothing is lit below δ = -acos(R/(R+h)): -23.0° at 550 km.
+//! No light below δ = -acos(R/(R+h)): -23.0° at 550 km.
 
 use std::f64::consts::{FRAC_1_PI, FRAC_PI_2, PI};
 
@@ -36,10 +36,10 @@ use super::rule::Rule;
 /// Albedo of the Earth, the same everywhere (Lu 2024, section 2.4).
 pub const EARTH_ALBEDO: f64 = 0.3;
 
-/// Nodes that are evaluated together.
+/// Number of nodes evaluated together.
 const LANES: usize = 8;
 
-/// Light of the Earth on a panel, relative to the Sun's irradiance on a plate square to it.
+/// Earthshine on a panel, relative to the Sun's irradiance on a plate perpendicular to it.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
 pub struct Shine {
     /// Irradiance on the panel: Σ dE cos φ_i, dimensionless.
@@ -48,7 +48,7 @@ pub struct Shine {
     pub lobe: f64,
 }
 
-/// The lit ground in view of a satellite for one Sun and one height.
+/// The lit ground visible from a satellite, for one Sun and one height.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct LitEarth {
     sin_sun: f64,
@@ -61,18 +61,18 @@ pub struct LitEarth {
 /// Number of nodes, by the width of the lobe that they resolve.
 #[derive(Copy, Clone)]
 struct Resolution {
-    /// Rings at least, and by radian of nadir angle.
+    /// Least number of rings, and number per radian of nadir angle.
     rings: [f64; 2],
-    /// Nodes on half a ring at least, and by radian of arc on the sky.
+    /// Least number of nodes on half a ring, and number per radian of arc on the sky.
     arc: [f64; 2],
 }
 
 impl Resolution {
-    /// For a lobe cosⁿθ; errors in the docs of [`super`].
+    /// Returns the resolution for a lobe cosⁿθ; the errors are in the docs of [`super`].
     fn for_exponent(exponent: f64) -> Self {
-        // The lobe is exp(-n θ²/2) near its middle: 1/√n is its scale in radians.
+        // The lobe is exp(-n θ²/2) near its axis: 1/√n is its scale in radians.
         let narrowness = exponent.max(0.0).sqrt();
-        // A broad lobe ends with a kink 90° off; rules of this kind resolve it only by their number of nodes.
+        // A broad lobe ends with a kink at 90°, which such rules resolve only by the number of nodes.
         let kink = 1.0 / exponent.max(1.0).powi(2);
         Self {
             rings: [4.3 + 0.4 * narrowness + 16.0 * kink, 0.65 * narrowness + 0.014 * narrowness * narrowness],
@@ -86,8 +86,7 @@ impl Resolution {
 }
 
 impl LitEarth {
-    /// Returns `None` where no ground in view is lit, the satellite does not stand above the ground, or a number is not
-    /// finite.
+    /// Returns `None` if no visible ground is lit, the satellite is not above the ground, or a number is not finite.
     pub fn new(sun_latitude_rad: f64, height_km: f64) -> Option<Self> {
         let is_sound = height_km > 0.0 && height_km.is_finite() && sun_latitude_rad.abs() <= FRAC_PI_2;
         let ratio = EARTH_EQUATORIAL_RADIUS_KM / (EARTH_EQUATORIAL_RADIUS_KM + height_km);
@@ -98,11 +97,11 @@ impl LitEarth {
         Some(Self { sin_sun, cos_sun, sun_latitude_rad, ratio })
     }
 
-    /// Light on a panel with this unit normal (body frame) for one observer and one exponent (0 to 10,000).
+    /// Returns the light on a panel with this unit normal (body frame) for one observer and one exponent (0 to 10,000).
     ///
-    /// Nothing is allocated; 1 to 5 µs at an exponent of 22.
+    /// No allocation; 1 to 5 µs at an exponent of 22.
     pub fn shine(&self, normal: &Vector3<f64>, to_observer: &Vector3<f64>, exponent: f64) -> Shine {
-        // cos θ of a source is its cosine with the direction that the panel mirrors onto the observer, 2 (n · o) n - o.
+        // cos θ of a source is its cosine with the direction mirrored onto the observer, 2 (n · o) n - o.
         let mirror = normal * (2.0 * normal.dot(to_observer)) - to_observer;
         let shine = PanelShine {
             normal: (*normal).into(),
@@ -115,15 +114,15 @@ impl LitEarth {
         Shine { irradiance: shine.irradiance.iter().sum(), lobe: shine.lobe.iter().sum() }
     }
 
-    /// Small sources that stand for the lit ground: unit vectors from the satellite in the body frame, and irradiances
-    /// on a plate square to them, relative to the Sun's own.
+    /// Returns point sources equivalent to the lit ground: unit vectors from the satellite in the body frame, and
+    /// irradiances on a plate perpendicular to them, relative to that of the Sun.
     ///
-    /// As many as lobes up to `exponent` need (see [`crate::photometry::brdf::Law::equivalent_exponent`]).
+    /// Their number suffices for lobes up to `exponent` (see [`crate::photometry::brdf::Law::equivalent_exponent`]).
     pub fn sources(&self, exponent: f64) -> Vec<(Vector3<f64>, f64)> {
         widest_fused(Sum { earth: *self, resolution: Resolution::for_exponent(exponent), sink: Sources(Vec::new()) }).0
     }
 
-    /// e of a point at γ, within the cap.
+    /// Returns e of a point at γ, within the cap.
     fn ground_zenith_rad(&self, gamma_rad: f64) -> f64 {
         let (sin, cos) = gamma_rad.sin_cos();
         // tan e = r sin γ / (r cos γ - R)
@@ -171,7 +170,7 @@ trait Sink {
     fn take<const F: bool>(&mut self, group: &Group);
 }
 
-/// The product rule, all its groups handed to a sink.
+/// The product rule, which passes all its groups to a sink.
 struct Sum<S> {
     earth: LitEarth,
     resolution: Resolution,
@@ -184,7 +183,7 @@ impl<S: Sink> Kernel for Sum<S> {
     #[inline(always)]
     fn run<const F: bool>(mut self) -> S {
         let earth = &self.earth;
-        // The whole cap is lit where the Sun stands above the ground at the limb.
+        // The whole cap is lit if the Sun is above the horizon at the limb.
         let sun_rad = earth.sun_latitude_rad;
         let cut_from_rad =
             if sun_rad.abs() < earth.ratio.acos() { earth.ground_zenith_rad(sun_rad.abs()) } else { FRAC_PI_2 };
@@ -224,7 +223,7 @@ fn each_group<const F: bool, S: Sink>(ring: &Ring, reach: f64, de: f64, rule: Ru
             let (sin, cos) = sin_cos::<F>(reach * at[lane]);
             group.x[lane] = ring.sin_nadir * cos;
             group.y[lane] = ring.sin_nadir * sin;
-            // Lanes beyond the last point have no weight.
+            // Lanes beyond the last point have zero weight.
             let cos_sun = greater(fused::<F>(ring.swing, cos, ring.level), 0.0);
             group.irradiance[lane] = ring.weight * reach * de * weight[lane] * cos_sun;
         }

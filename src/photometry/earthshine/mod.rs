@@ -1,13 +1,14 @@
-//! Light that the Earth throws on a satellite (Lu 2024, section 2.4).
+//! Sunlight reflected by the Earth onto a satellite (Lu 2024, section 2.4).
 //!
-//! Every part of the Earth that the Sun lights and the satellite sees is a Lambertian source of albedo 0.3. The paper
-//! sums over HEALPix pixels (tests do too); here a product rule lays fewer and better nodes on the lit ground in view.
-//! The paper lights the chassis only, and so do models of two panels; lists of panels light any panel by any law.
-//! Light between satellite parts, refraction, the air's own glow in twilight, and the Sun's disk are left out.
+//! Every part of the Earth that is lit by the Sun and visible from the satellite is a Lambertian source of albedo 0.3.
+//! The paper sums over HEALPix pixels (as tests do); here a product rule places fewer and better nodes on the lit
+//! ground in view. The paper lights the chassis only, and so do two-panel models; in lists of panels any panel may be
+//! lit, with any law. Light between satellite parts, refraction, twilight airglow and the size of the Sun's disk are
+//! neglected.
 //!
-//! Convergence, as the worst error of diffuse light and of the magnitude of a chassis that only the Earth lights
-//! (c4 0.19, c5 0.09; printed by `cargo test --test library earthshine -- --nocapture`). HEALPix with its pole at the
-//! nadir, n = 22, 550 km, Sun -12° to 40°, against the rule:
+//! Convergence, as the largest error of diffuse light and of the magnitude of a chassis lit by the Earth only (c4 0.19,
+//! c5 0.09; printed by `cargo test --test library earthshine -- --nocapture`). HEALPix with its pole at the nadir, n =
+//! 22, 550 km, Sun -12° to 40°, against the rule:
 //!
 //! | nside | lit cells | diffuse | total, mag |
 //! |---|---|---|---|
@@ -17,7 +18,7 @@
 //! | 256 | 31,000 | 2.7e-4 | 0.0019 |
 //! | 512 | 124,500 | 6.8e-5 | 0.0005 |
 //!
-//! The rule against a much finer one, 200 km to 36,000 km, all Suns:
+//! The rule against a much finer one, 200 km to 36,000 km, all positions of the Sun:
 //!
 //! | exponent | nodes at 550 km, at most | total, mag |
 //! |---|---|---|
@@ -28,7 +29,8 @@
 //! | 60 | 724 | 0.0006 |
 //! | 200 | 2,056 | 0.0007 |
 //!
-//! Below exponent 1 the lobe ends in a step 90° off and the rule is good to some hundredths; above 200 it is not tested.
+//! Below exponent 1 the lobe ends with a step at 90° and the error is some hundredths; exponents above 200 are not
+//! tested.
 
 mod lit_earth;
 mod rule;

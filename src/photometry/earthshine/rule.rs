@@ -1,16 +1,16 @@
-//! Quadrature rules on (0, 1) of any length, made of equal panels of short rules that are computed once.
+//! Quadrature rules on (0, 1) with any number of points, composed of equal panels of short precomputed rules.
 
 use std::sync::LazyLock;
 
 use crate::math::quadrature::gauss_legendre;
 
-/// Longest single rule; longer ones are made of panels.
+/// Number of points of the longest single rule; longer ones are composed of panels.
 const LONGEST: usize = 32;
 
 /// Gauss-Legendre rules of 0 to [`LONGEST`] points on (0, 1).
 static GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| (0..=LONGEST).map(gauss_legendre).collect());
 
-/// The half with positive abscissae of Gauss-Legendre rules of 0, 2, 4 ... points on (-1, 1).
+/// Positive half of Gauss-Legendre rules of 0, 2, 4 ... points on (-1, 1).
 static HALF_GAUSS: LazyLock<Vec<Vec<(f64, f64)>>> = LazyLock::new(|| {
     let half = |n: usize| gauss_legendre(2 * n)[n..].iter().map(|(x, weight)| (2.0 * x - 1.0, 2.0 * weight)).collect();
     (0..=LONGEST).map(half).collect()
@@ -24,24 +24,24 @@ pub(super) struct Rule {
 }
 
 impl Rule {
-    /// Gauss-Legendre with about `n` points.
+    /// Returns a Gauss-Legendre rule with about `n` points.
     pub fn gauss(n: usize) -> Self {
         let n = n.max(1);
         let panels = n.div_ceil(LONGEST);
         Self { panels, points: &GAUSS[n.div_ceil(panels)] }
     }
 
-    /// About `n` points for the half (0, 1) of an integral over (-1, 1), each standing for its mirror image too.
+    /// Returns about `n` points for the half (0, 1) of an integral over (-1, 1); each represents its mirror image too.
     pub fn half_gauss(n: usize) -> Self {
         if n <= LONGEST { Self { panels: 1, points: &HALF_GAUSS[n.max(1)] } } else { Self::gauss(n) }
     }
 
-    /// Middles of `n` equal steps, for periodic functions.
+    /// Returns the midpoints of `n` equal steps, for periodic functions.
     pub fn midpoints(n: usize) -> Self {
         Self { panels: n.max(1), points: &GAUSS[1] }
     }
 
-    /// Abscissae and weights; the weights add up to 1.
+    /// Returns abscissae and weights; the weights sum to 1.
     #[inline(always)]
     pub fn points(self) -> impl Iterator<Item = (f64, f64)> {
         let length = 1.0 / self.panels as f64;

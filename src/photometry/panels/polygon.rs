@@ -1,6 +1,6 @@
-//! Small convex polygons in the plane of a panel, in fixed arrays: the hidden and shaded parts of it.
+//! Small convex polygons in the plane of a panel, in fixed arrays: its hidden and shaded parts.
 
-/// Capacity: eight quadrilaterals, each cut by a plane and by the panel, have no more corners in common.
+/// Capacity: the intersection of eight quadrilaterals, each cut by a plane and by the panel, has no more corners.
 const MAX_CORNERS: usize = 48;
 
 /// A convex polygon of at most 48 corners in the plane of a panel (u and v along its edges), metres.
@@ -17,29 +17,29 @@ impl Default for PanelPolygon {
 }
 
 impl PanelPolygon {
-    /// Takes corners in order; those beyond the capacity are dropped.
+    /// Creates a polygon from corners in order; those beyond the capacity are dropped.
     pub fn new(corners: &[[f64; 2]]) -> Self {
         let mut polygon = Self::default();
         corners.iter().for_each(|&corner| polygon.push(corner));
         polygon
     }
 
-    /// The corners in order; empty where nothing is left.
+    /// Returns the corners in order; empty for an empty polygon.
     pub fn corners(&self) -> &[[f64; 2]] {
         &self.corners[..self.len]
     }
 
-    /// Enclosed area, m².
+    /// Returns the enclosed area, m².
     pub fn area_m2(&self) -> f64 {
         self.signed_area_m2().abs()
     }
 
-    /// Part within `u[0]` ≤ u ≤ `u[1]` and `v[0]` ≤ v ≤ `v[1]` (Sutherland and Hodgman 1974).
+    /// Returns the part within `u[0]` ≤ u ≤ `u[1]` and `v[0]` ≤ v ≤ `v[1]` (Sutherland and Hodgman 1974).
     pub fn clipped_to_rectangle(&self, u: [f64; 2], v: [f64; 2]) -> Self {
         self.clipped(|p| p[0] - u[0]).clipped(|p| u[1] - p[0]).clipped(|p| p[1] - v[0]).clipped(|p| v[1] - p[1])
     }
 
-    /// Intersection with another convex polygon.
+    /// Returns the intersection with another convex polygon.
     pub fn clipped_to(&self, other: &Self) -> Self {
         let turn = other.signed_area_m2().signum();
         let corners = other.corners();
@@ -48,7 +48,7 @@ impl PanelPolygon {
         }
         let edges = corners.iter().zip(corners.iter().cycle().skip(1));
         edges.fold(*self, |kept, (a, b)| {
-            // Left of each edge, for corners that run against the clock.
+            // Left of each edge, for anticlockwise corners.
             kept.clipped(|p| turn * ((b[0] - a[0]) * (p[1] - a[1]) - (b[1] - a[1]) * (p[0] - a[0])))
         })
     }
@@ -63,13 +63,13 @@ impl PanelPolygon {
 
     fn signed_area_m2(&self) -> f64 {
         let corners = self.corners();
-        // Shoelace.
+        // Shoelace formula.
         let doubled: f64 =
             corners.iter().zip(corners.iter().cycle().skip(1)).map(|(a, b)| a[0] * b[1] - b[0] * a[1]).sum();
         0.5 * doubled
     }
 
-    /// The part where a linear function is not negative.
+    /// Returns the part where a linear function is not negative.
     fn clipped(&self, inside: impl Fn([f64; 2]) -> f64) -> Self {
         let mut kept = Self::default();
         let corners = self.corners();
@@ -87,15 +87,16 @@ impl PanelPolygon {
     }
 }
 
-/// Panels that may stand in the way of one panel; each throws a shadow and hides a part.
+/// Largest number of panels that may block one panel; each casts a shadow and hides a part.
 pub const MOST_BLOCKERS: usize = 4;
 
-/// Area of the union of convex shapes, m²: |A ∪ B ∪ …| = Σ|A| - Σ|A ∩ B| + …, with empty intersections left out early.
+/// Returns the area of the union of convex shapes, m²: |A ∪ B ∪ …| = Σ|A| - Σ|A ∩ B| + …; empty intersections are
+/// skipped early.
 pub fn union_area_m2(shapes: &[PanelPolygon]) -> f64 {
     signed(shapes, None)
 }
 
-/// Σ over non-empty subsets, of alternating sign, of the area that all of the subset and `within` share.
+/// Returns Σ over non-empty subsets, with alternating sign, of the area common to the subset and `within`.
 fn signed(shapes: &[PanelPolygon], within: Option<&PanelPolygon>) -> f64 {
     let mut sum = 0.0;
     for (place, shape) in shapes.iter().enumerate() {
@@ -114,8 +115,7 @@ mod tests {
 
     #[test]
     fn verif_triangle_cut_by_a_square() {
-        // The triangle (0,0) (2,0) (0,2) within the unit square is the whole square; within (0..1, 0..0.5) a half of
-        // it.
+        // The triangle (0,0) (2,0) (0,2) within the unit square is the whole square; within (0..1, 0..0.5) half of it.
         let triangle = PanelPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
         let cut = |u, v| triangle.clipped_to_rectangle(u, v);
         assert!((triangle.area_m2() - 2.0).abs() < 1e-15);
@@ -128,7 +128,7 @@ mod tests {
     #[test]
     fn verif_triangles_cut_by_one_another() {
         let one = PanelPolygon::new(&[[0.0, 0.0], [2.0, 0.0], [0.0, 2.0]]);
-        // The same triangle turned by half a turn about (0.5, 0.5), run through the other way: they share a hexagon.
+        // The same triangle rotated by half a turn about (0.5, 0.5), in reverse order: they share a hexagon.
         let other = PanelPolygon::new(&[[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0]]);
         let shared = one.clipped_to(&other);
         assert!((shared.area_m2() - other.clipped_to(&one).area_m2()).abs() < 1e-15);
@@ -149,7 +149,7 @@ mod tests {
         assert!((union_area_m2(&squares) - 8.0).abs() < 1e-14, "{}", union_area_m2(&squares));
         assert_eq!(union_area_m2(&[]), 0.0);
         assert!((union_area_m2(&[square(0.0, 0.0), square(5.0, 5.0)]) - 8.0).abs() < 1e-14);
-        // Corners in either sense.
+        // Corners in either order.
         let mut turned = PanelPolygon::default();
         [[0.0, 0.0], [0.0, 2.0], [2.0, 2.0], [2.0, 0.0]].into_iter().for_each(|corner| turned.push(corner));
         assert!((union_area_m2(&[turned, square(1.0, 1.0)]) - 7.0).abs() < 1e-14);

@@ -1,4 +1,4 @@
-//! A rectangle in the body frame, and the shadow that it throws on the plane of another.
+//! A rectangle in the body frame, and its shadow on the plane of another.
 
 use nalgebra::Vector3;
 
@@ -8,9 +8,9 @@ use super::polygon::PanelPolygon;
 /// A rectangle in the body frame: a point of its plane, its axes, and its extent along them, metres.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct PlacedRectangle {
-    /// The point u = v = 0, in the body frame.
+    /// Position of u = v = 0, in the body frame.
     pub anchor_m: Vector3<f64>,
-    /// Directions of its edges and of its normal.
+    /// Directions of the edges and of the normal.
     pub axes: Axes,
     /// Extent along u.
     pub u_m: [f64; 2],
@@ -19,26 +19,26 @@ pub struct PlacedRectangle {
 }
 
 impl PlacedRectangle {
-    /// Area, m².
+    /// Returns the area, m².
     pub fn area_m2(&self) -> f64 {
         (self.u_m[1] - self.u_m[0]) * (self.v_m[1] - self.v_m[0])
     }
 
-    /// The four corners in the body frame, in order.
+    /// Returns the four corners in the body frame, in order.
     pub fn corners_m(&self) -> [Vector3<f64>; 4] {
         let [u0, u1] = self.u_m;
         let [v0, v1] = self.v_m;
         [(u0, v0), (u1, v0), (u1, v1), (u0, v1)].map(|(u, v)| self.anchor_m + self.axes.u * u + self.axes.v * v)
     }
 
-    /// Part of this rectangle from which another blocks light from or to `direction` (unit vector, away from the
-    /// satellite), in u and v of this one; empty where nothing is blocked.
+    /// Returns the part of this rectangle from which another blocks light from or to `direction` (unit vector, away
+    /// from the satellite), in u and v of this one; empty if nothing is blocked.
     ///
-    /// Exact for flat rectangles: only the part of the other on the side of this plane that `direction` points to can
-    /// block anything, and it is projected along `direction` on the plane.
+    /// Exact for flat rectangles: only the part of the other on the side of this plane to which `direction` points can
+    /// block, and it is projected along `direction` onto the plane.
     pub fn stopped_by(&self, other: &Self, direction: &Vector3<f64>) -> PanelPolygon {
         let along = self.axes.normal.dot(direction);
-        // Edge-on there is no light to lose.
+        // Edge-on there is no light to block.
         if along.abs() < 1e-12 {
             return PanelPolygon::default();
         }
@@ -71,7 +71,7 @@ mod tests {
     use super::*;
     use crate::photometry::panels::Attitude;
 
-    /// A unit square in z = 0 looking up, and one of the same size above it.
+    /// A unit square in z = 0 facing up, and one of the same size above it.
     fn pair(height_m: f64) -> (PlacedRectangle, PlacedRectangle) {
         let axes = Attitude::Fixed { normal: Vector3::z(), v: Vector3::y() }.axes(&Vector3::x());
         let below = PlacedRectangle { anchor_m: Vector3::zeros(), axes, u_m: [0.0, 1.0], v_m: [0.0, 1.0] };
@@ -79,13 +79,13 @@ mod tests {
     }
 
     #[test]
-    fn verif_a_square_above_another_throws_a_shifted_square() {
+    fn verif_a_square_above_another_casts_a_shifted_square() {
         let (below, above) = pair(0.5);
-        // Light from 45° along x: the shadow moves by half a side, half of it stays.
+        // Light from 45° along x: the shadow moves by half a side, and half of it remains.
         let slant = Vector3::new(-1.0, 0.0, 1.0).normalize();
         assert!((below.stopped_by(&above, &slant).area_m2() - 0.5).abs() < 1e-15);
         assert!((below.stopped_by(&above, &Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
-        // From below it stands behind; and the lower one hides the upper one's back.
+        // From below it is behind; and the lower one hides the back of the upper one.
         assert_eq!(below.stopped_by(&above, &-Vector3::z()).area_m2(), 0.0);
         assert!((above.stopped_by(&below, &-Vector3::z()).area_m2() - 1.0).abs() < 1e-15);
         assert_eq!(below.stopped_by(&above, &Vector3::x()).area_m2(), 0.0);

@@ -1,6 +1,7 @@
-//! Parts without an orientation (antennas, radiators, clutter) as spheres whose light depends on the phase angle alone.
+//! Parts without an orientation (antennas, radiators, clutter) as spheres with light that depends on the phase angle
+//! only.
 //!
-//! They are never shaded or hidden, shade nothing, and receive no earthshine.
+//! They are never shaded or hidden, cast no shadow, and receive no earthshine.
 
 use std::f64::consts::PI;
 
@@ -12,27 +13,27 @@ use crate::photometry::phase::lambert_sphere;
 #[derive(Copy, Clone, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SpherePhase {
-    /// A ball that reflects by Lambert's law.
+    /// A sphere that reflects by Lambert's law.
     Lambert,
-    /// The same in every direction.
+    /// Equal light in every direction.
     Isotropic,
 }
 
-/// A sphere, or many parts that shine like one.
+/// A sphere, or many parts with the light of one.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Sphere {
     /// Name in the file.
     pub name: String,
     /// Cross-section, m².
     pub area_m2: f64,
-    /// Share of the incident power that leaves again, into all directions together.
+    /// Fraction of the incident power that is reflected, in all directions together.
     pub albedo: f64,
     /// Dependence on the phase angle.
     pub phase: SpherePhase,
 }
 
 impl Sphere {
-    /// Reflected sunlight at a phase angle in [0, π], m² sr⁻¹.
+    /// Returns the reflected sunlight at a phase angle in [0, π], m² sr⁻¹.
     pub fn m2_sr(&self, phase_angle_rad: f64) -> f64 {
         let per_m2 = match self.phase {
             // 2/3, the geometric albedo of a white Lambertian sphere, and its phase function, 1 at full phase:
@@ -91,7 +92,7 @@ mod tests {
                     sum += law.value_per_sr(&incidence) * incidence.front() * cell_m2;
                 }
             }
-            // Cells of 1/400 at the border between light and dark.
+            // Cells of 1/400 at the terminator.
             assert!((sum - sphere.m2_sr(angle)).abs() < 1e-5, "{angle}: {sum} {}", sphere.m2_sr(angle));
         }
     }

@@ -169,7 +169,7 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
             "magnitude, ±1σ",
             "in the field",
             "shutter open",
-            "nothing seen",
+            "not visible",
             "limit 7.0 mag",
             "UTC, 2024-08-13/14",
         ],
@@ -211,7 +211,7 @@ fn verif_a_rate_has_its_colour_where_it_is() {
         })
     };
     let picture = drawn(8, &cells, &rate).unwrap();
-    has(&picture, &["Rate", "N", "E", "S", "W", "streaks", "not asked", "0.0", "2.0"]);
+    has(&picture, &["Rate", "N", "E", "S", "W", "streaks", "not computed", "0.0", "2.0"]);
     let (image, scale) = (pixels(&picture), picture.scales()[0]);
     // Most in the east, which is left of the middle (336, 414).
     near(image.get_pixel(336 - 130, 410).0, scale.colour(2.0));
