@@ -18,7 +18,7 @@ use crate::output::AtomicFile;
 use super::error::FitError;
 use super::inference::Chain;
 
-/// Identification of the fit that a chain belongs to.
+/// Identification of the fit of a chain.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ChainAbout {
@@ -43,7 +43,7 @@ pub fn write_chain(path: &Path, chain: &Chain, about: &ChainAbout) -> Result<(),
     let mut archive = ZipWriter::new(file.file());
     let [steps, walkers, parameters] = [chain.steps(), chain.walkers(), chain.parameters()].map(|n| n as u64);
     let text = serde_json::to_vec(about).map_err(|error| failed(error.to_string()))?;
-    write_array(&mut archive, "chain", &[steps, walkers, parameters], chain.places()).map_err(io)?;
+    write_array(&mut archive, "chain", &[steps, walkers, parameters], chain.positions()).map_err(io)?;
     write_array(&mut archive, "log_prob", &[steps, walkers], chain.log_probabilities()).map_err(io)?;
     write_array(&mut archive, "accepted", &[walkers], chain.accepted()).map_err(io)?;
     write_array(&mut archive, "about", &[text.len() as u64], &text).map_err(io)?;
@@ -75,19 +75,19 @@ pub fn read_chain(path: &Path) -> Result<(Chain, ChainAbout), FitError> {
     let failed = |problem: String| FitError::ChainFile { path: path.to_owned(), problem };
     let file = File::open(path).map_err(|error| failed(error.to_string()))?;
     let mut archive = ZipArchive::new(file)
-        .map_err(|_| failed("invalid .npz; allowed: chains written by fit run --mcmc".to_owned()))?;
-    let (places, shape) = read_array::<f64>(&mut archive, "chain").map_err(failed)?;
+        .map_err(|_| failed("invalid .npz file; expected a chain written by fit run --mcmc".to_owned()))?;
+    let (positions, shape) = read_array::<f64>(&mut archive, "chain").map_err(failed)?;
     let (log_probabilities, _) = read_array::<f64>(&mut archive, "log_prob").map_err(failed)?;
     let (accepted, _) = read_array::<u64>(&mut archive, "accepted").map_err(failed)?;
     let (about, _) = read_array::<u8>(&mut archive, "about").map_err(failed)?;
     let about: ChainAbout = serde_json::from_slice(&about).map_err(|error| failed(format!("about: {error}")))?;
     let &[_, walkers, parameters] = &shape[..] else {
-        return Err(failed(format!("chain has {} axes, allowed is 3: steps, walkers, parameters", shape.len())));
+        return Err(failed(format!("chain has {} axes, expected 3: steps, walkers, parameters", shape.len())));
     };
     if parameters as usize != about.parameters.len() {
-        return Err(failed(format!("{parameters} parameters, and {} names of them", about.parameters.len())));
+        return Err(failed(format!("{parameters} parameters, but {} names", about.parameters.len())));
     }
-    let chain = Chain::from_parts(walkers as usize, parameters as usize, places, log_probabilities, accepted)?;
+    let chain = Chain::from_parts(walkers as usize, parameters as usize, positions, log_probabilities, accepted)?;
     Ok((chain, about))
 }
 

@@ -1,10 +1,10 @@
 //! Comparison of forms of brightness law by their predictions for unseen points.
 //!
 //! Single measurements are held out by group (track, night). Pixels cannot be: a track contributes to many of them and
-//! would be on both sides. For pixels the tracks are dealt into folds, and each side is reduced separately: a form is
-//! fitted to the pixels of all folds but one, and compared with the pixels that this fold alone makes. A fold holds a
-//! share of 1/folds of the points, so thresholds on numbers of points and tracks are divided by the number of folds
-//! there (rounded up); the limit on the spread is unchanged.
+//! would be on both sides. For pixels the tracks are divided into folds, and each side is reduced separately: a form is
+//! fitted to the pixels of all folds but one, and compared with the pixels of that fold. A fold contains a fraction of
+//! 1/folds of the points, so thresholds on numbers of points and tracks are divided by the number of folds (rounded
+//! up); the limit on the spread is unchanged.
 
 use rayon::prelude::*;
 
@@ -45,9 +45,9 @@ pub struct FormScore {
     pub held_out_mag: Vec<f64>,
     /// Akaike's criterion in sample: n ln(RMS²) + 2k for squares, Σ ρ + 2k for a robust loss.
     pub aic: f64,
-    /// Sigma that holds 68.3 % of the points held out.
+    /// Sigma that contains 68.3 % of the points held out.
     pub sigma_68_mag: f64,
-    /// Share of each fold's points within the same sigma of the *other* folds, that is, of unseen points within a
+    /// Fraction of each fold's points within the same sigma of the *other* folds, that is, of unseen points within a
     /// predicted sigma.
     pub within_one_sigma: f64,
 }
@@ -150,7 +150,7 @@ struct Split {
 }
 
 impl<'a> Folds<'a> {
-    /// Folds of single measurements: groups are dealt in the order of their numbers and never split.
+    /// Folds of single measurements: groups are assigned in the order of their numbers and never split.
     fn of_points(points: &'a [FitPoint], count: usize) -> Result<Self, FitError> {
         let mut groups: Vec<u32> = points.iter().map(|point| point.group).collect();
         groups.sort_unstable();
@@ -222,7 +222,7 @@ fn cross_validate(forms: &[(&dyn Form, FitSettings)], folds: &Folds) -> Result<V
     Ok((0..forms.len()).map(of_form).collect())
 }
 
-/// Share of points within the sigma that the other folds give.
+/// Fraction of points within the sigma of the other folds.
 fn within_sigma_of_other_folds(held_out: &HeldOut) -> f64 {
     let count = held_out.folds.iter().max().map_or(0, |last| last + 1);
     let (mut inside, mut all) = (0.0, 0.0);
@@ -274,8 +274,8 @@ mod tests {
     use crate::geometry::ViewingGeometry;
     use crate::photometry::StandardMagnitude;
 
-    /// Six tracks of 200 points, each with a range of phase angles of its own and an offset of 0.5 mag up or down: no
-    /// law, tracks alone.
+    /// Six tracks of 200 points, each with its own range of phase angles and an offset of 0.5 mag up or down: tracks
+    /// only, without a law.
     fn tracks() -> Measurements {
         let mut seen = Measurements::default();
         for group in 0..6_u32 {
@@ -317,7 +317,7 @@ mod tests {
         };
         let (by_pixel, by_track) =
             (unseen(Folds::of_points(&points, 6)), unseen(Folds::of_tracks(&seen, options(), 6)));
-        // Neighbouring pixels tell a track's offset; other tracks do not.
+        // Neighbouring pixels reveal a track's offset; other tracks do not.
         assert!(by_pixel < 0.5 && by_track > 1.0, "{by_pixel} {by_track}");
     }
 
@@ -342,9 +342,9 @@ mod tests {
     }
 
     #[test]
-    fn verif_thresholds_on_numbers_are_shared_out() {
+    fn verif_thresholds_on_numbers_are_divided() {
         let seen = tracks();
-        // 1,200 points in some 70 pixels: none of a sixth of them has as many as all have.
+        // 1,200 points in some 70 pixels: no pixel of a sixth of them reaches the threshold for all.
         let most =
             reduce(&seen.points, options()).expect("pixels").pixels.iter().map(|p| p.count).max().expect("a pixel");
         let strict = ReduceOptions { least_count: most, ..options() };

@@ -10,9 +10,9 @@ use super::measurements::MeasurementError;
 /// Errors of a fit.
 #[derive(Debug, Error)]
 pub enum FitError {
-    /// No point is left.
+    /// An empty set of points.
     #[error(
-        "no point is left to fit: {given} given; at {unexplained} of them the model {form} has no lit visible surface"
+        "no points to fit: {given} given, and at {unexplained} of them the model {form} has no lit visible surface"
     )]
     Empty {
         /// Points given.
@@ -23,7 +23,7 @@ pub enum FitError {
         form: String,
     },
     /// More free parameters than points.
-    #[error("{points} points cannot constrain {free} parameters ({names}): at least {least} points are needed")]
+    #[error("{points} points cannot constrain {free} parameters ({names}): expected at least {least} points")]
     TooFew {
         /// Points that the form explains.
         points: usize,
@@ -35,9 +35,9 @@ pub enum FitError {
         least: usize,
     },
     /// An unknown parameter.
-    #[error("unknown parameter {given:?} of the model {form}; known are {allowed}")]
+    #[error("unknown parameter {given:?} of the model {form}: expected one of {allowed}")]
     Parameter {
-        /// As it was given.
+        /// Given name.
         given: String,
         /// Name of the form.
         form: String,
@@ -45,18 +45,18 @@ pub enum FitError {
         allowed: String,
     },
     /// An invalid error or magnitude.
-    #[error("point {index}: {quantity} is {given}, allowed is {allowed}")]
+    #[error("point {index}: {quantity} is {given}, allowed: {allowed}")]
     Point {
         /// Index of the point.
         index: usize,
         /// Name of the invalid quantity.
         quantity: &'static str,
-        /// As it was given.
+        /// Given value.
         given: f64,
         /// Allowed values.
         allowed: &'static str,
     },
-    /// No descent ended at a finite cost.
+    /// A fit whose descents all failed.
     #[error("no minimum with a finite cost from any of {starts} starts")]
     NoMinimum {
         /// Number of starts.
@@ -70,17 +70,15 @@ pub enum FitError {
         /// Requested folds.
         folds: usize,
     },
-    /// No point of any fold can be predicted.
-    #[error(
-        "no point is left in {folds} folds held out: their pixels contain too few points, or no form explains them"
-    )]
+    /// Folds without a point that can be predicted.
+    #[error("no points in {folds} folds held out: their pixels contain too few points, or no form explains them")]
     NoneUnseen {
         /// Requested folds.
         folds: usize,
     },
-    /// Invalid number of sets for the jackknife.
+    /// An invalid number of sets for the jackknife.
     #[error(
-        "{sets} sets of {groups} groups of points (tracks, nights); allowed: more sets than the {free} free parameters, at most as many as groups"
+        "invalid number of sets {sets} for {groups} groups of points (tracks, nights); allowed: more than the {free} free parameters, at most the number of groups"
     )]
     Sets {
         /// Requested sets.
@@ -93,10 +91,10 @@ pub enum FitError {
     /// Invalid options of a reduction.
     #[error(transparent)]
     Reduction(#[from] MeasurementError),
-    /// Invalid ensemble of walkers.
+    /// An invalid ensemble of walkers.
     #[error(transparent)]
     Ensemble(#[from] EnsembleError),
-    /// A file of chains cannot be read or written, or belongs to another fit.
+    /// A file of chains that cannot be read or written, or belongs to another fit.
     #[error("chains {}: {problem}", path.display())]
     ChainFile {
         /// The file.

@@ -1,7 +1,7 @@
-//! Fits of lists of panels and spheres: the parameters that a model file names.
+//! Fits of lists of panels and spheres by the named parameters of a model file.
 //!
-//! Cosines, areas and obstruction do not depend on the parameters and are computed once for each point, and so is
-//! earthshine by each law. Laws are then evaluated with each set of parameters; derivatives are differences.
+//! Cosines, areas and obstruction are independent of the parameters and computed once for each point, as is earthshine
+//! by each law. Laws are then evaluated with each set of parameters; derivatives are differences.
 
 use rayon::prelude::*;
 
@@ -15,7 +15,7 @@ use super::panel_earth::PanelEarth;
 use super::point::FitPoint;
 use super::two_panel::TwoPanelForm;
 
-/// Panels of a model file, of which laws and spheres are fitted and attitudes are not.
+/// Panels of a model file with fitted laws and spheres and fixed attitudes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PanelsForm {
     /// Panels, laws, and parameters at their values.
@@ -40,7 +40,7 @@ impl Form for PanelsForm {
 
     fn prepare(&self, points: &[FitPoint]) -> Box<dyn Prepared> {
         let assembly = self.spec.assemble(&[]);
-        let seen = |point: &FitPoint| Seen {
+        let seen = |point: &FitPoint| PointGeometry {
             faces: assembly.lit_faces(point.geometry.to_sun().vector(), point.geometry.to_observer().vector()),
             phase_rad: point.geometry.phase_angle_rad(),
         };
@@ -60,8 +60,8 @@ impl Form for PanelsForm {
 }
 
 impl PanelsForm {
-    /// Chassis and sail of the paper with the sizes of the panel that faces down and the one that is turned to the
-    /// Sun's azimuth; `None` where either is missing.
+    /// Chassis and sail of the paper with the sizes of the panel that faces down and of the one that follows the Sun's
+    /// azimuth; `None` if either is missing.
     pub fn as_two_panels(&self) -> Option<TwoPanelForm> {
         let of = |is: fn(&AttitudeSpec) -> bool| self.spec.panels.iter().find(|panel| is(&panel.attitude));
         let base = of(|attitude| matches!(attitude, AttitudeSpec::Nadir {}))?;
@@ -84,7 +84,7 @@ impl PanelsForm {
 }
 
 /// Geometry of one point.
-struct Seen {
+struct PointGeometry {
     faces: Vec<LitFace>,
     phase_rad: f64,
 }
@@ -92,9 +92,9 @@ struct Seen {
 struct PreparedPanels {
     form: PanelsForm,
     points: Vec<FitPoint>,
-    seen: Vec<Seen>,
+    seen: Vec<PointGeometry>,
     has_spheres: bool,
-    /// Earthshine; `None` where it has to be computed each time.
+    /// Earthshine; `None` if it is computed each time.
     earth: Option<PanelEarth>,
     zero_mag: f64,
 }

@@ -10,9 +10,9 @@ use super::inference::{AutocorrelationTime, Chain, Ensemble, autocorrelation_tim
 use super::objective::Objective;
 use super::solve::Fit;
 
-/// Distinguishes the seed of the starting places from that of the walk.
+/// Distinguishes the seed of the starting positions from that of the walk.
 const START_SALT: u64 = 0x5354_4152_5453;
-/// Half width of the starting places of a parameter without sigma, as a share of the interval between its bounds.
+/// Half width of the starting positions of a parameter without sigma, as a fraction of the interval between its bounds.
 const UNKNOWN_SPREAD: f64 = 1e-3;
 
 /// Settings of a posterior.
@@ -57,17 +57,17 @@ pub struct Posterior {
     pub marginals: Vec<Marginal>,
     /// `(n_free, n_free)`.
     pub covariance: Vec<Vec<f64>>,
-    /// Share of accepted proposals.
+    /// Fraction of accepted proposals.
     pub acceptance: f64,
     /// Steps after burn-in.
     pub steps: usize,
 }
 
-/// Starting places of walkers: uniform within a tenth of each parameter's sigma about the fit, inside the bounds.
-fn starting_places(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
+/// Starting positions of walkers: uniform within a tenth of each parameter's sigma about the fit, inside the bounds.
+fn starting_positions(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
     let mut random = ChaCha8Rng::seed_from_u64(settings.seed ^ START_SALT);
     let mut uniform = || (random.next_u64() >> 11) as f64 / (1_u64 << 53) as f64;
-    let mut place = |_| {
+    let mut start = |_| {
         let one = |&i: &usize| {
             let p = &fit.parameters[i];
             let width = p.greatest - p.least;
@@ -79,7 +79,7 @@ fn starting_places(fit: &Fit, settings: &PosteriorSettings) -> Vec<Vec<f64>> {
         };
         fit.free.iter().map(one).collect()
     };
-    (0..settings.walkers).map(&mut place).collect()
+    (0..settings.walkers).map(&mut start).collect()
 }
 
 /// Draws until the chain has `settings.steps` steps. `resumed` is a chain to continue; `each` is called after every
@@ -96,7 +96,7 @@ pub fn draw(
 ) -> Result<Chain, FitError> {
     let mut ensemble = match resumed {
         Some(chain) if chain.steps() > 0 => Ensemble::resume(objective, chain, settings.seed)?,
-        _ => Ensemble::new(objective, starting_places(fit, settings), settings.seed)?,
+        _ => Ensemble::new(objective, starting_positions(fit, settings), settings.seed)?,
     };
     while ensemble.chain().steps() < settings.steps {
         ensemble.step();
@@ -131,8 +131,8 @@ impl Posterior {
     /// Names of free parameters whose sigma in the fit exceeds that of the draws by more than a factor of `times`, each
     /// with its factor.
     ///
-    /// The draws take points as independent, while the fit allows for errors that tracks share; for these parameters
-    /// the draws are overconfident.
+    /// The draws treat points as independent, while the fit allows for errors shared within tracks; for these
+    /// parameters the draws are overconfident.
     pub fn overconfident(&self, fit: &Fit, times: f64) -> Vec<(String, f64)> {
         let ratio = |(marginal, &i): (&Marginal, &usize)| {
             let ratio = fit.uncertainty.sigma(i)? / marginal.sigma;

@@ -6,7 +6,7 @@ use pulldown_cmark::{Options, Parser, html};
 
 use crate::output::{Kind, Table};
 
-/// Report whose parts appear in the order in which they are added.
+/// Report with its parts in the order in which they are added.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
     text: String,

@@ -136,7 +136,7 @@ impl Problem {
         }
         self.free.iter().for_each(|i| hash.update((*i as u64).to_le_bytes()));
         hash.update(format!("{:?}", self.settings.loss));
-        // Residuals at the initial values stand for form and geometry.
+        // Residuals at the initial values identify form and geometry.
         let residuals = self.objective().residuals_mag(&self.free_values(), self.points.len());
         for (point, residual) in self.points.iter().zip(residuals) {
             [point.magnitude, point.sigma_mag, residual].iter().for_each(|x| hash.update(x.to_le_bytes()));

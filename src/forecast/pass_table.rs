@@ -68,14 +68,20 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
         }),
         field(Column::new("name", Kind::Text, "Name in the element set."), |row| Value::nonempty(&row.elements.name)),
         field(
-            Column::time("rise_utc", "Rise above the least altitude; empty if the satellite is up at the start of the search."),
+            Column::time(
+                "rise_utc",
+                "Rise above the least altitude; empty if the satellite is up at the start of the search.",
+            ),
             |row| epoch(row.pass.rise.as_ref()),
         ),
         field(Column::time("culmination_utc", "Highest point of the pass, visible or not."), |row| {
             row.pass.culmination.epoch.into()
         }),
         field(
-            Column::time("set_utc", "Set below the least altitude; empty if the satellite is up at the end of the search."),
+            Column::time(
+                "set_utc",
+                "Set below the least altitude; empty if the satellite is up at the end of the search.",
+            ),
             |row| epoch(row.pass.set.as_ref()),
         ),
         field(Column::real("rise_azimuth_deg", "deg", 3, "Azimuth at the rise, from north through east."), |row| {
@@ -88,10 +94,7 @@ fn pass_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
             azimuth_deg(row.pass.set.as_ref())
         }),
         field(
-            Column::time(
-                "shadow_entry_utc",
-                "Start of the first entry into the Earth's shadow; empty without one.",
-            ),
+            Column::time("shadow_entry_utc", "Start of the first entry into the Earth's shadow; empty without one."),
             |row| epoch(row.pass.shadow_entry.as_ref()),
         ),
         field(Column::time("shadow_exit_utc", "End of the first exit from the shadow; empty without one."), |row| {
@@ -139,7 +142,9 @@ fn more_fields<'a>() -> Vec<TableField<PassRow<'a>>> {
         field(Column::real("begin_azimuth_deg", "deg", 3, "Azimuth at its begin."), |row| {
             azimuth_deg(seen(row).map(|seen| &seen.begin))
         }),
-        field(Column::new("begins_by", Kind::Text, "Event at its begin: rise, shadow or dusk."), |row| row.begins_by().into()),
+        field(Column::new("begins_by", Kind::Text, "Event at its begin: rise, shadow or dusk."), |row| {
+            row.begins_by().into()
+        }),
         field(Column::time("highest_utc", "Highest point of the visible part."), |row| {
             epoch(seen(row).map(|seen| &seen.highest))
         }),

@@ -89,8 +89,8 @@ fn parse(text: &str) -> Option<Angle> {
             None => rest = after,
         }
     }
-    for (place, mark) in marks.iter().enumerate() {
-        match (place, mark) {
+    for (index, mark) in marks.iter().enumerate() {
+        match (index, mark) {
             (0, 'h' | 'H') => unit = Unit::Hours,
             (0, 'd' | 'D' | '°') => unit = Unit::Degrees,
             (0, ':') => unit = Unit::Colons,
@@ -101,14 +101,14 @@ fn parse(text: &str) -> Option<Angle> {
         }
     }
     let mut value = 0.0;
-    for (place, number) in numbers.iter().enumerate() {
+    for (index, number) in numbers.iter().enumerate() {
         let part: f64 = number.parse().ok()?;
-        let last = place + 1 == numbers.len();
+        let last = index + 1 == numbers.len();
         // Only the last number may have a fraction, and minutes and seconds are below 60.
-        if (!last && number.contains('.')) || (place > 0 && part >= 60.0) {
+        if (!last && number.contains('.')) || (index > 0 && part >= 60.0) {
             return None;
         }
-        value += part / [1.0, 60.0, 3600.0][place];
+        value += part / [1.0, 60.0, 3600.0][index];
     }
     (!numbers.is_empty()).then_some(Angle { negative, value, unit })
 }

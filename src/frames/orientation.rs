@@ -218,11 +218,11 @@ mod tests {
             for hours in [0.0, 11.99, 23.9, 40.1] {
                 let start = seconds_after(day, hours * 3600.0);
                 let end = seconds_after(start, 30_000.0);
-                let (part, alone) = (whole.part(start, end, &eop), OrientationTable::new(start, end, &eop));
+                let (part, separate) = (whole.part(start, end, &eop), OrientationTable::new(start, end, &eop));
                 assert_eq!(part.reference(), start);
                 for seconds in [0.0, 777.7, 30_000.0] {
-                    let (part, alone) = (part.at_s(seconds).itrs_to_gcrs, alone.at_s(seconds).itrs_to_gcrs);
-                    let difference = largest_difference(part.matrix(), alone.matrix());
+                    let (part, separate) = (part.at_s(seconds).itrs_to_gcrs, separate.at_s(seconds).itrs_to_gcrs);
+                    let difference = largest_difference(part.matrix(), separate.matrix());
                     // Over a leap second the nodes are a second apart: two interpolations of the same function.
                     assert!(difference < TABLE_TOLERANCE_RAD, "{day} {hours} h {seconds} s: {difference}");
                 }

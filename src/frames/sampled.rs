@@ -43,10 +43,10 @@ impl<const N: usize> Sampled<N> {
     /// Returns the node before `seconds` (never the last one) and the fraction of the step after it. Outside the nodes
     /// the fraction is outside [0, 1].
     fn locate(&self, seconds: f64) -> (usize, f64) {
-        let place = (seconds - self.first_s) / STEP_S;
+        let position = (seconds - self.first_s) / STEP_S;
         // A NaN or a negative position becomes 0 in the cast.
-        let node = (place as usize).min(self.nodes.len() - 2);
-        (node, place - node as f64)
+        let node = (position as usize).min(self.nodes.len() - 2);
+        (node, position - node as f64)
     }
 
     /// Interpolates linearly between two nodes, for functions that are tables with linear interpolation.

@@ -40,5 +40,9 @@ pub enum GeometryError {
 }
 
 fn near(names: &[String]) -> String {
-    if names.is_empty() { "no similar name in the bundled table; specify latitude, longitude and height instead".to_owned() } else { format!("similar names: {}", names.join(", ")) }
+    if names.is_empty() {
+        "no similar name in the bundled table; specify latitude, longitude and height instead".to_owned()
+    } else {
+        format!("similar names: {}", names.join(", "))
+    }
 }

@@ -83,9 +83,9 @@ impl Site {
     /// # Errors
     /// An unknown code.
     pub fn from_mpc(code: &str) -> Result<Self, GeometryError> {
-        let wanted = code.trim();
+        let requested = code.trim();
         let matches =
-            |entry: &&Entry| entry.site.mpc_code.as_ref().is_some_and(|known| known.eq_ignore_ascii_case(wanted));
+            |entry: &&Entry| entry.site.mpc_code.as_ref().is_some_and(|known| known.eq_ignore_ascii_case(requested));
         match table().iter().find(matches) {
             Some(entry) => Ok(entry.site.clone()),
             None => Err(GeometryError::UnknownMpcCode {

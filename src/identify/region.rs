@@ -68,7 +68,8 @@ fn outline(statement: &str) -> Result<Vec<Direction<Gcrs>>, String> {
         "line" if numbers.len() >= 4 => numbers[..4].chunks(2).map(|pair| position(pair[0], pair[1])).collect(),
         "line" => Err(wrong_count("4, two ends")),
         "vector" if numbers.len() == 4 => {
-            let (from, length, angle) = (position(numbers[0], numbers[1])?, size_rad(numbers[2])?, angle_rad(numbers[3])?);
+            let (from, length, angle) =
+                (position(numbers[0], numbers[1])?, size_rad(numbers[2])?, angle_rad(numbers[3])?);
             Ok(vec![from, moved(&from, length * angle.cos(), length * angle.sin())])
         }
         "vector" => Err(wrong_count("4: a position, a length and an angle")),

@@ -96,10 +96,9 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
         field(Column::real("length_sigma_deg", "deg", 5, "One sigma of that difference."), |row| {
             row.candidate.length_rad.map(|offset| offset.sigma.to_degrees()).into()
         }),
-        field(
-            Column::real("predicted_length_deg", "deg", 5, "Length of the track during the exposure."),
-            |row| row.candidate.predicted_length_rad.to_degrees().into(),
-        ),
+        field(Column::real("predicted_length_deg", "deg", 5, "Length of the track during the exposure."), |row| {
+            row.candidate.predicted_length_rad.to_degrees().into()
+        }),
         field(Column::real("angular_rate_deg_s", "deg / s", 6, "Angular rate on the sky."), |row| {
             row.candidate.angular_rate_rad_s.to_degrees().into()
         }),
@@ -124,9 +123,10 @@ fn candidate_fields<'a>() -> Vec<TableField<CandidateRow<'a>>> {
         field(Column::new("illumination", Kind::Text, "sunlit, penumbra or umbra at the passage."), |row| {
             row.candidate.passage.illumination.name().into()
         }),
-        field(Column::real("magnitude", "mag", 3, "Predicted apparent magnitude at the passage, without flares."), |row| {
-            light(row).map(|light| light.magnitude.0).into()
-        }),
+        field(
+            Column::real("magnitude", "mag", 3, "Predicted apparent magnitude at the passage, without flares."),
+            |row| light(row).map(|light| light.magnitude.0).into(),
+        ),
         field(Column::real("magnitude_sigma", "mag", 3, "One sigma of the magnitude."), |row| {
             light(row).map(|light| light.sigma_mag).into()
         }),
@@ -176,15 +176,15 @@ pub fn streak_table(streak: &MeasuredStreak) -> Table {
     let ends = streak.ends();
     let longitude = |end: usize| -> Value { ends.map(|ends| ends[end].longitude_rad().to_degrees()).into() };
     let latitude = |end: usize| -> Value { ends.map(|ends| ends[end].latitude_rad().to_degrees()).into() };
-    let place: Direction<Gcrs> = streak.place();
+    let middle: Direction<Gcrs> = streak.middle();
     Table {
         columns: STREAK.to_vec(),
         rows: vec![vec![
             streak.start().into(),
             seconds_after(streak.start(), streak.duration_s()).into(),
             streak.timing().name().into(),
-            place.longitude_rad().to_degrees().into(),
-            place.latitude_rad().to_degrees().into(),
+            middle.longitude_rad().to_degrees().into(),
+            middle.latitude_rad().to_degrees().into(),
             streak.position_angle_rad().to_degrees().into(),
             streak.length_rad().map(f64::to_degrees).into(),
             longitude(0),

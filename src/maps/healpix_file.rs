@@ -82,9 +82,9 @@ fn to_fits(
     let column = |(name, unit, value): &CellColumn<'_>| {
         let mut rows = vec![BAD_DATA; count];
         for (index, cell) in cells.iter().enumerate() {
-            let place = cell.and_then(|cell| rows.get_mut(cell as usize));
-            if let (Some(place), Some(value)) = (place, value(index)) {
-                *place = value;
+            let slot = cell.and_then(|cell| rows.get_mut(cell as usize));
+            if let (Some(slot), Some(value)) = (slot, value(index)) {
+                *slot = value;
             }
         }
         TableColumn {
@@ -129,7 +129,7 @@ const LONGEST: usize = 68;
 const TRUNCATED: &str = "...";
 
 /// Letters and symbols with a substitute in ASCII.
-const KIN: &[(&str, &str)] = &[
+const ASCII_SUBSTITUTES: &[(&str, &str)] = &[
     ("ÀÁÂÃÄÅĀĂĄ", "A"),
     ("àáâãäåāăą", "a"),
     ("Æ", "AE"),
@@ -189,10 +189,10 @@ fn card_text(text: &str) -> String {
     let mut end = 0;
     let fits = |c: &char| {
         end += width(*c);
-        end + CUT.len() <= LONGEST
+        end + TRUNCATED.len() <= LONGEST
     };
     let mut cut: String = plain.chars().take_while(fits).collect();
-    cut.push_str(CUT);
+    cut.push_str(TRUNCATED);
     cut
 }
 
@@ -202,7 +202,7 @@ fn in_ascii(c: char) -> Option<String> {
     match c {
         ' '..='~' => None,
         _ if is_combining_mark => Some(String::new()),
-        _ => Some(KIN.iter().find(|(kin, _)| kin.contains(c)).map_or("?", |(_, ascii)| ascii).to_owned()),
+        _ => Some(ASCII_SUBSTITUTES.iter().find(|(kin, _)| kin.contains(c)).map_or("?", |(_, ascii)| ascii).to_owned()),
     }
 }
 

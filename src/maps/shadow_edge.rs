@@ -29,7 +29,7 @@ impl SkyView<'_> {
         let aside = if to_sun.z.abs() < 0.9 { Vector3::z() } else { Vector3::x() };
         let across = to_sun.cross(&aside).normalize();
         let (a, b) = (across, to_sun.cross(&across));
-        let place = |around_rad: f64, from_sun_rad: f64| {
+        let position = |around_rad: f64, from_sun_rad: f64| {
             let outwards = a * around_rad.cos() + b * around_rad.sin();
             (to_sun * from_sun_rad.cos() + outwards * from_sun_rad.sin()) * self.radius_km
         };
@@ -37,15 +37,19 @@ impl SkyView<'_> {
         (0..count)
             .filter_map(|step| {
                 let around_rad = TAU * step as f64 / count as f64;
-                if !is_dark(&place(around_rad, PI)) {
+                if !is_dark(&position(around_rad, PI)) {
                     return None;
                 }
                 let (mut lit_rad, mut dark_rad) = (FRAC_PI_2, PI);
                 while dark_rad - lit_rad > CLOSE_RAD {
                     let middle_rad = 0.5 * (lit_rad + dark_rad);
-                    if is_dark(&place(around_rad, middle_rad)) { dark_rad = middle_rad } else { lit_rad = middle_rad }
+                    if is_dark(&position(around_rad, middle_rad)) {
+                        dark_rad = middle_rad
+                    } else {
+                        lit_rad = middle_rad
+                    }
                 }
-                let sight = place(around_rad, lit_rad) - self.observer.vector();
+                let sight = position(around_rad, lit_rad) - self.observer.vector();
                 // The axes are north, east, zenith: see `SkyView::row`.
                 let local = self.axes.transpose() * sight / sight.norm();
                 Some(ShadowEdgePoint {

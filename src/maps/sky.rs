@@ -221,12 +221,12 @@ impl<'a> SkyView<'a> {
     fn row(&self, altitude_rad: f64) -> Row {
         let (sin, cos) = altitude_rad.sin_cos();
         // On a sphere the range depends on the altitude only.
-        let way = (self.earth == Earth::Sphere).then(|| {
+        let range_and_dimming = (self.earth == Earth::Sphere).then(|| {
             let range_km = self.range_km(EARTH_EQUATORIAL_RADIUS_KM * sin);
             (range_km, self.light.dimming(range_km, altitude_rad))
         });
         let axis = |index: usize| self.axes.column(index).into_owned();
-        Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, way }
+        Row { altitude_rad, up: axis(2) * sin, north: axis(0) * cos, east: axis(1) * cos, range_and_dimming }
     }
 
     /// Fills a row of one altitude at once; equal to point by point within 1e-9 mag.
@@ -264,7 +264,7 @@ impl<'a> SkyView<'a> {
     /// distance and air.
     fn sight(&self, row: &Row, (east, north): (f64, f64)) -> (Vector3<f64>, f64, Option<Magnitude>) {
         let direction = row.up + row.north * north + row.east * east;
-        let (range_km, dimming) = row.way.unwrap_or_else(|| {
+        let (range_km, dimming) = row.range_and_dimming.unwrap_or_else(|| {
             let range_km = self.range_km(self.observer.vector().dot(&direction));
             (range_km, self.light.dimming(range_km, row.altitude_rad))
         });
@@ -305,8 +305,8 @@ impl<'a> SkyView<'a> {
                 let sin = (1.0 - cos * cos).sqrt();
                 // On a sphere only the angle to the Sun matters; in the plane of the equator the ellipsoid is a circle.
                 let turned = || {
-                    let place = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
-                    self.shadow.illumination(&place, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
+                    let position = Position::new(self.radius_km * cos, self.radius_km * sin, 0.0);
+                    self.shadow.illumination(&position, &Position::new(AU_KM, 0.0, 0.0)).lit_fraction()
                 };
                 if self.shadow != ShadowModel::Geometric {
                     return turned();
@@ -335,5 +335,5 @@ struct Row {
     north: Vector3<f64>,
     east: Vector3<f64>,
     /// Range and dimming by distance and air, where they are the same for all azimuths.
-    way: Option<(f64, Option<Magnitude>)>,
+    range_and_dimming: Option<(f64, Option<Magnitude>)>,
 }

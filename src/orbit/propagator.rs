@@ -130,8 +130,8 @@ impl Propagator {
     #[cfg(test)]
     pub(super) fn position_from_the_epoch(&self, minutes: f64) -> Option<[f64; 3]> {
         let mut initial = self.resonance.as_ref().and_then(|_| self.constants.initial_state())?;
-        let way = self.constants.propagate_from_state(MinutesSinceEpoch(minutes), Some(&mut initial), true);
-        way.ok().map(|prediction| prediction.position)
+        let integrated = self.constants.propagate_from_state(MinutesSinceEpoch(minutes), Some(&mut initial), true);
+        integrated.ok().map(|prediction| prediction.position)
     }
 
     /// Returns the NORAD catalogue number.

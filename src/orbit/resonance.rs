@@ -86,11 +86,11 @@ mod tests {
                 revolution_at_epoch: 0,
                 origin: Origin::Published,
             };
-            let asked = Propagator::new(&elements).expect("starts");
+            let propagator = Propagator::new(&elements).expect("starts");
             for days in [650.0, 651.3, 646.0, 600.0, 30.0, 1400.0, -400.0, 0.2, -399.0, 650.0] {
                 let minutes = days * Unit::Day.in_seconds() / 60.0;
-                let (position, _) = asked.teme_state_at_minutes(minutes).expect("in orbit");
-                assert_eq!(Some(position), asked.position_from_the_epoch(minutes), "{days} days");
+                let (position, _) = propagator.teme_state_at_minutes(minutes).expect("in orbit");
+                assert_eq!(Some(position), propagator.position_from_the_epoch(minutes), "{days} days");
             }
         }
     }

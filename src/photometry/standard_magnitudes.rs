@@ -21,9 +21,7 @@ const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
 #[derive(Debug, Error, PartialEq)]
 pub enum StandardMagnitudesError {
     /// No line with an id and a magnitude in their columns.
-    #[error(
-        "not a qs.mag table: none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37"
-    )]
+    #[error("not a qs.mag table: none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37")]
     NothingRead {
         /// Number of lines.
         lines: usize,

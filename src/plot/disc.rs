@@ -277,14 +277,16 @@ impl Layout<'_> {
         }
         if let Some(limb) = disc.limb_rad {
             for dash in 0..60 {
-                let part = |part: u8| at(disc_position((f64::from(dash) * 6.0 + f64::from(part) * 0.75).to_radians(), limb));
+                let part =
+                    |part: u8| at(disc_position((f64::from(dash) * 6.0 + f64::from(part) * 0.75).to_radians(), limb));
                 picture.line(&(0..=4).map(part).collect::<Vec<_>>(), INK.mix(0.8), 1.5);
             }
         }
         // A circle about the middle, or half of it.
         let round = |picture: &mut Picture, angle: f64, colour, width| {
             if disc.is_half {
-                let arc: Vec<_> = (0..=90).map(|part| at(disc_position(f64::from(2 * part).to_radians(), angle))).collect();
+                let arc: Vec<_> =
+                    (0..=90).map(|part| at(disc_position(f64::from(2 * part).to_radians(), angle))).collect();
                 picture.line(&arc, colour, width);
             } else {
                 picture.circle(middle, radius * angle / FRAC_PI_2, colour, width);

@@ -59,8 +59,9 @@ pub(super) fn numbers(picture: &mut Picture, lines: &[Vec<(f64, f64)>]) {
         };
         let positions = shares.map(|share| along(line, share));
         let free = positions.into_iter().find(|position| apart(*position) > 26.0);
-        let position = free
-            .unwrap_or_else(|| positions.into_iter().max_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(positions[0]));
+        let position = free.unwrap_or_else(|| {
+            positions.into_iter().max_by(|a, b| apart(*a).total_cmp(&apart(*b))).unwrap_or(positions[0])
+        });
         taken.push(position);
         let text = (index + 1).to_string();
         let half = width_of(&text, 16.0) / 2.0 + 5.0;

@@ -10,9 +10,9 @@ use flate2::write::GzEncoder;
 use proptest::prelude::*;
 use streakcast::elements::{Constellation, ElementSet, History, NoradId, StationRule};
 use streakcast::fit::measurements::{
-    ColumnMap, DensityMode, DropReason, Format, Measurement, MeasurementError, Measurements, PhotometryOptions, Place,
-    Placement, RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode, kernel_mode,
-    kernel_sigma, measure, reduce,
+    ColumnMap, DensityMode, DropReason, Format, Measurement, MeasurementError, Measurements, PhotometryOptions,
+    Placement, PositionSource, RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode,
+    kernel_mode, kernel_sigma, measure, reduce,
 };
 use streakcast::frames::seconds_after;
 use streakcast::geometry::{Site, ViewingGeometry};
@@ -225,7 +225,10 @@ fn verif_questions_that_cannot_be_answered() {
     let negative = Selection { max_range_difference_km: Some(-1.0), ..Selection::default() };
     assert!(measure(&mut records.source(), &Placement::recorded(Some(550.0)), &negative).is_err());
     assert!(measure(&mut records.source(), &Placement::recorded(Some(-5.0)), &Selection::default()).is_err());
-    let fit = Placement { place: Place::Elements { fit_offset_s: Some(f64::NAN) }, ..Placement::elements(&history) };
+    let fit = Placement {
+        source: PositionSource::Elements { fit_offset_s: Some(f64::NAN) },
+        ..Placement::elements(&history)
+    };
     assert!(measure(&mut records.source(), &fit, &Selection::default()).is_err());
     for options in [
         ReduceOptions { nside: 0, ..ReduceOptions::default() },
@@ -401,7 +404,7 @@ fn verif_simulated_photometry_comes_back_through_a_file() {
     }
     // By distance and phase: the radius of SGP4 is that of the truth, up to the mirror image.
     let by_radius = Placement {
-        place: Place::Recorded { radius: Some(streakcast::fit::measurements::OrbitRadius::Elements) },
+        source: PositionSource::Recorded { radius: Some(streakcast::fit::measurements::OrbitRadius::Elements) },
         ..Placement::elements(&history)
     };
     let other = measure(&mut records.source(), &by_radius, &Selection::everything()).unwrap();
@@ -480,8 +483,10 @@ fn verif_a_late_satellite_is_found_by_its_ranges() {
     let late =
         history.element_sets().iter().map(|set| ElementSet { epoch: seconds_after(set.epoch, 6.0), ..set.clone() });
     let late = History::new(late.collect());
-    let with =
-        |fit_offset_s: Option<f64>| Placement { place: Place::Elements { fit_offset_s }, ..Placement::elements(&late) };
+    let with = |fit_offset_s: Option<f64>| Placement {
+        source: PositionSource::Elements { fit_offset_s },
+        ..Placement::elements(&late)
+    };
     let worst_km = |placement: &Placement| {
         let measured = measure(&mut simulation.records.source(), placement, &Selection::everything()).unwrap();
         let ranges = measured.points.iter().zip(&simulation.records.records);

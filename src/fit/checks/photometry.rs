@@ -72,7 +72,7 @@ impl DataSet {
         match self {
             Self::Pomenis => read_survey(path, Format::Pomenis, None),
             Self::SlingshotV2 => read_survey(path, Format::Slingshot, None),
-            // Without element sets: circular orbits at the height that was used in the fit.
+            // Without element sets: circular orbits at the height used in the fit.
             Self::Mmt9VisorSat => read_survey(path, Format::Mmt, Some(540.0)),
             Self::Mmt9OneWeb => read_survey(path, Format::Mmt, Some(1200.0)),
             Self::Mmt9IridiumNext => read_survey(path, Format::Mmt, Some(780.0)),
@@ -82,30 +82,30 @@ impl DataSet {
     }
 }
 
-/// Errors in a folder of published photometry.
+/// Errors of a folder of published photometry.
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum CheckError {
-    /// The folder contains none of the known files.
-    #[error("no photometry in {}: looked for {looked_for}", folder.display())]
+    /// A folder without any of the known files.
+    #[error("no photometry in {}; expected one of {looked_for}", folder.display())]
     Nothing {
         /// The folder.
         folder: PathBuf,
         /// Paths of the known files in it.
         looked_for: String,
     },
-    /// A file cannot be read.
+    /// A file that cannot be read.
     #[error("photometry {}: {problem}", path.display())]
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// Message of the system or of the table's reader.
+        /// Message of the system or of the table reader.
         problem: String,
     },
-    /// A survey's table cannot be read.
+    /// An invalid table of a survey.
     #[error("photometry {0}")]
     Survey(#[from] MeasurementError),
-    /// A row is invalid. Published sets are complete, so that every row is required.
+    /// An invalid row. Published sets are complete, so that every row is required.
     #[error("photometry {0}")]
     Row(DropExample),
 }
@@ -113,7 +113,7 @@ pub enum CheckError {
 /// One published magnitude to compare a model with.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct ReferenceMeasurement {
-    /// At 1000 km, taken as V (Vega), although some surveys are unfiltered.
+    /// Magnitude at 1000 km, taken as V (Vega), although some surveys are unfiltered.
     pub magnitude: StandardMagnitude,
     /// Angle Sun-satellite-observer, [0, π], radians.
     pub phase_rad: f64,
@@ -123,7 +123,7 @@ pub struct ReferenceMeasurement {
 
 impl ReferenceMeasurement {
     /// Magnitude of the model in this geometry, V (Vega) at 1000 km; `None` if no lit surface is visible, or if the
-    /// model needs unknown angles.
+    /// model requires unknown angles.
     pub fn of_model(&self, model: &BrightnessModel) -> Option<StandardMagnitude> {
         let is_of_phase_alone = model.satellite().is_none() && model.assembly().is_none();
         let geometry = if is_of_phase_alone { at_phase(self.phase_rad) } else { self.geometry };
@@ -131,7 +131,7 @@ impl ReferenceMeasurement {
     }
 }
 
-/// Magnitude of a model in full sunlight at 1000 km, brought from its own band to V (Vega).
+/// Magnitude of a model in full sunlight at 1000 km, converted from its own band to V (Vega).
 pub(super) fn in_v(model: &BrightnessModel, geometry: &ViewingGeometry) -> Option<StandardMagnitude> {
     let colour_mag = model.colour_to_mag(Band::V, MagSystem::Vega);
     model.standard_magnitude(geometry).map(|magnitude| StandardMagnitude(magnitude.0 + colour_mag))
@@ -144,7 +144,7 @@ fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
     ViewingGeometry::from_angles(0.0, longitude, latitude, 1000.0, 550.0)
 }
 
-/// All rows through the survey's usual filter in full sunlight (100 km rule of the paper).
+/// All rows in the survey's usual filter in full sunlight (100 km rule of the paper).
 fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<ReferenceMeasurement>, CheckError> {
     let options = PhotometryOptions { format: Some(format), keep_duplicates: true, ..PhotometryOptions::default() };
     let mut reader = RecordReader::open(&[path], &options)?;
@@ -161,9 +161,9 @@ fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Ve
     Ok(points.collect())
 }
 
-/// Amateurs' standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, the basis of the priors.
+/// Standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, the basis of the priors.
 ///
-/// The name decides: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
+/// Selection by name: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
 fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, CheckError> {
     let unreadable = |problem: String| CheckError::Unreadable { path: path.to_owned(), problem };
     let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
@@ -172,8 +172,8 @@ fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurem
     let table = StandardMagnitudes::from_qs_mag(&text).map_err(|error| unreadable(error.to_string()))?;
     let listed = text.lines().filter_map(|line| {
         let (id, name) = (line.get(0..5)?.trim().parse().ok()?, line.get(18..33)?);
-        let wanted = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;
-        let magnitude = table.get(id).filter(|_| wanted)?;
+        let selected = !name.contains("Deb") && !name.contains(" Db") && name.contains("Rk") == rocket_bodies;
+        let magnitude = table.get(id).filter(|_| selected)?;
         Some(ReferenceMeasurement { magnitude, phase_rad: FRAC_PI_2, geometry: None })
     });
     Ok(listed.collect())
@@ -207,7 +207,7 @@ impl Photometry {
         Ok(Self { sets })
     }
 
-    /// The measurements of one set; `None` if its file was missing.
+    /// The measurements of one set; `None` if its file is missing.
     pub fn get(&self, set: DataSet) -> Option<&[ReferenceMeasurement]> {
         self.sets.get(&set).map(Vec::as_slice)
     }

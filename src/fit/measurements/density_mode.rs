@@ -1,8 +1,8 @@
 //! Mode and interquartile range of a sample.
 //!
-//! **Half-sample mode** (Robertson and Cryer 1974, JASA 69, 1012; Bickel and Frühwirth 2006, CSDA 50, 3500): of a
-//! sorted sample the narrowest interval with half of its values, of that again the narrowest half, until three values
-//! or fewer are left. It needs no width, is robust against outliers on one side, and takes n + n/2 + n/4 … steps. It
+//! **Half-sample mode** (Robertson and Cryer 1974, JASA 69, 1012; Bickel and Frühwirth 2006, CSDA 50, 3500): the
+//! narrowest interval with half of the values of a sorted sample, then the narrowest half of that, until three values
+//! or fewer are left. It requires no width, is robust against outliers on one side, and takes n + n/2 + n/4 … steps. It
 //! scatters more than a kernel's mode (0.2 mag for a hundred points of a normal distribution with sigma 0.4).
 //!
 //! **Kernel mode**: the maximum of a sum of normal curves at the points, with sigma by Silverman's rule (1986, eq.
@@ -145,7 +145,7 @@ mod tests {
             for mode in [DensityMode::HalfSample, DensityMode::Kernel] {
                 let found = mode.of(&sample);
                 prop_assert!(sample[0] <= found && found <= sample[sample.len() - 1]);
-                // Two stretches may be equally narrow but for rounding: then either will do, and the shift decides.
+                // Two intervals may be equally narrow within rounding: either is valid, and the shift selects one.
                 if mode == DensityMode::Kernel && sample.len() > 20 {
                     prop_assert!((mode.of(&moved) - found - shift).abs() < 1e-3);
                 }

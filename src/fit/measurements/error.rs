@@ -5,15 +5,15 @@ use thiserror::Error;
 /// Names of the formats, for messages.
 pub(super) const FORMATS: &str = "pomenis, mmt, score, slingshot, csv";
 
-/// Errors in a file of photometry or in options. Invalid rows are no errors but are counted in
+/// Errors in a file of photometry or in options. Invalid rows are not errors but are counted in
 /// [`DropCounts`](super::DropCounts).
 #[derive(Clone, Debug, Error, PartialEq)]
 #[non_exhaustive]
 pub enum MeasurementError {
-    /// No file was given.
-    #[error("no file of photometry given")]
+    /// An empty list of files.
+    #[error("no file of photometry is given")]
     NoFiles,
-    /// A file cannot be opened, read or decompressed.
+    /// A file that cannot be opened, read or decompressed.
     #[error("cannot read {file}: {problem}")]
     Unreadable {
         /// Name of the file.
@@ -27,18 +27,18 @@ pub enum MeasurementError {
         /// Name of the file.
         file: String,
     },
-    /// The header matches none of the known formats.
-    #[error("{file}: the header '{header}' belongs to no known format; name one of {FORMATS}, or give a column map")]
+    /// A header that matches none of the known formats.
+    #[error("{file}: unknown format with the header '{header}'; specify one of {FORMATS}, or a column map")]
     UnknownFormat {
         /// Name of the file.
         file: String,
-        /// The first line that is no comment, truncated.
+        /// First line that is not a comment, truncated.
         header: String,
     },
     /// An unknown name of a format.
-    #[error("unknown format of photometry '{name}'; known are {FORMATS}")]
+    #[error("unknown format of photometry '{name}': expected one of {FORMATS}")]
     UnknownFormatName {
-        /// The given name.
+        /// Given name.
         name: String,
     },
     /// A missing column.
@@ -55,14 +55,14 @@ pub enum MeasurementError {
         /// The problem and what is allowed.
         problem: String,
     },
-    /// A column of times without a time scale; TAI taken for UTC would be 37 s off.
+    /// A column of times without a time scale; TAI read as UTC would be 37 s off.
     #[error("column map: the times of column '{column}' have no scale; specify time_scale = utc, tai or tt")]
     NoTimeScale {
         /// The column of times.
         column: String,
     },
-    /// Two filters in one file without a choice.
-    #[error("{file} data row {row}: filter '{other}' after rows of filter '{first}'; name the filters that are wanted")]
+    /// Several filters in one file without a selection.
+    #[error("{file} data row {row}: filter '{other}' after rows of filter '{first}'; specify the filters")]
     MixedFilters {
         /// Name of the file.
         file: String,
@@ -74,19 +74,19 @@ pub enum MeasurementError {
         other: String,
     },
     /// An option outside its range.
-    #[error("{name} {given} is not allowed: {allowed}")]
+    #[error("invalid {name} {given}: allowed {allowed}")]
     Setting {
         /// Name of the option.
         name: &'static str,
-        /// The given value.
+        /// Given value.
         given: String,
         /// Allowed values.
         allowed: &'static str,
     },
     /// Missing element sets.
-    #[error("{what} needs element sets, and none were given")]
+    #[error("{what} requires element sets; none are given")]
     NoHistory {
-        /// What needs them.
+        /// Operation that requires them.
         what: &'static str,
     },
 }

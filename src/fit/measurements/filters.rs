@@ -7,11 +7,11 @@ use crate::photometry::Band;
 /// Numbers of rows by filter.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct FilterCounts {
-    /// In the order of their first rows; `None` for rows without a filter.
+    /// Counts in the order of the first rows; `None` for rows without a filter.
     counts: Vec<(Option<String>, u64)>,
 }
 
-/// Photometry that is not, or not certainly, in the band of a model.
+/// Photometry that may not be in the band of a model.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct BandMismatch {
     band: Band,
@@ -24,8 +24,8 @@ impl FilterCounts {
         self.counts.iter().map(|(filter, count)| (filter.as_deref(), *count))
     }
 
-    /// Mismatch if any row has another filter than `band` or none. Upper and lower case differ (`R` is Cousins', `r`
-    /// LSST's), and a survey's own filter (`Clear`) is no band.
+    /// Mismatch if any row has another filter than `band` or none. Case matters (`R` is Cousins', `r` LSST's), and a
+    /// survey's own filter (`Clear`) is not a band.
     pub fn mismatch(&self, band: Band) -> Option<BandMismatch> {
         let is_other = |filter: Option<&str>| filter.and_then(|name| name.parse::<Band>().ok()) != Some(band);
         self.iter().any(|(filter, _)| is_other(filter)).then(|| BandMismatch { band, seen: self.clone() })
@@ -53,7 +53,7 @@ impl fmt::Display for BandMismatch {
         });
         let filters = filters.collect::<Vec<_>>().join(", ");
         let mixed = if self.seen.counts.len() > 1 { "mixed filters: " } else { "" };
-        write!(f, "{mixed}photometry through {filters} is taken as {}, the model's band", self.band)?;
+        write!(f, "{mixed}photometry through {filters} is treated as {}, the model's band", self.band)?;
         write!(f, "; differences of colour or zero point enter the fit")
     }
 }
@@ -77,8 +77,8 @@ mod tests {
             (vec![(Some("V"), 5), (Some("B"), 1)], ["mixed filters", "V (5 rows), B (1 rows)"]),
             (vec![(Some("v"), 5)], ["v (5 rows)", "taken as V"]),
         ] {
-            let said = counts(&rows).unwrap_or_default();
-            assert!(parts.iter().all(|part| said.contains(part)), "{said}");
+            let message = counts(&rows).unwrap_or_default();
+            assert!(parts.iter().all(|part| message.contains(part)), "{message}");
         }
     }
 }

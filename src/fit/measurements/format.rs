@@ -14,7 +14,7 @@ pub enum Format {
     Mmt,
     /// Pomenis (Fankhauser, Tyson and Askari 2023): Starlink V1.5 from Mount Lemmon; height, altitude and azimuth.
     Pomenis,
-    /// Upload format of SCORE, the IAU CPS repository: one site, satellite and filter a row.
+    /// Upload format of SCORE, the IAU CPS repository: one site, satellite and filter per row.
     Score,
     /// Slingshot (Kandula et al. 2025): altitudes of Sun and satellite and the azimuth between them; no time.
     Slingshot,

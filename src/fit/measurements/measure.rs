@@ -10,7 +10,7 @@ use crate::photometry::StandardMagnitude;
 
 use super::dropped::{DropCounts, DropExample, DropReason};
 use super::error::MeasurementError;
-use super::placement::{OrbitRadius, Place, Placement, Placer};
+use super::placement::{OrbitRadius, Placement, Placer, PositionSource};
 use super::record::{Record, RecordSource};
 use super::selection::{Selection, Stations};
 
@@ -42,15 +42,16 @@ pub struct Measurements {
     pub dropped: DropCounts,
 }
 
-pub(super) const SUN: Column = Column::real("sun_latitude_deg", "deg", 5, "Sun above the plane of the chassis.");
+pub(super) const SUN: Column =
+    Column::real("sun_latitude_deg", "deg", 5, "Latitude of the Sun above the chassis plane.");
 pub(super) const LONGITUDE: Column = Column::real(
     "observer_longitude_deg",
     "deg",
     5,
-    "Observer in the satellite's frame, from the Sun's azimuth, right-handed about the satellite's zenith.",
+    "Longitude of the observer from the Sun's azimuth, right-handed about the satellite's zenith.",
 );
 pub(super) const LATITUDE: Column =
-    Column::real("observer_latitude_deg", "deg", 5, "Observer above the plane of the chassis; -90 is straight below.");
+    Column::real("observer_latitude_deg", "deg", 5, "Observer above the chassis plane; -90 is straight below.");
 pub(super) const HEIGHT: Column =
     Column::real("height_km", "km", 3, "Satellite's distance from the Earth's centre less 6378.137 km.");
 
@@ -120,7 +121,7 @@ pub fn measure_each(
         (Some(_), None) => return Err(MeasurementError::NoHistory { what: "the rule of on-station satellites" }),
         (None, _) => None,
     };
-    let whole_tracks = matches!(placement.place, Place::Elements { fit_offset_s: Some(_) });
+    let whole_tracks = matches!(placement.source, PositionSource::Elements { fit_offset_s: Some(_) });
     let mut placer = Placer::new(placement);
     let mut dropped = DropCounts::default();
     let mut held_back: Vec<Record> = Vec::new();
@@ -155,20 +156,20 @@ fn check(placement: &Placement) -> Result<(), MeasurementError> {
         if is_sound { Ok(()) } else { Err(MeasurementError::Setting { name, given: value.to_string(), allowed }) }
     };
     positive("max_element_age_days", placement.max_element_age_days, "more than 0 days")?;
-    match placement.place {
-        Place::Elements { fit_offset_s: Some(limit) } if !(limit > 0.0 && limit <= 600.0) => {
+    match placement.source {
+        PositionSource::Elements { fit_offset_s: Some(limit) } if !(limit > 0.0 && limit <= 600.0) => {
             Err(MeasurementError::Setting {
                 name: "fit_offset_s",
                 given: limit.to_string(),
                 allowed: "more than 0, to 600 s",
             })
         }
-        Place::Elements { .. } | Place::Recorded { radius: Some(OrbitRadius::Elements) }
+        PositionSource::Elements { .. } | PositionSource::Recorded { radius: Some(OrbitRadius::Elements) }
             if placement.history.is_none() =>
         {
             Err(MeasurementError::NoHistory { what: "geometry by element sets" })
         }
-        Place::Recorded { radius: Some(OrbitRadius::HeightKm(height)) } => {
+        PositionSource::Recorded { radius: Some(OrbitRadius::HeightKm(height)) } => {
             positive("height_km", height, "more than 0 km")
         }
         _ => Ok(()),

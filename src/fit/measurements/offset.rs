@@ -23,7 +23,7 @@ pub(super) struct Offset {
     pub range_rms_km: f64,
 }
 
-/// Most points of a track that are compared; more do not improve the fit.
+/// Largest number of compared points of a track; more do not improve the fit.
 const POINTS: usize = 12;
 /// Grid step of the delay, s. The range curves on the scale of distance over speed, half a minute or more.
 const STEP_S: f64 = 5.0;

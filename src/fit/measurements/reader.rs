@@ -27,9 +27,9 @@ pub struct PhotometryOptions {
     pub columns: Option<ColumnMap>,
     /// Site of all rows; `None`: that of the format or the columns.
     pub site: Option<Site>,
-    /// Wanted filters, in any case. Empty: `Clear` for MMT-9, and otherwise the only filter of a file.
+    /// Selected filters, in any case. Empty: `Clear` for MMT-9, and otherwise the only filter of a file.
     pub filters: Vec<String>,
-    /// Keeps rows whose cells equal those of an earlier row.
+    /// Keeps rows with the same cells as an earlier row.
     pub keep_duplicates: bool,
 }
 
@@ -146,7 +146,7 @@ impl RecordReader {
                 return Err(MeasurementError::ColumnMap { problem });
             }
             (None, Some(Format::Csv)) => {
-                let problem = "csv needs a column map".to_owned();
+                let problem = "csv requires a column map".to_owned();
                 return Err(MeasurementError::ColumnMap { problem });
             }
             (None, Some(format)) => (format, format.columns()),

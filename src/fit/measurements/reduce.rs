@@ -22,10 +22,10 @@ const PIXELS: [Column; 12] = [
     LONGITUDE,
     LATITUDE,
     HEIGHT,
-    Column::real("mode_mag", "mag", 4, "Densest magnitude at 1000 km."),
+    Column::real("mode_mag", "mag", 4, "Mode of the magnitude at 1000 km."),
     Column::real("median_mag", "mag", 4, "Median magnitude at 1000 km."),
     Column::real("iqr_mag", "mag", 4, "Interquartile range."),
-    Column::new("count", Kind::Integer, "Points in the cell."),
+    Column::new("count", Kind::Integer, "Number of points in the cell."),
     Column::new("tracks", Kind::Integer, "Number of tracks (or satellites, nights, files) of these points."),
     Column::new(
         "kept",
@@ -166,8 +166,8 @@ impl Reducer {
     /// Empty reducer.
     ///
     /// # Errors
-    /// [`MeasurementError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the spread that is not
-    /// positive.
+    /// [`MeasurementError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of
+    /// the spread that is not positive.
     pub fn new(options: ReduceOptions) -> Result<Self, MeasurementError> {
         let setting = |name, given: String, allowed| Err(MeasurementError::Setting { name, given, allowed });
         let width_deg = options.layer_width_rad.to_degrees();

@@ -23,8 +23,8 @@ pub struct Selection {
     pub drop_penumbra_flag: bool,
     /// Least height of the line from satellite to Sun above the ground, km; `None`: no limit.
     ///
-    /// For records of distance and phase alone the ground is a sphere of 6378.137 km, which is stricter by up to 21 km
-    /// at the poles.
+    /// For records with distance and phase only, the ground is a sphere of 6378.137 km, which is stricter by up to 21
+    /// km at the poles.
     pub least_grazing_height_km: Option<f64>,
     /// Least altitude at the site, radians; a lower satellite cannot be the observed one. `None`: no limit.
     pub least_altitude_rad: Option<f64>,

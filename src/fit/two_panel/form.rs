@@ -1,4 +1,4 @@
-//! The satellite to be fitted, and the bounds of its coefficients.
+//! Two-panel satellite to be fitted, and the bounds of its coefficients.
 
 use crate::fit::form::{Form, Parameter, Prepared};
 use crate::fit::point::FitPoint;
@@ -10,9 +10,10 @@ use super::prepared::PreparedPoints;
 const NAMES: [&str; 8] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base", "panel_offset_deg"];
 /// Index of the panel offset.
 pub(super) const OFFSET: usize = 7;
-/// Exponents of the lobes: below, a lobe is a second diffuse law; above, it is narrower than attitudes are kept.
+/// Bounds of the exponents: below, a lobe is a second diffuse law; above, it is narrower than the stability of
+/// attitudes.
 pub(super) const EXPONENTS: [f64; 2] = [0.5, 200.0];
-/// Panel offsets, degrees.
+/// Bounds of the panel offset, degrees.
 const OFFSETS_DEG: [f64; 2] = [-30.0, 30.0];
 
 /// Step of panel offsets for derivatives, degrees.
@@ -21,7 +22,7 @@ const OFFSET_STEP_DEG: f64 = 1e-4;
 /// Chassis and sail of given sizes with eight parameters, of which any can be fitted.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TwoPanelForm {
-    /// Sizes, and the panel offset where it is not fitted.
+    /// Sizes, and the panel offset if it is not fitted.
     pub shape: SatelliteShape,
     /// Values of coefficients that are not fitted.
     pub coefficients: Coefficients,

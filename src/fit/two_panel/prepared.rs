@@ -12,7 +12,7 @@ use crate::photometry::{ChassisAndSail, Earthshine, SatelliteShape, StandardMagn
 use super::form::{EXPONENTS, OFFSET, TwoPanelForm};
 use super::kernel::{EarthBlock, Evaluation, NODES, SLOPES, lit_panels};
 
-/// Light is linear in the parameters before this one.
+/// Index of the first parameter in which light is not linear.
 const FIRST_EXPONENT: usize = 5;
 
 /// All points. Lanes beyond the last one are dark.
@@ -21,7 +21,7 @@ pub(super) struct PreparedPoints {
     count: usize,
     directions: Vec<Directions<BLOCK>>,
     lit: Vec<LitPanels<BLOCK>>,
-    /// One for each block; empty where earthshine is off.
+    /// One for each block; empty without earthshine.
     earth: Vec<EarthBlock>,
     exponents: LogNodes<NODES>,
     zero_mag: f64,
@@ -109,7 +109,7 @@ impl Prepared for PreparedPoints {
     }
 
     fn with_slopes<'a>(&'a self, x: &[f64], free: &[usize], parameters: &[Parameter]) -> Box<dyn Sloped + 'a> {
-        // The blocked shapes have corners: by differences.
+        // By differences, since the blocked shapes have corners.
         let by_offset = |column| (column, Moved::new(x, OFFSET, &parameters[OFFSET], |x| self.with(x)));
         let slopes_by_offset = free.iter().position(|&i| i == OFFSET).map(by_offset);
         Box::new(Slopes {

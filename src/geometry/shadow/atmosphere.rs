@@ -173,10 +173,10 @@ pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) ->
         let arrival_rad = (impact_km / radius_km).min(1.0).asin();
         (arrival_rad, impact_km, (arrival_rad - bending_rad - separation_rad) / sun_rad)
     };
-    let place = |height_km: f64| image(height_km, bending_and_depth(height_km).0).2;
+    let disk_position = |height_km: f64| image(height_km, bending_and_depth(height_km).0).2;
     let mut lit = 0.0;
     if top_km > 0.0 {
-        let (low, high) = (height_where(&place, -1.0, top_km), height_where(&place, 1.0, top_km));
+        let (low, high) = (height_where(&disk_position, -1.0, top_km), height_where(&disk_position, 1.0, top_km));
         if high > low {
             for &(s, weight) in AIR_RULE.iter() {
                 // The substitution h = low + (high - low) sin²(πs/2) removes the roots at the ends of the disk.
@@ -196,7 +196,7 @@ pub(super) fn lit_fraction(radius_km: f64, separation_rad: f64, sun_rad: f64) ->
         }
     }
     // The part of the disk above the atmosphere.
-    let edge = if top_km > 0.0 { place(top_km).clamp(-1.0, 1.0) } else { -1.0 };
+    let edge = if top_km > 0.0 { disk_position(top_km).clamp(-1.0, 1.0) } else { -1.0 };
     let turn = edge.acos();
     for &(s, weight) in FREE_RULE.iter() {
         let (sin, cos) = (turn * s).sin_cos();

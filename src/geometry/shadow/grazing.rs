@@ -15,12 +15,12 @@ pub const KARMAN_LINE_KM: f64 = 100.0;
 /// Heights are those of similar ellipsoidal shells, within 0.4 % of the geodetic height at 100 km.
 pub fn grazing_height_km(satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Option<f64> {
     let stretch = |v: &Vector3<f64>| Vector3::new(v.x, v.y, v.z / (1.0 - EARTH_FLATTENING));
-    let place = stretch(satellite.vector());
-    let to_sun = stretch(sun.vector()) - place;
+    let position = stretch(satellite.vector());
+    let to_sun = stretch(sun.vector()) - position;
     // Lowest at t = -r·s/s² along the line, if t is positive.
-    let ahead = -place.dot(&to_sun) / to_sun.norm_squared();
+    let ahead = -position.dot(&to_sun) / to_sun.norm_squared();
     (0.0..=1.0).contains(&ahead).then(|| {
-        let lowest = place + to_sun * ahead;
+        let lowest = position + to_sun * ahead;
         let equatorial_km = lowest.norm() - EARTH_EQUATORIAL_RADIUS_KM;
         // Scale back: radii shrink towards the poles by the flattening.
         let sine = lowest.z / lowest.norm();

@@ -106,28 +106,28 @@ impl ShadowModel {
     /// or five dozen rays through the air.
     pub fn illumination(self, satellite: &Position<Gcrs>, sun: &Position<Gcrs>) -> Illumination {
         let radius = EARTH_EQUATORIAL_RADIUS_KM;
-        let place = stretch(satellite.vector());
-        let to_sun = stretch(sun.vector()) - place;
-        let height_km = place.norm() - radius;
+        let position = stretch(satellite.vector());
+        let to_sun = stretch(sun.vector()) - position;
+        let height_km = position.norm() - radius;
         let airy = self == Self::Atmosphere
             && height_km > atmosphere::TOP_KM
-            && place.norm_squared() < atmosphere::FARTHEST_KM * atmosphere::FARTHEST_KM;
+            && position.norm_squared() < atmosphere::FARTHEST_KM * atmosphere::FARTHEST_KM;
         let edge_km = if airy { radius + atmosphere::TOP_KM } else { radius };
 
         // Behind the terminator plane, and within the cone of the penumbra (half angle at most 0.0048 rad, the Earth's
         // radius at the terminator).
-        let behind_km = -place.dot(&to_sun) / to_sun.norm();
-        let across_km2 = place.norm_squared() - behind_km * behind_km;
+        let behind_km = -position.dot(&to_sun) / to_sun.norm();
+        let across_km2 = position.norm_squared() - behind_km * behind_km;
         let cone_km = edge_km * 1.0002 + 0.005 * behind_km;
-        if behind_km < 0.0 && place.norm_squared() > (edge_km * 1.0002).powi(2)
+        if behind_km < 0.0 && position.norm_squared() > (edge_km * 1.0002).powi(2)
             || behind_km >= 0.0 && across_km2 > cone_km * cone_km
         {
             return Illumination::Sunlit;
         }
 
-        let limb = Limb::new(&place, &to_sun);
+        let limb = Limb::new(&position, &to_sun);
         if airy {
-            let lit_fraction = atmosphere::lit_fraction(place.norm(), limb.separation_rad, limb.sun_across_rad);
+            let lit_fraction = atmosphere::lit_fraction(position.norm(), limb.separation_rad, limb.sun_across_rad);
             return match lit_fraction {
                 lit if lit < LEAST_LIT => Illumination::Umbra,
                 lit if lit > 1.0 - LEAST_LIT => Illumination::Sunlit,
@@ -174,17 +174,18 @@ struct Limb {
 }
 
 impl Limb {
-    fn new(place: &Vector3<f64>, to_sun: &Vector3<f64>) -> Self {
-        let to_earth = -place;
+    fn new(position: &Vector3<f64>, to_sun: &Vector3<f64>) -> Self {
+        let to_earth = -position;
         let normal = to_earth.cross(to_sun);
         let separation_rad = normal.norm().atan2(to_earth.dot(to_sun));
-        let earth_rad = (EARTH_EQUATORIAL_RADIUS_KM / place.norm()).min(1.0).asin();
+        let earth_rad = (EARTH_EQUATORIAL_RADIUS_KM / position.norm()).min(1.0).asin();
         // A plane with unit normal n' in the stretched space has the normal S n' in the true one: the Sun's sphere
         // extends |S n'| R to its sides.
         let centre = to_earth.normalize();
-        let beside = centre.cross(if centre.z.abs() < 0.9 { &AXES[0] } else { &AXES[1] });
+        let perpendicular = centre.cross(if centre.z.abs() < 0.9 { &AXES[0] } else { &AXES[1] });
         // With the Sun exactly behind the Earth any side may be chosen.
-        let towards = (to_sun - centre * centre.dot(to_sun)).try_normalize(1e-9).unwrap_or_else(|| beside.normalize());
+        let towards =
+            (to_sun - centre * centre.dot(to_sun)).try_normalize(1e-9).unwrap_or_else(|| perpendicular.normalize());
         let (sin, cos) = earth_rad.sin_cos();
         let across = towards * cos - centre * sin;
         let along = centre.cross(&towards);
@@ -347,14 +348,15 @@ mod tests {
             // The nearest Sun, overhead at both tropics and at the equator.
             for declination_rad in [-0.409_f64, 0.0, 0.409] {
                 let toward = Vector3::new(declination_rad.cos(), 0.0, declination_rad.sin());
-                let beside = [Vector3::new(-toward.z, 0.0, toward.x), Vector3::y()];
+                let perpendicular = [Vector3::new(-toward.z, 0.0, toward.x), Vector3::y()];
                 let sun = Position::from_vector(toward * (0.9832 * AU_KM));
                 for depth_km in [1300.0, 2000.0, 3000.0, 7000.0, 20_000.0, 42_000.0, 100_000.0, 200_000.0] {
                     let across_km = radius_km - narrowing * depth_km;
                     for step in 0..12 {
                         let (sin, cos) = (PI * f64::from(step) / 6.0).sin_cos();
-                        let place = -toward * depth_km + (beside[0] * cos + beside[1] * sin) * (0.999 * across_km);
-                        let found = model.illumination(&Position::from_vector(place), &sun);
+                        let position = -toward * depth_km
+                            + (perpendicular[0] * cos + perpendicular[1] * sin) * (0.999 * across_km);
+                        let found = model.illumination(&Position::from_vector(position), &sun);
                         assert_eq!(found, Illumination::Umbra, "{model:?} {declination_rad} {depth_km} {step}");
                     }
                 }

@@ -55,11 +55,11 @@ impl Window {
                 candidates.push(candidate(cones.first, in_whole));
             }
             // A satellite inside a part is inside the whole at the same time, whatever its delay.
-            let late_s = f64::from(phase.along_track_s);
+            let delay_s = f64::from(phase.along_track_s);
             let since_s = cones.whole.mid_s;
             let is_then = |part: &ConeTest<'_>| {
                 let [from_s, to_s] = part.interval_s().map(|time_s| time_s - since_s);
-                let is_past = from_s > in_whole.near_s[1] + late_s || to_s < in_whole.near_s[0] - late_s;
+                let is_past = from_s > in_whole.near_s[1] + delay_s || to_s < in_whole.near_s[0] - delay_s;
                 !is_past
             };
             let of_part = |(part, cone): (&ConeTest<'_>, u32)| {

@@ -31,9 +31,9 @@ impl ShadowCone {
 
 impl ShadowConeInTeme {
     /// Returns whether all positions within `slop_km` of one lie inside.
-    pub fn holds(&self, place: &Vector3<f64>, slop_km: f64) -> bool {
-        let depth_km = place.dot(&self.away_from_sun);
-        let across_km = (place - self.away_from_sun * depth_km).norm();
+    pub fn holds(&self, position: &Vector3<f64>, slop_km: f64) -> bool {
+        let depth_km = position.dot(&self.away_from_sun);
+        let across_km = (position - self.away_from_sun * depth_km).norm();
         // The cone's side is steeper than 45 degrees: a step along it matters less than one across.
         depth_km > slop_km && across_km + slop_km < self.radius_km - self.narrowing * (depth_km + slop_km)
     }

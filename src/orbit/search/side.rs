@@ -142,11 +142,11 @@ mod tests {
             let (near_km, far_km) = (400.0 + 3000.0 * first.min(second), 400.0 + 3000.0 * first.max(second));
             let off_rad = off * radius_rad;
             let across = Vector3::y() * around.cos() + axis.cross(&Vector3::y()) * around.sin();
-            let place = observer
+            let position = observer
                 + (axis * off_rad.cos() + across * off_rad.sin()) * (near_km + depth * (far_km - near_km));
-            let lowest_km = place.norm().min(6800.0);
+            let lowest_km = position.norm().min(6800.0);
             if let Some(cap) = Cap::of(&observer, &axis, radius_rad, [near_km, far_km], lowest_km) {
-                let angle_rad = cap.centre.cross(&place).norm().atan2(cap.centre.dot(&place));
+                let angle_rad = cap.centre.cross(&position).norm().atan2(cap.centre.dot(&position));
                 prop_assert!(angle_rad <= cap.radius_rad, "{angle_rad} {}", cap.radius_rad);
             }
         }

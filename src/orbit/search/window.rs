@@ -347,12 +347,12 @@ mod tests {
                         .teme_state(window.minutes_at_start(element_index) + time_s / 60.0)
                         .expect("in orbit");
                     let normal = chunk.normal_at(lane, fraction);
-                    let (place, _) = phase.state(&normal, time_s, fraction);
+                    let (interpolated, _) = phase.state(&normal, time_s, fraction);
                     let position = truth.position.vector();
                     let radius_km = position.norm();
                     let ratios = [
                         normal.dot(position).abs() / (PLANE_SLOP_RAD * radius_km),
-                        (place - position).norm() / f64::from(phase.slop_km),
+                        (interpolated - position).norm() / f64::from(phase.slop_km),
                         (radius_km - highest(phase)).max(lowest(phase) - radius_km) / RADIUS_SLOP_KM,
                     ];
                     // A line of sight straight up to the satellite, with no margin but its own.
@@ -367,7 +367,7 @@ mod tests {
                     }
                     assert!(
                         ratios.iter().all(|ratio| *ratio < 0.67),
-                        "{:?} at {time_s} s: share of the margins for plane, place, radius {ratios:?}",
+                        "{:?} at {time_s} s: share of the margins for plane, interpolated, radius {ratios:?}",
                         elements[element_index]
                     );
                     checked += 1;

@@ -24,23 +24,23 @@ impl PanelsSpec {
     pub(in crate::photometry) fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
         check.count("panels.panels", self.panels.len(), 1, 32)?;
         check.count("panels.parameters", self.parameters.len(), 0, 64)?;
-        for (place, parameter) in self.parameters.iter().enumerate() {
-            if self.parameters[..place].iter().any(|earlier| earlier.name == parameter.name) {
+        for (index, parameter) in self.parameters.iter().enumerate() {
+            if self.parameters[..index].iter().any(|earlier| earlier.name == parameter.name) {
                 return Err(check.reference("panels.parameters", &parameter.name, "unique names".to_owned()));
             }
             let key = format!("panels.parameters.{}", parameter.name);
             check.range(&key, parameter.value, -10_000.0, 10_000.0)?;
         }
         let names: Vec<&str> = self.panels.iter().map(|panel| panel.name.as_str()).collect();
-        for (place, panel) in self.panels.iter().enumerate() {
-            if panel.name.is_empty() || names[..place].contains(&panel.name.as_str()) {
+        for (index, panel) in self.panels.iter().enumerate() {
+            if panel.name.is_empty() || names[..index].contains(&panel.name.as_str()) {
                 return Err(check.reference("panels.panels", &panel.name, "unique names".to_owned()));
             }
             panel.validate(check, self)?;
         }
         check.count("panels.spheres", self.spheres.len(), 0, 16)?;
-        for (place, sphere) in self.spheres.iter().enumerate() {
-            if sphere.name.is_empty() || self.spheres[..place].iter().any(|earlier| earlier.name == sphere.name) {
+        for (index, sphere) in self.spheres.iter().enumerate() {
+            if sphere.name.is_empty() || self.spheres[..index].iter().any(|earlier| earlier.name == sphere.name) {
                 return Err(check.reference("panels.spheres", &sphere.name, "unique names".to_owned()));
             }
             sphere.validate(check, self)?;
@@ -120,8 +120,8 @@ impl PanelsSpec {
         match coefficient {
             Coefficient::Number(value) => Some(*value),
             Coefficient::Parameter(name) => {
-                let place = self.parameters.iter().position(|parameter| parameter.name == *name)?;
-                Some(values.get(place).copied().unwrap_or(self.parameters[place].value))
+                let index = self.parameters.iter().position(|parameter| parameter.name == *name)?;
+                Some(values.get(index).copied().unwrap_or(self.parameters[index].value))
             }
         }
     }

@@ -99,11 +99,11 @@ pub fn union_area_m2(shapes: &[PanelPolygon]) -> f64 {
 /// Returns Σ over non-empty subsets, with alternating sign, of the area common to the subset and `within`.
 fn signed(shapes: &[PanelPolygon], within: Option<&PanelPolygon>) -> f64 {
     let mut sum = 0.0;
-    for (place, shape) in shapes.iter().enumerate() {
+    for (index, shape) in shapes.iter().enumerate() {
         let shared = within.map_or(*shape, |within| within.clipped_to(shape));
         let area_m2 = shared.area_m2();
         if area_m2 > 0.0 {
-            sum += area_m2 - signed(&shapes[place + 1..], Some(&shared));
+            sum += area_m2 - signed(&shapes[index + 1..], Some(&shared));
         }
     }
     sum

@@ -50,8 +50,8 @@ impl PlacedRectangle {
         });
         let mut shape = PanelPolygon::default();
         // Q = B - w (n·B)/(n·w): along the ray to the plane
-        let mut project = |height: f64, place: Vector3<f64>| {
-            let on_plane = place - direction * (height / along.abs());
+        let mut project = |height: f64, position: Vector3<f64>| {
+            let on_plane = position - direction * (height / along.abs());
             shape.push([on_plane.dot(&self.axes.u), on_plane.dot(&self.axes.v)]);
         };
         for (&(from_height, from), &(to_height, to)) in heights.iter().zip(heights.iter().cycle().skip(1)) {

@@ -185,13 +185,13 @@ impl ChassisAndSail {
         if z < 0.0 && facing > 0.0 { height_m } else { 0.0 }
     }
 
-    /// Computes projected areas and mirror angles; logarithms only of the lobes (sail, chassis) that are `wanted`.
+    /// Computes projected areas and mirror angles; logarithms only of the lobes (sail, chassis) that are `selected`.
     #[inline(always)]
     pub(crate) fn lit<const F: bool, const N: usize>(
         &self,
         directions: &Directions<N>,
         open: &OpenSail<N>,
-        wanted: [bool; 2],
+        selected: [bool; 2],
     ) -> LitPanels<N> {
         let [sun_x, sun_z] = &directions.sun;
         let [eye_x, _, eye_z] = &directions.observer;
@@ -209,8 +209,8 @@ impl ChassisAndSail {
             cos_sail[lane] = fused::<F>(2.0 * sail_in, sail_out, -sun_eye);
             cos_base[lane] = fused::<F>(2.0 * sun_z, eye_z, -sun_eye);
         }
-        for (cosines, wanted) in [(&mut cos_sail, wanted[0]), (&mut cos_base, wanted[1])] {
-            if wanted {
+        for (cosines, selected) in [(&mut cos_sail, selected[0]), (&mut cos_base, selected[1])] {
+            if selected {
                 for cosine in cosines.iter_mut() {
                     let logarithm = ln::<F>(greater(*cosine, f64::MIN_POSITIVE));
                     *cosine = if *cosine > 0.0 { logarithm } else { NO_LOBE };
