@@ -172,8 +172,14 @@ impl Constellation {
     /// let mine = Constellation::from_toml(r#"
     ///     [[constellation]]
     ///     name = "mine"
-    ///     source = "a thought"
-    ///     shell = [{ altitude_km = 800, inclination_deg = 86.4, planes = 6, satellites_per_plane = 11, phasing = 2, node_spread_deg = 180 }]
+    ///     source = "example"
+    ///     [[constellation.shell]]
+    ///     altitude_km = 800
+    ///     inclination_deg = 86.4
+    ///     planes = 6
+    ///     satellites_per_plane = 11
+    ///     phasing = 2
+    ///     node_spread_deg = 180
     /// "#)?;
     /// assert_eq!(mine[0].satellites(), 66);
     /// # Ok::<(), streakcast::elements::ShellError>(())
@@ -323,7 +329,7 @@ mod tests {
         };
         assert_eq!(
             shell("altitude_km = 50, inclination_deg = 53, planes = 1, satellites_per_plane = 1"),
-            "constellation \"x\", shell 1: altitude_km 50 is out of range: 120 to 5500 km"
+            "constellation \"x\", shell 1: altitude_km 50 is out of range: allowed 120 to 5500 km"
         );
         assert!(
             shell("altitude_km = 550, inclination_deg = 53, planes = 0, satellites_per_plane = 1").contains("planes")

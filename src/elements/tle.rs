@@ -220,7 +220,7 @@ impl<'a> Line<'a> {
     fn epoch(&self) -> Result<Epoch, RecordError> {
         let bad = || RecordError::BadEpoch {
             text: excerpt(self.columns(19, 32)),
-            allowed: "line 1, columns 19-32: YYDDD.DDDDDDDD with the day from 1 to below 367",
+            allowed: "YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367",
         };
         let year = epoch::digits(self.columns(19, 20).trim_ascii()).ok_or_else(bad)? as i32;
         let year = if year < 57 { 2000 + year } else { 1900 + year };
@@ -292,19 +292,23 @@ mod tests {
         };
         let cases = [
             (LINE1.into(), put(LINE2, 9, "     abc"), r#"line 2: inclination "abc" is not a number in columns 9-16"#),
-            (LINE1.into(), put(LINE2, 9, "181.0000"), "inclination 181 is out of range: 0 to 180 deg"),
-            (LINE1.into(), put(LINE2, 53, " 0.00000000"), "mean motion 0 is out of range: above 0 revolutions a day"),
+            (LINE1.into(), put(LINE2, 9, "181.0000"), "inclination 181 is out of range: allowed 0 to 180 deg"),
+            (
+                LINE1.into(),
+                put(LINE2, 53, " 0.00000000"),
+                "mean motion 0 is out of range: allowed above 0 revolutions a day",
+            ),
             (LINE1.into(), put(LINE2, 3, "25545"), "line 1 is of object 25544, line 2 of object 25545"),
             (LINE1.into(), LINE2[..60].to_string(), "line 2 has 60 characters, expected 69, or 68 without a checksum"),
             (
                 put(LINE1, 3, "I5544"),
                 LINE2.into(),
-                r#"line 1: "I5544" in columns 3-7 is not a catalogue number (1-99999, or Alpha-5 with A-Z without I and O)"#,
+                r#"line 1: invalid catalogue number "I5544" in columns 3-7: expected 1-99999, or Alpha-5 with A-Z without I and O"#,
             ),
             (
                 put(LINE1, 19, "26000"),
                 LINE2.into(),
-                r#"invalid epoch "26000.73419088": expected line 1, columns 19-32: YYDDD.DDDDDDDD with the day from 1 to below 367"#,
+                r#"invalid epoch "26000.73419088": expected YYDDD.DDDDDDDD in columns 19-32 of line 1, with the day from 1 to below 367"#,
             ),
             (format!("{}4", &LINE1[..68]), LINE2.into(), "line 1: checksum '4' does not match the sum of the line, 9"),
             (
@@ -315,7 +319,7 @@ mod tests {
             (
                 put(LINE1, 63, "4"),
                 LINE2.into(),
-                r#"ephemeris type "4" is not supported: 0 (SGP4); 4 marks SGP4-XP elements, which need another propagator"#,
+                r#"unsupported ephemeris type "4": allowed 0 (SGP4); 4 means SGP4-XP elements, which require another propagator"#,
             ),
         ];
         for (line1, line2, expected) in cases {

@@ -27,7 +27,7 @@ pub enum InstantError {
     NoLeapSecond(String),
     /// The time has no scale.
     #[error(
-        "'{0}' names no time scale: end it with Z (UTC) or say --time-scale utc, tai or tt \
+        "'{0}' names no time scale: end it with Z (UTC) or specify --time-scale utc, tai or tt \
          (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)"
     )]
     NoScale(String),

@@ -3,8 +3,8 @@
 //! Rotation chains; they agree with astropy, and with Skyfield within millimetres:
 //!
 //! ```text
-//! GCRS ── IAU 2006/2000A precession-nutation, Earth rotation angle, polar motion ── ITRS        (SOFA c2t06a)
-//! TEME ── GMST 1982 ── pseudo Earth-fixed ── polar motion ── ITRS                               (Vallado 2006, appendix C)
+//! GCRS ── IAU 2006/2000A precession-nutation, Earth rotation angle, polar motion ── ITRS      (SOFA c2t06a)
+//! TEME ── GMST 1982 ── pseudo Earth-fixed ── polar motion ── ITRS             (Vallado 2006, appendix C)
 //! ```
 //!
 //! TEME to GCRS is the second chain followed by the inverse of the first. Polar motion cancels in it, and of UT1 only

@@ -240,7 +240,7 @@ mod tests {
         let error = Site::by_name("Paranall").expect_err("no such site");
         let GeometryError::UnknownSite { nearest, .. } = &error else { panic!("{error}") };
         assert_eq!(nearest[0], "Paranal");
-        assert!(error.to_string().starts_with("unknown site \"Paranall\"; near it: Paranal"), "{error}");
+        assert!(error.to_string().starts_with("unknown site \"Paranall\": similar names: Paranal"), "{error}");
         for (name, near) in [("palomr", "Palomar"), ("la sila", "La Silla"), ("Mauna Koa", "Maunakea")] {
             let Err(GeometryError::UnknownSite { nearest, .. }) = Site::by_name(name) else { panic!("{name}") };
             assert!(nearest[0].starts_with(near) && nearest.len() <= 4, "{name}: {nearest:?}");
@@ -266,7 +266,10 @@ mod tests {
             assert!(Site::new_deg("here", latitude, longitude, height).is_err(), "{latitude} {longitude} {height}");
         }
         let error = Site::new_deg("here", -91.5, 0.0, 0.0).expect_err("beyond the pole");
-        assert_eq!(error.to_string(), "latitude -91.5 deg of site \"here\" is not between -90 and 90");
+        assert_eq!(
+            error.to_string(),
+            "invalid latitude -91.5 deg of site \"here\": expected a value between -90 and 90"
+        );
         assert_eq!(Site::new_deg("a", 0.0, 289.0, 0.0).expect("a site").longitude_rad, (-71.0_f64).to_radians());
     }
 

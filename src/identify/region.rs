@@ -221,12 +221,12 @@ mod tests {
     #[test]
     fn unsupported_statements_are_reported_with_their_line() {
         let message = |body: &str| parse_regions("a.reg", &format!("{HEAD}{body}")).unwrap_err().to_string();
-        assert!(message("circle(1,2,3\")").starts_with("a.reg: line 4: 'circle' is not read"));
+        assert!(message("circle(1,2,3\")").starts_with("a.reg: line 4: unsupported shape 'circle'"));
         assert!(message("polygon(1,2,3)").contains("polygon of 3 numbers"));
         assert!(message("line(400,2,3,4)").contains("\"400\" is not a right ascension"));
-        assert!(message("box(1,2,x,3)").contains("'x' is no size"));
+        assert!(message("box(1,2,x,3)").contains("invalid size 'x'"));
         assert!(message("image\nline(1,2,3,4)").starts_with("a.reg: line 5: coordinates are image"));
-        assert!(message("-line(1,2,3,4)").contains("'-line' is not read"));
+        assert!(message("-line(1,2,3,4)").contains("unsupported shape '-line'"));
         assert_eq!(message(""), format!("a.reg: no region in it; {ALLOWED}"));
         let bare = parse_regions("a.reg", "line(1,2,3,4)").unwrap_err().to_string();
         assert!(bare.contains("before any system"), "{bare}");

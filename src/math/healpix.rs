@@ -36,13 +36,14 @@ pub fn northern_rings(nside: u32) -> impl Iterator<Item = Ring> {
     let n = f64::from(nside);
     (1..=2 * nside).map(move |ring| {
         let i = f64::from(ring);
-        // Cap: 4 i cells, 1 - sin b = i² / (3 N²) = 2 sin²(θ/2). Belt: 4 N cells, sin b = 4/3 - 2 i / (3 N).   eqs. 4, 8
+        // Cap: 4 i cells, 1 - sin b = i² / (3 N²) = 2 sin²(θ/2).          eq. 4
+        // Belt: 4 N cells, sin b = 4/3 - 2 i / (3 N).                      eq. 8
         let (count, latitude_rad) = if ring < nside {
             (4 * ring, FRAC_PI_2 - 2.0 * (i / (n * 6_f64.sqrt())).asin())
         } else {
             (4 * nside, ((2.0 * n - i) / (1.5 * n)).asin())
         };
-        // In the cap and in every other ring of the belt the first cell is half a step off the meridian.       eqs. 5, 9
+        // In the cap and in every other ring of the belt the first cell is half a step off the meridian. eqs. 5, 9
         let is_half = ring < nside || (ring - nside).is_multiple_of(2);
         let first_rad = if is_half { PI / f64::from(count) } else { 0.0 };
         Ring { count, first_rad, latitude_rad }

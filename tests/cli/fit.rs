@@ -198,7 +198,7 @@ fn verif_what_cannot_be_fitted_is_refused_in_one_line() {
         (FIT.replace("--height-km 550", "") + " -o m.json", vec!["no geometry", "--height-km"]),
         (FIT.replace("fit run", "fit compare") + " --folds 1", vec!["folds 1", "2 or more"]),
         (FIT.replace("starlink-v1.5", "v2mini") + " -o m.json", vec!["v2mini", "two_panel or panels"]),
-        (FIT.replace("starlink-v1.5", "nobody") + " -o m.json", vec!["nobody", "known are"]),
+        (FIT.replace("starlink-v1.5", "nobody") + " -o m.json", vec!["nobody", "expected one of"]),
         (FIT.replace("mmt.csv", "missing.csv") + " -o m.json", vec!["missing.csv"]),
         (FIT.replace("mmt.csv", "empty.csv") + " -o m.json", vec!["empty.csv has no rows"]),
         (FIT.replace("mmt.csv", "unknown.csv") + " -o m.json", vec!["unknown.csv"]),
@@ -300,7 +300,7 @@ fn verif_poor_fits_are_told_and_not_dropped() {
     let folder = folder();
     let (code, _, said) = run(folder.path(), &format!("{FIT} --free c3 --hold c5=1 --folds 0 -o bound.json"));
     assert_eq!(code, 1, "{said}");
-    assert!(said.contains("not sound: c3 stands at its bound 0"), "{said}");
+    assert!(said.contains("not sound: c3 is at its bound 0"), "{said}");
     let (code, _, said) = run(folder.path(), &format!("{FIT} --folds 5000 -o m.json"));
     assert!(code < 2 && said.contains("cannot be held out in 5000 folds"), "{said}");
     assert!(folder.path().join("m.json").is_file());

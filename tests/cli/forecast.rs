@@ -131,8 +131,8 @@ fn verif_a_night_that_never_gets_dark_says_why() {
     let (code, stdout, stderr) = run(&[&["forecast"], polar, &["--format", "csv"]]);
     assert_eq!(code, 0);
     assert!(stdout.lines().filter(|line| !line.starts_with('#')).eq([HEADER]), "{stdout}");
-    let why = "no passes: it does not get dark at the site between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the Sun sinks to 11.6 deg at the lowest";
-    assert!(stderr.contains(why) && stderr.contains("and -6.0 deg was asked for"), "{stderr}");
+    let why = "no passes: it does not get dark at the site between 2024-06-21T10:57:36Z and 2024-06-22T10:57:36Z: the lowest altitude of the Sun is 11.6 deg";
+    assert!(stderr.contains(why) && stderr.contains("above the limit of -6.0 deg"), "{stderr}");
     let answer = json(&[&["forecast"], polar]);
     assert!(answer["passes"].as_array().unwrap().is_empty());
     let night = &answer["night"][0];
@@ -218,10 +218,10 @@ fn verif_priors_are_told() {
     peaks.sort_by(f64::total_cmp);
     let limit = (0.5 * (peaks[count - 2] + peaks[count - 1])).to_string();
     let (_, told, _) = prior(&["--max-mag", &limit]);
-    let expected = format!("{} shown, 1 pass left out as fainter than mag {limit})", passes(count - 1));
+    let expected = format!("{} shown, 1 pass omitted as fainter than mag {limit})", passes(count - 1));
     assert!(told.as_ref().is_some_and(|told| told.contains(&expected)), "{told:?}: {expected}");
     let (_, told, stderr) = prior(&["--max-mag", "-9"]);
-    assert!(told.is_some_and(|told| told.contains(&format!("({count} passes left out as fainter than mag -9)"))));
+    assert!(told.is_some_and(|told| told.contains(&format!("({count} passes omitted as fainter than mag -9)"))));
     assert!(stderr.contains("no passes: ") && stderr.contains("stay fainter than mag -9"), "{stderr}");
     // Nobody of a kind that has a model is told of.
     let (code, _, stderr) = run(&[NIGHT, &SKY[..4], FEW, &["--format", "csv"]]);
@@ -348,7 +348,7 @@ fn bad_input_is_one_line_that_says_what_is_allowed() {
     }
 }
 
-/// What is counted as in the shadow is up while it is dark, within the time asked about, and lit at no such moment.
+/// What is counted as in the shadow is up while it is dark, within the requested interval, and lit at no such moment.
 #[test]
 fn verif_shadow_counts_the_dark_alone() {
     // Sunlit, and gone before it gets dark.
@@ -356,7 +356,7 @@ fn verif_shadow_counts_the_dark_alone() {
     let night = json(&[&["forecast"], SKY, &evening])["night"][0].clone();
     assert_eq!(night["passes_in_shadow"], 0, "{night}");
     let why = night["why_empty"].as_str().unwrap();
-    assert!(why.starts_with("the one satellite does not stand above 10.0 deg while it is dark"), "{why}");
+    assert!(why.starts_with("the only satellite does not rise above 10.0 deg while it is dark"), "{why}");
     assert!(!json(&[&["forecast"], SKY, &evening, &["--include-dark"]])["passes"].as_array().unwrap().is_empty());
     // By brute force: every pass of a time that is all dark, less those that are seen. Ten seconds at midnight, and the last hours of a night.
     for (start, end) in
@@ -385,7 +385,7 @@ fn verif_an_empty_night_is_a_whole_calendar_and_no_message() {
     let empty: &[&str] = &["--max-mag", "-8"];
     let calendar = done(&[NIGHT, SKY, FEW, empty, &["--format", "ics", "--alarm", "5min"]]).replace("\r\n ", "");
     assert_eq!((calendar.matches("BEGIN:VEVENT").count(), calendar.matches("BEGIN:VALARM").count()), (1, 0));
-    for line in ["SUMMARY:No satellite to be seen over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
+    for line in ["SUMMARY:No visible satellite pass over ", "DESCRIPTION:", "TRANSP:TRANSPARENT", "UID:none-"] {
         assert!(calendar.lines().any(|known| known.starts_with(line)), "{calendar}");
     }
     assert!(calendar.contains("fainter than mag -8"), "{calendar}");

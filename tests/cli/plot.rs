@@ -128,7 +128,7 @@ fn verif_an_empty_night_says_so() {
     fs::write(&file, text).unwrap();
     drawn(&folder, "empty", &[&["night", "--from", &file]], 0);
     let said = words(&path(&folder, "empty.svg"));
-    assert!(said.contains(&"no exposure of this night is struck".to_owned()), "{said:?}");
+    assert!(said.contains(&"no exposure of this night has a streak".to_owned()), "{said:?}");
     // No site: neither twilight nor a local clock.
     assert!(!said.iter().any(|words| words.contains("local") || words.contains("twilight")), "{said:?}");
 }
@@ -335,7 +335,7 @@ fn verif_residuals_are_observed_less_computed() {
         &[&["residuals", "--model", "nonesuch", "--from", &file, "-o", &path(&folder, "x.png")]],
         &["unknown model 'nonesuch'"],
     );
-    let what = ["points.csv: invalid .npz", "allowed: chains written by fit run --mcmc"];
+    let what = ["points.csv: invalid .npz", "expected a chain written by fit run --mcmc"];
     fails(&[&["corner", "--chains", &file, "-o", &path(&folder, "x.png")]], &what);
     let (_, list, _) = run(&[&["plot", "--list"]]);
     assert!(list.contains("a table of fit reduce") && !list.contains("fit photometry"), "{list}");

@@ -203,7 +203,7 @@ fn verif_reasons_that_need_element_sets() {
         ),
         200
     );
-    // An element set that SGP4 cannot start from.
+    // An element set for which SGP4 cannot be initialised.
     let broken =
         history.element_sets().iter().map(|set| ElementSet { mean_motion_rev_day: 0.0, ..set.clone() }).collect();
     let broken = History::new(broken);
@@ -246,10 +246,10 @@ fn verif_files_that_cannot_be_read() {
     let plain = PhotometryOptions::default();
     assert!(told("", &plain).contains("has no rows"));
     assert!(told(HEADER, &plain).contains("has no rows"));
-    assert!(told("a,b\n1,2\n", &plain).contains("belongs to no known format"));
+    assert!(told("a,b\n1,2\n", &plain).contains("unknown format"));
     let named = |format: Format| PhotometryOptions { format: Some(format), ..PhotometryOptions::default() };
     assert!(told("a,b\n1,2\n", &named(Format::Mmt)).contains("no column 'Date'"));
-    assert!(told("a,b\n1,2\n", &named(Format::Csv)).contains("needs a column map"));
+    assert!(told("a,b\n1,2\n", &named(Format::Csv)).contains("requires a column map"));
     assert!(Format::by_name("fits").unwrap_err().to_string().contains("pomenis, mmt, score, slingshot, csv"));
     assert_eq!(Format::by_name("MMT"), Ok(Format::Mmt));
     let missing = RecordReader::open(&["no such file"], &plain).unwrap().next_chunk().unwrap_err();
@@ -273,10 +273,7 @@ fn verif_mixed_filters_are_refused_unless_named() {
     let text = "t,m,f,d,p\n2021-01-01T15:18:04Z,7.1,V,700,80\n2021-01-01T15:18:05Z,7.2,B,700,80\n2021-01-01T15:18:06Z,7.3,v,700,80\n";
     let options = PhotometryOptions { columns: columns.clone(), ..PhotometryOptions::default() };
     let error = read(text, &options).unwrap_err();
-    assert_eq!(
-        error.to_string(),
-        "t.csv data row 2: filter 'B' after rows of filter 'V'; name the filters that are wanted"
-    );
+    assert_eq!(error.to_string(), "t.csv data row 2: filter 'B' after rows of filter 'V'; specify the filters");
     let options = PhotometryOptions { filters: vec!["V".into()], ..options };
     let records = read(text, &options).unwrap();
     assert_eq!((records.records.len(), records.dropped.count(DropReason::WrongFilter)), (2, 1));

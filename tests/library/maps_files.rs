@@ -112,7 +112,7 @@ mod pictures {
     #[test]
     fn verif_a_picture_says_what_it_was_made_with() {
         let model = v15();
-        let said = [" 0.2 mag per airmass.", "Sunlight alone.", "Shadow of the Earth and its air."];
+        let said = [" 0.2 mag per airmass.", "Sunlight only.", "Shadow of the Earth with its atmosphere."];
         let sky = |options: PhotometryOptions, shadow| {
             let view = SkyView::new(&model, Earth::Sphere, 550.0, 0.0, -0.3, options).unwrap().with_shadow(shadow);
             words(&sky_picture(&view))

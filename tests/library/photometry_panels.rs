@@ -272,7 +272,7 @@ fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
             &["weight", "11"],
         ),
         (&|s| s["panels"][0]["front"][1] = json!({"law": "retro", "albedo": "c2", "exponent": 2}), &["albedo"]),
-        (&|s| s["panels"][1]["name"] = json!("sail"), &["sail", "names that differ"]),
+        (&|s| s["panels"][1]["name"] = json!("sail"), &["sail", "unique names"]),
         (
             &|s| s["panels"][0]["attitude"] = json!({"law": "fixed", "normal": [0, 0, 1], "v": [0, 1, 1]}),
             &["attitude.v"],
@@ -291,7 +291,7 @@ fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
                 s["conserves_energy"] = json!(true);
                 s["parameters"][1]["value"] = json!(0.95)
             },
-            &["reflected share", "sail"],
+            &["reflected fraction", "sail"],
         ),
         (
             // What goes straight on counts too.
@@ -300,7 +300,7 @@ fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
                 s["panels"][0]["through"][0] = json!({"law": "straight", "weight": 0.95, "exponent": 30});
                 s["parameters"].as_array_mut().unwrap().retain(|parameter| parameter["name"] != "c3");
             },
-            &["reflected share", "sail"],
+            &["reflected fraction", "sail"],
         ),
     ];
     for (change, words) in cases {
@@ -529,14 +529,14 @@ fn verif_spheres_shine_beside_the_panels() {
         (&|s| s["spheres"][1]["albedo"] = json!(-0.1), &["panels.spheres.radiator.albedo", "-0.1"]),
         (&|s| s["spheres"][0]["phase"] = json!("phong"), &["phong", "isotropic"]),
         (&|s| s["spheres"][0]["radius_m"] = json!(1), &["radius_m"]),
-        (&|s| s["spheres"][1]["name"] = json!("antennas"), &["antennas", "names that differ"]),
+        (&|s| s["spheres"][1]["name"] = json!("antennas"), &["antennas", "unique names"]),
         (&|s| s["spheres"][0]["albedo"] = json!(0.3), &["clutter", "a law or a sphere"]),
         (
             &|s| {
                 s["conserves_energy"] = json!(true);
                 s["spheres"][1]["albedo"] = json!(1.5);
             },
-            &["panels.spheres.radiator: reflected share", "1.5"],
+            &["panels.spheres.radiator: reflected fraction", "1.5"],
         ),
     ];
     for (change, words) in cases {

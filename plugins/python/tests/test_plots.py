@@ -51,7 +51,7 @@ def test_a_night_says_how_many_are_struck(model):
     flags = model.flags(TARGET, start, 30.0, scale="utc")
     svg = shown(plots.night(flags, start, 30.0, limit_mag=7.0, utc_offset=-4, scale="utc"))
     struck = int(np.sum(np.asarray(flags["n_streaks"]) > 0))
-    assert struck > 0 and f"20 exposures, {struck} struck" in svg
+    assert struck > 0 and f"20 exposures, {struck} with streaks" in svg
     assert "UTC, 2026-08-14" in svg and "local time (UTC−4), 2026-08-14" in svg
 
 
@@ -94,7 +94,7 @@ def test_rates_and_the_sun():
     svg = shown(plots.sky_rate(np.arange(4), [0.0, 1.0, 2.0, 0.5], nside=4, sun_azimuth_deg=250.0))
     assert "not computed" in svg
     svg = shown(plots.sun_altitude(-np.arange(40.0), np.ones(40), n_bright=np.zeros(40), limit_mag=7))
-    assert "40 exposures, 1.00 trails each on average" in svg and "brighter than 7 mag" in svg
+    assert "40 exposures, 1.00 trails per exposure on average" in svg and "brighter than 7 mag" in svg
 
 
 def test_what_cannot_be_drawn_is_told():

@@ -1,7 +1,8 @@
 //! Column mapping for custom tables: contents, units and time scale of columns.
 //!
 //! ```text
-//! time=Date,time_scale=utc,magnitude=Mag,filter=Filter,distance=Range,phase=Phase,track=Track,latitude=43.65,longitude=41.43,site_height=2030
+//! time=Date,time_scale=utc,magnitude=Mag,filter=Filter,distance=Range,phase=Phase,track=Track
+//! latitude=43.65,longitude=41.43,site_height=2030
 //! ```
 //!
 //! The same as a small TOML file (`time = "Date"`), or as JSON. Keys:
@@ -270,15 +271,15 @@ mod tests {
     fn verif_invalid_maps_are_rejected() {
         for (text, expected) in [
             ("time=Date,magnitude=Mag", "have no scale"),
-            ("time=Date,time_scale=utc", "no column for the magnitude"),
+            ("time=Date,time_scale=utc", "missing key 'magnitude'"),
             ("magnitude=Mag,colour=B", "unknown key 'colour'"),
-            ("magnitude=Mag,magnitude=B", "twice"),
-            ("magnitude=Mag,latitude=3", "belong together"),
-            ("magnitude=Mag,phase=3", "phase without distance"),
-            ("magnitude=Mag,angle_unit=hours", "not one of deg, rad"),
-            ("magnitude=Mag,time_scale=local", "not one of utc, tai, tt"),
-            ("magnitude", "not key=column"),
-            ("{\"magnitude\": [1]}", "should be the name of a column"),
+            ("magnitude=Mag,magnitude=B", "repeated key 'magnitude'"),
+            ("magnitude=Mag,latitude=3", "must be given together"),
+            ("magnitude=Mag,phase=3", "phase requires distance"),
+            ("magnitude=Mag,angle_unit=hours", "expected one of deg, rad"),
+            ("magnitude=Mag,time_scale=local", "expected utc, tai or tt"),
+            ("magnitude", "expected key=column"),
+            ("{\"magnitude\": [1]}", "expected the name of a column"),
         ] {
             let error = ColumnMap::from_text(text).expect_err(text).to_string();
             assert!(error.contains(expected), "{text}: {error}");

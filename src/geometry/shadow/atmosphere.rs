@@ -1,19 +1,21 @@
 //! Refraction, spreading, scattering and absorption of sunlight that grazes the Earth.
 //!
-//! For a ray whose lowest point is h above the ground: β(h), the angle by which it is bent, and τ(h), its optical depth
-//! in V. Both are integrated once along the bent ray through the atmosphere below and kept in a table of 1 km.
+//! The bending angle β(h) and the optical depth τ(h) in V of a ray with its lowest point h above the ground are integrated
+//! once along the bent ray, and tabulated in steps of 1 km, with this atmosphere:
 //!
-//! | what | number | source |
-//! |---|---|---|
-//! | density | seven layers, 1.225 kg/m³ at the ground | U.S. Standard Atmosphere 1976 |
-//! | refractivity at the ground, 550 nm | 2.7784·10⁻⁴ at 288.15 K, 1013.25 hPa | Ciddor (1996), Applied Optics 35, 1566 |
-//! | Rayleigh, vertical | τ = 0.008569 λ⁻⁴ (1 + 0.0113 λ⁻² + 0.00013 λ⁻⁴), λ in µm: 0.0973 at 550 nm | Hansen & Travis (1974), Space Sci. Rev. 16, 527, eq. 2.30 |
-//! | ozone, column above h | 0.30 cm · (1 + e^(-20/5)) / (1 + e^((h-20)/5)) | form of Lacis & Hansen (1974), J. Atmos. Sci. 31, 118, eq. 17; 300 Dobson units are assumed |
-//! | ozone, absorption | 3.3·10⁻²¹ cm² at 550 nm and 233 K, times 300 · 2.687·10¹⁶ cm⁻²: τ = 0.0266 vertical | Serdyuchenko et al. (2014), Atmos. Meas. Tech. 7, 625, in bins of 10 nm (3.09 below, 3.50 above 550 nm: Bruneton 2017, Precomputed Atmospheric Scattering) |
-//! | aerosol of the troposphere | τ = 0.13 vertical | Remer et al. (2008), J. Geophys. Res. 113, D14S07, abstract (MODIS Aqua, mean over oceans; over land 0.19) |
-//! | its scale height | 2 km | assumed; rays that low are dark |
-//! | aerosol of the stratosphere | τ = 0.0057 vertical: 0.008 in 2006-2015, of which eruptions had added 40 % | Friberg et al. (2018), Atmos. Chem. Phys. 18, 11149, abstract |
-//! | its layer | logistic about 18 km, 3 km wide | assumed |
+//! - density: seven layers, 1.225 kg/m³ at the ground (U.S. Standard Atmosphere 1976)
+//! - refractivity at the ground at 550 nm: 2.7784·10⁻⁴ at 288.15 K, 1013.25 hPa (Ciddor 1996, Applied Optics 35, 1566)
+//! - Rayleigh scattering, vertical: τ = 0.008569 λ⁻⁴ (1 + 0.0113 λ⁻² + 0.00013 λ⁻⁴), λ in µm: 0.0973 at 550 nm (Hansen
+//!   & Travis 1974, Space Sci. Rev. 16, 527, eq. 2.30)
+//! - ozone column above h: 0.30 cm · (1 + e^(-20/5)) / (1 + e^((h-20)/5)) (form of Lacis & Hansen 1974, J. Atmos. Sci.
+//!   31, 118, eq. 17; 300 Dobson units are assumed)
+//! - ozone absorption: 3.3·10⁻²¹ cm² at 550 nm and 233 K, times 300 · 2.687·10¹⁶ cm⁻²: τ = 0.0266 vertical
+//!   (Serdyuchenko et al. 2014, Atmos. Meas. Tech. 7, 625, in bins of 10 nm: 3.09 below, 3.50 above 550 nm in Bruneton
+//!   2017, Precomputed Atmospheric Scattering)
+//! - tropospheric aerosol: τ = 0.13 vertical (Remer et al. 2008, J. Geophys. Res. 113, D14S07, abstract: MODIS Aqua,
+//!   mean over oceans; 0.19 over land); scale height 2 km (assumed; rays that low are dark)
+//! - stratospheric aerosol: τ = 0.0057 vertical: 0.008 in 2006-2015, of which eruptions had added 40 % (Friberg et al.
+//!   2018, Atmos. Chem. Phys. 18, 11149, abstract); logistic layer about 18 km, 3 km wide (assumed)
 //!
 //! Neglected: clouds, which block most of the light below some 8 km (a thousandth of the Sun's light by then); colours
 //! within V; volcanic years, which raise the half-light height by several kilometres; weather, season and latitude,

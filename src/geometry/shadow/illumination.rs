@@ -3,8 +3,8 @@
 //! ```text
 //!                       penumbra
 //!   Sun         _____.------------------
-//!  (disk)  ___/ Earth    umbra      ....      at the satellite: disk of the Sun, radius α, its centre x above the limb of the
-//!             \_(oblate)________....          Earth;  x ≥ α sunlit,  x ≤ -α umbra,  between them the lit fraction of the disk
+//!  (disk)  ___/ Earth    umbra      ....      at the satellite: disk of the Sun of radius α, its centre x above the
+//!             \_(oblate)________....          Earth's limb; x ≥ α sunlit, x ≤ -α umbra, else a lit fraction
 //!                    `------------------
 //! ```
 //!

@@ -3,7 +3,7 @@
 //! | parameter | unit | range | meaning |
 //! |---|---|---|---|
 //! | `peak_per_sr` | sr⁻¹ | 0 and up | height in the mirror direction |
-//! | `width` | 1 | more than 0 | the lobe falls to 1/e at cos θ = 1 - width; about √(2 width) radians where that is small |
+//! | `width` | 1 | more than 0 | 1/e of the peak at cos θ = 1 - width; about √(2 width) rad if small |
 //!
 //! θ is the angle between the mirror direction and the observer. The law is reciprocal and, like Phong's, loses energy
 //! below the surface at oblique incidence.

@@ -84,16 +84,16 @@ fn verif_a_corner_plot_refuses_what_it_cannot_draw() {
     assert!(drawn(&names[..1], &samples[..1], None).unwrap_err().contains("is 1, allowed: 2 to 9"));
     assert!(drawn(&names[..1], &samples, None).unwrap_err().contains("names of parameters: 1 values"));
     assert!(
-        drawn(&names, &samples, Some(&[f64::INFINITY, 0.0])).unwrap_err().contains("value 0, counted from 0, is inf")
+        drawn(&names, &samples, Some(&[f64::INFINITY, 0.0])).unwrap_err().contains("value 0 (counted from 0) is inf")
     );
     assert!(drawn(&names, &[Vec::new(), Vec::new()], None).unwrap_err().contains("there are no samples of c1"));
     // One value, and one value many times, are drawn.
     assert_eq!(drawn(&names, &[vec![1.0], vec![0.0]], None), Ok(()));
     assert_eq!(drawn(&names, &[vec![1e-9; 50], vec![-3e7; 50]], None), Ok(()));
     samples[1][7] = f64::NAN;
-    assert!(drawn(&names, &samples, None).unwrap_err().contains("samples of c2: value 7, counted from 0, is NaN"));
+    assert!(drawn(&names, &samples, None).unwrap_err().contains("samples of c2: value 7 (counted from 0) is NaN"));
     samples[1].pop();
-    assert!(drawn(&names, &samples, None).unwrap_err().contains("99 values, but there must be 100"));
+    assert!(drawn(&names, &samples, None).unwrap_err().contains("99 values, expected 100"));
 }
 
 #[test]
@@ -134,7 +134,7 @@ fn verif_cells_kept_are_counted() {
     assert!(refused(&[], &[], 80.0).unwrap_err().contains("there are no samples of cells"));
     assert!(refused(&[3.0, 0.0], &[0.1, 0.1], 80.0).unwrap_err().contains("is 0, allowed: 1 or more"));
     assert!(refused(&[3.0], &[-0.1], 80.0).unwrap_err().contains("is -0.1"));
-    assert!(refused(&[3.0], &[0.1, 0.2], 80.0).unwrap_err().contains("2 values, but there must be 1"));
+    assert!(refused(&[3.0], &[0.1, 0.2], 80.0).unwrap_err().contains("2 values, expected 1"));
     assert!(refused(&[3.0], &[0.1], f64::NAN).unwrap_err().contains("is NaN"));
     assert_eq!(refused(&[1.0], &[0.0], 1.0), Ok(()));
 }
