@@ -142,7 +142,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_impossible_dates_are_refused() {
+    fn verif_impossible_dates_are_rejected() {
         for text in [
             "",
             "T",

@@ -30,10 +30,10 @@ pub enum Generation {
     /// V1.0 with a visor: STARLINK-1436, and all from August 2020 to June 2021.
     #[serde(rename = "starlink-visorsat")]
     StarlinkVisorSat,
-    /// From June 2021 on: lasers, dielectric mirror film, no visor.
+    /// Launched from June 2021 on: lasers, dielectric mirror film, no visor.
     #[serde(rename = "starlink-v1.5")]
     StarlinkV15,
-    /// From February 2023 on.
+    /// Launched from February 2023 on.
     #[serde(rename = "starlink-v2mini")]
     StarlinkV2Mini,
     /// V2 Mini with an antenna for telephones, from January 2024 on; flies lower.

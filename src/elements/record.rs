@@ -112,7 +112,7 @@ pub enum RecordError {
     BadEpoch {
         /// Text found there.
         text: String,
-        /// What is allowed.
+        /// Accepted form.
         allowed: &'static str,
     },
     /// A number out of range.
@@ -122,7 +122,7 @@ pub enum RecordError {
         field: &'static str,
         /// The number, in the unit of `allowed`.
         value: f64,
-        /// What is allowed, with its unit.
+        /// Accepted range, with its unit.
         allowed: &'static str,
     },
     /// Mean elements of a theory, frame or time system other than SGP4's.
@@ -132,7 +132,7 @@ pub enum RecordError {
         field: &'static str,
         /// Text found there.
         text: String,
-        /// What is allowed.
+        /// Accepted values.
         allowed: &'static str,
     },
     /// Invalid syntax around a record.

@@ -29,7 +29,7 @@ pub enum FitError {
         points: usize,
         /// Number of free parameters.
         free: usize,
-        /// Their names.
+        /// Names of the free parameters.
         names: String,
         /// Least number of points.
         least: usize,

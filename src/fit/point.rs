@@ -17,7 +17,7 @@ pub struct FitPoint {
     pub geometry: ViewingGeometry,
     /// Magnitude at 1000 km.
     pub magnitude: f64,
-    /// Its error, mag; positive.
+    /// Error of the magnitude, mag; positive.
     pub sigma_mag: f64,
     /// Number of the track, night or satellite, a group of points with shared systematic errors. Points of one group
     /// stay together in cross-validation and vary together in the covariance.

@@ -48,14 +48,14 @@ pub enum Fault {
         one: String,
         /// Second parameter.
         other: String,
-        /// Their correlation.
+        /// Correlation of both parameters.
         correlation: f64,
     },
     /// A parameter with a sigma larger than its value.
     Unconstrained {
         /// Name of the parameter.
         name: String,
-        /// As fitted.
+        /// Fitted value.
         value: f64,
         /// One sigma.
         sigma: f64,

@@ -15,7 +15,7 @@ pub enum ForecastError {
         what: &'static str,
         /// Given value.
         given: f64,
-        /// Its unit with a blank before it; empty for none.
+        /// Unit with a preceding blank, or empty.
         unit: &'static str,
         /// Allowed range.
         allowed: &'static str,

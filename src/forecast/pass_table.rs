@@ -16,7 +16,7 @@ const SAME_S: f64 = 0.01;
 pub struct PassRow<'a> {
     /// The pass.
     pub pass: &'a VisiblePass,
-    /// Its element set.
+    /// Element set of the satellite.
     pub elements: &'a ElementSet,
 }
 

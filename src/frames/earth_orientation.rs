@@ -310,7 +310,7 @@ mod tests {
     }
 
     #[test]
-    fn status_tells_where_the_table_ends() {
+    fn status_shows_where_the_table_ends() {
         let table = EopTable::from_finals2000a(SAMPLE).expect("a table");
         assert_eq!(table.status(utc("2016-12-31T12:00:00 UTC")), EopStatus::Measured);
         assert_eq!(table.status(utc("2017-01-02T00:00:00 UTC")), EopStatus::Predicted);

@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pole_star_stands_in_the_north_at_the_latitude() {
+    fn celestial_pole_is_north_at_the_altitude_of_the_latitude() {
         let horizon = itrs_to_horizontal(1.0, 0.6);
         let pole = horizon * Direction::<Itrs>::from_lon_lat_rad(0.0, std::f64::consts::FRAC_PI_2);
         assert!((pole.latitude_rad() - 0.6).abs() < 1e-15);

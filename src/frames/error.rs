@@ -6,7 +6,7 @@ pub enum FramesError {
     /// A date that is not a number, or outside the calendar range of this library.
     #[error("invalid {what} {value}: expected a date between {first} and {last}")]
     DateOutOfRange {
-        /// What was given: "MJD" or "JD".
+        /// Kind of the date: "MJD" or "JD".
         what: &'static str,
         /// The number given, days.
         value: f64,
@@ -50,7 +50,7 @@ pub enum FramesError {
     /// Text that is not an angle of the requested kind.
     #[error("{text:?} is not {wanted}")]
     BadAngle {
-        /// What was given.
+        /// Given text.
         text: String,
         /// Accepted forms.
         wanted: &'static str,

@@ -232,7 +232,7 @@ mod tests {
     }
 
     #[test]
-    fn a_time_without_scale_is_refused_with_the_reason() {
+    fn a_time_without_scale_is_rejected_with_the_reason() {
         for text in ["2024-08-14T00:30:00", "60536.02", "2460536.52"] {
             let error = parse_instant(text, None).unwrap_err();
             assert_eq!(error, InstantError::NoScale(text.to_owned()));
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn nonsense_is_refused() {
+    fn invalid_times_are_rejected() {
         for text in [
             "",
             "now",

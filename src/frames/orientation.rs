@@ -26,11 +26,11 @@ use crate::constants::DAY_S;
 /// The rotations between the three geocentric frames at one time.
 #[derive(Copy, Clone, Debug, PartialEq)]
 pub struct Orientation {
-    /// From SGP4's axes to the celestial ones.
+    /// Rotation from SGP4's axes to the celestial ones.
     pub teme_to_gcrs: Rotation<Teme, Gcrs>,
-    /// From the Earth-fixed axes to SGP4's.
+    /// Rotation from the Earth-fixed axes to SGP4's.
     pub itrs_to_teme: Rotation<Itrs, Teme>,
-    /// From the Earth-fixed axes to the celestial ones.
+    /// Rotation from the Earth-fixed axes to the celestial ones.
     pub itrs_to_gcrs: Rotation<Itrs, Gcrs>,
 }
 

@@ -8,11 +8,11 @@ pub enum GeometryError {
     CoordinateOutOfRange {
         /// The site's name.
         site: String,
-        /// Which coordinate.
+        /// Name of the coordinate.
         what: &'static str,
         /// The number given.
         value: f64,
-        /// Its unit.
+        /// Unit of the coordinate.
         unit: &'static str,
         /// Smallest number allowed.
         first: f64,

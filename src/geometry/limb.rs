@@ -85,7 +85,7 @@ mod tests {
     proptest! {
         /// Compares with points along the line, tested by the ellipsoid's equation.
         #[test]
-        fn verif_hidden_is_what_meets_the_ellipsoid(
+        fn verif_hidden_lines_meet_the_ellipsoid(
             a in prop::array::uniform3(-1.0..1.0f64), b in prop::array::uniform3(-1.0..1.0f64), high in 6800.0..9000.0f64, far in 6800.0..40_000.0f64,
         ) {
             let (a, b) = (Vector3::from(a), Vector3::from(b));

@@ -194,7 +194,7 @@ mod tests {
     ];
 
     #[test]
-    fn valid_places_against_astropy() {
+    fn valid_positions_against_astropy() {
         for (name, latitude, longitude, height) in PUBLISHED {
             let ours = Site::by_name(name).expect(name);
             let theirs = Site::new_deg(name, latitude, longitude, height).expect(name);
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_names_list_their_neighbours() {
+    fn unknown_names_list_similar_names() {
         let error = Site::by_name("Paranall").expect_err("no such site");
         let GeometryError::UnknownSite { nearest, .. } = &error else { panic!("{error}") };
         assert_eq!(nearest[0], "Paranal");

@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn sun_stands_where_the_seasons_put_it() {
+    fn sun_is_where_the_seasons_put_it() {
         // The equinox of March 2024 was on the 20th at 03:06 UT, by the apparent longitude of date; aberration (20")
         // and precession (24 years, 0.335 deg) separate it from the geometric one of J2000.
         let equinox = SunState::at("2024-03-20T03:06:00 UTC".parse().expect("an epoch"));

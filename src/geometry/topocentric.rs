@@ -11,8 +11,8 @@ use crate::frames::{Direction, Gcrs, OfDate, Position, Velocity, gcrs_to_of_date
 pub struct Aspect {
     /// ICRS astrometric topocentric direction.
     pub direction: Direction<Gcrs>,
-    /// From the observer to the satellite, both at the time of reception, km; its direction in the horizontal frame is
-    /// altitude and azimuth.
+    /// Vector from the observer to the satellite, both at the time of reception, km; its direction in the horizontal
+    /// frame is altitude and azimuth.
     pub geometric: Position<Gcrs>,
     /// Length of `geometric`, km.
     pub range_km: f64,
@@ -87,7 +87,7 @@ mod tests {
     ];
 
     #[test]
-    fn valid_places_against_astropy() {
+    fn valid_positions_against_astropy() {
         assert!(PLACES.len() > 5);
         for (utc, [ra, dec], [icrs_ra, icrs_dec]) in PLACES {
             let epoch: Epoch = utc.parse().unwrap();

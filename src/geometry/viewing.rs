@@ -261,7 +261,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_nonsense_is_refused() {
+    fn verif_invalid_geometries_are_rejected() {
         let (satellite, observer) = (Position::new(7000.0, 0.0, 0.0), Position::new(6378.0, 0.0, 0.0));
         let sun = Position::new(0.0, AU_KM, 0.0);
         let (origin, nan) = (Position::new(0.0, 0.0, 0.0), Position::new(f64::NAN, 0.0, 0.0));

@@ -24,7 +24,7 @@ use std::f64::consts::{PI, TAU};
 
 use nalgebra::Vector3;
 
-use super::likelihood::{Candidate, Offset, Weighed, within};
+use super::likelihood::{Candidate, CandidateWeight, Offset, integrate_exposure};
 use super::streak::{MeasuredStreak, Timing};
 use crate::frames::{Direction, Gcrs};
 use crate::orbit::{OrbitUncertainty, Propagator};
@@ -54,7 +54,7 @@ pub(super) struct Reach {
 #[derive(Copy, Clone)]
 struct NearestPassage {
     delay_s: f64,
-    beside_rad: f64,
+    cross_track_rad: f64,
     sighting: Sighting,
 }
 
@@ -84,32 +84,34 @@ pub(super) fn compare(
             let ends = [mid_s - half_s, mid_s + half_s]
                 .map(|time_s| nearest_passage(interval, propagator, streak, time_s, middle.delay_s + time_s - mid_s));
             let [Some(before), Some(after)] = ends else { return None };
-            let pulls = |met: &NearestPassage| [met.delay_s / sigmas.delay_s, met.beside_rad / sigmas.beside_rad];
+            let pulls =
+                |met: &NearestPassage| [met.delay_s / sigmas.delay_s, met.cross_track_rad / sigmas.cross_track_rad];
             // A streak of known length takes time, which must be within the exposure.
             let rate_rad_s = middle.sighting.own_rate.norm();
             let crossing_s = streak.length_rad().map_or(0.0, |length_rad| length_rad / rate_rad_s);
             let free = (1.0 - crossing_s / (2.0 * half_s)).clamp(0.0, 1.0);
-            let within = within(pulls(&before), pulls(&after), free);
-            let passage_s = mid_s + half_s * within.at;
+            let integral = integrate_exposure(pulls(&before), pulls(&after), free);
+            let passage_s = mid_s + half_s * integral.at;
             let met = nearest_passage(interval, propagator, streak, passage_s, middle.delay_s + passage_s - mid_s)?;
-            // ∫ dt N(δ; σ_δ) N(x; σ_x), of which `within` has the integral over [-1, 1]
-            let log_density = within.log_integral + half_s.ln() - (TAU * sigmas.delay_s * sigmas.beside_rad).ln();
+            // ∫ dt N(δ; σ_δ) N(x; σ_x), of which `integral` is the part over [-1, 1]
+            let log_density =
+                integral.log_integral + half_s.ln() - (TAU * sigmas.delay_s * sigmas.cross_track_rad).ln();
             (passage_s, met, Some(log_density))
         }
     };
-    if met.delay_s.abs() > reach.along_track_s || met.beside_rad.abs() > reach.cross_track_rad {
+    if met.delay_s.abs() > reach.along_track_s || met.cross_track_rad.abs() > reach.cross_track_rad {
         return None;
     }
 
     let mut delay_s = met.delay_s;
     let mut track = interval.track(element_index, delay_s).ok()?;
-    let mut line = Line::new(&track, passage_s, streak, met.beside_rad);
+    let mut line = Line::new(&track, passage_s, streak, met.cross_track_rad);
     for _ in 0..MOST_CORRECTIONS {
         // At a changing rate, the middle of the track is the mean of both ends, not its position at half time.
         let Some(early_s) = line.ends_early_s(streak).filter(|early_s| early_s.abs() > CLOSE_S) else { break };
         delay_s += early_s;
         track = interval.track(element_index, delay_s).ok()?;
-        line = Line::new(&track, passage_s, streak, met.beside_rad);
+        line = Line::new(&track, passage_s, streak, met.cross_track_rad);
     }
     let passage = track.point(passage_s, photometry)?;
     let is_lit =
@@ -123,7 +125,7 @@ pub(super) fn compare(
         element_index,
         passage,
         along_track_s: Offset { value: delay_s, sigma: sigmas.delay_s },
-        cross_track_rad: Offset { value: line.beside_rad, sigma: sigmas.beside_rad },
+        cross_track_rad: Offset { value: line.cross_track_rad, sigma: sigmas.cross_track_rad },
         angle_rad: Offset { value: line.turn_rad, sigma: sigmas.turn_rad },
         length_rad: length.map(|(offset, _)| offset),
         predicted_length_rad: length
@@ -137,14 +139,14 @@ pub(super) fn compare(
         probability: 0.0,
         log_weight: 0.0,
     };
-    Weighed::new(&candidate, streak.timing(), evidence).apply_to(&mut candidate);
+    CandidateWeight::new(&candidate, streak.timing(), evidence).apply_to(&mut candidate);
     (candidate.chi_square <= MOST_CHI_SQUARE).then_some(candidate)
 }
 
 /// One-sigma errors of the differences.
 struct Sigmas {
     delay_s: f64,
-    beside_rad: f64,
+    cross_track_rad: f64,
     turn_rad: f64,
     /// Relative error of the rate.
     rate_share: f64,
@@ -161,7 +163,7 @@ impl Sigmas {
                 + streak.time_sigma_s().powi(2)
                 + 0.5 * (place_rad / rate_rad_s).powi(2))
             .sqrt(),
-            beside_rad: (across_rad.powi(2) + 0.5 * place_rad.powi(2)).sqrt(),
+            cross_track_rad: (across_rad.powi(2) + 0.5 * place_rad.powi(2)).sqrt(),
             turn_rad: (mean_motion_rad_s * across_rad / rate_rad_s).hypot(streak.angle_sigma_rad()),
             rate_share: across_rad,
         }
@@ -189,24 +191,24 @@ fn nearest_passage(
         let step_s = (middle.dot(&sighting.own_rate) / square).clamp(-longest_s, longest_s);
         delay_s -= step_s;
         if step_s.abs() < CLOSE_S {
-            let side = side(&sighting.direction, &sighting.own_rate);
+            let axis = cross_track_axis(&sighting.direction, &sighting.own_rate);
             let cosine = middle.dot(sighting.direction.vector());
-            let beside_rad = middle.dot(&side).atan2(cosine);
-            return (cosine > 0.0).then_some(NearestPassage { delay_s, beside_rad, sighting });
+            let cross_track_rad = middle.dot(&axis).atan2(cosine);
+            return (cosine > 0.0).then_some(NearestPassage { delay_s, cross_track_rad, sighting });
         }
     }
     None
 }
 
 /// Returns the unit vector at right angles to the motion, towards its position angle + 90°.
-fn side(direction: &Direction<Gcrs>, rate: &Vector3<f64>) -> Vector3<f64> {
+fn cross_track_axis(direction: &Direction<Gcrs>, rate: &Vector3<f64>) -> Vector3<f64> {
     // With PA from north through east, PA + 90° is motion × line of sight.
     rate.normalize().cross(direction.vector())
 }
 
 /// Streak relative to a track.
 struct Line {
-    beside_rad: f64,
+    cross_track_rad: f64,
     turn_rad: f64,
     position_angle_rad: f64,
     rate_rad_s: f64,
@@ -215,7 +217,7 @@ struct Line {
 }
 
 impl Line {
-    fn new(track: &DelayedTrack<'_>, passage_s: f64, streak: &MeasuredStreak, beside_rad: f64) -> Self {
+    fn new(track: &DelayedTrack<'_>, passage_s: f64, streak: &MeasuredStreak, cross_track_rad: f64) -> Self {
         let (direction, rate) = track.direction(passage_s);
         let (east, north) = direction.east_north();
         let position_angle_rad = rate.dot(&east).atan2(rate.dot(&north)).rem_euclid(TAU);
@@ -229,7 +231,7 @@ impl Line {
         let turn_rad = along.dot(&motion.cross(middle.vector())).atan2(along.dot(&motion));
         let is_backward = streak.timing() != Timing::FirstToSecond && turn_rad.abs() > 0.5 * PI;
         let turn_rad = if is_backward { turn_rad - PI * turn_rad.signum() } else { turn_rad };
-        let mut line = Self { beside_rad, turn_rad, position_angle_rad, rate_rad_s, times_s: [passage_s; 3] };
+        let mut line = Self { cross_track_rad, turn_rad, position_angle_rad, rate_rad_s, times_s: [passage_s; 3] };
         if let (Some(ends), Some(length_rad)) = (streak.ends(), streak.length_rad())
             && turn_rad.abs() < LARGEST_TURN_RAD
         {
@@ -238,11 +240,11 @@ impl Line {
             let at = [(ends[0], passage_s - half_s), (ends[1], passage_s + half_s)].map(|(end, guess_s)| {
                 let time_s = track.nearest_s(&end, guess_s);
                 let (direction, rate) = track.direction(time_s);
-                (time_s, end.vector().dot(&side(&direction, &rate)).clamp(-1.0, 1.0).asin())
+                (time_s, end.vector().dot(&cross_track_axis(&direction, &rate)).clamp(-1.0, 1.0).asin())
             });
             line.times_s = [at[0].0, passage_s, at[1].0];
             if streak.is_by_ends() {
-                line.beside_rad = 0.5 * (at[0].1 + at[1].1);
+                line.cross_track_rad = 0.5 * (at[0].1 + at[1].1);
                 line.turn_rad = sign * (at[1].1 - at[0].1) / length_rad;
             }
         }

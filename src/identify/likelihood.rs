@@ -35,7 +35,7 @@ pub struct Candidate {
     pub norad_id: NoradId,
     /// Index of its element set in the catalogue.
     pub element_index: usize,
-    /// Its passage of the middle of the streak, with the delay `along_track_s`.
+    /// Passage of the middle of the streak, with the delay `along_track_s`.
     pub passage: TrackPoint,
     /// Delay of the satellite after its prediction, seconds (negative: early).
     pub along_track_s: Offset,
@@ -73,7 +73,7 @@ const PERIOD_S: f64 = 5_700.0;
 const FORESHORTENING: f64 = 1_000.0 / 7_000.0;
 
 /// Integral over an exposure.
-pub(super) struct Within {
+pub(super) struct ExposureIntegral {
     /// Position of the least sum of squares, from -1 (opening) to 1 (closing), within the allowed range.
     pub at: f64,
     /// ln ∫₋₁¹ du exp(-½ (square of the pulls at u)).
@@ -82,7 +82,7 @@ pub(super) struct Within {
 
 /// Integrates over pulls (offsets in sigmas) that change linearly from `before` at u = -1 to `after` at u = 1; the
 /// least sum of squares is searched within ± `free`.
-pub(super) fn within(before: [f64; 2], after: [f64; 2], free: f64) -> Within {
+pub(super) fn integrate_exposure(before: [f64; 2], after: [f64; 2], free: f64) -> ExposureIntegral {
     // f(u) = Σ (p + q u)² = A u² + 2 B u + C
     let (mut a, mut b, mut c) = (0.0, 0.0, 0.0);
     for (before, after) in before.into_iter().zip(after) {
@@ -91,7 +91,7 @@ pub(super) fn within(before: [f64; 2], after: [f64; 2], free: f64) -> Within {
     }
     let square = |u: f64| a * u * u + 2.0 * b * u + c;
     if a <= 0.0 {
-        return Within { at: 0.0, log_integral: std::f64::consts::LN_2 - 0.5 * c };
+        return ExposureIntegral { at: 0.0, log_integral: std::f64::consts::LN_2 - 0.5 * c };
     }
     let at = (-b / a).clamp(-free, free);
     // ∫ exp(-f/2) = exp(-½ (C - B²/A)) √(2π/A) [Φ((1 + B/A) √A) - Φ((-1 + B/A) √A)]
@@ -104,7 +104,7 @@ pub(super) fn within(before: [f64; 2], after: [f64; 2], free: f64) -> Within {
         let end = (-b / a).clamp(-1.0, 1.0);
         -0.5 * square(end) - (a * end + b).abs().ln()
     };
-    Within { at, log_integral }
+    ExposureIntegral { at, log_integral }
 }
 
 /// Φ(high) - Φ(low), without loss in the tails.
@@ -114,13 +114,13 @@ fn normal_between(low: f64, high: f64) -> f64 {
 }
 
 /// Weight of one candidate.
-pub(super) struct Weighed {
+pub(super) struct CandidateWeight {
     chi_square: f64,
     terms: u32,
     log_weight: f64,
 }
 
-impl Weighed {
+impl CandidateWeight {
     /// Computes the weight; `evidence` is ln ∫ dt N(δ) N(x) if the time is an exposure.
     pub fn new(candidate: &Candidate, timing: Timing, evidence: Option<f64>) -> Self {
         let log_normal = |offset: Offset| -0.5 * offset.square() - (TAU.sqrt() * offset.sigma).ln();
@@ -232,7 +232,7 @@ mod tests {
             let square = |u: f64| {
                 (0..2).map(|one| (0.5 * (before[one] * (1.0 - u) + after[one] * (1.0 + u))).powi(2)).sum::<f64>()
             };
-            let answer = within(before, after, 1.0);
+            let answer = integrate_exposure(before, after, 1.0);
             let steps = 200_000;
             let step = 2.0 / f64::from(steps);
             let least = square(answer.at);
@@ -243,8 +243,8 @@ mod tests {
             assert!((-100..=100).all(|u| square(f64::from(u) / 100.0) >= least - 1e-9));
         }
         // Far outside the integral is that of a slope, accurate to second order.
-        let far = within([60.0, 0.0], [100.0, 0.0], 1.0);
+        let far = integrate_exposure([60.0, 0.0], [100.0, 0.0], 1.0);
         assert!((far.log_integral - (-1800.0 - (60.0_f64 * 20.0).ln())).abs() < 0.2, "{}", far.log_integral);
-        assert!(within([400.0, 0.0], [410.0, 3.0], 0.2).at == -0.2);
+        assert!(integrate_exposure([400.0, 0.0], [410.0, 3.0], 0.2).at == -0.2);
     }
 }

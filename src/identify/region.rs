@@ -127,9 +127,9 @@ pub struct FittedLine {
 }
 
 /// Largest distance of the middle of an outline from the line, in widths of the outline.
-const WIDTHS_BESIDE: f64 = 2.0;
+const MOST_WIDTHS_OFF: f64 = 2.0;
 /// The same in lengths of the line: lines drawn by hand along a streak have no width.
-const LENGTHS_BESIDE: f64 = 0.01;
+const MOST_LENGTHS_OFF: f64 = 0.01;
 
 /// Fits a line to the corners of outlines (boxes, polygons, lines) of one streak: through their mean, in the direction
 /// of their largest variance. The outlines may cover parts of the streak only.
@@ -161,7 +161,7 @@ pub fn fit_line(outlines: &[Vec<Direction<Gcrs>>]) -> Result<FittedLine, Identif
         let own_middle = own.iter().sum::<Vector2<f64>>() / own.len() as f64;
         let off_rad = (own_middle - middle).dot(&across).abs();
         let narrow_rad = narrow_width(&own, &own_middle);
-        if off_rad > WIDTHS_BESIDE * narrow_rad + LENGTHS_BESIDE * (high - low) {
+        if off_rad > MOST_WIDTHS_OFF * narrow_rad + MOST_LENGTHS_OFF * (high - low) {
             let arcsec = |angle: f64| angle.to_degrees() * 3600.0;
             return Err(IdentifyError::NotOneLine { off_arcsec: arcsec(off_rad), width_arcsec: arcsec(narrow_rad) });
         }
@@ -225,11 +225,11 @@ mod tests {
         assert!(message("polygon(1,2,3)").contains("polygon of 3 numbers"));
         assert!(message("line(400,2,3,4)").contains("\"400\" is not a right ascension"));
         assert!(message("box(1,2,x,3)").contains("invalid size 'x'"));
-        assert!(message("image\nline(1,2,3,4)").starts_with("a.reg: line 5: coordinates are image"));
+        assert!(message("image\nline(1,2,3,4)").starts_with("a.reg: line 5: unsupported coordinate system image"));
         assert!(message("-line(1,2,3,4)").contains("unsupported shape '-line'"));
-        assert_eq!(message(""), format!("a.reg: no region in it; {ALLOWED}"));
+        assert_eq!(message(""), format!("a.reg: no region found; {ALLOWED}"));
         let bare = parse_regions("a.reg", "line(1,2,3,4)").unwrap_err().to_string();
-        assert!(bare.contains("before any system"), "{bare}");
+        assert!(bare.contains("without a preceding coordinate system"), "{bare}");
     }
 
     fn at(x_arcsec: f64, y_arcsec: f64) -> Direction<Gcrs> {
@@ -239,10 +239,10 @@ mod tests {
     }
 
     /// A box of 100 by 10 arcsec about a position, rotated by 30°.
-    fn streak_box(middle_arcsec: f64, beside_arcsec: f64) -> Vec<Direction<Gcrs>> {
+    fn streak_box(middle_arcsec: f64, offset_arcsec: f64) -> Vec<Direction<Gcrs>> {
         let (sin, cos) = 30_f64.to_radians().sin_cos();
         [(-50.0, -5.0), (50.0, -5.0), (50.0, 5.0), (-50.0, 5.0)]
-            .map(|(along, across)| (along + middle_arcsec, across + beside_arcsec))
+            .map(|(along, across)| (along + middle_arcsec, across + offset_arcsec))
             .map(|(along, across)| at(along * cos - across * sin, along * sin + across * cos))
             .to_vec()
     }

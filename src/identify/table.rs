@@ -12,7 +12,7 @@ use crate::photometry::{Brightness, PhotometryOptions};
 pub struct CandidateRow<'a> {
     /// The candidate.
     pub candidate: &'a Candidate,
-    /// Its element set.
+    /// Element set of the candidate.
     pub elements: &'a ElementSet,
     /// Band and system of the magnitudes.
     pub photometry: &'a PhotometryOptions,

@@ -5,7 +5,7 @@ use crate::photometry::{BodyAngles, BrightnessModel, PhotometryOptions, Standard
 
 use super::error::{MapError, height, latitude};
 use super::grid::{Grid, GridRow, fill};
-use super::light::{Fact, FactValue, Light, STANDARD_RANGE_KM, rounded};
+use super::light::{Fact, FactValue, MapPhotometry, STANDARD_RANGE_KM, rounded};
 
 /// Brightness of a satellite in full sunlight in any direction, as in figure 6 of Lu (2024).
 ///
@@ -14,7 +14,7 @@ use super::light::{Fact, FactValue, Light, STANDARD_RANGE_KM, rounded};
 /// used for earthshine only: directions that miss the ground are included.
 #[derive(Clone, Debug)]
 pub struct BodyView<'a> {
-    light: Light<'a>,
+    light: MapPhotometry<'a>,
     sun_latitude_rad: f64,
     height_km: f64,
 }
@@ -56,7 +56,7 @@ impl<'a> BodyView<'a> {
         options: PhotometryOptions,
     ) -> Result<Self, MapError> {
         let sun_latitude_rad = latitude("Sun's latitude", sun_latitude_rad)?;
-        Ok(Self { light: Light::new(model, options), sun_latitude_rad, height_km: height(height_km)? })
+        Ok(Self { light: MapPhotometry::new(model, options), sun_latitude_rad, height_km: height(height_km)? })
     }
 
     /// Returns the latitude of the Earth's limb, radians: -acos(R / (R + h)). Observers on the ground are below it.

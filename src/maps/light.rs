@@ -14,14 +14,14 @@ pub(super) const STANDARD_RANGE_KM: f64 = 1000.0;
 ///
 /// Maps need no sigma and no source; without them the cost of a direction is a third. A test compares both.
 #[derive(Clone, Debug)]
-pub(super) struct Light<'a> {
+pub(super) struct MapPhotometry<'a> {
     model: &'a BrightnessModel,
     options: PhotometryOptions,
     /// Offset from the band of the model to that of the options, mag.
     colour_mag: f64,
 }
 
-impl<'a> Light<'a> {
+impl<'a> MapPhotometry<'a> {
     pub fn new(model: &'a BrightnessModel, options: PhotometryOptions) -> Self {
         Self { model, options, colour_mag: model.colour_to_mag(options.band, options.system) }
     }

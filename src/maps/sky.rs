@@ -25,7 +25,7 @@ use crate::photometry::{BrightnessModel, Magnitude, PhotometryOptions, Satellite
 
 use super::error::{MapError, height, latitude};
 use super::grid::{Grid, GridRow, fill};
-use super::light::{Fact, FactValue, Light, rounded};
+use super::light::{Fact, FactValue, MapPhotometry, rounded};
 
 /// Figure of the Earth.
 #[derive(Clone, Debug, PartialEq)]
@@ -41,7 +41,7 @@ pub enum Earth {
 /// Azimuths are from north through east, altitudes above the horizon. The Sun is at 1 au.
 #[derive(Clone, Debug)]
 pub struct SkyView<'a> {
-    light: Light<'a>,
+    light: MapPhotometry<'a>,
     earth: Earth,
     shadow: ShadowModel,
     /// Rotation from north, east, zenith to the Earth's own axes.
@@ -116,7 +116,7 @@ impl<'a> SkyView<'a> {
         let axes = horizon.inverse().matrix().to_owned();
         let sun = axes * Direction::<Horizontal>::from_lon_lat_rad(sun_azimuth_rad, sun_altitude_rad).vector() * AU_KM;
         Ok(Self {
-            light: Light::new(model, options),
+            light: MapPhotometry::new(model, options),
             earth,
             shadow: ShadowModel::default(),
             axes,

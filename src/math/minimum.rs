@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_ends_are_found_at_once_and_minima_beside_them_too() {
+    fn verif_ends_and_minima_next_to_them_are_found_at_once() {
         assert_eq!(searched(|x| x, [1.0, 2.0], 1.0, 1e-4), (1.0, 1.0, 1));
         assert_eq!(searched(|x| -x, [1.0, 2.0], 2.0, 1e-4), (2.0, -2.0, 1));
         // No space between the ends.

@@ -24,7 +24,7 @@ const FEWEST_STEPS: f64 = 3.0;
 pub struct OrbitArc {
     start_s: f64,
     step_s: f64,
-    /// At least four, evenly spaced, km.
+    /// Positions of at least four nodes, evenly spaced, km.
     positions: Vec<Vector3<f64>>,
 }
 

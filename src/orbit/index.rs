@@ -19,7 +19,7 @@ pub struct LeftOut {
 /// Propagators of a catalogue. Construction takes about 1 µs per satellite and core.
 #[derive(Clone, Debug)]
 pub struct SatelliteIndex {
-    /// In catalogue order; `None` where SGP4 cannot be initialised.
+    /// Propagators in catalogue order; `None` where SGP4 cannot be initialised.
     propagators: Vec<Option<Propagator>>,
     left_out: Vec<LeftOut>,
 }

@@ -68,7 +68,7 @@ pub enum OrbitKind {
     Manoeuvring,
     /// Any other orbit with a period below 128 min (2,000 km).
     LowEarth,
-    /// Between low and geosynchronous: navigation satellites.
+    /// Period between low and geosynchronous orbits: navigation satellites.
     MediumEarth,
     /// Period above 1,200 min.
     Geosynchronous,

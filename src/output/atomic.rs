@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_that_does_not_wait_for_the_disk_stands_as_well() {
+    fn a_file_without_a_disk_sync_is_complete_as_well() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.fits");
         for (text, is_replacing) in [("one", false), ("two", true)] {
@@ -226,7 +226,7 @@ mod tests {
             assert_eq!(std::fs::read(below.join(file)).unwrap(), b"written");
         }
         assert!(!below.join("new.csv").is_symlink() && below.join("link").is_symlink());
-        assert!(check_target(&round).unwrap_err().to_string().contains("leads to no file"));
+        assert!(check_target(&round).unwrap_err().to_string().contains("without a target"));
         assert_eq!(std::fs::read_dir(&below).unwrap().count(), 3);
         assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 4);
     }

@@ -13,7 +13,7 @@ use thiserror::Error;
 
 use super::magnitude::StandardMagnitude;
 
-/// From full phase and brightest likely aspect to half phase and average aspect: 2.5 log10 2 + 0.7 mag (McCants,
+/// Offset from full phase and brightest likely aspect to half phase and average aspect: 2.5 log10 2 + 0.7 mag (McCants,
 /// "Intrinsic magnitude definitions").
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
 

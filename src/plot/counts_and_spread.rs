@@ -31,11 +31,11 @@ pub struct CountsAndSpread<'a> {
     pub iqr_mag: &'a [f64],
     /// Least number of samples of a kept cell, 1 or more; 80 in the paper.
     pub least_count: f64,
-    /// Largest spread of a kept cell, upper_frame 0; 0.4 mag in the paper.
+    /// Largest spread of a kept cell, above 0; 0.4 mag in the paper.
     pub most_iqr_mag: f64,
 }
 
-/// Draws the density of cells by number of samples and spread, the cumulative fractions of cells upper_frame and to the
+/// Draws the density of cells by number of samples and spread, the cumulative fractions of cells above and to the
 /// right, and both thresholds with the fraction of cells that is kept.
 ///
 /// # Errors
@@ -59,7 +59,7 @@ pub fn counts_and_spread(input: &CountsAndSpread<'_>) -> Result<Picture, PlotErr
         return Err(out("least number of samples", input.least_count, "1 or more"));
     }
     if !(input.most_iqr_mag.is_finite() && input.most_iqr_mag > 0.0) {
-        return Err(out("greatest spread", input.most_iqr_mag, "upper_frame 0 mag"));
+        return Err(out("greatest spread", input.most_iqr_mag, "above 0 mag"));
     }
     let (counts, spreads) = (sorted(input.counts), sorted(input.iqr_mag));
     let most = counts[counts.len() - 1].max(1.5 * input.least_count);

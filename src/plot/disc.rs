@@ -24,13 +24,13 @@ const SHADOW_BELOW_MAG: f64 = 2.0;
 
 /// Content of one direction.
 #[derive(Copy, Clone, Debug, PartialEq)]
-pub enum Seen {
+pub enum DiscContent {
     /// A satellite of this magnitude, or the value of another quantity.
     Value(f64),
     /// A satellite in the Earth's shadow.
     Shadow,
     /// No lit surface.
-    Nothing,
+    Empty,
 }
 
 /// One disc with its labels.
@@ -42,7 +42,7 @@ pub struct Disc<'a> {
     /// Draws only the half of longitudes 0 to π, the left one.
     pub is_half: bool,
     /// Content as a function of longitude and angle from the middle in [0, π/2], radians.
-    pub seen: Box<dyn Fn(f64, f64) -> Seen + Sync + 'a>,
+    pub content: Box<dyn Fn(f64, f64) -> DiscContent + Sync + 'a>,
     /// Largest angle from the middle, radians, of values that determine the colour scale.
     pub scaled_within_rad: f64,
     /// Longitude of the Sun, radians; `None` without a unique position.
@@ -61,7 +61,7 @@ pub(super) struct Raster {
     /// Pixels along each side.
     pub side: usize,
     /// Pixels row by row from the top; `None` outside the disc.
-    pub pixels: Vec<Option<Seen>>,
+    pub pixels: Vec<Option<DiscContent>>,
 }
 
 impl Disc<'_> {
@@ -81,7 +81,7 @@ impl Disc<'_> {
                 let is_in = distance <= 1.0 + 1.0 / radius as f64 && !(self.is_half && right > 0.0);
                 is_in.then(|| {
                     let longitude = (-right).atan2(up).rem_euclid(TAU);
-                    (self.seen)(longitude, distance.min(1.0) * FRAC_PI_2)
+                    (self.content)(longitude, distance.min(1.0) * FRAC_PI_2)
                 })
             })
             .collect();
@@ -106,7 +106,7 @@ impl Raster {
             FRAC_PI_2 * right.hypot(below) / (middle - 1.0)
         };
         self.pixels.iter().enumerate().filter_map(move |(index, pixel)| match pixel {
-            Some(Seen::Value(value)) => Some((angle(index), *value)),
+            Some(DiscContent::Value(value)) => Some((angle(index), *value)),
             _ => None,
         })
     }
@@ -115,10 +115,10 @@ impl Raster {
     /// shadow counts as fainter than any level.
     pub fn contours(&self, level: f64) -> Vec<Vec<(f64, f64)>> {
         let value = |column: usize, row: usize| match self.pixels.get(row * self.side + column)? {
-            Some(Seen::Value(value)) => Some(*value),
+            Some(DiscContent::Value(value)) => Some(*value),
             // Fainter than any level, so that brighter regions are enclosed along the shadow, with an edge of one
             // pixel.
-            Some(Seen::Shadow) => Some(level + SHADOW_BELOW_MAG),
+            Some(DiscContent::Shadow) => Some(level + SHADOW_BELOW_MAG),
             _ => None,
         };
         let mut lines = contours((self.side, self.side), SQUARE, level, value);
@@ -128,8 +128,8 @@ impl Raster {
     }
 
     /// Returns true if any pixel has this content.
-    pub fn shows(&self, seen: Seen) -> bool {
-        self.pixels.contains(&Some(seen))
+    pub fn shows(&self, content: DiscContent) -> bool {
+        self.pixels.contains(&Some(content))
     }
 }
 
@@ -254,12 +254,12 @@ impl Layout<'_> {
         self.scales.iter().find(|scale| scale.quantity == quantity).unwrap_or(&self.scales[0])
     }
 
-    fn colour(&self, quantity: Quantity, seen: Seen) -> [u8; 3] {
-        match seen {
-            Seen::Value(value) => self.scale_of(quantity).colour(value),
-            Seen::Shadow => SHADOW,
-            Seen::Nothing if self.sheet.contour_mag.is_none() => UNKNOWN,
-            Seen::Nothing => PAPER,
+    fn colour(&self, quantity: Quantity, content: DiscContent) -> [u8; 3] {
+        match content {
+            DiscContent::Value(value) => self.scale_of(quantity).colour(value),
+            DiscContent::Shadow => SHADOW,
+            DiscContent::Empty if self.sheet.contour_mag.is_none() => UNKNOWN,
+            DiscContent::Empty => PAPER,
         }
     }
 
@@ -267,7 +267,8 @@ impl Layout<'_> {
         let radius = self.sheet.radius as f64;
         let at = |(right, below): (f64, f64)| (middle.0 + radius * right, middle.1 + radius * below);
         let corner = (middle.0 - raster.side as f64 / 2.0, middle.1 - raster.side as f64 / 2.0);
-        let colours = raster.pixels.iter().map(|pixel| pixel.map(|seen| self.colour(disc.quantity, seen))).collect();
+        let colours =
+            raster.pixels.iter().map(|pixel| pixel.map(|content| self.colour(disc.quantity, content))).collect();
         let within = Some((middle, radius));
         picture.paint(Pixels { corner, each: (1.0, 1.0), columns: raster.side, colours, within });
         for line in self.sheet.contour_mag.iter().flat_map(|(level, _)| raster.contours(*level)) {
@@ -346,9 +347,9 @@ impl Layout<'_> {
             picture.line(&[(x, y), (x + 30.0, y)], WHITE.to_rgba(), 2.0);
             x = picture.legend_text(text, x + 38.0, y);
         }
-        for (seen, text) in [(Seen::Shadow, "Earth's shadow"), (Seen::Nothing, self.sheet.nothing)] {
-            if self.rasters.iter().any(|raster| raster.shows(seen)) {
-                let [red, green, blue] = self.colour(Quantity::Magnitude, seen);
+        for (content, text) in [(DiscContent::Shadow, "Earth's shadow"), (DiscContent::Empty, self.sheet.nothing)] {
+            if self.rasters.iter().any(|raster| raster.shows(content)) {
+                let [red, green, blue] = self.colour(Quantity::Magnitude, content);
                 picture.rectangle([x, y - 8.0, x + 24.0, y + 8.0], RGBColor(red, green, blue).to_rgba());
                 picture.border([x, y - 8.0, x + 24.0, y + 8.0], 1.0);
                 x = picture.legend_text(text, x + 32.0, y);
@@ -371,7 +372,7 @@ mod tests {
         let disc = Disc {
             title: String::new(),
             // Longitude and angle encoded in one number.
-            seen: Box::new(|longitude, angle| Seen::Value(longitude + 10.0 * angle)),
+            content: Box::new(|longitude, angle| DiscContent::Value(longitude + 10.0 * angle)),
             scaled_within_rad: FRAC_PI_2,
             sun_longitude_rad: Some(0.0),
             quantity: Quantity::Magnitude,
@@ -385,7 +386,7 @@ mod tests {
         for (longitude, angle) in [(0.1, 0.5), (1.6, 1.2), (3.0, 0.9), (5.0, 0.3)] {
             let (right, down) = disc_position(longitude, angle);
             let (column, row) = ((middle + 100.0 * right) as usize, (middle + 100.0 * down) as usize);
-            let Some(Seen::Value(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
+            let Some(DiscContent::Value(shown)) = raster.pixels[row * raster.side + column] else { panic!("nothing") };
             // Half a pixel is 0.008 rad of angle, and 0.03 rad of longitude at 0.3 rad.
             assert!((shown - longitude - 10.0 * angle).abs() < 0.2, "{longitude} {angle}: {shown}");
         }
@@ -401,7 +402,7 @@ mod tests {
 
     #[test]
     fn verif_a_line_runs_along_the_shadow() {
-        let half = |index: usize| Some(if index / 101 < 60 { Seen::Value(6.0) } else { Seen::Shadow });
+        let half = |index: usize| Some(if index / 101 < 60 { DiscContent::Value(6.0) } else { DiscContent::Shadow });
         let lines = Raster { side: 101, pixels: (0..101 * 101).map(half).collect() }.contours(7.0);
         assert_eq!(lines.len(), 1);
         assert!(lines[0].len() > 45 && lines[0].iter().all(|(_, y)| (y - 60.0).abs() < 1.5), "{:?}", lines[0]);

@@ -4,7 +4,7 @@
 use std::collections::HashMap;
 use std::f64::consts::FRAC_PI_2;
 
-use super::disc::{Disc, DiscSheet, Seen};
+use super::disc::{Disc, DiscContent, DiscSheet};
 use super::error::PlotError;
 use super::picture::Picture;
 use super::scale::Quantity;
@@ -116,12 +116,12 @@ fn sky_disc(view: SkyView<'_>, title: String) -> Disc<'_> {
         title,
         quantity: Quantity::Magnitude,
         is_half: false,
-        seen: Box::new(move |azimuth, from_zenith| {
+        content: Box::new(move |azimuth, from_zenith| {
             let point = view.at(azimuth, (FRAC_PI_2 - from_zenith).max(RIM_RAD));
             match point.magnitude {
-                Some(magnitude) => Seen::Value(magnitude.0),
-                None if point.lit_fraction <= 0.0 => Seen::Shadow,
-                None => Seen::Nothing,
+                Some(magnitude) => DiscContent::Value(magnitude.0),
+                None if point.lit_fraction <= 0.0 => DiscContent::Shadow,
+                None => DiscContent::Empty,
             }
         }),
         scaled_within_rad: if has_air { FRAC_PI_2 - LOW_DEG.to_radians() } else { FRAC_PI_2 },
@@ -138,8 +138,9 @@ fn body_disc(view: BodyView<'_>, title: String) -> Disc<'_> {
         title,
         quantity: Quantity::Magnitude,
         is_half: false,
-        seen: Box::new(move |longitude, from_nadir| {
-            view.at(longitude, from_nadir - FRAC_PI_2).map_or(Seen::Nothing, |magnitude| Seen::Value(magnitude.0))
+        content: Box::new(move |longitude, from_nadir| {
+            view.at(longitude, from_nadir - FRAC_PI_2)
+                .map_or(DiscContent::Empty, |magnitude| DiscContent::Value(magnitude.0))
         }),
         scaled_within_rad: FRAC_PI_2,
         sun_longitude_rad: Some(0.0),
@@ -306,9 +307,9 @@ fn disc<'a>(input: &Layers<'_>, panel: &LayerPanel<'a>) -> Result<Disc<'a>, Plot
         title: panel.title.to_owned(),
         quantity: panel.quantity,
         is_half: input.is_folded,
-        seen: Box::new(move |longitude, from_nadir| {
+        content: Box::new(move |longitude, from_nadir| {
             let cell = ring_cell(nside, longitude, from_nadir - FRAC_PI_2);
-            cell.and_then(|cell| value_of.get(&cell)).map_or(Seen::Nothing, |value| Seen::Value(*value))
+            cell.and_then(|cell| value_of.get(&cell)).map_or(DiscContent::Empty, |value| DiscContent::Value(*value))
         }),
         scaled_within_rad: FRAC_PI_2,
         sun_longitude_rad: Some(0.0),

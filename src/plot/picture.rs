@@ -34,7 +34,7 @@ pub struct Picture {
 
 /// Grid of coloured rectangles.
 pub(super) struct Pixels {
-    /// Left upper corner.
+    /// Upper left corner.
     pub corner: (f64, f64),
     /// Width and height of one.
     pub each: (f64, f64),

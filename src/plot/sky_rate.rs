@@ -2,7 +2,7 @@
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use super::disc::{Disc, DiscSheet, Seen};
+use super::disc::{Disc, DiscContent, DiscSheet};
 use super::error::PlotError;
 use super::picture::Picture;
 use super::scale::Quantity;
@@ -43,15 +43,15 @@ pub fn sky_rate(input: &SkyRate<'_>) -> Result<Picture, PlotError> {
     }
     let by_cell = rates_by_cell(input.nside, input.cells, input.rate)?;
     let nside = input.nside;
-    let seen = move |azimuth_rad: f64, from_zenith_rad: f64| {
+    let content = move |azimuth_rad: f64, from_zenith_rad: f64| {
         let cell = ring_cell(nside, azimuth_rad, std::f64::consts::FRAC_PI_2 - from_zenith_rad);
-        cell.and_then(|cell| by_cell[cell as usize]).map_or(Seen::Nothing, Seen::Value)
+        cell.and_then(|cell| by_cell[cell as usize]).map_or(DiscContent::Empty, DiscContent::Value)
     };
     let disc = Disc {
         title: input.subtitle.to_owned(),
         quantity: Quantity::Rate,
         is_half: false,
-        seen: Box::new(seen),
+        content: Box::new(content),
         scaled_within_rad: std::f64::consts::FRAC_PI_2,
         sun_longitude_rad: Some(input.sun_azimuth_deg.to_radians()),
         rim: vec![(0.0, "N"), (90.0, "E"), (180.0, "S"), (270.0, "W")],
@@ -124,17 +124,17 @@ pub fn equatorial_rate(input: &EquatorialRate<'_>) -> Result<Picture, PlotError>
     let by_cell = &by_cell;
     // From within, right ascension increases anticlockwise about the north pole and clockwise about the south pole.
     let half = |pole: f64, title: &str| {
-        let seen = move |angle_rad: f64, from_pole_rad: f64| {
+        let content = move |angle_rad: f64, from_pole_rad: f64| {
             let right_ascension_rad = (pole * angle_rad).rem_euclid(TAU);
             let cell = ring_cell(nside, right_ascension_rad, pole * (FRAC_PI_2 - from_pole_rad));
-            cell.and_then(|cell| by_cell[cell as usize]).map_or(Seen::Nothing, Seen::Value)
+            cell.and_then(|cell| by_cell[cell as usize]).map_or(DiscContent::Empty, DiscContent::Value)
         };
         let sign = if pole > 0.0 { "+" } else { "−" };
         Disc {
             title: title.to_owned(),
             quantity: Quantity::Rate,
             is_half: false,
-            seen: Box::new(seen),
+            content: Box::new(content),
             scaled_within_rad: FRAC_PI_2,
             sun_longitude_rad: None,
             rim: [(0.0, "0h"), (90.0, "6h"), (180.0, "12h"), (270.0, "18h")]

@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn verif_places_along_a_line() {
+    fn verif_positions_along_a_line() {
         let line = [(0.0, 0.0), (10.0, 0.0), (10.0, 10.0)];
         assert_eq!(
             [along(&line, 0.25), along(&line, 0.75), along(&line, 1.0)],

@@ -201,7 +201,7 @@ fn verif_priors_are_told() {
     let prior = |more: &[&str]| {
         let (code, stdout, stderr) = run(&[&asked, &time, more]);
         assert_eq!(code, 0, "{stderr}");
-        let told = stderr.lines().find(|line| line.contains("prior alone")).map(str::to_owned);
+        let told = stderr.lines().find(|line| line.contains("only a wide prior")).map(str::to_owned);
         (records(&stdout), told, stderr)
     };
     let (all, told, _) = prior(&[]);

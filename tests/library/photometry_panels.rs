@@ -284,7 +284,7 @@ fn verif_wrong_panels_are_refused_with_the_key_and_what_is_allowed() {
         (&|s| s["parameters"][0]["name"] = json!("unused"), &["c1", "a number or one of"]),
         (
             &|s| s["parameters"].as_array_mut().unwrap().push(json!({"name": "spare", "value": 1})),
-            &["spare", "refers to"],
+            &["spare", "used by a law"],
         ),
         (
             &|s| {

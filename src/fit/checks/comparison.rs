@@ -47,7 +47,7 @@ impl ReferenceKind {
 /// Result of a comparison.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// Within the tolerances of [`compare`].
+    /// Agreement within the tolerances of [`compare`].
     Ok,
     /// Outside the tolerances.
     Off,

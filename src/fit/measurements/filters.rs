@@ -53,7 +53,7 @@ impl fmt::Display for BandMismatch {
         });
         let filters = filters.collect::<Vec<_>>().join(", ");
         let mixed = if self.seen.counts.len() > 1 { "mixed filters: " } else { "" };
-        write!(f, "{mixed}photometry through {filters} is treated as {}, the model's band", self.band)?;
+        write!(f, "{mixed}photometry through {filters} is taken as {}, the model's band", self.band)?;
         write!(f, "; differences of colour or zero point enter the fit")
     }
 }

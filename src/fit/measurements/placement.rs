@@ -43,7 +43,8 @@ pub enum OrbitRadius {
     /// Circular orbit at this height above 6378.137 km. The error of the J2 short-period term, ±10 km in low orbits,
     /// moves α by 13° at the 90th percentile.
     HeightKm(f64),
-    /// From SGP4 at the row's time, including short-period terms; nearly right even if the satellite is a minute late.
+    /// Radius from SGP4 at the row's time, including short-period terms; nearly right even if the satellite is a minute
+    /// late.
     Elements,
 }
 

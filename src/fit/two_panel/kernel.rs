@@ -21,7 +21,7 @@ pub(super) const NODES: usize = 16;
 #[derive(Clone, Debug, PartialEq)]
 pub(super) struct EarthBlock {
     pub diffuse: [f64; BLOCK],
-    /// At each node; single precision (6e-8) halves the memory that the loops read.
+    /// Values at each node; single precision (6e-8) halves the memory traffic of the loops.
     pub glossy: Box<[[f32; BLOCK]; NODES]>,
 }
 
@@ -34,7 +34,7 @@ pub(super) struct Evaluation<'a> {
     /// Magnitude at 1000 km of 1 m² sr⁻¹.
     pub zero_mag: f64,
     pub lit: Cow<'a, [LitPanels<BLOCK>]>,
-    /// Same length as `lit`, or empty.
+    /// One block for each of `lit`, or empty.
     pub earth: &'a [EarthBlock],
     /// Weights of the nodes at n_base.
     pub earth_weights: [f64; NODES],

@@ -1,7 +1,7 @@
 //! Refraction, spreading, scattering and absorption of sunlight that grazes the Earth.
 //!
-//! The bending angle β(h) and the optical depth τ(h) in V of a ray with its lowest point h above the ground are integrated
-//! once along the bent ray, and tabulated in steps of 1 km, with this atmosphere:
+//! The bending angle β(h) and the optical depth τ(h) in V of a ray with its lowest point h above the ground are
+//! integrated once along the bent ray, and tabulated in steps of 1 km, with this atmosphere:
 //!
 //! - density: seven layers, 1.225 kg/m³ at the ground (U.S. Standard Atmosphere 1976)
 //! - refractivity at the ground at 550 nm: 2.7784·10⁻⁴ at 288.15 K, 1013.25 hPa (Ciddor 1996, Applied Optics 35, 1566)

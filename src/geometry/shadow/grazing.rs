@@ -40,7 +40,7 @@ mod tests {
     use crate::constants::AU_KM;
 
     #[test]
-    fn lines_over_equator_and_pole_clear_what_they_should() {
+    fn lines_over_equator_and_pole_have_their_clearance() {
         let sun = Position::new(AU_KM, 0.0, 0.0);
         let polar = EARTH_EQUATORIAL_RADIUS_KM * (1.0 - EARTH_FLATTENING);
         for (axis, radius) in

@@ -1,6 +1,6 @@
 //! Candidate satellites for a search cone: plane test, side test and phase test over a whole window.
 
-use super::cone::{ConeTest, Cones, Inside};
+use super::cone::{ConePassage, ConeTest, Cones};
 use super::phase::Phase;
 use super::plane::{ConeInShell, Planes};
 use super::window::{CHUNK, Chunk, Window};
@@ -45,7 +45,7 @@ impl Window {
             let inside =
                 |test: &ConeTest<'_>| test.inside(phase, &chunk.normal_at(lane, test.fraction()), shadow.as_ref());
             let Some(in_whole) = inside(&whole) else { return };
-            let candidate = |cone: u32, Inside { near_s, is_dark }: Inside| Candidate {
+            let candidate = |cone: u32, ConePassage { near_s, is_dark }: ConePassage| Candidate {
                 element_index: phase.element_index,
                 cone,
                 near_s: near_s.map(|time_s| time_s as f32),

@@ -44,7 +44,7 @@ pub struct Cones<'a> {
 
 /// Interval and illumination of a satellite that may be inside a cone.
 #[derive(Copy, Clone, Debug)]
-pub(super) struct Inside {
+pub(super) struct ConePassage {
     /// Interval of its predicted position inside the cone, seconds from the middle of the cone's time.
     pub near_s: [f64; 2],
     /// True where it is inside the shadow all the time.
@@ -117,11 +117,16 @@ impl<'a> ConeTest<'a> {
     /// Phase test: returns when a satellite that passed the plane test may be inside the cone during the interval;
     /// `None` where it cannot be.
     #[inline]
-    pub fn inside(&self, phase: &Phase, normal: &Vector3<f64>, shadow: Option<&ShadowConeInTeme>) -> Option<Inside> {
+    pub fn inside(
+        &self,
+        phase: &Phase,
+        normal: &Vector3<f64>,
+        shadow: Option<&ShadowConeInTeme>,
+    ) -> Option<ConePassage> {
         let open_s = self.cone.half_duration_s;
         let half_s = open_s + f64::from(phase.along_track_s);
         if phase.only_plane {
-            return Some(Inside { near_s: [-half_s, half_s], is_dark: false });
+            return Some(ConePassage { near_s: [-half_s, half_s], is_dark: false });
         }
         let (position, velocity) = phase.state(normal, self.cone.mid_s, self.fraction);
         let sight = position - self.observer;
@@ -134,6 +139,6 @@ impl<'a> ConeTest<'a> {
         let is_dark = shadow.is_some_and(|shadow| ends.iter().all(|end| shadow.holds(end, slop_km)));
         let [from_s, to_s] = near_s;
         let near_s = [from_s - NEAR_MARGIN_S, to_s + NEAR_MARGIN_S].map(|time_s| time_s.clamp(-half_s, half_s));
-        Some(Inside { near_s, is_dark })
+        Some(ConePassage { near_s, is_dark })
     }
 }

@@ -131,7 +131,7 @@ mod tests {
     proptest! {
         /// No position within a cone and a shell lies outside their cap.
         #[test]
-        fn verif_caps_hold_what_cones_hold(
+        fn verif_caps_contain_their_cones(
             zenith_rad in 0.0..1.6_f64,
             radius_rad in 0.001..1.5_f64,
             (first, second) in (0.0..1.0_f64, 0.0..1.0_f64),

@@ -367,7 +367,7 @@ mod tests {
                     }
                     assert!(
                         ratios.iter().all(|ratio| *ratio < 0.67),
-                        "{:?} at {time_s} s: share of the margins for plane, interpolated, radius {ratios:?}",
+                        "{:?} at {time_s} s: fraction of the margins for plane, position, radius {ratios:?}",
                         elements[element_index]
                     );
                     checked += 1;

@@ -41,7 +41,7 @@ const LANES: usize = 8;
 
 /// Earthshine on a panel, relative to the Sun's irradiance on a plate perpendicular to it.
 #[derive(Copy, Clone, Debug, Default, PartialEq)]
-pub struct Shine {
+pub struct PanelEarthshine {
     /// Irradiance on the panel: Σ dE cos φ_i, dimensionless.
     pub irradiance: f64,
     /// Σ dE cos φ_i cosⁿθ, θ between the mirror direction of each source and the observer.
@@ -100,10 +100,10 @@ impl LitEarth {
     /// Returns the light on a panel with this unit normal (body frame) for one observer and one exponent (0 to 10,000).
     ///
     /// No allocation; 1 to 5 µs at an exponent of 22.
-    pub fn shine(&self, normal: &Vector3<f64>, to_observer: &Vector3<f64>, exponent: f64) -> Shine {
+    pub fn shine(&self, normal: &Vector3<f64>, to_observer: &Vector3<f64>, exponent: f64) -> PanelEarthshine {
         // cos θ of a source is its cosine with the direction mirrored onto the observer, 2 (n · o) n - o.
         let mirror = normal * (2.0 * normal.dot(to_observer)) - to_observer;
-        let shine = PanelShine {
+        let shine = PanelEarthshineSums {
             normal: (*normal).into(),
             mirror: mirror.into(),
             exponent,
@@ -111,7 +111,7 @@ impl LitEarth {
             lobe: [0.0; LANES],
         };
         let shine = widest_fused(Sum { earth: *self, resolution: Resolution::for_exponent(exponent), sink: shine });
-        Shine { irradiance: shine.irradiance.iter().sum(), lobe: shine.lobe.iter().sum() }
+        PanelEarthshine { irradiance: shine.irradiance.iter().sum(), lobe: shine.lobe.iter().sum() }
     }
 
     /// Returns point sources equivalent to the lit ground: unit vectors from the satellite in the body frame, and
@@ -231,8 +231,8 @@ fn each_group<const F: bool, S: Sink>(ring: &Ring, reach: f64, de: f64, rule: Ru
     }
 }
 
-/// Sums of [`Shine`], lane by lane.
-struct PanelShine {
+/// Sums of [`PanelEarthshine`], lane by lane.
+struct PanelEarthshineSums {
     normal: [f64; 3],
     mirror: [f64; 3],
     exponent: f64,
@@ -240,7 +240,7 @@ struct PanelShine {
     lobe: [f64; LANES],
 }
 
-impl Sink for PanelShine {
+impl Sink for PanelEarthshineSums {
     #[inline(always)]
     fn take<const F: bool>(&mut self, group: &Group) {
         let ([nx, ny, nz], [mx, my, mz], exponent) = (self.normal, self.mirror, self.exponent);

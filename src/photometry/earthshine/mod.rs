@@ -35,4 +35,4 @@
 mod lit_earth;
 mod rule;
 
-pub use lit_earth::{EARTH_ALBEDO, LitEarth, Shine};
+pub use lit_earth::{EARTH_ALBEDO, LitEarth, PanelEarthshine};

@@ -70,7 +70,7 @@ pub struct LitFace {
 pub struct Part {
     /// Index of the panel.
     pub panel: usize,
-    /// Its face.
+    /// Face of the panel.
     pub face: Face,
     /// Index of the law on that face.
     pub law: usize,
