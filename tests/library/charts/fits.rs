@@ -86,7 +86,7 @@ fn verif_a_corner_plot_refuses_what_it_cannot_draw() {
     assert!(
         drawn(&names, &samples, Some(&[f64::INFINITY, 0.0])).unwrap_err().contains("value 0 (counted from 0) is inf")
     );
-    assert!(drawn(&names, &[Vec::new(), Vec::new()], None).unwrap_err().contains("there are no samples of c1"));
+    assert!(drawn(&names, &[Vec::new(), Vec::new()], None).unwrap_err().contains("nothing to draw: no samples of c1"));
     // One value, and one value many times, are drawn.
     assert_eq!(drawn(&names, &[vec![1.0], vec![0.0]], None), Ok(()));
     assert_eq!(drawn(&names, &[vec![1e-9; 50], vec![-3e7; 50]], None), Ok(()));
@@ -111,7 +111,7 @@ fn verif_the_histogram_says_mean_deviation_and_mad() {
         let input = ResidualHistogram { title: "", residuals_mag: residuals, sigma_mag: sigma };
         residual_histogram(&input).map(|_| ()).map_err(|error| error.to_string())
     };
-    assert!(refused(&[], 0.2).unwrap_err().contains("there are no residuals"));
+    assert!(refused(&[], 0.2).unwrap_err().contains("nothing to draw: no residuals"));
     assert!(refused(&[f64::NAN], 0.2).unwrap_err().contains("NaN"));
     assert!(refused(&[0.1], 0.0).unwrap_err().contains("is 0 mag, allowed: above 0 mag"));
     assert_eq!(refused(&[0.1], 0.2), Ok(()));
@@ -131,7 +131,7 @@ fn verif_cells_kept_are_counted() {
         let input = CountsAndSpread { counts, iqr_mag, least_count, ..input.clone() };
         counts_and_spread(&input).map(|_| ()).map_err(|error| error.to_string())
     };
-    assert!(refused(&[], &[], 80.0).unwrap_err().contains("there are no samples of cells"));
+    assert!(refused(&[], &[], 80.0).unwrap_err().contains("nothing to draw: no samples of cells"));
     assert!(refused(&[3.0, 0.0], &[0.1, 0.1], 80.0).unwrap_err().contains("is 0, allowed: 1 or more"));
     assert!(refused(&[3.0], &[-0.1], 80.0).unwrap_err().contains("is -0.1"));
     assert!(refused(&[3.0], &[0.1, 0.2], 80.0).unwrap_err().contains("2 values, expected 1"));

@@ -81,7 +81,7 @@ fn verif_layers_refuse_what_they_cannot_draw() {
     assert!(refused(4, Quantity::Magnitude, &[(191, f64::NAN)]).contains("value 0 (counted from 0) is NaN"));
     assert!(refused(4, Quantity::Count, &[(191, 0.0)]).contains("1 sample or more"));
     assert!(refused(4, Quantity::Spread, &[(191, 0.1), (191, 0.2)]).contains("is twice, allowed: once"));
-    assert!(refused(4, Quantity::Spread, &[]).contains("there are no cells"));
+    assert!(refused(4, Quantity::Spread, &[]).contains("nothing to draw: no cells"));
     let none = layers(&Layers { title: "", caption: "", nside: 4, is_folded: true, panels: Vec::new() });
     assert!(matches!(none, Err(PlotError::OutOfRange { .. })));
 }

@@ -68,7 +68,7 @@ fn verif_nights_that_are_empty_say_so_and_others_are_refused() {
     has(&picture, &["no streak of this night has a magnitude", "streak, no magnitude"]);
     let refused =
         |columns: &[Vec<f64>; 4]| night_timeline(&timeline(columns, &[])).map(|_| ()).unwrap_err().to_string();
-    assert!(refused(&Default::default()).contains("there are no exposures"));
+    assert!(refused(&Default::default()).contains("nothing to draw: no exposures"));
     let mut long = clear.clone();
     long[0][119] += 3.0;
     assert!(refused(&long).contains("allowed: 2 d"));
@@ -185,9 +185,9 @@ fn verif_a_light_curve_has_its_band_and_its_marks() {
     let refused = |time: &[f64], magnitude: &[f64], sigma: &[f64]| {
         curve(time, magnitude, sigma).map(|_| ()).unwrap_err().to_string()
     };
-    assert!(refused(&time, &vec![f64::NAN; n], &sigma).contains("there are no magnitudes along the track"));
+    assert!(refused(&time, &vec![f64::NAN; n], &sigma).contains("nothing to draw: no magnitudes along the track"));
     assert!(refused(&time, &magnitude[..50], &sigma).contains("magnitudes: 50 values, expected 101"));
-    assert!(refused(&[], &[], &[]).contains("there are no points along the track"));
+    assert!(refused(&[], &[], &[]).contains("nothing to draw: no points along the track"));
     assert!(refused(&[1.0, 1.0], &[5.0; 2], &[0.1; 2]).contains("each later than the one before"));
 }
 
@@ -218,7 +218,7 @@ fn verif_a_rate_has_its_colour_where_it_is() {
     near(image.get_pixel(336 + 130, 410).0, scale.colour(0.0));
     near(image.get_pixel(336 + 250, 410).0, [205, 205, 205]);
     let refused = |nside, cells: &[u64], rate: &[f64]| drawn(nside, cells, rate).map(|_| ()).unwrap_err().to_string();
-    assert!(refused(8, &[], &[]).contains("there are no rates"));
+    assert!(refused(8, &[], &[]).contains("nothing to draw: no rates"));
     assert!(refused(8, &[1], &[-1.0]).contains("0 streaks per exposure or more"));
     assert!(refused(8, &[1, 1], &[1.0; 2]).contains("each once"));
     assert!(refused(1, &[12], &[1.0]).contains("a cell is 12"));
@@ -257,7 +257,7 @@ fn verif_trails_against_the_sun_go_from_day_to_night() {
     let blue = |x: u32| (62..430).filter(|y| close(image.get_pixel(x, *y).0, [0, 114, 178])).min().unwrap();
     assert!(blue(250) + 100 < blue(850), "{} {}", blue(250), blue(850));
     let refused = |sun: &[f64], trails: &[f64], bin| drawn(sun, trails, bin).map(|_| ()).unwrap_err().to_string();
-    assert!(refused(&[], &[], 2.0).contains("there are no exposures"));
+    assert!(refused(&[], &[], 2.0).contains("nothing to draw: no exposures"));
     assert!(refused(&sun, &trails[..3], 2.0).contains("numbers of trails: 3 values"));
     assert!(refused(&sun, &trails, 0.0).contains("allowed: 0.1 to 30°"));
     assert!(refused(&[-100.0], &[1.0], 2.0).contains("allowed: -90 to 90°"));
