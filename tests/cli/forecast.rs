@@ -209,7 +209,8 @@ fn verif_priors_are_told() {
     assert!(count > 1 && all[1..].iter().all(|row| &row[source] == "prior"), "{all:?}");
     let told = told.expect("a warning");
     assert!(
-        told.starts_with("warning: ") && told.contains(&format!("({count} passes shown); --qs-mag FILE")),
+        told.starts_with("warning: ")
+            && told.contains(&format!("({count} passes shown); specify standard magnitudes with --qs-mag FILE")),
         "{told}"
     );
     // The faintest peak as the limit but for a bit: one is hidden, and the grammar holds.
