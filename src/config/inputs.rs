@@ -4,15 +4,14 @@ use std::path::Path;
 
 use hifitime::Epoch;
 
+use super::document::Config;
+use super::error::ConfigError;
+use super::values::is_file_name;
 use crate::elements::{Constellation, Generation, Keep, ReadOptions, Satellites, SourceFile};
 use crate::frames::EopTable;
 use crate::geometry::ShadowModel;
 use crate::passes::ModelChoice;
 use crate::photometry::{ModelLibrary, StandardMagnitudes};
-
-use super::document::Config;
-use super::error::ConfigError;
-use super::values::is_file_name;
 
 /// All inputs of a configuration, read once: skies for any time are made of them without reading a file again (except
 /// the elements of a telescope in orbit).

@@ -98,11 +98,6 @@ impl Generation {
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|generation| generation.name() == name)
     }
-
-    /// Returns true for a Starlink of any kind.
-    pub fn is_starlink(self) -> bool {
-        self.name().starts_with("starlink-")
-    }
 }
 
 impl fmt::Display for Generation {
@@ -148,7 +143,7 @@ impl Launch {
 /// ";
 /// let catalogue = Satellites::from_bytes("v15.tle", text.as_bytes(), &ReadOptions::default())?;
 /// assert_eq!(GenerationTable::embedded().of(&catalogue.element_sets[0]), Generation::StarlinkV15);
-/// # Ok::<(), streakcast::elements::CatalogueError>(())
+/// # Ok::<(), streakcast::elements::ElementsError>(())
 /// ```
 #[derive(Clone, Debug)]
 pub struct GenerationTable {

@@ -13,7 +13,7 @@ use std::sync::Arc;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch;
-use super::record::{Parsed, RecordError, checked, excerpt};
+use super::record::{Parsed, RejectReason, checked, excerpt};
 use super::tle::{Checksums, parse_lines};
 use super::tle_fields::parse_five_characters;
 
@@ -139,13 +139,13 @@ impl<'a> Fields<'a> {
         parsed.take(offset, self.element_set());
     }
 
-    fn element_set(&self) -> Result<ElementSet, RecordError> {
+    fn element_set(&self) -> Result<ElementSet, RejectReason> {
         self.check_theory()?;
         let norad_id = self.text(Keyword::NoradCatId, "NORAD_CAT_ID")?;
         let norad_id =
-            parse_norad_id(norad_id).ok_or_else(|| RecordError::BadId { text: excerpt(norad_id.as_bytes()) })?;
+            parse_norad_id(norad_id).ok_or_else(|| RejectReason::BadId { text: excerpt(norad_id.as_bytes()) })?;
         let epoch_text = self.text(Keyword::Epoch, "EPOCH")?;
-        let epoch = epoch::parse_iso(epoch_text).ok_or_else(|| RecordError::BadEpoch {
+        let epoch = epoch::parse_iso(epoch_text).ok_or_else(|| RejectReason::BadEpoch {
             text: excerpt(epoch_text.as_bytes()),
             allowed: "UTC as YYYY-MM-DDThh:mm:ss.ssssss or YYYY-DDDThh:mm:ss.ssssss",
         })?;
@@ -172,7 +172,7 @@ impl<'a> Fields<'a> {
     }
 
     /// Only elements for SGP4 are accepted: numbers of another theory look the same and are wrong by kilometres.
-    fn check_theory(&self) -> Result<(), RecordError> {
+    fn check_theory(&self) -> Result<(), RejectReason> {
         let allowed: [(Keyword, &str, &[&str], &str); 5] = [
             (
                 Keyword::MeanElementTheory,
@@ -194,21 +194,21 @@ impl<'a> Fields<'a> {
             if let Some(text) = self.get(keyword)
                 && !values.iter().any(|value| value.eq_ignore_ascii_case(text))
             {
-                return Err(RecordError::Unsupported { field, text: excerpt(text.as_bytes()), allowed: words });
+                return Err(RejectReason::Unsupported { field, text: excerpt(text.as_bytes()), allowed: words });
             }
         }
         Ok(())
     }
 
-    fn text(&self, keyword: Keyword, field: &'static str) -> Result<&str, RecordError> {
-        self.get(keyword).ok_or(RecordError::Missing { field })
+    fn text(&self, keyword: Keyword, field: &'static str) -> Result<&str, RejectReason> {
+        self.get(keyword).ok_or(RejectReason::Missing { field })
     }
 
-    fn number(&self, keyword: Keyword, field: &'static str) -> Result<f64, RecordError> {
+    fn number(&self, keyword: Keyword, field: &'static str) -> Result<f64, RejectReason> {
         parse_number(self.text(keyword, field)?, field)
     }
 
-    fn optional(&self, keyword: Keyword, field: &'static str) -> Result<f64, RecordError> {
+    fn optional(&self, keyword: Keyword, field: &'static str) -> Result<f64, RejectReason> {
         self.get(keyword).map_or(Ok(0.0), |text| parse_number(text, field))
     }
 
@@ -218,9 +218,9 @@ impl<'a> Fields<'a> {
 }
 
 /// Parses a finite number, correctly rounded.
-fn parse_number(text: &str, field: &'static str) -> Result<f64, RecordError> {
+fn parse_number(text: &str, field: &'static str) -> Result<f64, RejectReason> {
     let number = text.parse::<f64>().ok().filter(|number| number.is_finite());
-    number.ok_or_else(|| RecordError::FieldNotANumber { field, text: excerpt(text.as_bytes()) })
+    number.ok_or_else(|| RejectReason::FieldNotANumber { field, text: excerpt(text.as_bytes()) })
 }
 
 /// Parses one to nine digits, the same as a float (`28485.0`, as data frames write columns with gaps), or Alpha-5.

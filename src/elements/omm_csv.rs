@@ -7,7 +7,7 @@
 use std::borrow::Cow;
 
 use super::omm::{Fields, Keyword};
-use super::record::{Parsed, RecordError};
+use super::record::{Parsed, RejectReason};
 use super::record::{next_line, parse_in_chunks};
 use super::tle::Checksums;
 
@@ -50,7 +50,7 @@ fn parse_piece(text: &str, separator: char, columns: &[Option<Keyword>], checksu
         }
         if cells.len() < columns.len() {
             let what = format!("{} cells under {} titles", cells.len(), columns.len());
-            parsed.rejected.push((offset, RecordError::Syntax { format: "CSV", what }));
+            parsed.rejected.push((offset, RejectReason::Syntax { format: "CSV", what }));
             continue;
         }
         fields.clear();

@@ -7,7 +7,7 @@
 use std::borrow::Cow;
 
 use super::omm::{Fields, Keyword};
-use super::record::{Parsed, RecordError, excerpt};
+use super::record::{Parsed, RejectReason, excerpt};
 use super::tle::Checksums;
 
 /// Reads every record, at any depth.
@@ -50,8 +50,8 @@ pub(super) fn parse(text: &str, checksums: Checksums) -> Parsed {
     parsed
 }
 
-fn syntax(what: &str) -> RecordError {
-    RecordError::Syntax { format: "JSON", what: what.into() }
+fn syntax(what: &str) -> RejectReason {
+    RejectReason::Syntax { format: "JSON", what: what.into() }
 }
 
 /// Tokens of the scanner: objects, and their members with plain values. Arrays and commas are ignored.

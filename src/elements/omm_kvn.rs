@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::omm::{Fields, Keyword};
-use super::record::{Parsed, RecordError, excerpt};
+use super::record::{Parsed, RejectReason, excerpt};
 use super::record::{next_line, parse_in_chunks};
 use super::tle::Checksums;
 
@@ -39,9 +39,9 @@ fn next_message(text: &str, from: usize) -> usize {
 fn parse_piece(text: &str) -> Parsed {
     let mut parsed = Parsed::default();
     let mut fields = Fields::default();
-    let mut broken: Option<(usize, RecordError)> = None;
+    let mut broken: Option<(usize, RejectReason)> = None;
     let (mut opened_at, mut at) = (0, 0);
-    let mut close = |fields: &mut Fields<'_>, opened_at: usize, broken: &mut Option<(usize, RecordError)>| {
+    let mut close = |fields: &mut Fields<'_>, opened_at: usize, broken: &mut Option<(usize, RejectReason)>| {
         match broken.take() {
             Some(rejected) => parsed.rejected.push(rejected),
             None if fields.is_empty() => {}
@@ -60,7 +60,7 @@ fn parse_piece(text: &str) -> Parsed {
         let Some((key, value)) = line.split_once('=') else {
             if !line.starts_with("META_") && !line.starts_with("DATA_") {
                 let what = format!("{:?} is not KEYWORD = value", excerpt(line.as_bytes()));
-                broken.get_or_insert((offset, RecordError::Syntax { format: "KVN", what }));
+                broken.get_or_insert((offset, RejectReason::Syntax { format: "KVN", what }));
             }
             continue;
         };

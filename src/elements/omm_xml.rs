@@ -10,7 +10,7 @@ use quick_xml::events::Event;
 
 use super::omm::{Fields, Keyword};
 use super::record::parse_in_chunks;
-use super::record::{Parsed, RecordError};
+use super::record::{Parsed, RejectReason};
 use super::tle::Checksums;
 
 /// Returns true if there is an `<omm>` (in any name space).
@@ -31,10 +31,10 @@ fn parse_piece(text: &str, checksums: Checksums) -> Parsed {
         let next = next_start(text, offset + 1);
         match parse_message(&text[offset..next.unwrap_or(text.len())]) {
             Ok(fields) if fields.is_empty() => {
-                parsed.rejected.push((offset, RecordError::NoElements));
+                parsed.rejected.push((offset, RejectReason::NoElements));
             }
             Ok(fields) => fields.finish(offset, checksums, &mut parsed),
-            Err(what) => parsed.rejected.push((offset, RecordError::Syntax { format: "XML", what })),
+            Err(what) => parsed.rejected.push((offset, RejectReason::Syntax { format: "XML", what })),
         }
         start = next;
     }

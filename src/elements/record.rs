@@ -11,7 +11,7 @@ use super::element_set::ElementSet;
 /// Errors of one record.
 #[derive(Clone, Debug, PartialEq, Error)]
 #[non_exhaustive]
-pub enum RecordError {
+pub enum RejectReason {
     /// A fixed-column field without a valid number.
     #[error("line {line}: {field} {text:?} is not a number in columns {first}-{last}")]
     NotANumber {
@@ -145,6 +145,34 @@ pub enum RecordError {
     },
 }
 
+/// Format of a file of element sets.
+#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
+#[non_exhaustive]
+pub enum ElementFormat {
+    /// Two-line element sets, with or without a line for the name.
+    Tle,
+    /// Orbit mean-elements messages as JSON (CelesTrak, Space-Track, JSON lines).
+    OmmJson,
+    /// Orbit mean-elements messages as CSV, and tables with the two lines in columns.
+    OmmCsv,
+    /// Orbit mean-elements messages as XML (CCSDS 505.0-B).
+    OmmXml,
+    /// Orbit mean-elements messages as lines of `KEYWORD = value` (CCSDS 502.0-B).
+    OmmKvn,
+}
+
+impl fmt::Display for ElementFormat {
+    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
+        formatter.write_str(match self {
+            Self::Tle => "TLE",
+            Self::OmmJson => "OMM JSON",
+            Self::OmmCsv => "OMM CSV",
+            Self::OmmXml => "OMM XML",
+            Self::OmmKvn => "OMM KVN",
+        })
+    }
+}
+
 /// Rejected record with its position and reason, displayed as `file:line: reason`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Rejected {
@@ -153,7 +181,7 @@ pub struct Rejected {
     /// Line in the file, from 1.
     pub line: usize,
     /// Reason for the rejection.
-    pub reason: RecordError,
+    pub reason: RejectReason,
 }
 
 impl fmt::Display for Rejected {
@@ -170,14 +198,14 @@ pub(super) struct Parsed {
     /// Offset of the last valid record.
     pub last_good_at: Option<usize>,
     /// Offsets of the rejected records with the reasons.
-    pub rejected: Vec<(usize, RecordError)>,
+    pub rejected: Vec<(usize, RejectReason)>,
     /// Number of records accepted with a wrong checksum.
     pub bad_checksums_accepted: usize,
 }
 
 impl Parsed {
     /// Stores a record or the reason for its rejection.
-    pub fn take(&mut self, offset: usize, record: Result<ElementSet, RecordError>) {
+    pub fn take(&mut self, offset: usize, record: Result<ElementSet, RejectReason>) {
         match record {
             Ok(set) => {
                 self.sets.push(set);
@@ -196,9 +224,9 @@ impl Parsed {
 /// Checks the ranges of an element set, which are the same for every syntax.
 ///
 /// Angles may be outside one turn by one turn in either direction.
-pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RecordError> {
+pub(super) fn checked(set: ElementSet) -> Result<ElementSet, RejectReason> {
     const TURN: &str = "-360 to 360 deg";
-    let out_of_range = |field, value, allowed| Err(RecordError::OutOfRange { field, value, allowed });
+    let out_of_range = |field, value, allowed| Err(RejectReason::OutOfRange { field, value, allowed });
     if set.norad_id.0 == 0 || set.norad_id.0 > 999_999_999 {
         return out_of_range("catalogue number", f64::from(set.norad_id.0), "1 to 999999999");
     }

@@ -6,10 +6,11 @@ use hifitime::Epoch;
 use rayon::prelude::*;
 
 use super::element_set::ElementSet;
+use super::error::ElementsError;
 use super::history::{History, nearest_of_each};
 use super::record::Rejected;
-use super::shell::{Constellation, ShellError};
-use super::source::{CatalogueError, FileReading, SourceFile, read_bytes, read_file};
+use super::shell::Constellation;
+use super::source::{FileReading, SourceFile, read_bytes, read_file};
 use super::tle::Checksums;
 
 /// Options of reading element sets.
@@ -48,7 +49,7 @@ pub enum Keep {
 /// let catalogue = Satellites::from_bytes("iss.txt", text.as_bytes(), &ReadOptions::default())?;
 /// assert_eq!(catalogue.element_sets[0].norad_id, NoradId(25544));
 /// assert_eq!(catalogue.rejected[0].line, 4);
-/// # Ok::<(), streakcast::elements::CatalogueError>(())
+/// # Ok::<(), streakcast::elements::ElementsError>(())
 /// ```
 #[derive(Clone, Debug, Default, PartialEq)]
 #[non_exhaustive]
@@ -74,9 +75,9 @@ impl Satellites {
     /// * no file is given;
     /// * a file cannot be read, is a directory, is empty, or is an invalid gzip file;
     /// * a file is in none of the formats, or has no valid record.
-    pub fn read<P: AsRef<Path> + Sync>(paths: &[P], options: &ReadOptions) -> Result<Self, CatalogueError> {
+    pub fn read<P: AsRef<Path> + Sync>(paths: &[P], options: &ReadOptions) -> Result<Self, ElementsError> {
         if paths.is_empty() {
-            return Err(CatalogueError::NoFiles);
+            return Err(ElementsError::NoFiles);
         }
         let checksums = options.checksums();
         let readings: Result<Vec<_>, _> = paths.par_iter().map(|path| read_file(path.as_ref(), checksums)).collect();
@@ -88,7 +89,7 @@ impl Satellites {
     ///
     /// # Errors
     /// Same as [`read`](Self::read).
-    pub fn from_files<P: AsRef<Path> + Sync>(paths: impl AsRef<[P]>) -> Result<Self, CatalogueError> {
+    pub fn from_files<P: AsRef<Path> + Sync>(paths: impl AsRef<[P]>) -> Result<Self, ElementsError> {
         Self::read(paths.as_ref(), &ReadOptions::default())
     }
 
@@ -98,7 +99,7 @@ impl Satellites {
     ///
     /// # Errors
     /// An unknown name; the error lists the known ones.
-    pub fn synthetic(constellation: &str, epoch: Epoch) -> Result<Self, ShellError> {
+    pub fn synthetic(constellation: &str, epoch: Epoch) -> Result<Self, ElementsError> {
         let element_sets = Constellation::by_name(constellation)?.element_sets(epoch);
         Ok(Self::from_element_sets(element_sets, Keep::All))
     }
@@ -107,7 +108,7 @@ impl Satellites {
     ///
     /// # Errors
     /// Same as [`read`](Self::read).
-    pub fn from_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Self, CatalogueError> {
+    pub fn from_bytes(name: &str, bytes: &[u8], options: &ReadOptions) -> Result<Self, ElementsError> {
         Ok(Self::assemble(vec![read_bytes(name, bytes, options.checksums())?], options.keep))
     }
 

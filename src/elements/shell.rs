@@ -20,10 +20,10 @@ use std::sync::Arc;
 
 use hifitime::{Duration, Epoch, TimeScale};
 use serde::Deserialize;
-use thiserror::Error;
 
 use super::element_set::{ElementSet, NoradId, Origin};
 use super::epoch::DAY_NS;
+use super::error::ElementsError;
 use super::on_station::{mean_motion_for_radius, secular_rates_rad_day};
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 
@@ -85,47 +85,6 @@ pub struct Constellation {
     pub first_id: NoradId,
 }
 
-/// Errors of constellations.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum ShellError {
-    /// An unknown name of a constellation.
-    #[error("unknown shells {name:?}: expected one of {known}")]
-    UnknownName {
-        /// Requested value.
-        name: String,
-        /// Known names.
-        known: String,
-    },
-    /// Invalid TOML.
-    #[error("constellation file: {0}")]
-    Syntax(String),
-    /// A number out of range.
-    #[error("constellation {name:?}, shell {shell}: {field} {value} is out of range: allowed {allowed}")]
-    OutOfRange {
-        /// Name of the constellation.
-        name: String,
-        /// Number of the shell, from 1.
-        shell: usize,
-        /// Name of the key.
-        field: &'static str,
-        /// Given number.
-        value: f64,
-        /// Allowed range with unit.
-        allowed: &'static str,
-    },
-    /// A stated total that differs from the sum of the shells.
-    #[error("constellation {name:?} states {stated} satellites, but its shells have {sum} (allowed: 1 to 999999)")]
-    WrongTotal {
-        /// Name of the constellation.
-        name: String,
-        /// Stated number, or the sum if none is stated.
-        stated: u64,
-        /// Sum of planes times satellites per plane.
-        sum: u64,
-    },
-}
-
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct File {
@@ -153,13 +112,13 @@ impl Constellation {
     ///
     /// # Errors
     /// An unknown name; the error lists the known ones.
-    pub fn by_name(name: &str) -> Result<Self, ShellError> {
+    pub fn by_name(name: &str) -> Result<Self, ElementsError> {
         let mut all = Self::embedded();
         match all.iter().position(|constellation| constellation.name.eq_ignore_ascii_case(name.trim())) {
             Some(at) => Ok(all.swap_remove(at)),
             None => {
                 let known: Vec<_> = all.into_iter().map(|constellation| constellation.name).collect();
-                Err(ShellError::UnknownName { name: name.into(), known: known.join(", ") })
+                Err(ElementsError::UnknownShells { name: name.into(), known: known.join(", ") })
             }
         }
     }
@@ -182,7 +141,7 @@ impl Constellation {
     ///     node_spread_deg = 180
     /// "#)?;
     /// assert_eq!(mine[0].satellites(), 66);
-    /// # Ok::<(), streakcast::elements::ShellError>(())
+    /// # Ok::<(), streakcast::elements::ElementsError>(())
     /// ```
     ///
     /// Keys are those of [`Shell`]; `satellites` in a `[[constellation]]` states the total and is checked.
@@ -190,7 +149,7 @@ impl Constellation {
     /// # Errors
     /// * invalid TOML, or a missing or unknown key;
     /// * a number out of range, or a stated total that is not the sum.
-    pub fn from_toml(text: &str) -> Result<Vec<Self>, ShellError> {
+    pub fn from_toml(text: &str) -> Result<Vec<Self>, ElementsError> {
         parse(text, FIRST_OWN_ID)
     }
 
@@ -258,11 +217,15 @@ fn days_since_reference(epoch: Epoch) -> f64 {
         .to_unit(hifitime::Unit::Day)
 }
 
-fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ShellError> {
-    let file: File = toml::from_str(text).map_err(|error| ShellError::Syntax(error.to_string().trim().to_string()))?;
+fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ElementsError> {
+    let file: File =
+        toml::from_str(text).map_err(|error| ElementsError::ShellSyntax(error.to_string().trim().to_string()))?;
     // The number of blocks up to catalogue number 999,999,999.
     if file.constellation.len() > 49 {
-        return Err(ShellError::Syntax(format!("{} constellations; allowed: at most 49", file.constellation.len())));
+        return Err(ElementsError::ShellSyntax(format!(
+            "{} constellations; allowed: at most 49",
+            file.constellation.len()
+        )));
     }
     file.constellation
         .into_iter()
@@ -271,7 +234,7 @@ fn parse(text: &str, first_id: u32) -> Result<Vec<Constellation>, ShellError> {
         .collect()
 }
 
-fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
+fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ElementsError> {
     for (at, shell) in entry.shell.iter().enumerate() {
         let ranges = [
             ("altitude_km", shell.altitude_km, 120.0..=5500.0, "120 to 5500 km"),
@@ -284,7 +247,7 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
         ];
         for (field, value, range, allowed) in ranges {
             if !range.contains(&value) {
-                return Err(ShellError::OutOfRange { name: entry.name, shell: at + 1, field, value, allowed });
+                return Err(ElementsError::ShellOutOfRange { name: entry.name, shell: at + 1, field, value, allowed });
             }
         }
     }
@@ -292,7 +255,7 @@ fn checked(entry: Entry, first_id: u32) -> Result<Constellation, ShellError> {
         entry.shell.iter().map(|shell| u64::from(shell.planes) * u64::from(shell.satellites_per_plane)).sum();
     let stated = entry.satellites.unwrap_or(sum);
     if stated != sum || sum == 0 || sum >= u64::from(ID_BLOCK) {
-        return Err(ShellError::WrongTotal { name: entry.name, stated, sum });
+        return Err(ElementsError::ShellTotal { name: entry.name, stated, sum });
     }
     Ok(Constellation { name: entry.name, source: entry.source, shells: entry.shell, first_id: NoradId(first_id) })
 }

@@ -1,48 +1,19 @@
 //! Reading one file of element sets: decompression, detection of the format, valid and rejected records.
 
 use std::borrow::Cow;
-use std::fmt;
-use std::io::{self, Read};
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
 use flate2::read::MultiGzDecoder;
 use hifitime::Epoch;
 use sha2::{Digest, Sha256};
-use thiserror::Error;
 
 use super::element_set::ElementSet;
-use super::record::{Parsed, RecordError, Rejected, excerpt};
+use super::error::ElementsError;
+use super::record::{ElementFormat, Parsed, RejectReason, Rejected, excerpt};
 use super::tle::Checksums;
 use super::{omm_csv, omm_json, omm_kvn, omm_xml, tle_file};
-
-/// Format of a file of element sets.
-#[derive(Copy, Clone, Debug, PartialEq, Eq, Hash)]
-#[non_exhaustive]
-pub enum ElementFormat {
-    /// Two-line element sets, with or without a line for the name.
-    Tle,
-    /// Orbit mean-elements messages as JSON (CelesTrak, Space-Track, JSON lines).
-    OmmJson,
-    /// Orbit mean-elements messages as CSV, and tables with the two lines in columns.
-    OmmCsv,
-    /// Orbit mean-elements messages as XML (CCSDS 505.0-B).
-    OmmXml,
-    /// Orbit mean-elements messages as lines of `KEYWORD = value` (CCSDS 502.0-B).
-    OmmKvn,
-}
-
-impl fmt::Display for ElementFormat {
-    fn fmt(&self, formatter: &mut fmt::Formatter<'_>) -> fmt::Result {
-        formatter.write_str(match self {
-            Self::Tle => "TLE",
-            Self::OmmJson => "OMM JSON",
-            Self::OmmCsv => "OMM CSV",
-            Self::OmmXml => "OMM XML",
-            Self::OmmKvn => "OMM KVN",
-        })
-    }
-}
 
 /// Source of element sets, for the provenance of every result.
 #[derive(Clone, Debug, PartialEq)]
@@ -70,73 +41,6 @@ pub struct SourceFile {
     pub last_epoch: Epoch,
 }
 
-/// Errors of a whole file.
-#[derive(Debug, Error)]
-#[non_exhaustive]
-pub enum CatalogueError {
-    /// An empty list of files.
-    #[error("no file of element sets is given")]
-    NoFiles,
-    /// An error of the operating system.
-    #[error("cannot read {file}: {source}")]
-    Unreadable {
-        /// Given name.
-        file: String,
-        /// Error of the system.
-        source: io::Error,
-    },
-    /// A directory instead of a file.
-    #[error("{file} is a directory; specify the files of element sets in it")]
-    Directory {
-        /// Given name.
-        file: String,
-    },
-    /// An empty file, or one with blanks only.
-    #[error("{file} is empty; expected element sets as {ALLOWED}")]
-    Empty {
-        /// Given name.
-        file: String,
-    },
-    /// A truncated or damaged gzip file.
-    #[error("{file} is an invalid gzip file ({source}): it may be truncated; download it again")]
-    BrokenGzip {
-        /// Given name.
-        file: String,
-        /// Error of the decoder.
-        source: io::Error,
-    },
-    /// An unknown format.
-    #[error("{file} contains no element sets ({what}); allowed: {ALLOWED}")]
-    UnknownFormat {
-        /// Given name.
-        file: String,
-        /// Apparent content.
-        what: String,
-    },
-    /// A known format without a valid record. Continuing would report every exposure as clear.
-    #[error("{file} ({format}) contains no valid element set{}", rejected_words(*.rejected, .first))]
-    NothingUsable {
-        /// Given name.
-        file: String,
-        /// Format.
-        format: ElementFormat,
-        /// Number of rejected records.
-        rejected: usize,
-        /// First rejected record.
-        first: Option<Box<Rejected>>,
-    },
-}
-
-/// Accepted formats, for messages.
-const ALLOWED: &str = "TLE, 2LE, 3LE or OMM (JSON, CSV, XML, KVN), plain or gzipped";
-
-fn rejected_words(rejected: usize, first: &Option<Box<Rejected>>) -> String {
-    match first {
-        Some(first) => format!(": {rejected} rejected, the first at line {}: {}", first.line, first.reason),
-        None => ": it has no records".into(),
-    }
-}
-
 /// Content of one file.
 pub(super) struct FileReading {
     pub source: SourceFile,
@@ -145,17 +49,17 @@ pub(super) struct FileReading {
 }
 
 /// Reads a file from disk.
-pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading, CatalogueError> {
+pub(super) fn read_file(path: &Path, checksums: Checksums) -> Result<FileReading, ElementsError> {
     let file = || path.display().to_string();
     if path.is_dir() {
-        return Err(CatalogueError::Directory { file: file() });
+        return Err(ElementsError::Directory { file: file() });
     }
-    let bytes = std::fs::read(path).map_err(|source| CatalogueError::Unreadable { file: file(), source })?;
+    let bytes = std::fs::read(path).map_err(|source| ElementsError::Unreadable { file: file(), source })?;
     read_bytes(&file(), &bytes, checksums)
 }
 
 /// Reads the content of a file.
-pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, CatalogueError> {
+pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Result<FileReading, ElementsError> {
     // Hashing and parsing take about the same time and run in parallel.
     let (sha256, content) = rayon::join(|| hex(&Sha256::digest(bytes)), || read_content(name, bytes, checksums));
     let Content { format, gzipped, sets, rejected, cut_short, bad_checksums_accepted } = content?;
@@ -166,7 +70,7 @@ pub(super) fn read_bytes(name: &str, bytes: &[u8], checksums: Checksums) -> Resu
     let epochs = || sets.iter().map(|set| set.epoch);
     let duration = |epoch: &Epoch| epoch.duration;
     let (Some(first_epoch), Some(last_epoch)) = (epochs().min_by_key(duration), epochs().max_by_key(duration)) else {
-        return Err(CatalogueError::NothingUsable {
+        return Err(ElementsError::NothingUsable {
             file: name.to_string(),
             format,
             rejected: rejected.len(),
@@ -193,21 +97,21 @@ struct Content {
     format: ElementFormat,
     gzipped: bool,
     sets: Vec<ElementSet>,
-    rejected: Vec<(usize, RecordError)>,
+    rejected: Vec<(usize, RejectReason)>,
     cut_short: bool,
     bad_checksums_accepted: usize,
 }
 
-fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, CatalogueError> {
+fn read_content(name: &str, bytes: &[u8], checksums: Checksums) -> Result<Content, ElementsError> {
     let gzipped = bytes.starts_with(&[0x1f, 0x8b]);
     let unpacked = unpack(name, bytes)?;
     let decoded = decode(&unpacked);
     let text = String::from_utf8_lossy(&decoded);
     if text.bytes().all(|byte| byte.is_ascii_whitespace() || byte == 0) {
-        return Err(CatalogueError::Empty { file: name.into() });
+        return Err(ElementsError::Empty { file: name.into() });
     }
     let format = sniff(&decoded, &text)
-        .map_err(|what| CatalogueError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
+        .map_err(|what| ElementsError::UnknownFormat { file: name.into(), what: what.into_owned() })?;
     let mut parsed = match format {
         ElementFormat::Tle => tle_file::parse(&text, checksums),
         ElementFormat::OmmJson => omm_json::parse(&text, checksums),
@@ -238,14 +142,14 @@ fn line_numbers<T>(text: &[u8], rejected: Vec<(usize, T)>) -> Vec<(usize, T)> {
         .collect()
 }
 
-fn unpack<'a>(name: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, CatalogueError> {
+fn unpack<'a>(name: &str, bytes: &'a [u8]) -> Result<Cow<'a, [u8]>, ElementsError> {
     if !bytes.starts_with(&[0x1f, 0x8b]) {
         return Ok(Cow::Borrowed(bytes));
     }
     let mut unpacked = Vec::with_capacity(bytes.len() * 4);
     MultiGzDecoder::new(bytes)
         .read_to_end(&mut unpacked)
-        .map_err(|source| CatalogueError::BrokenGzip { file: name.into(), source })?;
+        .map_err(|source| ElementsError::BrokenGzip { file: name.into(), source })?;
     Ok(Cow::Owned(unpacked))
 }
 

@@ -1,10 +1,10 @@
 //! Reading texts of TLEs with names, comments and invalid lines, and writing TLEs.
 
-use thiserror::Error;
+use super::error::ElementsError;
 
 use super::element_set::{ElementSet, NoradId};
 use super::epoch;
-use super::record::{Parsed, RecordError, excerpt, next_line, parse_in_chunks};
+use super::record::{Parsed, RejectReason, excerpt, next_line, parse_in_chunks};
 use super::tle::{Checksums, parse_lines};
 use super::tle_fields::{ALPHA5, BODY, checksum};
 
@@ -54,7 +54,7 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
                 }
                 continue;
             }
-            parsed.rejected.push((first_offset, RecordError::LineOneAlone));
+            parsed.rejected.push((first_offset, RejectReason::LineOneAlone));
             name = None;
         }
         let is_first = line.starts_with(b"1 ")
@@ -62,16 +62,16 @@ fn parse_piece(text: &[u8], checksums: Checksums) -> Parsed {
         if is_first {
             first = Some((offset, line));
         } else if line.starts_with(b"2 ") && line.len() >= DATA_LENGTH {
-            parsed.rejected.push((offset, RecordError::LineTwoAlone));
+            parsed.rejected.push((offset, RejectReason::LineTwoAlone));
             name = None;
         } else if let Some((stray_offset, stray)) = name.replace((offset, line)) {
-            parsed.rejected.push((stray_offset, RecordError::Stray { text: excerpt(stray) }));
+            parsed.rejected.push((stray_offset, RejectReason::Stray { text: excerpt(stray) }));
         }
     }
     if let Some((offset, _)) = first {
-        parsed.rejected.push((offset, RecordError::LineOneAlone));
+        parsed.rejected.push((offset, RejectReason::LineOneAlone));
     } else if let Some((offset, stray)) = name {
-        parsed.rejected.push((offset, RecordError::Stray { text: excerpt(stray) }));
+        parsed.rejected.push((offset, RejectReason::Stray { text: excerpt(stray) }));
     }
     parsed
 }
@@ -118,25 +118,6 @@ impl<'a> Iterator for Lines<'a> {
     }
 }
 
-/// Errors of writing an element set as a TLE.
-#[derive(Clone, Debug, PartialEq, Error)]
-#[non_exhaustive]
-pub enum TleFormatError {
-    /// A catalogue number above the range of Alpha-5.
-    #[error("catalogue number {0} does not fit a TLE; allowed: up to 339999 (Alpha-5)")]
-    IdTooLarge(NoradId),
-    /// A number that does not fit its columns.
-    #[error("{field} {value} of object {norad_id} does not fit its columns in a TLE")]
-    DoesNotFit {
-        /// NORAD catalogue number.
-        norad_id: NoradId,
-        /// Name of the field.
-        field: &'static str,
-        /// The number.
-        value: f64,
-    },
-}
-
 /// Writes the two lines of an element set, each of 69 characters, rounded to the width of the columns.
 ///
 /// The classification is `U`, the set number 999. Digits beyond the format are lost (eccentricity 1e-7, B* five digits,
@@ -145,9 +126,9 @@ pub enum TleFormatError {
 /// # Errors
 /// * the catalogue number is above 339,999;
 /// * a derivative, B*, or the epoch's year (1957-2056) does not fit its columns.
-pub fn format_tle(set: &ElementSet) -> Result<[String; 2], TleFormatError> {
+pub fn format_tle(set: &ElementSet) -> Result<[String; 2], ElementsError> {
     let id = format_id(set.norad_id)?;
-    let misfit = |field, value| TleFormatError::DoesNotFit { norad_id: set.norad_id, field, value };
+    let misfit = |field, value| ElementsError::TleColumns { norad_id: set.norad_id, field, value };
     let (mut year, mut day, nanosecond) = epoch::to_day_of_year(set.epoch);
     let mut fraction = (nanosecond + 432_000) / 864_000;
     if fraction == 100_000_000 {
@@ -193,12 +174,12 @@ pub fn format_tle(set: &ElementSet) -> Result<[String; 2], TleFormatError> {
     }))
 }
 
-fn format_id(norad_id: NoradId) -> Result<String, TleFormatError> {
+fn format_id(norad_id: NoradId) -> Result<String, ElementsError> {
     let (tens, rest) = (norad_id.0 / 10_000, norad_id.0 % 10_000);
     if tens < 10 {
         return Ok(format!("{:05}", norad_id.0));
     }
-    let letter = ALPHA5.get(tens as usize - 10).ok_or(TleFormatError::IdTooLarge(norad_id))?;
+    let letter = ALPHA5.get(tens as usize - 10).ok_or(ElementsError::TleId(norad_id))?;
     Ok(format!("{}{rest:04}", char::from(*letter)))
 }
 
@@ -247,7 +228,7 @@ mod tests {
         {
             assert_eq!(format_id(NoradId(id)).unwrap(), text);
         }
-        assert_eq!(format_id(NoradId(340_000)), Err(TleFormatError::IdTooLarge(NoradId(340_000))));
+        assert!(matches!(format_id(NoradId(340_000)), Err(ElementsError::TleId(NoradId(340_000)))));
     }
 
     #[test]
@@ -261,7 +242,7 @@ mod tests {
             ElementSet { epoch: hifitime::Epoch::from_gregorian_utc_at_noon(2057, 1, 1), ..good.clone() },
         ];
         for set in cases {
-            assert!(matches!(format_tle(&set), Err(TleFormatError::DoesNotFit { .. })), "{set:?}");
+            assert!(matches!(format_tle(&set), Err(ElementsError::TleColumns { .. })), "{set:?}");
         }
     }
 }

@@ -8,8 +8,6 @@
 
 use rayon::prelude::*;
 
-use crate::photometry::{Coefficients, Earthshine};
-
 use super::error::FitError;
 use super::form::{BLOCK, Form};
 use super::jackknife::TrackSets;
@@ -18,7 +16,8 @@ use super::phase::{PhaseForm, SphereForm};
 use super::point::{FitPoint, points_of_pixels};
 use super::solve::{FitSettings, Problem};
 use super::statistics::{ResidualStatistics, aic_under, share_within, sigma_68_mag};
-use super::two_panel::TwoPanelForm;
+use super::two_panel_form::TwoPanelForm;
+use crate::photometry::{Coefficients, Earthshine};
 
 /// A form with its free parameters.
 pub struct CompetingForm {
@@ -60,7 +59,7 @@ pub struct FormScore {
 /// # Errors
 /// * those of [`Problem`];
 /// * [`FitError::Folds`] for fewer than two folds or fewer groups than folds;
-/// * [`FitError::Empty`] and [`FitError::NoneUnseen`] if no point is common to all forms.
+/// * [`FitError::NoPoints`] and [`FitError::NoneUnseen`] if no point is common to all forms.
 pub fn compare_forms(
     forms: &[CompetingForm],
     points: &[FitPoint],
@@ -84,7 +83,7 @@ pub fn compare_forms(
     let sigmas_mag: Vec<f64> = points.iter().map(|point| point.sigma_mag).collect();
     let score = |((one, (form, settings)), held_out): ((&CompetingForm, &(&dyn Form, FitSettings)), HeldOut)| {
         let fit = Problem::new(*form, &points, settings)?.solve()?;
-        let empty = || FitError::Empty { given: points.len(), unexplained: points.len(), form: one.name.clone() };
+        let empty = || FitError::NoPoints { given: points.len(), unexplained: points.len(), form: one.name.clone() };
         Ok(FormScore {
             name: one.name.clone(),
             parameters: one.free.len(),

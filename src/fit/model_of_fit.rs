@@ -1,7 +1,7 @@
 //! Model file of a fit.
 
 use crate::geometry::ViewingGeometry;
-use crate::photometry::{GeometryRange, ModelFile, ModelFileError, PANEL_OFFSET, Provenance};
+use crate::photometry::{GeometryRange, ModelFile, PANEL_OFFSET, PhotometryError, Provenance};
 
 use super::paper_tests::COEFFICIENTS;
 use super::point::FitPoint;
@@ -37,7 +37,7 @@ pub struct ModelDescription {
 /// covariance, the range of the points and a sigma.
 ///
 /// # Errors
-/// [`ModelFileError`] if a number is outside the limits of model files.
+/// [`PhotometryError`] if a number is outside the limits of model files.
 pub fn model_file(
     base: &ModelFile,
     fit: &Fit,
@@ -45,7 +45,7 @@ pub fn model_file(
     rms_mag: f64,
     sigma_mag: f64,
     description: &ModelDescription,
-) -> Result<ModelFile, ModelFileError> {
+) -> Result<ModelFile, PhotometryError> {
     let index = |name: &str| fit.parameters.iter().position(|parameter| parameter.name == name);
     let mut order: Vec<usize> = base
         .parameters()

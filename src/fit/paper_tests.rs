@@ -1,14 +1,14 @@
 //! Three tests of Lu (2024, section 4) that precede the final model: dependence of the panel offset on the Sun,
 //! necessity of the sail's glossy lobe, necessity of earthshine.
 
+use super::error::FitError;
 use crate::photometry::{Earthshine, PANEL_OFFSET};
 
-use super::error::FitError;
 use super::objective::Loss;
 use super::point::FitPoint;
 use super::solve::{Fit, FitSettings, Problem};
 use super::statistics::{PairedTest, aic_under, paired_t_test, rms};
-use super::two_panel::TwoPanelForm;
+use super::two_panel_form::TwoPanelForm;
 
 /// Names of the seven coefficients of the paper's form.
 pub const COEFFICIENTS: [&str; 7] = ["c1", "c2", "c3", "c4", "c5", "n_sail", "n_base"];

@@ -69,7 +69,7 @@ impl Problem {
     /// Checks the points, drops those that the form does not explain, and prepares the form.
     ///
     /// # Errors
-    /// [`FitError::Parameter`], [`FitError::Point`], [`FitError::Empty`], [`FitError::TooFew`].
+    /// [`FitError::Parameter`], [`FitError::Point`], [`FitError::NoPoints`], [`FitError::TooFew`].
     pub fn new(form: &dyn Form, points: &[FitPoint], settings: &FitSettings) -> Result<Self, FitError> {
         let mut parameters = form.parameters();
         let names: Vec<String> = parameters.iter().map(|parameter| parameter.name.clone()).collect();
@@ -98,7 +98,7 @@ impl Problem {
         let mut prepared = form.prepare(points);
         let kept: Vec<usize> = (0..points.len()).filter(|&i| prepared.explains(i)).collect();
         if kept.is_empty() {
-            return Err(FitError::Empty { given: points.len(), unexplained: points.len(), form: form.name() });
+            return Err(FitError::NoPoints { given: points.len(), unexplained: points.len(), form: form.name() });
         }
         if kept.len() <= free.len() {
             let names = free.iter().map(|&i| parameters[i].name.as_str()).collect::<Vec<_>>().join(", ");

@@ -6,7 +6,7 @@ use hifitime::Epoch;
 
 use super::error::ForecastError;
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
-use crate::elements::{Constellation, Shell, ShellError};
+use crate::elements::{Constellation, ElementsError, Shell};
 use crate::frames::seconds_after;
 use crate::output::{Column, Kind, Table};
 use crate::passes::{Exposure, Field, PassOptions, Sky, SnapshotOptions};
@@ -93,7 +93,7 @@ const BASSA2022_REASON: &str =
 ///
 /// # Errors
 /// None for the shells of the library.
-pub fn lu2024b_constellations() -> Result<Vec<Constellation>, ShellError> {
+pub fn lu2024b_constellations() -> Result<Vec<Constellation>, ElementsError> {
     Constellation::from_toml(LU2024B_SHELLS)
 }
 

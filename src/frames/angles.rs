@@ -1,6 +1,7 @@
 //! Parsing of right ascensions and declinations in decimal degrees or sexagesimal form.
 
 use super::error::FramesError;
+use super::vector::{Direction, Gcrs};
 
 const RIGHT_ASCENSION: &str = "a right ascension: degrees from 0 to 360 (188.5), or hours as 12h34m56.7s or 12:34:56.7";
 const DECLINATION: &str = "a declination: degrees from -90 to 90 (-30.5), or -30d12m34.5s or -30:12:34.5";
@@ -111,6 +112,17 @@ fn parse(text: &str) -> Option<Angle> {
         value += part / [1.0, 60.0, 3600.0][index];
     }
     (!numbers.is_empty()).then_some(Angle { negative, value, unit })
+}
+
+/// Reads a direction: right ascension and declination as [`parse_right_ascension_deg`] and [`parse_declination_deg`] do.
+///
+/// # Errors
+/// [`FramesError::BadAngle`] for another form or a value out of range.
+pub fn parse_direction(ra: &str, dec: &str) -> Result<Direction<Gcrs>, FramesError> {
+    Ok(Direction::from_lon_lat_rad(
+        parse_right_ascension_deg(ra)?.to_radians(),
+        parse_declination_deg(dec)?.to_radians(),
+    ))
 }
 
 #[cfg(test)]

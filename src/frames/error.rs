@@ -1,7 +1,9 @@
-//! Errors of times, angles and Earth orientation tables.
+//! Errors of times, angles and Earth orientation.
 
-/// Errors of this module.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+use thiserror::Error;
+
+/// Errors of times, angles and Earth orientation.
+#[derive(Clone, Debug, Error, PartialEq)]
 pub enum FramesError {
     /// A date that is not a number, or outside the calendar range of this library.
     #[error("invalid {what} {value}: expected a date between {first} and {last}")]
@@ -55,4 +57,26 @@ pub enum FramesError {
         /// Accepted forms.
         wanted: &'static str,
     },
+    /// The text is not ISO 8601.
+    #[error("invalid time '{0}': expected ISO 8601, for example 2024-08-14T00:30:00.000Z")]
+    NotATime(String),
+    /// A field is out of range.
+    #[error("invalid time '{text}': {field} {value} is out of range")]
+    TimeField {
+        /// Given text.
+        text: String,
+        /// `month`, `day`, `hour`, `minute` or `second`.
+        field: &'static str,
+        /// The value of the field.
+        value: u32,
+    },
+    /// A second 60 is given for a minute without a leap second.
+    #[error("invalid time '{0}': no leap second was inserted at that time")]
+    NoLeapSecond(String),
+    /// The time has no scale.
+    #[error(
+        "'{0}' names no time scale: end it with Z (UTC) or specify --time-scale utc, tai or tt \
+         (TAI read as UTC is 37 s off, and a satellite crosses a field within seconds)"
+    )]
+    NoScale(String),
 }

@@ -25,11 +25,11 @@ mod sampled;
 mod time;
 mod vector;
 
-pub use angles::{parse_declination_deg, parse_right_ascension_deg};
+pub use angles::{parse_declination_deg, parse_direction, parse_right_ascension_deg};
 pub use earth_orientation::{EarthOrientationParameters, EopStatus, EopTable};
 pub use equatorial::{annual_aberration, gcrs_to_of_date, itrs_to_horizontal, without_annual_aberration};
 pub use error::FramesError;
-pub use instant::{FIRST_YEAR, InstantError, LAST_YEAR, is_covered, parse_instant, parse_moment};
+pub use instant::{FIRST_YEAR, LAST_YEAR, is_covered, parse_instant, parse_moment};
 pub use orientation::{Orientation, OrientationTable};
 pub(crate) use sampled::Sampled;
 pub use time::{

@@ -3,6 +3,7 @@
 use hifitime::Epoch;
 
 use super::time::{epoch_from_utc_day, mjd_utc, seconds_after, seconds_between};
+use crate::math::interpolation::cubic_weights;
 
 /// Spacing of the nodes, seconds. Precession, nutation, the Earth's orbit and the Moon's perturbations are smooth on
 /// this scale: a cubic through four nodes has an error below 3·10⁻¹⁰ of their size, and daily tables of the Earth's
@@ -60,14 +61,7 @@ impl<const N: usize> Sampled<N> {
     pub(crate) fn cubic_at(&self, seconds: f64) -> [f64; N] {
         let (node, _) = self.locate(seconds);
         let first = node.clamp(1, self.nodes.len() - 3) - 1;
-        let t = (seconds - self.first_s) / STEP_S - (first + 1) as f64;
-        // Lagrange's polynomials on the nodes -1, 0, 1, 2.
-        let weights = [
-            -t * (t - 1.0) * (t - 2.0) / 6.0,
-            (t + 1.0) * (t - 1.0) * (t - 2.0) / 2.0,
-            -(t + 1.0) * t * (t - 2.0) / 2.0,
-            (t + 1.0) * t * (t - 1.0) / 6.0,
-        ];
+        let weights = cubic_weights((seconds - self.first_s) / STEP_S - first as f64);
         let nodes = &self.nodes[first..first + 4];
         std::array::from_fn(|k| {
             weights[0] * nodes[0][k] + weights[1] * nodes[1][k] + weights[2] * nodes[2][k] + weights[3] * nodes[3][k]

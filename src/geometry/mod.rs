@@ -21,7 +21,6 @@
 
 mod error;
 mod limb;
-mod observer;
 mod shadow;
 mod site;
 mod sun;
@@ -30,9 +29,8 @@ mod viewing;
 
 pub use error::GeometryError;
 pub use limb::EarthLimb;
-pub use observer::{Observer, ObserverState};
 pub use shadow::{Illumination, KARMAN_LINE_KM, ShadowModel, grazing_height_km, illumination, sunlit_by_100_km_rule};
-pub use site::Site;
+pub use site::{Observer, ObserverState, Site};
 pub use sun::{SunState, SunTable};
 pub use topocentric::{Aspect, aspect, icrs_of_apparent};
 pub use viewing::ViewingGeometry;

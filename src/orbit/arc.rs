@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 
 use super::propagator::{OrbitError, Propagator, State};
 use crate::frames::{Gcrs, Position, Rotation, Teme, Velocity};
+use crate::math::interpolation::{cubic_slopes, cubic_weights};
 
 /// Step between two nodes that is short enough for any orbit, seconds.
 ///
@@ -84,22 +85,13 @@ impl OrbitArc {
         // The four nodes around the time, or the nearest four at the ends.
         let left = ((steps - 1.0).max(0.0) as usize).min(self.positions.len() - 4);
         let u = steps - left as f64;
-        let (a, b, c, d) = (u, u - 1.0, u - 2.0, u - 3.0);
-        // Lagrange's weights for nodes at 0, 1, 2, 3, and their derivatives.
-        let weights = [-b * c * d / 6.0, a * c * d / 2.0, -a * b * d / 2.0, a * b * c / 6.0];
-        let rates = [
-            -(c * d + b * d + b * c) / 6.0,
-            (c * d + a * d + a * c) / 2.0,
-            -(b * d + a * d + a * b) / 2.0,
-            (b * c + a * c + a * b) / 6.0,
-        ];
         let nodes = &self.positions[left..left + 4];
         let sum = |weights: [f64; 4]| -> Vector3<f64> {
             nodes[0] * weights[0] + nodes[1] * weights[1] + nodes[2] * weights[2] + nodes[3] * weights[3]
         };
         State {
-            position: Position::from_vector(sum(weights)),
-            velocity: Velocity::from_vector(sum(rates) / self.step_s),
+            position: Position::from_vector(sum(cubic_weights(u))),
+            velocity: Velocity::from_vector(sum(cubic_slopes(u)) / self.step_s),
         }
     }
 }

@@ -1,9 +1,11 @@
-//! SGP4 for one satellite. TEME is used inside this module only.
+//! SGP4 of one satellite, and of a whole catalogue.
 
-use hifitime::{Epoch, Unit};
-use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
 use std::f64::consts::{PI, TAU};
 use std::fmt;
+
+use hifitime::{Epoch, Unit};
+use rayon::prelude::*;
+use sgp4::{Constants, MinutesSinceEpoch, Orbit, WGS72, afspc_epoch_to_sidereal_time};
 use thiserror::Error;
 
 use super::resonance::Resonance;
@@ -28,7 +30,7 @@ pub enum OrbitError {
     /// SGP4 cannot be initialised from these elements.
     #[error("satellite {norad_id}: SGP4 cannot be initialised from its elements: {reason}")]
     Elements {
-        /// NORAD catalogue number.
+        /// Returns the NORAD catalogue number.
         norad_id: NoradId,
         /// SGP4's message.
         reason: String,
@@ -90,7 +92,7 @@ impl fmt::Debug for Propagator {
 impl Propagator {
     /// Initialises SGP4.
     ///
-    /// # Errors
+    /// [`OrbitError::Diverged`] where they do not agree: the drag terms have diverged.
     /// [`OrbitError::Elements`] where the eccentricity is outside [0, 1) or the mean motion is not positive.
     pub fn new(elements: &ElementSet) -> Result<Self, OrbitError> {
         let fail = |reason: String| OrbitError::Elements { norad_id: elements.norad_id, reason };
@@ -134,7 +136,7 @@ impl Propagator {
         integrated.ok().map(|prediction| prediction.position)
     }
 
-    /// Returns the NORAD catalogue number.
+    /// NORAD catalogue number.
     pub fn norad_id(&self) -> NoradId {
         self.norad_id
     }
@@ -147,7 +149,7 @@ impl Propagator {
     /// Checks that velocities agree with the positions of two states, `step_s` apart, the first at `minutes` after the
     /// element epoch.
     ///
-    /// [`OrbitError::Diverged`] where they do not agree: the drag terms have diverged.
+    /// # Errors
     /// [`OrbitError::Diverged`] where they are not: the drag terms have run away.
     pub fn check_step(
         &self,
@@ -259,5 +261,69 @@ impl Propagator {
             });
         }
         Ok(State { position: Position::new(x, y, z), velocity: Velocity::new(u, v, w) })
+    }
+}
+
+/// A satellite without a position, and the reason. Such satellites never stop a computation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeftOut {
+    /// NORAD catalogue number.
+    pub norad_id: NoradId,
+    /// Position of its element set in the catalogue.
+    pub element_index: usize,
+    /// Reason for the missing position.
+    pub reason: OrbitError,
+}
+
+/// Propagators of a catalogue. Construction takes about 1 µs per satellite and core.
+#[derive(Clone, Debug)]
+pub struct SatelliteIndex {
+    /// Propagators in catalogue order; `None` where SGP4 cannot be initialised.
+    propagators: Vec<Option<Propagator>>,
+    left_out: Vec<LeftOut>,
+}
+
+impl SatelliteIndex {
+    /// Initialises SGP4 for every element set, on all threads.
+    pub fn new(elements: &[ElementSet]) -> Self {
+        let made: Vec<Result<Propagator, OrbitError>> = elements.par_iter().map(Propagator::new).collect();
+        let mut left_out = Vec::new();
+        let propagators = made
+            .into_iter()
+            .enumerate()
+            .map(|(element_index, result)| {
+                result
+                    .map_err(|reason| {
+                        left_out.push(LeftOut { norad_id: elements[element_index].norad_id, element_index, reason });
+                    })
+                    .ok()
+            })
+            .collect();
+        Self { propagators, left_out }
+    }
+
+    /// Returns the number of element sets, including those that cannot be propagated.
+    pub fn len(&self) -> usize {
+        self.propagators.len()
+    }
+
+    /// Returns true for an empty catalogue.
+    pub fn is_empty(&self) -> bool {
+        self.propagators.is_empty()
+    }
+
+    /// Returns the propagator of the element set at this position; `None` where SGP4 cannot be initialised or the
+    /// position does not exist.
+    pub fn propagator(&self, element_index: usize) -> Option<&Propagator> {
+        self.propagators.get(element_index)?.as_ref()
+    }
+
+    /// Returns the satellites for which SGP4 cannot be initialised at any time.
+    pub fn left_out(&self) -> &[LeftOut] {
+        &self.left_out
+    }
+
+    pub(super) fn propagators(&self) -> &[Option<Propagator>] {
+        &self.propagators
     }
 }

@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::error::PhotometryError;
 use super::model::BrightnessModel;
-use super::model_error::ModelFileError;
 
 macro_rules! shipped {
     ($($file:literal),* $(,)?) => {
@@ -57,7 +57,7 @@ impl ModelLibrary {
     ///
     /// # Errors
     /// Same as [`BrightnessModel::from_json`]; the library is then unchanged.
-    pub fn add_json(&mut self, text: &str, origin: &str) -> Result<String, ModelFileError> {
+    pub fn add_json(&mut self, text: &str, origin: &str) -> Result<String, PhotometryError> {
         let model = BrightnessModel::from_json(text, origin)?;
         Ok(self.add(model))
     }

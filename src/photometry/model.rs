@@ -4,18 +4,17 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use crate::frames::{Body, Direction, Gcrs, Position};
-use crate::geometry::ViewingGeometry;
-
 use super::band::{Band, MagSystem};
 use super::brightness::{Brightness, Earthshine, MagnitudeSource, PhotometryOptions};
+use super::error::PhotometryError;
 use super::magnitude::{StandardMagnitude, airmass};
-use super::model_error::ModelFileError;
 use super::model_file::{GeometryRange, ModelFile, ModelKind, PANEL_OFFSET, SatelliteShape};
 use super::panels::PanelAssembly;
 use super::parameter_sigma::ParameterSigmas;
 use super::phase::{DiffuseSphere, PhaseFunction};
 use super::two_panel::{BodyAngles, Columns, SatelliteModel, SatellitePositions, standard_magnitudes};
+use crate::frames::{Body, Direction, Gcrs, Position};
+use crate::geometry::ViewingGeometry;
 
 /// Added in quadrature for a conversion from the model's band to another with the Sun's colour, mag. Assumed:
 /// satellites are up to a few tenths redder or bluer than the Sun, and no survey by type is public.
@@ -108,7 +107,7 @@ impl BrightnessModel {
     ///
     /// # Errors
     /// Same as [`ModelFile::from_json`].
-    pub fn from_json(text: &str, origin: &str) -> Result<Self, ModelFileError> {
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, PhotometryError> {
         Self::from_file(ModelFile::from_json(text, origin)?, origin)
     }
 
@@ -116,10 +115,14 @@ impl BrightnessModel {
     ///
     /// # Errors
     /// Same as [`ModelFile::validate`].
-    pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, ModelFileError> {
+    pub fn from_file(file: ModelFile, origin: &str) -> Result<Self, PhotometryError> {
         file.validate(origin)?;
-        let needs =
-            |key| ModelFileError::Key { origin: origin.to_owned(), kind: file.kind.name(), problem: "requires", key };
+        let needs = |key| PhotometryError::ModelKey {
+            origin: origin.to_owned(),
+            kind: file.kind.name(),
+            problem: "requires",
+            key,
+        };
         let (band, system) = file.band_and_system().ok_or_else(|| needs("band"))?;
         let name: Arc<str> = file.name.as_str().into();
         let sigmas = file.covariance.as_deref().map(ParameterSigmas::new);

@@ -6,7 +6,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::band::{Band, MagSystem};
-use super::model_error::{Check, ModelFileError, SCHEMA_VERSION};
+use super::error::{Check, PhotometryError, SCHEMA_VERSION};
 use super::panels::PanelsSpec;
 
 /// The panel offset of chassis and sail, which may be fitted together with the coefficients.
@@ -181,11 +181,11 @@ impl ModelFile {
     /// Reads and validates one model; errors contain `origin` (a file name).
     ///
     /// # Errors
-    /// [`ModelFileError`]: text that is not JSON, unknown or missing keys, another schema version, values out of
+    /// [`PhotometryError`]: text that is not JSON, unknown or missing keys, another schema version, values out of
     /// range, keys that do not fit the kind, an invalid covariance.
-    pub fn from_json(text: &str, origin: &str) -> Result<Self, ModelFileError> {
-        let file: Self =
-            serde_json::from_str(text).map_err(|source| ModelFileError::Json { origin: origin.to_owned(), source })?;
+    pub fn from_json(text: &str, origin: &str) -> Result<Self, PhotometryError> {
+        let file: Self = serde_json::from_str(text)
+            .map_err(|source| PhotometryError::ModelJson { origin: origin.to_owned(), source })?;
         file.validate(origin)?;
         Ok(file)
     }
@@ -226,11 +226,11 @@ impl ModelFile {
     /// Checks every value against its range and every key against the kind.
     ///
     /// # Errors
-    /// The first [`ModelFileError`] found.
-    pub fn validate(&self, origin: &str) -> Result<(), ModelFileError> {
+    /// The first [`PhotometryError`].
+    pub fn validate(&self, origin: &str) -> Result<(), PhotometryError> {
         let check = Check { origin };
         if self.schema != SCHEMA_VERSION {
-            return Err(ModelFileError::Schema { origin: origin.to_owned(), given: self.schema });
+            return Err(PhotometryError::ModelSchema { origin: origin.to_owned(), given: self.schema });
         }
         check.name("name", &self.name)?;
         self.aliases.iter().try_for_each(|alias| check.name("aliases", alias))?;
@@ -274,7 +274,7 @@ impl ModelFile {
     }
 
     /// Checks that the keys required by the kind are given, and no others.
-    fn validate_keys(&self, check: &Check) -> Result<(), ModelFileError> {
+    fn validate_keys(&self, check: &Check) -> Result<(), PhotometryError> {
         let two_panel = self.kind == ModelKind::TwoPanel;
         let panels = self.kind == ModelKind::Panels;
         let phase = self.kind == ModelKind::PhaseFunction;
@@ -286,7 +286,7 @@ impl ModelFile {
             ("phase_function", self.phase_function.is_some(), phase),
             ("mean_mag", self.mean_mag.is_some(), mean),
         ];
-        let key_error = |problem, key| ModelFileError::Key {
+        let key_error = |problem, key| PhotometryError::ModelKey {
             origin: check.origin.to_owned(),
             kind: self.kind.name(),
             problem,
@@ -307,7 +307,7 @@ impl ModelFile {
 }
 
 impl SatelliteShape {
-    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+    fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
         check.range("shape.sail_length_m", self.sail_length_m, 0.01, 200.0)?;
         check.range("shape.sail_width_m", self.sail_width_m, 0.01, 200.0)?;
         check.range("shape.base_length_m", self.base_length_m, 0.01, 200.0)?;
@@ -317,7 +317,7 @@ impl SatelliteShape {
 }
 
 impl Coefficients {
-    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+    fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
         let weights = [("c1", self.c1), ("c2", self.c2), ("c3", self.c3), ("c4", self.c4), ("c5", self.c5)];
         for (key, value) in weights {
             check.range(&format!("coefficients.{key}"), value, 0.0, 10.0)?;
@@ -330,7 +330,7 @@ impl Coefficients {
 }
 
 impl PhasePolynomial {
-    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+    fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
         check.range("phase_function.coefficients (number)", self.coefficients.len() as f64, 1.0, 8.0)?;
         for (i, &value) in self.coefficients.iter().enumerate() {
             check.range(&format!("phase_function.coefficients[{i}]"), value, -100.0, 100.0)?;
@@ -343,7 +343,7 @@ impl PhasePolynomial {
 }
 
 impl GeometryRange {
-    fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+    fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
         let ranges = [
             ("sun_latitude_deg", self.sun_latitude_deg, -90.0, 90.0),
             ("observer_latitude_deg", self.observer_latitude_deg, -90.0, 90.0),

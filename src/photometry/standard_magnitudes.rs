@@ -9,24 +9,12 @@
 
 use std::collections::BTreeMap;
 
-use thiserror::Error;
-
+use super::error::PhotometryError;
 use super::magnitude::StandardMagnitude;
 
 /// Offset from full phase and brightest likely aspect to half phase and average aspect: 2.5 log10 2 + 0.7 mag (McCants,
 /// "Intrinsic magnitude definitions").
 const QUICKSAT_TO_HALF_LIT_MAG: f64 = 0.752_574_989_159_953 + 0.7;
-
-/// Errors of tables of standard magnitudes.
-#[derive(Debug, Error, PartialEq)]
-pub enum StandardMagnitudesError {
-    /// No line with an id and a magnitude in their columns.
-    #[error("not a qs.mag table: none of {lines} lines has a NORAD id in columns 1-5 and a magnitude in columns 34-37")]
-    NothingRead {
-        /// Number of lines.
-        lines: usize,
-    },
-}
 
 /// Magnitudes at 1000 km and phase angle 90°, by NORAD id.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -38,8 +26,8 @@ impl StandardMagnitudes {
     /// Reads a `qs.mag` table; magnitudes are converted to half phase and mean aspect.
     ///
     /// # Errors
-    /// [`StandardMagnitudesError::NothingRead`] if no line has an id and a magnitude.
-    pub fn from_qs_mag(text: &str) -> Result<Self, StandardMagnitudesError> {
+    /// [`PhotometryError::NoStandardMagnitudes`] where no line has an id and a magnitude.
+    pub fn from_qs_mag(text: &str) -> Result<Self, PhotometryError> {
         let half_lit: BTreeMap<u32, StandardMagnitude> = text
             .lines()
             .filter_map(|line| {
@@ -52,15 +40,9 @@ impl StandardMagnitudes {
             })
             .collect();
         if half_lit.is_empty() {
-            return Err(StandardMagnitudesError::NothingRead { lines: text.lines().count() });
+            return Err(PhotometryError::NoStandardMagnitudes { lines: text.lines().count() });
         }
         Ok(Self { half_lit })
-    }
-
-    /// Creates a table from pairs of NORAD id and magnitude at 1000 km and phase angle 90°; the last of equal ids is
-    /// used.
-    pub fn from_half_lit(pairs: impl IntoIterator<Item = (u32, StandardMagnitude)>) -> Self {
-        Self { half_lit: pairs.into_iter().collect() }
     }
 
     /// Returns the magnitude at 1000 km and phase angle 90°, if the object is listed.
@@ -103,7 +85,7 @@ mod tests {
     #[test]
     fn verif_other_text_is_rejected() {
         let error = StandardMagnitudes::from_qs_mag("a,b,c\n1,2,3\n").unwrap_err();
-        assert_eq!(error, StandardMagnitudesError::NothingRead { lines: 2 });
+        assert!(matches!(error, PhotometryError::NoStandardMagnitudes { lines: 2 }));
         assert!(error.to_string().contains("qs.mag"));
         assert!(StandardMagnitudes::from_qs_mag("").is_err());
     }

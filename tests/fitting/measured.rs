@@ -10,10 +10,11 @@ use flate2::Compression;
 use flate2::write::GzEncoder;
 use proptest::prelude::*;
 use streakcast::elements::{Constellation, ElementSet, History, NoradId, StationRule};
+use streakcast::fit::FitError;
 use streakcast::fit::measurements::{
-    ColumnMap, DensityMode, DropReason, Format, Measurement, MeasurementError, Measurements, PhotometryOptions,
-    Placement, PositionSource, RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode,
-    kernel_mode, kernel_sigma, measure, reduce,
+    ColumnMap, DensityMode, DropReason, Format, Measurement, Measurements, PhotometryOptions, Placement,
+    PositionSource, RecordReader, RecordSource, Records, ReduceOptions, Selection, half_sample_mode, kernel_mode,
+    kernel_sigma, measure, reduce,
 };
 use streakcast::frames::seconds_after;
 use streakcast::geometry::{Site, ViewingGeometry};
@@ -65,7 +66,7 @@ fn valid_cells_against_healpy() {
 const HEADER: &str = "Date,StdMag,Mag,Filter,Penumbra,Distance,Phase,Channel,Track,NORAD\n";
 const GOOD: &str = "2021-01-01 15:18:04.795000,8.167,7.18581,Clear,0,697.324,78.267,7,18903315,46056\n";
 
-fn read(text: &str, options: &PhotometryOptions) -> Result<Records, MeasurementError> {
+fn read(text: &str, options: &PhotometryOptions) -> Result<Records, FitError> {
     let mut reader = RecordReader::from_reader("t.csv", Box::new(Cursor::new(text.to_owned())), options)?;
     Records::collect(&mut reader)
 }
@@ -220,7 +221,7 @@ fn verif_invalid_measurements() {
     let history = History::new(Vec::new());
     let without_history = Placement { history: None, ..Placement::elements(&history) };
     let error = measure(&mut records.source(), &without_history, &Selection::default()).unwrap_err();
-    assert!(matches!(error, MeasurementError::NoHistory { .. }));
+    assert!(matches!(error, FitError::NoHistory { .. }));
     let station = Selection { station: Some(StationRule::default()), ..Selection::default() };
     assert!(measure(&mut records.source(), &Placement::recorded(Some(550.0)), &station).is_err());
     let negative = Selection { max_range_difference_km: Some(-1.0), ..Selection::default() };
@@ -236,7 +237,7 @@ fn verif_invalid_measurements() {
         ReduceOptions { layer_width_rad: 0.0, ..ReduceOptions::default() },
         ReduceOptions { most_iqr_mag: f64::NAN, ..ReduceOptions::default() },
     ] {
-        assert!(matches!(reduce(&[], options), Err(MeasurementError::Setting { .. })), "{options:?}");
+        assert!(matches!(reduce(&[], options), Err(FitError::Setting { .. })), "{options:?}");
     }
     assert!(reduce(&[], ReduceOptions::default()).unwrap().pixels.is_empty());
 }
@@ -255,7 +256,7 @@ fn verif_files_that_cannot_be_read() {
     assert_eq!(Format::by_name("MMT"), Ok(Format::Mmt));
     let missing = RecordReader::open(&["no such file"], &plain).unwrap().next_chunk().unwrap_err();
     assert!(missing.to_string().starts_with("cannot read no such file"));
-    assert_eq!(RecordReader::open::<&str>(&[], &plain).err(), Some(MeasurementError::NoFiles));
+    assert_eq!(RecordReader::open::<&str>(&[], &plain).err(), Some(FitError::NoFiles));
     // A truncated gzip file.
     let mut packed = GzEncoder::new(Vec::new(), Compression::fast());
     packed.write_all(format!("{HEADER}{}", GOOD.repeat(1000)).as_bytes()).unwrap();
@@ -263,7 +264,7 @@ fn verif_files_that_cannot_be_read() {
     packed.truncate(packed.len() - 20);
     let reader = RecordReader::from_reader("cut.gz", Box::new(Cursor::new(packed)), &plain);
     let error = reader.and_then(|mut reader| Records::collect(&mut reader)).unwrap_err();
-    assert!(matches!(error, MeasurementError::Unreadable { .. }), "{error}");
+    assert!(matches!(error, FitError::Unreadable { .. }), "{error}");
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Bundled model files and their schema, and errors for invalid files.
 
 use serde_json::{Value, json};
-use streakcast::photometry::{BrightnessModel, ModelFile, ModelFileError, ModelLibrary};
+use streakcast::photometry::{BrightnessModel, ModelFile, ModelLibrary, PhotometryError};
 
 const SCHEMA: &str = include_str!("../../src/photometry/models/model.schema.json");
 
@@ -220,7 +220,7 @@ fn verif_invalid_files_give_one_clear_error() {
         &changed_file(|_| {}).replace("0.0329233", "NaN"),
         &changed_file(|_| {}).replace("0.0329233", "1e999"),
     ] {
-        assert!(matches!(BrightnessModel::from_json(text, "x"), Err(ModelFileError::Json { .. })), "{text}");
+        assert!(matches!(BrightnessModel::from_json(text, "x"), Err(PhotometryError::ModelJson { .. })), "{text}");
     }
 }
 

@@ -3,7 +3,7 @@
 use hifitime::Epoch;
 
 use super::elements::ElementState;
-use super::finding::{Finding, Severity};
+use super::finding::{Finding, MomentSource, Severity};
 use super::surroundings::{camera, clock, earth_orientation, place, policy};
 use crate::config::document::Config;
 use crate::elements::SourceFile;
@@ -19,15 +19,6 @@ pub struct Health {
     pub elements: Option<ElementState>,
     /// The files of element sets.
     pub sources: Vec<SourceFile>,
-}
-
-/// Source of the moment.
-#[derive(Copy, Clone, Debug, PartialEq, Eq)]
-pub enum MomentSource {
-    /// This machine's clock, which may be wrong.
-    Clock,
-    /// The user.
-    Asked,
 }
 
 impl Health {

@@ -4,8 +4,7 @@ use std::collections::BTreeMap;
 
 use hifitime::Epoch;
 
-use super::check::MomentSource;
-use super::finding::{Finding, Severity};
+use super::finding::{Finding, MomentSource, Severity};
 use crate::constants::DAY_S;
 use crate::elements::{ElementSet, Generation, GenerationTable, Satellites};
 use crate::frames::seconds_between;

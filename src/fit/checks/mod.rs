@@ -19,5 +19,5 @@ mod population;
 mod published;
 
 pub use comparison::{Comparison, OFFSET_TOLERANCE_MAG, ReferenceKind, Verdict, compare, comparison_table};
-pub use photometry::{CheckError, DataSet, Photometry, ReferenceMeasurement};
+pub use photometry::{DataSet, Photometry, ReferenceMeasurement};
 pub use population::POPULATION;

@@ -2,16 +2,12 @@
 
 use std::collections::BTreeMap;
 use std::f64::consts::{FRAC_PI_2, PI};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
-use thiserror::Error;
-
+use super::super::error::FitError;
+use super::super::measurements::{DropReason, Format, PhotometryOptions, Placement, RecordReader, Selection, measure};
 use crate::geometry::ViewingGeometry;
 use crate::photometry::{Band, BrightnessModel, MagSystem, StandardMagnitude, StandardMagnitudes};
-
-use super::super::measurements::{
-    DropExample, DropReason, Format, MeasurementError, PhotometryOptions, Placement, RecordReader, Selection, measure,
-};
 
 /// A published set of measurements.
 #[derive(Copy, Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
@@ -68,7 +64,7 @@ impl DataSet {
         }
     }
 
-    fn read(self, path: &Path) -> Result<Vec<ReferenceMeasurement>, CheckError> {
+    fn read(self, path: &Path) -> Result<Vec<ReferenceMeasurement>, FitError> {
         match self {
             Self::Pomenis => read_survey(path, Format::Pomenis, None),
             Self::SlingshotV2 => read_survey(path, Format::Slingshot, None),
@@ -80,34 +76,6 @@ impl DataSet {
             Self::AmateursRocketBodies => read_qs_mag(path, true),
         }
     }
-}
-
-/// Errors of a folder of published photometry.
-#[derive(Clone, Debug, Error, PartialEq)]
-#[non_exhaustive]
-pub enum CheckError {
-    /// A folder without any of the known files.
-    #[error("no photometry in {}; expected one of {looked_for}", folder.display())]
-    Nothing {
-        /// The folder.
-        folder: PathBuf,
-        /// Paths of the known files in it.
-        looked_for: String,
-    },
-    /// A file that cannot be read.
-    #[error("photometry {}: {problem}", path.display())]
-    Unreadable {
-        /// The file.
-        path: PathBuf,
-        /// Message of the system or of the table reader.
-        problem: String,
-    },
-    /// An invalid table of a survey.
-    #[error("photometry {0}")]
-    Survey(#[from] MeasurementError),
-    /// An invalid row. Published sets are complete, so that every row is required.
-    #[error("photometry {0}")]
-    Row(DropExample),
 }
 
 /// One published magnitude to compare a model with.
@@ -145,13 +113,13 @@ fn at_phase(phase_rad: f64) -> Option<ViewingGeometry> {
 }
 
 /// All rows in the survey's usual filter in full sunlight (100 km rule of the paper).
-fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<ReferenceMeasurement>, CheckError> {
+fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Vec<ReferenceMeasurement>, FitError> {
     let options = PhotometryOptions { format: Some(format), keep_duplicates: true, ..PhotometryOptions::default() };
     let mut reader = RecordReader::open(&[path], &options)?;
     let measured = measure(&mut reader, &Placement::recorded(height_km), &Selection::default())?;
     let broken = [DropReason::Unparsable, DropReason::NoMagnitude];
     if let Some(example) = broken.iter().find_map(|reason| measured.dropped.example(*reason)) {
-        return Err(CheckError::Row(example.clone()));
+        return Err(FitError::CheckRow(example.clone()));
     }
     let points = measured.points.iter().map(|point| ReferenceMeasurement {
         magnitude: point.magnitude,
@@ -164,8 +132,8 @@ fn read_survey(path: &Path, format: Format, height_km: Option<f64>) -> Result<Ve
 /// Standard magnitudes (McCants' qs.mag) of payloads or of rocket bodies, the basis of the priors.
 ///
 /// Selection by name: "Rk" marks a rocket body; "Deb" and "Db" mark debris, which is omitted.
-fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, CheckError> {
-    let unreadable = |problem: String| CheckError::Unreadable { path: path.to_owned(), problem };
+fn read_qs_mag(path: &Path, rocket_bodies: bool) -> Result<Vec<ReferenceMeasurement>, FitError> {
+    let unreadable = |problem: String| FitError::CheckUnreadable { path: path.to_owned(), problem };
     let bytes = std::fs::read(path).map_err(|error| unreadable(error.to_string()))?;
     // Names are Latin-1; the numbers are ASCII.
     let text = String::from_utf8_lossy(&bytes);
@@ -189,9 +157,9 @@ impl Photometry {
     /// Reads every known file in the folder.
     ///
     /// # Errors
-    /// * [`CheckError::Nothing`] if none of the files exists;
+    /// * [`FitError::NoPhotometry`] if none of the files exists;
     /// * the other variants for a file that exists and is invalid.
-    pub fn read(folder: &Path) -> Result<Self, CheckError> {
+    pub fn read(folder: &Path) -> Result<Self, FitError> {
         let mut sets = BTreeMap::new();
         for set in DataSet::ALL {
             let path = folder.join(set.path());
@@ -202,7 +170,7 @@ impl Photometry {
         if sets.is_empty() {
             let mut looked_for = DataSet::ALL.map(DataSet::path).to_vec();
             looked_for.dedup();
-            return Err(CheckError::Nothing { folder: folder.to_owned(), looked_for: looked_for.join(", ") });
+            return Err(FitError::NoPhotometry { folder: folder.to_owned(), looked_for: looked_for.join(", ") });
         }
         Ok(Self { sets })
     }

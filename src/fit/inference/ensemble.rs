@@ -16,51 +16,13 @@
 
 use rand_chacha::ChaCha8Rng;
 use rand_chacha::rand_core::{Rng, SeedableRng};
-use thiserror::Error;
+
+use super::super::error::FitError;
 
 /// Logarithm of a probability density, up to a constant.
 pub trait LogProbability: Sync {
     /// Values at several positions; -∞ or NaN where the probability is zero.
     fn of_many(&self, positions: &[Vec<f64>]) -> Vec<f64>;
-}
-
-/// Errors of an ensemble of walkers.
-#[derive(Debug, Error, PartialEq)]
-pub enum EnsembleError {
-    /// Too few walkers or an odd number of them.
-    #[error("{walkers} walkers for {parameters} parameters: expected an even number of at least {least}")]
-    Walkers {
-        /// Given number of walkers.
-        walkers: usize,
-        /// Number of parameters.
-        parameters: usize,
-        /// Least number of walkers.
-        least: usize,
-    },
-    /// A starting position with probability zero.
-    #[error("walker {walker} starts at a position with zero or invalid probability: {place:?}")]
-    Impossible {
-        /// Number of the walker.
-        walker: usize,
-        /// Starting position.
-        place: Vec<f64>,
-    },
-    /// Starting positions in a plane, which the stretch move cannot leave.
-    #[error("the starting positions of the walkers do not differ in parameter {parameter}")]
-    Flat {
-        /// Index of the constant parameter.
-        parameter: usize,
-    },
-    /// A chain of unexpected length.
-    #[error("the chain has {given} numbers, which do not match {walkers} walkers and {parameters} parameters")]
-    Shape {
-        /// Length of the chain.
-        given: usize,
-        /// Number of walkers.
-        walkers: usize,
-        /// Number of parameters.
-        parameters: usize,
-    },
 }
 
 /// Samples of an ensemble.
@@ -80,21 +42,21 @@ impl Chain {
     /// Chain from its arrays.
     ///
     /// # Errors
-    /// [`EnsembleError::Shape`] if their lengths do not match.
+    /// [`FitError::ChainShape`] if their lengths do not match.
     pub fn from_parts(
         walkers: usize,
         parameters: usize,
         positions: Vec<f64>,
         log_probabilities: Vec<f64>,
         accepted: Vec<u64>,
-    ) -> Result<Self, EnsembleError> {
+    ) -> Result<Self, FitError> {
         let fits = walkers > 0
             && parameters > 0
             && accepted.len() == walkers
             && log_probabilities.len().is_multiple_of(walkers)
             && positions.len() == log_probabilities.len() * parameters;
         if !fits {
-            return Err(EnsembleError::Shape { given: positions.len(), walkers, parameters });
+            return Err(FitError::ChainShape { given: positions.len(), walkers, parameters });
         }
         Ok(Self { walkers, parameters, positions, log_probabilities, accepted })
     }
@@ -174,11 +136,11 @@ impl Chain {
 /// Checks the number of walkers: even, and at least twice the number of parameters.
 ///
 /// # Errors
-/// [`EnsembleError::Walkers`].
-pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), EnsembleError> {
+/// [`FitError::Walkers`].
+pub fn check_walkers(walkers: usize, parameters: usize) -> Result<(), FitError> {
     let least = (2 * parameters).max(4);
     if walkers < least || walkers % 2 == 1 {
-        return Err(EnsembleError::Walkers { walkers, parameters, least });
+        return Err(FitError::Walkers { walkers, parameters, least });
     }
     Ok(())
 }
@@ -196,16 +158,16 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Ensemble with one walker at each starting position.
     ///
     /// # Errors
-    /// [`EnsembleError`]: too few or an odd number of walkers, a position of probability zero, equal positions.
-    pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, EnsembleError> {
+    /// [`FitError`]: too few or an odd number of walkers, a place of probability zero, places that do not differ.
+    pub fn new(posterior: &'a P, starts: Vec<Vec<f64>>, seed: u64) -> Result<Self, FitError> {
         let (walkers, parameters) = (starts.len(), starts.first().map_or(0, Vec::len));
         check_walkers(walkers, parameters)?;
         if let Some(parameter) = (0..parameters).find(|&i| starts.iter().all(|place| place[i] == starts[0][i])) {
-            return Err(EnsembleError::Flat { parameter });
+            return Err(FitError::FlatWalkers { parameter });
         }
         let log_probabilities = posterior.of_many(&starts);
         if let Some(walker) = log_probabilities.iter().position(|value| !value.is_finite()) {
-            return Err(EnsembleError::Impossible { walker, place: starts[walker].clone() });
+            return Err(FitError::WalkerStart { walker, place: starts[walker].clone() });
         }
         let chain = Chain { walkers, parameters, accepted: vec![0; walkers], ..Chain::default() };
         Ok(Self { posterior, seed, positions: starts, log_probabilities, chain })
@@ -214,10 +176,10 @@ impl<'a, P: LogProbability> Ensemble<'a, P> {
     /// Continues a chain of the same posterior and seed.
     ///
     /// # Errors
-    /// [`EnsembleError::Shape`] if the chain is empty; those of [`Self::new`] if its last positions are invalid.
-    pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, EnsembleError> {
+    /// [`FitError::ChainShape`] if the chain is empty; those of [`Self::new`] if its last places are invalid.
+    pub fn resume(posterior: &'a P, chain: Chain, seed: u64) -> Result<Self, FitError> {
         let Some(last) = chain.steps().checked_sub(1) else {
-            return Err(EnsembleError::Shape { given: 0, walkers: chain.walkers, parameters: chain.parameters });
+            return Err(FitError::ChainShape { given: 0, walkers: chain.walkers, parameters: chain.parameters });
         };
         let starts = (0..chain.walkers).map(|walker| chain.at(last, walker).to_vec()).collect();
         Ok(Self { chain, ..Self::new(posterior, starts, seed)? })

@@ -6,7 +6,7 @@
 mod ensemble;
 mod least_squares;
 
-pub use ensemble::{AutocorrelationTime, Chain, EnsembleError, LogProbability, autocorrelation_times, check_walkers};
+pub use ensemble::{AutocorrelationTime, Chain, LogProbability, autocorrelation_times, check_walkers};
 pub use least_squares::{LeastSquares, Minimum, NormalEquations, Stop};
 
 pub(super) use ensemble::Ensemble;

@@ -25,7 +25,7 @@ use std::collections::BTreeMap;
 
 use hifitime::TimeScale;
 
-use super::error::MeasurementError;
+use super::super::error::FitError;
 
 /// Content of a column.
 #[derive(Copy, Clone, Debug, PartialEq, Eq)]
@@ -119,7 +119,7 @@ impl ColumnMap {
     /// * an unknown unit or time scale;
     /// * a missing magnitude, or a time without a scale;
     /// * an incomplete pair of coordinates.
-    pub fn from_text(text: &str) -> Result<Self, MeasurementError> {
+    pub fn from_text(text: &str) -> Result<Self, FitError> {
         let mut map = Self::default();
         for (key, value) in pairs(text)? {
             map.set(&key, &value)?;
@@ -140,7 +140,7 @@ impl ColumnMap {
         self.columns[field as usize].as_deref()
     }
 
-    fn set(&mut self, key: &str, value: &str) -> Result<(), MeasurementError> {
+    fn set(&mut self, key: &str, value: &str) -> Result<(), FitError> {
         let unit = |allowed: &[(&str, f64)]| {
             let found = allowed.iter().find(|(name, _)| name.eq_ignore_ascii_case(value)).map(|(_, size)| *size);
             let names: Vec<_> = allowed.iter().map(|(name, _)| *name).collect();
@@ -176,13 +176,13 @@ impl ColumnMap {
         Ok(())
     }
 
-    fn checked(self) -> Result<Self, MeasurementError> {
+    fn checked(self) -> Result<Self, FitError> {
         let has = |field: Field| self.column(field).is_some();
         if !has(Field::Magnitude) {
             return Err(wrong("missing key 'magnitude'".to_owned()));
         }
         if let (Some(column), None) = (self.column(Field::Time), self.time_scale) {
-            return Err(MeasurementError::NoTimeScale { column: column.to_owned() });
+            return Err(FitError::NoTimeScale { column: column.to_owned() });
         }
         let together: [&[Field]; 5] = [
             &[Field::Latitude, Field::Longitude, Field::SiteHeight],
@@ -208,12 +208,12 @@ impl ColumnMap {
     }
 }
 
-fn wrong(problem: String) -> MeasurementError {
-    MeasurementError::ColumnMap { problem }
+fn wrong(problem: String) -> FitError {
+    FitError::ColumnMap { problem }
 }
 
 /// Keys and values.
-fn pairs(text: &str) -> Result<Vec<(String, String)>, MeasurementError> {
+fn pairs(text: &str) -> Result<Vec<(String, String)>, FitError> {
     let plain = |value: &serde_json::Value| match value {
         serde_json::Value::String(text) => Some(text.clone()),
         serde_json::Value::Number(number) => Some(number.to_string()),

@@ -3,16 +3,15 @@
 use hifitime::Epoch;
 use rayon::prelude::*;
 
+use super::super::error::FitError;
+use super::dropped::{DropCounts, DropExample, DropReason};
+use super::placement::{OrbitRadius, Placement, Placer, PositionSource};
+use super::record::{Record, RecordSource};
+use super::selection::{Selection, Stations};
 use crate::elements::NoradId;
 use crate::geometry::ViewingGeometry;
 use crate::output::{Column, Kind, Table};
 use crate::photometry::StandardMagnitude;
-
-use super::dropped::{DropCounts, DropExample, DropReason};
-use super::error::MeasurementError;
-use super::placement::{OrbitRadius, Placement, Placer, PositionSource};
-use super::record::{Record, RecordSource};
-use super::selection::{Selection, Stations};
 
 /// Measured magnitude with its viewing geometry.
 #[derive(Copy, Clone, Debug, PartialEq)]
@@ -95,7 +94,7 @@ pub fn measure(
     source: &mut impl RecordSource,
     placement: &Placement,
     selection: &Selection,
-) -> Result<Measurements, MeasurementError> {
+) -> Result<Measurements, FitError> {
     let mut points = Vec::new();
     let dropped = measure_each(source, placement, selection, |chunk| points.extend_from_slice(chunk))?;
     Ok(Measurements { points, groups: source.groups().to_vec(), dropped })
@@ -113,12 +112,12 @@ pub fn measure_each(
     placement: &Placement,
     selection: &Selection,
     mut take: impl FnMut(&[Measurement]),
-) -> Result<DropCounts, MeasurementError> {
+) -> Result<DropCounts, FitError> {
     selection.check()?;
     check(placement)?;
     let stations = match (&selection.station, placement.history) {
         (Some(rule), Some(history)) => Some(Stations::new(history, rule)),
-        (Some(_), None) => return Err(MeasurementError::NoHistory { what: "the rule of on-station satellites" }),
+        (Some(_), None) => return Err(FitError::NoHistory { what: "the rule of on-station satellites" }),
         (None, _) => None,
     };
     let whole_tracks = matches!(placement.source, PositionSource::Elements { fit_offset_s: Some(_) });
@@ -150,24 +149,20 @@ pub fn measure_each(
     Ok(all)
 }
 
-fn check(placement: &Placement) -> Result<(), MeasurementError> {
+fn check(placement: &Placement) -> Result<(), FitError> {
     let positive = |name: &'static str, value: f64, allowed: &'static str| {
         let is_sound = value > 0.0 && value.is_finite();
-        if is_sound { Ok(()) } else { Err(MeasurementError::Setting { name, given: value.to_string(), allowed }) }
+        if is_sound { Ok(()) } else { Err(FitError::Setting { name, given: value.to_string(), allowed }) }
     };
     positive("max_element_age_days", placement.max_element_age_days, "more than 0 days")?;
     match placement.source {
         PositionSource::Elements { fit_offset_s: Some(limit) } if !(limit > 0.0 && limit <= 600.0) => {
-            Err(MeasurementError::Setting {
-                name: "fit_offset_s",
-                given: limit.to_string(),
-                allowed: "more than 0, to 600 s",
-            })
+            Err(FitError::Setting { name: "fit_offset_s", given: limit.to_string(), allowed: "more than 0, to 600 s" })
         }
         PositionSource::Elements { .. } | PositionSource::Recorded { radius: Some(OrbitRadius::Elements) }
             if placement.history.is_none() =>
         {
-            Err(MeasurementError::NoHistory { what: "geometry by element sets" })
+            Err(FitError::NoHistory { what: "geometry by element sets" })
         }
         PositionSource::Recorded { radius: Some(OrbitRadius::HeightKm(height)) } => {
             positive("height_km", height, "more than 0 km")

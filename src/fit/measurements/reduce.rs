@@ -7,13 +7,12 @@ use std::f64::consts::FRAC_PI_2;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
+use super::super::error::FitError;
+use super::density_mode::{DensityMode, interquartile_range};
+use super::measure::{HEIGHT, LATITUDE, LONGITUDE, Measurement, SUN};
 use crate::math::healpix::{MOST_NSIDE, ring_cell};
 use crate::math::quantile::quantile;
 use crate::output::{Column, Kind, Table};
-
-use super::density_mode::{DensityMode, interquartile_range};
-use super::error::MeasurementError;
-use super::measure::{HEIGHT, LATITUDE, LONGITUDE, Measurement, SUN};
 
 const PIXELS: [Column; 12] = [
     Column::new("layer", Kind::Integer, "Layer of the Sun's latitude: latitude over width, rounded down."),
@@ -166,10 +165,10 @@ impl Reducer {
     /// Empty reducer.
     ///
     /// # Errors
-    /// [`MeasurementError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of
-    /// the spread that is not positive.
-    pub fn new(options: ReduceOptions) -> Result<Self, MeasurementError> {
-        let setting = |name, given: String, allowed| Err(MeasurementError::Setting { name, given, allowed });
+    /// [`FitError::Setting`] for a layer width outside 0.01° to 180°, an nside outside 1 to 1024, or a limit of the spread that is not
+    /// positive.
+    pub fn new(options: ReduceOptions) -> Result<Self, FitError> {
+        let setting = |name, given: String, allowed| Err(FitError::Setting { name, given, allowed });
         let width_deg = options.layer_width_rad.to_degrees();
         if !(0.01..=180.0).contains(&width_deg) {
             return setting("layer width", format!("{width_deg} deg"), "0.01 to 180 deg");
@@ -254,7 +253,7 @@ fn placed(point: &Measurement, options: &ReduceOptions) -> Option<(i32, u64, Sum
 ///
 /// # Errors
 /// Those of [`Reducer::new`].
-pub fn reduce(points: &[Measurement], options: ReduceOptions) -> Result<Reduction, MeasurementError> {
+pub fn reduce(points: &[Measurement], options: ReduceOptions) -> Result<Reduction, FitError> {
     let mut reducer = Reducer::new(options)?;
     reducer.add(points);
     Ok(reducer.finish())

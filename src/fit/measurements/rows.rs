@@ -6,17 +6,16 @@ use std::hash::{DefaultHasher, Hash, Hasher};
 
 use hifitime::{Epoch, TimeScale};
 
+use super::super::error::FitError;
+use super::blocks::{Delimiter, Head};
+use super::column_map::{ColumnMap, FIELDS, Field};
+use super::dropped::{DropCounts, DropExample, DropReason};
+use super::format::FilterCounts;
+use super::record::{Record, Sighting};
 use crate::elements::{NoradId, parse_iso};
 use crate::frames::{epoch_from_jd, epoch_from_mjd, mjd_utc};
 use crate::geometry::Site;
 use crate::photometry::Magnitude;
-
-use super::blocks::{Delimiter, Head};
-use super::column_map::{ColumnMap, FIELDS, Field};
-use super::dropped::{DropCounts, DropExample, DropReason};
-use super::error::MeasurementError;
-use super::filters::FilterCounts;
-use super::record::{Record, Sighting};
 
 /// Layout of one file.
 pub(super) struct Layout {
@@ -58,7 +57,7 @@ impl Layout {
         site: Option<Site>,
         filters: &[String],
         file: &str,
-    ) -> Result<Self, MeasurementError> {
+    ) -> Result<Self, FitError> {
         let (mut columns, mut constants) = ([None; FIELDS], [None; FIELDS]);
         for (field, _) in Field::ALL {
             let Some(column) = map.column(field) else { continue };
@@ -66,13 +65,13 @@ impl Layout {
             let can_be_number = matches!(field, Field::Latitude | Field::Longitude | Field::SiteHeight);
             let number = column.parse::<f64>().ok().filter(|_| can_be_number);
             if index.is_none() && number.is_none() && !map.optional.contains(&field) {
-                return Err(MeasurementError::Column { file: file.to_owned(), column: column.to_owned() });
+                return Err(FitError::Column { file: file.to_owned(), column: column.to_owned() });
             }
             columns[field as usize] = index;
             constants[field as usize] = number.filter(|_| index.is_none());
         }
         if !filters.is_empty() && columns[Field::Filter as usize].is_none() && !map.optional.contains(&Field::Filter) {
-            return Err(MeasurementError::ColumnMap {
+            return Err(FitError::ColumnMap {
                 problem: format!("filters are selected, but {file} has no column of filters"),
             });
         }

@@ -5,15 +5,14 @@ use std::collections::HashMap;
 
 use hifitime::Epoch;
 
+use super::super::error::FitError;
+use super::dropped::DropReason;
+use super::placement::Placed;
+use super::record::Record;
 use crate::constants::EARTH_EQUATORIAL_RADIUS_KM;
 use crate::elements::{ElementSet, History, NoradId, OrbitPhase, StationRule, orbit_phases};
 use crate::geometry::{KARMAN_LINE_KM, grazing_height_km};
 use crate::photometry::StandardMagnitude;
-
-use super::dropped::DropReason;
-use super::error::MeasurementError;
-use super::placement::Placed;
-use super::record::Record;
 
 /// Thresholds for the use of records. Filters are selected on reading
 /// ([`PhotometryOptions::filters`](super::PhotometryOptions::filters)).
@@ -67,22 +66,22 @@ impl Selection {
     }
 
     /// # Errors
-    /// [`MeasurementError::Setting`] for a threshold that is not finite, or negative where it must not be.
-    pub(super) fn check(&self) -> Result<(), MeasurementError> {
+    /// [`FitError::Setting`] for a threshold that is not finite, or negative where it must not be.
+    pub(super) fn check(&self) -> Result<(), FitError> {
         let not_negative = [
             ("max_range_difference_km", self.max_range_difference_km),
             ("max_phase_difference_rad", self.max_phase_difference_rad),
         ];
         for (name, value) in not_negative {
             if let Some(value) = value.filter(|value| !(0.0..).contains(value)) {
-                return Err(MeasurementError::Setting { name, given: value.to_string(), allowed: "0 or more" });
+                return Err(FitError::Setting { name, given: value.to_string(), allowed: "0 or more" });
             }
         }
         for (name, value) in
             [("least_grazing_height_km", self.least_grazing_height_km), ("least_altitude_rad", self.least_altitude_rad)]
         {
             if let Some(value) = value.filter(|value| !value.is_finite()) {
-                return Err(MeasurementError::Setting { name, given: value.to_string(), allowed: "a finite number" });
+                return Err(FitError::Setting { name, given: value.to_string(), allowed: "a finite number" });
             }
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Candidate satellites for a search cone: plane test, side test and phase test over a whole window.
 
 use super::cone::{ConePassage, ConeTest, Cones};
-use super::phase::Phase;
+use super::kepler::Phase;
 use super::plane::{ConeInShell, Planes};
 use super::window::{CHUNK, Chunk, Window};
 use crate::frames::{Gcrs, Rotation, Teme};

@@ -3,8 +3,8 @@
 
 use nalgebra::Vector3;
 
+use super::kepler::Phase;
 use super::kepler::sin_cos;
-use super::phase::Phase;
 
 /// Largest difference between true and mean longitude in units of the eccentricity, for eccentricities up to 0.9: 2 e +
 /// 11/48 e³ + ... for small ones.

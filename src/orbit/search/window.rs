@@ -21,12 +21,12 @@ use hifitime::Epoch;
 use nalgebra::Vector3;
 use rayon::prelude::*;
 
-use super::super::index::{LeftOut, SatelliteIndex};
 use super::super::propagator::{DECAYED_RADIUS_KM, OrbitError, State};
+use super::kepler::Phase;
 use super::kepler::SlowElements;
-use super::phase::Phase;
 use super::side::SWING_PER_ECCENTRICITY;
 use crate::frames::{Teme, seconds_between};
+use crate::orbit::propagator::{LeftOut, SatelliteIndex};
 
 /// Longest interval of one window, seconds. Over six hours a node moves by at most 2.5°, and drag changes the mean
 /// longitude of anything above 250 km by less than the margin.

@@ -7,9 +7,9 @@
 use nalgebra::Vector3;
 
 use super::attitude::Attitude;
-use super::polygon::{MOST_BLOCKERS, PanelPolygon, union_area_m2};
-use super::rectangle::PlacedRectangle;
-use super::sphere::Sphere;
+use super::shapes::PlacedRectangle;
+use super::shapes::Sphere;
+use super::shapes::{MOST_BLOCKERS, PanelPolygon, union_area_m2};
 use crate::geometry::ViewingGeometry;
 use crate::photometry::brdf::{Brdf, Incidence, Law};
 use crate::photometry::earthshine::LitEarth;

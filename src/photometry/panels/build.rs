@@ -2,17 +2,17 @@
 
 use nalgebra::Vector3;
 
+use super::super::error::PhotometryError;
 use super::assembly::{AssembledPanel, PanelAssembly};
 use super::attitude::{Attitude, PanelOffset};
 use super::panel_file::{
     AttitudeSpec, BlockingSpec, Coefficient, LawSpec, OffsetSpec, PanelParameter, PanelSpec, PanelsSpec, SphereSpec,
 };
-use super::polygon::MOST_BLOCKERS;
-use super::sphere::Sphere;
+use super::shapes::{MOST_BLOCKERS, Sphere};
 use crate::photometry::brdf::{
     Abg, Binomial, Facets, Gaussian, Lambert, Law, Phong, Retro, Straight, reflected_share, transmitted_share,
 };
-use crate::photometry::model_error::{Check, ModelFileError};
+use crate::photometry::error::Check;
 
 /// Cosines of incidence at which the energy conservation of a face is checked.
 const HELD_AT_COSINES: [f64; 5] = [1.0, 0.8, 0.5, 0.2, 0.05];
@@ -21,7 +21,7 @@ const ENERGY_SLACK: f64 = 2e-3;
 
 impl PanelsSpec {
     /// Checks every number against its range, and every reference against the names of panels and parameters.
-    pub(in crate::photometry) fn validate(&self, check: &Check) -> Result<(), ModelFileError> {
+    pub(in crate::photometry) fn validate(&self, check: &Check) -> Result<(), PhotometryError> {
         check.count("panels.panels", self.panels.len(), 1, 32)?;
         check.count("panels.parameters", self.parameters.len(), 0, 64)?;
         for (index, parameter) in self.parameters.iter().enumerate() {
@@ -126,7 +126,7 @@ impl PanelsSpec {
         }
     }
 
-    fn validate_blocking(&self, check: &Check, names: &[&str]) -> Result<(), ModelFileError> {
+    fn validate_blocking(&self, check: &Check, names: &[&str]) -> Result<(), PhotometryError> {
         for BlockingSpec { panel, by } in &self.blocking {
             for name in [panel, by] {
                 if !names.contains(&name.as_str()) {
@@ -142,7 +142,7 @@ impl PanelsSpec {
         Ok(())
     }
 
-    fn validate_energy(&self, check: &Check) -> Result<(), ModelFileError> {
+    fn validate_energy(&self, check: &Check) -> Result<(), PhotometryError> {
         if !self.conserves_energy {
             return Ok(());
         }
@@ -168,7 +168,7 @@ impl PanelsSpec {
 }
 
 impl SphereSpec {
-    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), ModelFileError> {
+    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), PhotometryError> {
         let key = format!("panels.spheres.{}", self.name);
         check.range(&format!("{key}.area_m2"), self.area_m2, 1e-4, 1e4)?;
         self.term().validate(check, &key, spec)
@@ -187,7 +187,7 @@ impl PanelSpec {
         front.chain(back).chain(self.through.iter().map(|law| ("through", law)))
     }
 
-    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), ModelFileError> {
+    fn validate(&self, check: &Check, spec: &PanelsSpec) -> Result<(), PhotometryError> {
         let key = |rest: &str| format!("panels.{}.{rest}", self.name);
         for (axis, value) in ["x", "y", "z"].into_iter().zip(self.anchor_m) {
             check.range(&key(&format!("anchor_m ({axis})")), value, -200.0, 200.0)?;
@@ -208,7 +208,7 @@ impl PanelSpec {
 }
 
 impl AttitudeSpec {
-    fn validate(&self, check: &Check, key: &str) -> Result<(), ModelFileError> {
+    fn validate(&self, check: &Check, key: &str) -> Result<(), PhotometryError> {
         match self {
             Self::Nadir {} => Ok(()),
             Self::SunAzimuth { offset_deg } | Self::SunTracking { offset_deg } => {
@@ -277,7 +277,7 @@ impl<'a> Term<'a> {
         Self { is_linear: true, ..self }
     }
 
-    fn validate(&self, check: &Check, owner: &str, spec: &PanelsSpec) -> Result<(), ModelFileError> {
+    fn validate(&self, check: &Check, owner: &str, spec: &PanelsSpec) -> Result<(), PhotometryError> {
         let key = format!("{owner}.{}", self.key);
         match (spec.value(self.coefficient, &[]), self.coefficient) {
             (Some(value), _) => check.range(&key, value, self.allowed[0], self.allowed[1]),
@@ -318,7 +318,7 @@ impl LawSpec {
         }
     }
 
-    fn validate(&self, check: &Check, key: &str, spec: &PanelsSpec) -> Result<(), ModelFileError> {
+    fn validate(&self, check: &Check, key: &str, spec: &PanelsSpec) -> Result<(), PhotometryError> {
         self.terms().iter().try_for_each(|term| term.validate(check, key, spec))?;
         let Self::Binomial { b, c, d, first } = self else { return Ok(()) };
         check.count(&format!("{key}.b (rows)"), b.len(), 1, 8)?;

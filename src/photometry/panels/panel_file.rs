@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::sphere::SpherePhase;
+use super::shapes::SpherePhase;
 
 /// Content of a model of kind `panels`.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
