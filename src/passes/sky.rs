@@ -213,10 +213,12 @@ impl Sky {
             SearchScope::Nominal => Reach::default(),
             SearchScope::Delayed => {
                 // Errors grow away from the epoch: the end of the window that is farther from it has the larger ones.
-                let [first, last] = ends.map(|epoch| self.uncertainty_at(element_index, epoch));
+                let class = &self.classes[element_index];
+                let [first, last] = ends.map(|epoch| self.element_age_days(element_index, epoch).abs());
+                let age_days = first.max(last);
                 Reach {
-                    along_track_s: first.lateness.reach_s().max(last.lateness.reach_s()),
-                    cross_track_km: REACH_SIGMAS * first.cross_track_km.max(last.cross_track_km),
+                    along_track_s: class.lateness(age_days).reach_s(),
+                    cross_track_km: REACH_SIGMAS * class.cross_track_km(age_days),
                 }
             }
         };
