@@ -119,6 +119,25 @@ impl OrbitClass {
         Self::new(kind, elements.mean_motion_rev_day, elements.mean_motion_dot_rev_day2)
     }
 
+    /// Distribution of the delay along the track at an age in days.
+    pub fn lateness(&self, age_days: f64) -> Lateness {
+        let age = age_days.abs();
+        match self.kind {
+            OrbitKind::StationKeeping(keeping) => keeping.lateness(age, self.drag_s_day2, CAP_TURNS * self.period_s),
+            kind => Lateness::gaussian(Growth::of(kind).along_track_s(self, age)),
+        }
+    }
+
+    /// One-sigma error across the track at an age in days, km.
+    pub fn cross_track_km(&self, age_days: f64) -> f64 {
+        let age = age_days.abs();
+        let growth_km = match self.kind {
+            OrbitKind::StationKeeping(keeping) => keeping.cross_track_km(age),
+            kind => Growth::of(kind).cross_track_km(self, age),
+        };
+        growth_km.hypot(CROSS_FLOOR_KM).min(CROSS_CAP_KM)
+    }
+
     /// Returns the semi-major axis, km.
     fn semi_major_axis_km(&self) -> f64 {
         // a³ = μ (P / 2π)²
