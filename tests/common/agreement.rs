@@ -1,7 +1,7 @@
 //! How well we agree with an authority: the largest difference that was seen, held against what is allowed.
 //!
 //! What holds is written down, one line a comparison, in the file that `STREAKCAST_FIGURES` names: `docs/tables.sh` makes the table of
-//! docs/accuracy.md of these lines.
+//! docs/explanation/accuracy.md of these lines.
 
 use std::io::Write;
 

@@ -189,7 +189,7 @@ mod verbs {
         assert_eq!(rows.len(), 6);
         for row in rows {
             println!("{}: {} published, {} ours", row["quantity"], row["published"], row["ours"]);
-            // A year beside thirteen nights of its October: docs/statistics.md. The same nights are within the 20 % of the paper's own visits there.
+            // A year beside thirteen nights of its October: docs/explanation/counts.md. The same nights are within the 20 % of the paper's own visits there.
             let is_year = row["quantity"].as_str().unwrap().contains("of a year");
             let allowed = if is_year { 25.0 } else { 20.0 };
             assert!(row["difference_percent"].as_f64().unwrap().abs() < allowed, "{row}");
