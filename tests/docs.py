@@ -278,9 +278,9 @@ class Run:
             status = terminal.process.wait(timeout=30) if ended else None
             terminal.stop()
             actual = plain(terminal.data)
-            wanted = block.exit if number == len(block.commands) - 1 else 0
-            if status != wanted:
-                how = f"no end after {TIMEOUT_S} s" if status is None else f"exit status {status}, not {wanted}"
+            expected_status = block.exit if number == len(block.commands) - 1 else 0
+            if status != expected_status:
+                how = f"no end after {TIMEOUT_S} s" if status is None else f"exit status {status}, not {expected_status}"
                 self.failures.append(f"{where}\n{how}; it printed:\n" + "\n".join(actual))
             elif command.expected and not matches(command.expected, actual):
                 new = updated(command.expected, actual) if self.update else None
