@@ -285,7 +285,8 @@ class Run:
             elif command.expected and not matches(command.expected, actual):
                 new = updated(command.expected, actual) if self.update else None
                 if new is None:
-                    difference = difflib.unified_diff(command.expected, actual, "page", "output", lineterm="", n=1)
+                    shortened = updated(command.expected, actual) or actual
+                    difference = difflib.unified_diff(command.expected, shortened, "page", "output", lineterm="", n=1)
                     self.failures.append(f"{where}\n" + "\n".join([*difference][:LONGEST_DIFFERENCE]))
                 else:
                     replacements.append((command, block.indent, new))
