@@ -16,8 +16,7 @@ done
 command -v cargo >/dev/null || { echo "tests/run.sh: cargo is not installed (see https://rustup.rs)" >&2; exit 2; }
 
 log=$(mktemp -d)
-beside=
-trap 'if [ -n "$beside" ]; then kill "$beside" 2>/dev/null || true; fi; rm -rf "$log"' EXIT
+trap 'rm -rf "$log"' EXIT
 begin=$SECONDS
 
 # step NAME COMMAND...: runs it, says how long it took, and shows what it wrote only where it failed: what failed first, then all of it.
@@ -37,13 +36,6 @@ step() {
         exit "$code"
     fi
     cat "$log/step" >>"$log/all"
-}
-
-# What was built beside other steps, then its tests.
-with_parquet() {
-    wait "$beside" || true
-    beside=
-    cargo test "${parquet[@]}" -- annotate_formats forecast
 }
 
 # skipped WHAT: says loudly what is left out, here and in the sum.
@@ -74,31 +66,32 @@ if [ "$mode" = quick ]; then
     step "cargo clippy (library and command line)" cargo clippy --quiet --lib --bins "${lint[@]}"
     step "cargo test --lib, import rules" cargo test --lib --test imports
 else
-    step "cargo clippy --all-targets" cargo clippy --quiet --all-targets "${lint[@]}"
-    step "cargo test" cargo test
-    # The one build of the command line that all that follows asks. A later one would have other features: without those of the
-    # development dependencies everything would be built again.
+    # With every feature, in one build.
+    step "cargo clippy --all-targets" cargo clippy --quiet --all-targets --all-features "${lint[@]}"
+    step "cargo test" cargo test --all-features
+    # The command line as the tests built it. `cargo build` would leave out the features that development dependencies add and build it again.
     target=$(cd "${CARGO_TARGET_DIR:-target}" && pwd)
     mkdir "$log/bin"
     cp "$target/debug/streakcast" "$log/bin/streakcast"
     export STREAKCAST=$log/bin/streakcast STREAKCAST_BIN=$log/bin/streakcast
     step "cargo doc" env RUSTDOCFLAGS="-D warnings" cargo doc --quiet --no-deps
+    step "default features" cargo check --quiet
     step "without features" cargo check --quiet --no-default-features
     step "cli alone" cargo check --quiet --no-default-features --features cli
     step "sqlite alone" cargo check --quiet --no-default-features --features sqlite
     step "cli and fit" cargo check --quiet --no-default-features --features cli,fit
     step "serve alone" cargo check --quiet --no-default-features --features serve
     step "fits and plot alone" cargo check --quiet --no-default-features --features fits,plot
-    step "example flag_exposures" cargo run --quiet --example flag_exposures
-    step "example forecast_night" cargo run --quiet --example forecast_night
-    step "example identify_streak" cargo run --quiet --example identify_streak
-    step "example plot_pass" cargo run --quiet --example plot_pass -- "$log"
-    step "example sky_map" cargo run --quiet --example sky_map
-    step "example fit_photometry" cargo run --quiet --example fit_photometry
-    step "example inject_streaks" cargo run --quiet --example inject_streaks
+    step "example flag_exposures" cargo run --quiet --all-features --example flag_exposures
+    step "example forecast_night" cargo run --quiet --all-features --example forecast_night
+    step "example identify_streak" cargo run --quiet --all-features --example identify_streak
+    step "example plot_pass" cargo run --quiet --all-features --example plot_pass -- "$log"
+    step "example sky_map" cargo run --quiet --all-features --example sky_map
+    step "example fit_photometry" cargo run --quiet --all-features --example fit_photometry
+    step "example inject_streaks" cargo run --quiet --all-features --example inject_streaks
     step "a synthetic frame with the README's streaks" "$STREAKCAST_BIN" inject --synthetic examples/synthetic.toml \
         -o "$log/streaked.fits" --random-streaks 3 --magnitude 4,7 --exposure 30s --seeing 1.5arcsec --seed 1
-    step "example charts" cargo run --quiet --example charts -- "$log"
+    step "example charts" cargo run --quiet --all-features --example charts -- "$log"
     step "the gate against INDI's server and simulators" tests/indi.sh
     # With programs from the package index; STREAKCAST_PLUGINS=no leaves them out with the plugins.
     if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
@@ -114,10 +107,6 @@ else
     fi
     # Commands on real data are skipped with a message if the folder of STREAKCAST_DATA is missing.
     step "commands of the README and the documentation" tests/docs.py
-    # A second command line with arrow in it, made while the plugins' tests leave a core free. From here on nothing else is built for debugging.
-    parquet=(--features parquet --test cli)
-    nice -n 19 cargo test "${parquet[@]}" --no-run >/dev/null 2>&1 &
-    beside=$!
     # In an environment of their own, from the package index; where there is none, STREAKCAST_PLUGINS=no leaves them out.
     if [ "${STREAKCAST_PLUGINS:-yes}" = no ]; then
         skipped "plugins and the site of the documentation: STREAKCAST_PLUGINS=no"
@@ -125,7 +114,6 @@ else
         step "plugins/test.sh" plugins/test.sh
         step "docs/build.sh" docs/build.sh
     fi
-    step "with parquet" with_parquet
 fi
 counts
 echo "all passed in $((SECONDS - begin)) s"
